@@ -1,0 +1,45 @@
+//! How a command ends when it does not end well.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// A failed command: what to say and which exit code to leave with.
+#[derive(Debug)]
+pub enum Failure {
+    /// A combination of arguments that clap cannot see is wrong (exit code 2).
+    Usage(String),
+    /// A file or a value in it is not what it must be, or a file cannot be written (exit code 3).
+    BadInput(String),
+    /// An iteration stopped short of its tolerance (exit code 4).
+    NotConverged(String),
+    /// Part of the work is done and kept; the rest can be resumed (exit code 5).
+    Partial(String),
+}
+
+impl Failure {
+    /// Bad input as told by a library's error.
+    pub fn bad_input(error: impl fmt::Display) -> Self {
+        Failure::BadInput(error.to_string())
+    }
+
+    /// The process's exit code.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Failure::Usage(_) => 2,
+            Failure::BadInput(_) => 3,
+            Failure::NotConverged(_) => 4,
+            Failure::Partial(_) => 5,
+        })
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Usage(text)
+            | Failure::BadInput(text)
+            | Failure::NotConverged(text)
+            | Failure::Partial(text) => f.write_str(text),
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The `kufe` command: `main` -> `run` -> one module a command.
+
+mod failure;
+mod output;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use failure::Failure;
+
+/// Contact pressure, lookup tables, friction and dynamics of runners on ice.
+#[derive(Parser)]
+#[command(name = "kufe", version, about, propagate_version = true)]
+struct Cli {
+    #[command(flatten)]
+    global: output::Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {}
+
+fn run(cli: Cli) -> Result<(), Failure> {
+    cli.global.apply()?;
+    match cli.command {}
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("kufe: {failure}");
+            failure.exit_code()
+        }
+    }
+}

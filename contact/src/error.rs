@@ -1,0 +1,76 @@
+//! What can go wrong in a contact solve.
+
+/// Errors of the contact solver.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A number of the problem is outside its range.
+    #[error("{name} = {value}: expected {expected}")]
+    OutOfRange {
+        /// What the number is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// The runner cannot rest on the track under this load.
+    #[error(
+        "the load's line of action at x = {x} m, y = {y} m misses the hull, which spans x {x_min} to {x_max} m and y {y_min} to {y_max} m"
+    )]
+    LoadMissesHull {
+        /// Line of action along the runner [m].
+        x: f64,
+        /// Line of action across [m].
+        y: f64,
+        /// Start of the hull [m].
+        x_min: f64,
+        /// End of the hull [m].
+        x_max: f64,
+        /// Right side of the hull [m].
+        y_min: f64,
+        /// Left side of the hull [m].
+        y_max: f64,
+    },
+    /// The track is curved so tightly that the hull does not fit.
+    #[error("a track of radius {radius} m does not take a hull that reaches to x = {reach} m")]
+    TrackTooTight {
+        /// Track radius [m].
+        radius: f64,
+        /// Farthest point of the hull [m].
+        reach: f64,
+    },
+    /// The load exceeds what the whole surface bears at the stated hardness.
+    #[error(
+        "a load of {fz} N needs more than the {capacity} N that the hull's whole underside bears at the stated hardness"
+    )]
+    BeyondHardness {
+        /// Normal force [N].
+        fz: f64,
+        /// Hardness times the area that could touch [N].
+        capacity: f64,
+    },
+    /// The iteration stopped short of its tolerance.
+    #[error(
+        "not converged after {iterations} iterations: residual {residual:.2e}, asked {tolerance:.2e}"
+    )]
+    NotConverged {
+        /// Iterations spent.
+        iterations: usize,
+        /// Residual reached.
+        residual: f64,
+        /// Residual asked.
+        tolerance: f64,
+    },
+    /// The accuracy asked was not reached within the largest mesh allowed.
+    #[error(
+        "estimated error of the peak pressure {estimate:.2e} (relative) with {dofs} unknowns, asked {tolerance:.2e}"
+    )]
+    AccuracyNotReached {
+        /// Unknowns of the finest solve.
+        dofs: usize,
+        /// Estimated relative error.
+        estimate: f64,
+        /// Relative error asked.
+        tolerance: f64,
+    },
+}

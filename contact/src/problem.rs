@@ -1,0 +1,89 @@
+//! What is pressed on what, and how hard.
+
+use std::sync::Arc;
+
+use kufe_mesh::Underside;
+
+/// A runner on ice under a load.
+#[derive(Clone)]
+pub struct Problem {
+    /// The runner.
+    pub runner: Runner,
+    /// The ice.
+    pub ice: Ice,
+    /// Curvature of the track in the vertical plane, positive in a valley [1/m].
+    pub track_curvature: f64,
+    /// The load and what may tilt.
+    pub load: Load,
+}
+
+/// The pressing body.
+#[derive(Clone)]
+pub struct Runner {
+    /// Its lower surface.
+    pub underside: Arc<dyn Underside>,
+}
+
+/// The pressed body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ice {
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// What the ice rests on.
+    pub foundation: Foundation,
+    /// Largest pressure the surface bears, where one is stated [Pa].
+    pub hardness: Option<f64>,
+}
+
+/// What carries the ice from below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Foundation {
+    /// Ice without end: the far field is that of a half-space.
+    HalfSpace,
+    /// A layer bonded to a rigid bed.
+    RigidBed {
+        /// Thickness of the layer [m].
+        thickness: f64,
+    },
+}
+
+/// The load on the runner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load {
+    /// The normal force is given.
+    Force {
+        /// Normal force [N].
+        fz: f64,
+        /// Line of action along the runner, from the origin [m].
+        offset_x: f64,
+        /// Line of action across the runner, from the origin [m].
+        offset_y: f64,
+        /// Whether pitch and roll follow from moment balance.
+        tilt: Tilt,
+    },
+    /// The approach is given and the force follows.
+    Approach {
+        /// Rigid approach of runner and far ice, measured at the origin from first touch [m].
+        approach: f64,
+        /// Fixed pitch about y, positive lowers the nose [rad].
+        pitch: f64,
+        /// Fixed roll about x [rad].
+        roll: f64,
+    },
+}
+
+/// Whether the runner may turn about its line of action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tilt {
+    /// Pitch and roll settle where the moments balance.
+    Free,
+    /// Pitch and roll are held.
+    Fixed {
+        /// Pitch about y, positive lowers the nose [rad].
+        pitch: f64,
+        /// Roll about x [rad].
+        roll: f64,
+    },
+}

@@ -1,0 +1,87 @@
+//! What a solve returns.
+
+use kufe_mesh::TensorGrid;
+
+/// The solved contact.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Peak pressure [Pa].
+    pub p_max: f64,
+    /// Estimated discretisation error of the peak pressure [Pa].
+    pub p_max_error: f64,
+    /// Force over contact area [Pa].
+    pub p_mean: f64,
+    /// Contact area, resolved below the cell [m2].
+    pub area: f64,
+    /// Extent of the contact along x, from its first to its last point [m].
+    pub length: f64,
+    /// Extent of the contact along y [m].
+    pub width: f64,
+    /// Rigid approach at the origin, from first touch [m].
+    pub approach: f64,
+    /// Pitch about y, positive lowers the nose [rad].
+    pub pitch: f64,
+    /// Roll about x [rad].
+    pub roll: f64,
+    /// Integrated normal force [N].
+    pub fz: f64,
+    /// Largest violation of the contact conditions and of equilibrium, relative.
+    pub kkt_residual: f64,
+    /// Unknowns of the finest solve.
+    pub dofs: usize,
+    /// Conjugate-gradient iterations of the finest solve.
+    pub iterations: usize,
+    /// What happened, solve by solve and set by set.
+    pub history: Vec<Iterate>,
+    /// Pressure, gap and displacement on the contact plane, over the whole patch (symmetry unfolded).
+    pub surface: SurfaceField,
+    /// Displacements in the ice on the grid that was solved (one part of it where symmetry was used).
+    pub volume: VolumeField,
+    /// The mirror planes that were used, x = 0 and y = 0.
+    pub symmetry: [bool; 2],
+}
+
+/// One update of the contact set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iterate {
+    /// Number of the mesh, counted from the coarsest.
+    pub level: usize,
+    /// Unknowns of that mesh.
+    pub dofs: usize,
+    /// Nodes in the contact set.
+    pub contact_nodes: usize,
+    /// Conjugate-gradient iterations since the last update.
+    pub iterations: usize,
+    /// Relative residual reached.
+    pub residual: f64,
+    /// Peak pressure as it stood [Pa].
+    pub p_max: f64,
+}
+
+/// Fields on the contact plane over a rectilinear grid; arrays are `y.len()` rows of `x.len()`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceField {
+    /// Node coordinates along the runner, increasing [m].
+    pub x: Vec<f64>,
+    /// Node coordinates across the runner, increasing [m].
+    pub y: Vec<f64>,
+    /// Contact pressure at the nodes, 0 outside the contact [Pa].
+    pub pressure: Vec<f64>,
+    /// Gap at the nodes, 0 in contact; infinite where there is no hull [m].
+    pub gap: Vec<f64>,
+    /// Vertical displacement of the ice surface, upwards positive [m].
+    pub uz: Vec<f64>,
+}
+
+/// Displacements of one body on its tensor grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VolumeField {
+    /// The grid, z = 0 being the surface of the ice.
+    pub grid: TensorGrid,
+    /// Displacement at the nodes, in [`TensorGrid::node`] order [m].
+    pub displacement: Vec<[f64; 3]>,
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+}

@@ -1,0 +1,1 @@
+//! Finds where simulation and measurement disagree, names the missing effect and adds it.

@@ -1,0 +1,1 @@
+//! Ice friction: ice-house glides, mu(p), lateral friction.

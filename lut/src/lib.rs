@@ -1,0 +1,1 @@
+//! Lookup tables of contact pressure over normal force and track curvature.

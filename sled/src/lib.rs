@@ -1,0 +1,1 @@
+//! The one-track bobsled: measured runs, inverse model, fits, driver evaluation, simulation.
