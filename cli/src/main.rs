@@ -1,6 +1,7 @@
 //! The `kufe` command: `main` -> `run` -> one module a command.
 
 mod failure;
+mod info;
 mod output;
 
 use std::process::ExitCode;
@@ -19,11 +20,17 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {}
+enum Command {
+    /// Say what a file holds
+    Info(info::Args),
+}
 
 fn run(cli: Cli) -> Result<(), Failure> {
-    cli.global.apply()?;
-    match cli.command {}
+    let Cli { global, command } = cli;
+    global.apply()?;
+    match command {
+        Command::Info(args) => info::run(&args, &global),
+    }
 }
 
 fn main() -> ExitCode {
