@@ -5,6 +5,7 @@
 //! | [`Problem`] | runner, ice, track and load |
 //! | [`Solution`] | pressure field, figures, history |
 
+pub mod case;
 mod error;
 mod problem;
 mod solution;

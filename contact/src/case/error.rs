@@ -1,0 +1,110 @@
+//! What can be wrong with a case file.
+
+use std::ops::Range;
+
+/// Errors of a case file.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseError {
+    /// The text is no TOML, a key is unknown or missing, or a value is of the wrong kind.
+    #[error("line {line}: `{found}`: {message}")]
+    Syntax {
+        /// Line, counted from 1.
+        line: usize,
+        /// The line as it stands.
+        found: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A value is outside its range.
+    #[error("{}{key} = {value}: expected {expected}", place(*line))]
+    OutOfRange {
+        /// Line, counted from 1; 0 where the key is not in the file.
+        line: usize,
+        /// Dotted key.
+        key: &'static str,
+        /// The value found.
+        value: String,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// Two keys exclude each other, or one needs the other.
+    #[error("{}{key}: {expected}", place(*line))]
+    Combination {
+        /// Line, counted from 1; 0 where the key is not in the file.
+        line: usize,
+        /// Dotted key.
+        key: &'static str,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// The case cannot be written as TOML.
+    #[error("the case cannot be written as TOML: {reason}")]
+    Unwritable {
+        /// The writer's own words.
+        reason: String,
+    },
+}
+
+fn place(line: usize) -> String {
+    if line == 0 {
+        String::new()
+    } else {
+        format!("line {line}: ")
+    }
+}
+
+impl CaseError {
+    /// A reader's error as one line with its place.
+    pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> CaseError {
+        let line = line_at(text, error.span().unwrap_or(0..0));
+        CaseError::Syntax {
+            line,
+            found: text
+                .lines()
+                .nth(line - 1)
+                .unwrap_or_default()
+                .trim()
+                .chars()
+                .take(120)
+                .collect(),
+            message: error.message().lines().collect::<Vec<_>>().join("; "),
+        }
+    }
+
+    /// The same error with the line of its key in `text`.
+    pub(super) fn locate(mut self, text: &str) -> CaseError {
+        match &mut self {
+            CaseError::OutOfRange { line, key, .. } | CaseError::Combination { line, key, .. } => {
+                *line = line_of(text, key).unwrap_or(0);
+            }
+            CaseError::Syntax { .. } | CaseError::Unwritable { .. } => {}
+        }
+        self
+    }
+}
+
+fn line_at(text: &str, span: Range<usize>) -> usize {
+    let end = span.start.min(text.len());
+    1 + text.as_bytes()[..end]
+        .iter()
+        .filter(|&&byte| byte == b'\n')
+        .count()
+}
+
+/// Line of a dotted key, or of its nearest table.
+fn line_of(text: &str, key: &str) -> Option<usize> {
+    let root = toml::de::DeTable::parse(text).ok()?;
+    let mut table = root.get_ref();
+    let mut found = None;
+    for part in key.split('.') {
+        let Some((name, value)) = table.iter().find(|(name, _)| name.get_ref() == part) else {
+            break;
+        };
+        found = Some(line_at(text, name.span()));
+        match value.get_ref() {
+            toml::de::DeValue::Table(inner) => table = inner,
+            _ => break,
+        }
+    }
+    found
+}
