@@ -2,7 +2,12 @@
 
 mod failure;
 mod info;
+mod outline;
 mod output;
+mod pressure_exr;
+mod pressure_map;
+mod pressure_png;
+mod staging;
 
 use std::process::ExitCode;
 

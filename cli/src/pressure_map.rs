@@ -1,0 +1,275 @@
+//! The contact's fields on a regular grid of pixels.
+
+use kufe_contact::SurfaceField;
+
+/// Pixels across the whole window, along each axis.
+const FEWEST: usize = 384;
+const MOST: usize = 3072;
+/// Width of the empty frame around the contact, relative to the contact's extent.
+const MARGIN: f64 = 0.25;
+
+/// Pressure, gap and displacement as averages over the pixels of a regular grid.
+///
+/// Arrays are `ny` rows of `nx`; column `i` is at `x0 + i dx`, row `j` at `y0 + j dy` (pixel centres).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureMap {
+    /// Centre of the first pixel along the runner [m].
+    pub x0: f64,
+    /// Centre of the first pixel across [m].
+    pub y0: f64,
+    /// Pixel size along the runner [m].
+    pub dx: f64,
+    /// Pixel size across [m].
+    pub dy: f64,
+    /// Pixels along the runner.
+    pub nx: usize,
+    /// Pixels across.
+    pub ny: usize,
+    /// Contact pressure [Pa].
+    pub pressure: Vec<f64>,
+    /// Gap [m].
+    pub gap: Vec<f64>,
+    /// Vertical displacement of the ice surface [m].
+    pub uz: Vec<f64>,
+}
+
+impl PressureMap {
+    /// Averages of the bilinear fields over pixels in a window around the contact.
+    ///
+    /// The average of a hat function over a pixel is exact, so the map carries the same force as
+    /// the nodes: `sum p dx dy = sum p_ij A_ij` with `A_ij` the nodes' trapezoidal areas.
+    /// Where nothing touches, the window is the whole field.
+    pub fn new(field: &SurfaceField) -> PressureMap {
+        let columns = field.x.len();
+        let touches = |i: usize, j: usize| field.pressure[j * columns + i] > 0.0;
+        let touched_x: Vec<bool> = (0..columns)
+            .map(|i| (0..field.y.len()).any(|j| touches(i, j)))
+            .collect();
+        let touched_y: Vec<bool> = (0..field.y.len())
+            .map(|j| (0..columns).any(|i| touches(i, j)))
+            .collect();
+        let along = Axis::around(&field.x, &touched_x);
+        let across = Axis::around(&field.y, &touched_y);
+        let average = |values: &[f64]| average(values, columns, &along, &across);
+        PressureMap {
+            x0: along.first,
+            y0: across.first,
+            dx: along.step,
+            dy: across.step,
+            nx: along.count,
+            ny: across.count,
+            pressure: average(&field.pressure),
+            gap: average(&field.gap),
+            uz: average(&field.uz),
+        }
+    }
+
+    /// Pressure between pixel centres, bilinear; 0 outside the map [Pa].
+    pub fn pressure_at(&self, x: f64, y: f64) -> f64 {
+        let (u, v) = ((x - self.x0) / self.dx, (y - self.y0) / self.dy);
+        let inside = |t: f64, count: usize| t >= 0.0 && t <= (count - 1) as f64;
+        if !inside(u, self.nx) || !inside(v, self.ny) {
+            return 0.0;
+        }
+        let (i, j) = ((u as usize).min(self.nx - 2), (v as usize).min(self.ny - 2));
+        let (s, t) = (u - i as f64, v - j as f64);
+        let p = |i: usize, j: usize| self.pressure[j * self.nx + i];
+        (1.0 - t) * ((1.0 - s) * p(i, j) + s * p(i + 1, j))
+            + t * ((1.0 - s) * p(i, j + 1) + s * p(i + 1, j + 1))
+    }
+
+    /// Position of the pixel with the highest pressure [m].
+    pub fn peak(&self) -> (f64, f64) {
+        let (mut best, mut at) = (f64::NEG_INFINITY, 0);
+        for (k, &p) in self.pressure.iter().enumerate() {
+            if p > best {
+                (best, at) = (p, k);
+            }
+        }
+        (
+            self.x0 + (at % self.nx) as f64 * self.dx,
+            self.y0 + (at / self.nx) as f64 * self.dy,
+        )
+    }
+}
+
+/// Pixels along one axis and how much of each node's hat function each of them holds.
+struct Axis {
+    first: f64,
+    step: f64,
+    count: usize,
+    /// For each pixel its (node, weight) pairs; the weights of a pixel sum to one.
+    weights: Vec<Vec<(usize, f64)>>,
+}
+
+impl Axis {
+    /// A window around the touched nodes, its pixels about as fine as the finest cell there.
+    fn around(nodes: &[f64], touched: &[bool]) -> Axis {
+        let last = nodes.len() - 1;
+        let lowest = touched.iter().position(|&t| t).unwrap_or(0);
+        let highest = touched.iter().rposition(|&t| t).unwrap_or(last);
+        let (low, high) = (lowest.saturating_sub(1), (highest + 1).min(last));
+        let margin = MARGIN * (nodes[high] - nodes[low]);
+        let start = (nodes[low] - margin).max(nodes[0]);
+        let end = (nodes[high] + margin).min(nodes[last]);
+        let finest = nodes[low..=high]
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .fold(f64::INFINITY, f64::min);
+        let count = (((end - start) / finest).ceil() as usize).clamp(FEWEST, MOST);
+        let step = (end - start) / count as f64;
+        let weights = (0..count)
+            .map(|k| {
+                let from = start + k as f64 * step;
+                let to = (start + (k + 1) as f64 * step).min(end);
+                hat_averages(nodes, from, to)
+            })
+            .collect();
+        Axis {
+            first: start + 0.5 * step,
+            step,
+            count,
+            weights,
+        }
+    }
+}
+
+/// Mean over `from..to` of each node's hat function that is not zero there.
+fn hat_averages(nodes: &[f64], from: f64, to: f64) -> Vec<(usize, f64)> {
+    let mut weights: Vec<(usize, f64)> = Vec::new();
+    let mut add = |node: usize, weight: f64| {
+        if weight <= 0.0 {
+            return;
+        }
+        match weights.last_mut() {
+            Some((last, sum)) if *last == node => *sum += weight,
+            _ => weights.push((node, weight)),
+        }
+    };
+    let first_cell = nodes.partition_point(|&x| x <= from).saturating_sub(1);
+    for cell in first_cell..nodes.len() - 1 {
+        let (left, right) = (nodes[cell], nodes[cell + 1]);
+        if left >= to {
+            break;
+        }
+        let (a, b) = (from.max(left), to.min(right));
+        let share = (b - a) / (to - from);
+        let upper = (0.5 * (a + b) - left) / (right - left);
+        add(cell, share * (1.0 - upper));
+        add(cell + 1, share * upper);
+    }
+    weights
+}
+
+/// Rows first, then columns: each pixel's value is a weighted mean of nodes.
+fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f64> {
+    let mut pixels = Vec::with_capacity(along.count * across.count);
+    let mut row = vec![0.0; columns];
+    for weights in &across.weights {
+        row.fill(0.0);
+        for &(j, weight) in weights {
+            for (sum, value) in row.iter_mut().zip(&values[j * columns..(j + 1) * columns]) {
+                *sum += weight * value;
+            }
+        }
+        pixels.extend(along.weights.iter().map(|pairs| {
+            pairs
+                .iter()
+                .map(|&(i, weight)| weight * row[i])
+                .sum::<f64>()
+        }));
+    }
+    pixels
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// Hertz's ellipse of pressure on a graded grid, its gap infinite beyond `|y| = 2 b`.
+    pub fn ellipse(a: f64, b: f64, peak: f64) -> SurfaceField {
+        let graded = |half: f64| -> Vec<f64> {
+            let mut side: Vec<f64> = (1..=40).map(|k| half * 1.05 * k as f64 / 40.0).collect();
+            side.extend((1..=12).map(|k| half * (1.05 + 0.05 * 1.4f64.powi(k))));
+            let mut nodes: Vec<f64> = side.iter().rev().map(|x| -x).collect();
+            nodes.push(0.0);
+            nodes.extend(side);
+            nodes
+        };
+        let (x, y) = (graded(a), graded(b));
+        let mut field = SurfaceField {
+            x: x.clone(),
+            y: y.clone(),
+            pressure: Vec::new(),
+            gap: Vec::new(),
+            uz: Vec::new(),
+        };
+        for &yj in &y {
+            for &xi in &x {
+                let inside = 1.0 - (xi / a).powi(2) - (yj / b).powi(2);
+                field.pressure.push(peak * inside.max(0.0).sqrt());
+                field.gap.push(if yj.abs() > 2.0 * b {
+                    f64::INFINITY
+                } else {
+                    (-inside).max(0.0) * 1e-5
+                });
+                field.uz.push(-1e-5 * (1.0 + inside.max(-2.0)));
+            }
+        }
+        field
+    }
+
+    #[test]
+    fn the_map_carries_the_force_of_the_nodes() {
+        let field = ellipse(0.025, 0.14e-3, 138.5e6);
+        let map = PressureMap::new(&field);
+        let halves = |nodes: &[f64]| -> Vec<f64> {
+            (0..nodes.len())
+                .map(|i| {
+                    let right = nodes[(i + 1).min(nodes.len() - 1)];
+                    0.5 * (right - nodes[i.saturating_sub(1)])
+                })
+                .collect()
+        };
+        let (wx, wy) = (halves(&field.x), halves(&field.y));
+        let nodes: f64 = (0..field.pressure.len())
+            .map(|k| field.pressure[k] * wx[k % field.x.len()] * wy[k / field.x.len()])
+            .sum();
+        let pixels: f64 = map.pressure.iter().sum::<f64>() * map.dx * map.dy;
+        assert!((pixels / nodes - 1.0).abs() < 1e-12, "{pixels} {nodes}");
+        // Hertz: F = 2/3 pi a b p_max; the trapezoidal rule on 40 nodes a half-axis is off by less than a per cent.
+        let hertz = 2.0 / 3.0 * std::f64::consts::PI * 0.025 * 0.14e-3 * 138.5e6;
+        assert!((pixels / hertz - 1.0).abs() < 0.01, "{pixels} {hertz}");
+    }
+
+    #[test]
+    fn a_linear_field_is_reproduced_at_pixel_centres() {
+        let mut field = ellipse(0.02, 0.01, 1e6);
+        let columns = field.x.len();
+        for (k, value) in field.uz.iter_mut().enumerate() {
+            *value = 3.0 * field.x[k % columns] - 2.0 * field.y[k / columns] + 0.5;
+        }
+        let map = PressureMap::new(&field);
+        // A pixel that lies inside one cell averages to its centre's value exactly; over a kink the
+        // hat functions still sum a linear field to the same.
+        for j in [0, map.ny / 3, map.ny - 1] {
+            for i in [0, map.nx / 2, map.nx - 1] {
+                let (x, y) = (map.x0 + i as f64 * map.dx, map.y0 + j as f64 * map.dy);
+                let expected = 3.0 * x - 2.0 * y + 0.5;
+                assert!((map.uz[j * map.nx + i] - expected).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_hull_the_gap_is_infinite_and_never_nan() {
+        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 1e6));
+        assert!(map.gap.iter().all(|gap| !gap.is_nan()));
+        let map = PressureMap::new(&SurfaceField {
+            pressure: vec![0.0; ellipse(0.025, 0.14e-3, 1.0).pressure.len()],
+            ..ellipse(0.025, 0.14e-3, 1.0)
+        });
+        assert!(map.gap.iter().any(|gap| gap.is_infinite()));
+        assert!(map.gap.iter().all(|gap| !gap.is_nan()));
+    }
+}
