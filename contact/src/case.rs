@@ -23,6 +23,7 @@
 
 mod check;
 mod error;
+mod problem;
 mod thickness;
 
 use std::path::PathBuf;

@@ -88,7 +88,7 @@ fn check_shape(shape: &Shape) -> Checked {
             height_m,
         } => {
             positive("runner.shape.length_m", length_m)?;
-            positive("runner.shape.rocker_radius_m", rocker_radius_m)?;
+            radius("runner.shape.rocker_radius_m", rocker_radius_m)?;
             positive("runner.shape.section_radius_m", section_radius_m)?;
             positive("runner.shape.width_m", width_m)?;
             positive("runner.shape.height_m", height_m)?;
@@ -109,8 +109,8 @@ fn check_shape(shape: &Shape) -> Checked {
             rocker_radius_m,
             section_radius_m,
         } => {
-            positive("runner.shape.rocker_radius_m", rocker_radius_m)?;
-            positive("runner.shape.section_radius_m", section_radius_m)
+            radius("runner.shape.rocker_radius_m", rocker_radius_m)?;
+            radius("runner.shape.section_radius_m", section_radius_m)
         }
         Shape::Luge {
             length_m,
@@ -121,7 +121,7 @@ fn check_shape(shape: &Shape) -> Checked {
             height_m,
         } => {
             positive("runner.shape.length_m", length_m)?;
-            positive("runner.shape.rocker_radius_m", rocker_radius_m)?;
+            radius("runner.shape.rocker_radius_m", rocker_radius_m)?;
             positive("runner.shape.edge_radius_m", edge_radius_m)?;
             positive("runner.shape.width_m", width_m)?;
             positive("runner.shape.height_m", height_m)?;
@@ -212,6 +212,15 @@ fn positive(key: &'static str, value: f64) -> Checked {
     )
 }
 
+fn radius(key: &'static str, value: f64) -> Checked {
+    require(
+        value > 0.0,
+        key,
+        value,
+        "a positive radius in metres or inf",
+    )
+}
+
 fn finite(key: &'static str, value: f64) -> Checked {
     require(value.is_finite(), key, value, "a finite number")
 }
@@ -228,7 +237,7 @@ fn require(holds: bool, key: &'static str, value: f64, expected: &'static str) -
     })
 }
 
-fn combination(key: &'static str, expected: &'static str) -> CaseError {
+pub(super) fn combination(key: &'static str, expected: &'static str) -> CaseError {
     CaseError::Combination {
         line: 0,
         key,

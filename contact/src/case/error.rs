@@ -37,6 +37,9 @@ pub enum CaseError {
         /// What was expected.
         expected: &'static str,
     },
+    /// The shape's dimensions do not fit together.
+    #[error("runner.shape: {0}")]
+    Shape(#[from] kufe_mesh::MeshError),
     /// The case cannot be written as TOML.
     #[error("the case cannot be written as TOML: {reason}")]
     Unwritable {
@@ -77,7 +80,7 @@ impl CaseError {
             CaseError::OutOfRange { line, key, .. } | CaseError::Combination { line, key, .. } => {
                 *line = line_of(text, key).unwrap_or(0);
             }
-            CaseError::Syntax { .. } | CaseError::Unwritable { .. } => {}
+            CaseError::Syntax { .. } | CaseError::Shape(_) | CaseError::Unwritable { .. } => {}
         }
         self
     }
