@@ -1,0 +1,270 @@
+//! Reading a `.lut` file (docs/lut-format.md).
+
+use std::io::Read;
+
+use serde_json::{Map, Value};
+
+use crate::write::{FORMAT, FORMAT_VERSION, figure};
+use crate::{Axes, Check, Error, MAX_AXIS, Point, Solved, Table};
+
+/// Most bytes that a reader of tables takes in.
+pub const MAX_FILE_BYTES: u64 = 512 << 20;
+
+impl Table {
+    /// Reads a table and checks every number in it.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Format`] where the JSON is broken or a key is missing,
+    /// unknown or of the wrong kind; the errors of [`Axes::new`] and [`Table::new`]; [`Error::Write`] where
+    /// the reader itself fails.
+    pub fn read(reader: &mut dyn Read) -> Result<Self, Error> {
+        let mut bytes = Vec::new();
+        reader.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > MAX_FILE_BYTES {
+            return Err(Error::TooLarge {
+                limit: MAX_FILE_BYTES,
+            });
+        }
+        let value: Value = serde_json::from_slice(&bytes).map_err(|error| {
+            wrong(
+                &format!("line {}, column {}", error.line(), error.column()),
+                &error.to_string(),
+                "a table as JSON",
+            )
+        })?;
+        from_value(&value)
+    }
+}
+
+fn from_value(value: &Value) -> Result<Table, Error> {
+    let top = object(value, "the file")?;
+    const KEYS: [&str; 9] = [
+        "format",
+        "format_version",
+        "version",
+        "case_sha256",
+        "case",
+        "accuracy",
+        "axes",
+        "quantities",
+        "checks",
+    ];
+    known(top, &KEYS, "the file")?;
+    if text(top, "format")? != FORMAT {
+        return Err(wrong("format", text(top, "format")?, FORMAT));
+    }
+    let version = get(top, "format_version", "the file")?;
+    if version.as_u64() != Some(FORMAT_VERSION) {
+        return Err(wrong(
+            "format_version",
+            &version.to_string(),
+            &FORMAT_VERSION.to_string(),
+        ));
+    }
+    let axes = read_axes(get(top, "axes", "the file")?)?;
+    let nodes = read_nodes(
+        &axes,
+        object(get(top, "quantities", "the file")?, "quantities")?,
+    )?;
+    let checks = list(get(top, "checks", "the file")?, "checks")?
+        .iter()
+        .enumerate()
+        .map(|(n, check)| read_check(check, &format!("checks[{n}]"), &axes))
+        .collect::<Result<_, _>>()?;
+    let accuracy = object(get(top, "accuracy", "the file")?, "accuracy")?;
+    let asked = match accuracy.get("interpolation_asked") {
+        None | Some(Value::Null) => None,
+        Some(value) => Some(number(value, "accuracy.interpolation_asked")?),
+    };
+    let mut table = Table::new(axes, nodes, checks)?;
+    table.interpolation_asked = asked;
+    table.case = get(top, "case", "the file")?.clone();
+    table.case_sha256 = text(top, "case_sha256")?.to_string();
+    table.version = text(top, "version")?.to_string();
+    Ok(table)
+}
+
+fn read_axes(value: &Value) -> Result<Axes, Error> {
+    let axes = list(value, "axes")?;
+    const NAMES: [&str; 3] = ["fz_n", "curvature_1pm", "rocker_radius_m"];
+    if axes.len() != 2 && axes.len() != 3 {
+        return Err(wrong(
+            "axes",
+            &format!("{} axes", axes.len()),
+            "fz_n, curvature_1pm and perhaps rocker_radius_m",
+        ));
+    }
+    let mut read = Vec::new();
+    for (n, axis) in axes.iter().enumerate() {
+        let place = format!("axes[{n}]");
+        let map = object(axis, &place)?;
+        known(map, &["name", "unit", "values"], &place)?;
+        if text(map, "name")? != NAMES[n] {
+            return Err(wrong(&place, text(map, "name")?, NAMES[n]));
+        }
+        let values = list(get(map, "values", &place)?, &place)?;
+        if values.len() > MAX_AXIS {
+            return Err(Error::AxisLength {
+                axis: NAMES[n],
+                found: values.len(),
+                limit: MAX_AXIS,
+            });
+        }
+        let values: Result<Vec<f64>, Error> = values
+            .iter()
+            .enumerate()
+            .map(|(i, value)| number(value, &format!("{place}.values[{i}]")))
+            .collect();
+        read.push(values?);
+    }
+    let rocker = (read.len() == 3).then(|| read.pop()).flatten();
+    let curvature = read.pop().unwrap_or_default();
+    let fz = read.pop().unwrap_or_default();
+    Axes::new(fz, curvature, rocker)
+}
+
+fn read_nodes(axes: &Axes, quantities: &Map<String, Value>) -> Result<Vec<Solved>, Error> {
+    let names: Vec<&str> = (0..7).map(|n| figure(n).0).collect();
+    known(quantities, &names, "quantities")?;
+    let mut shape = vec![axes.fz().len(), axes.curvature().len()];
+    shape.extend(axes.rocker_radius().map(<[f64]>::len));
+    let mut figures = vec![[0.0; 7]; axes.node_count()];
+    for (n, name) in names.iter().enumerate() {
+        let place = format!("quantities.{name}");
+        let map = object(get(quantities, name, "quantities")?, &place)?;
+        known(map, &["unit", "values"], &place)?;
+        if text(map, "unit")? != figure(n).1 {
+            return Err(wrong(&place, text(map, "unit")?, figure(n).1));
+        }
+        let mut flat = Vec::new();
+        flatten(
+            get(map, "values", &place)?,
+            &shape,
+            &format!("{place}.values"),
+            &mut flat,
+        )?;
+        for (node, value) in figures.iter_mut().zip(flat) {
+            node[n] = value;
+        }
+    }
+    Ok(figures.into_iter().map(Solved::from_array).collect())
+}
+
+fn flatten(value: &Value, shape: &[usize], place: &str, into: &mut Vec<f64>) -> Result<(), Error> {
+    let Some((&length, inner)) = shape.split_first() else {
+        into.push(number(value, place)?);
+        return Ok(());
+    };
+    let values = list(value, place)?;
+    if values.len() != length {
+        return Err(wrong(
+            place,
+            &format!("{} entries", values.len()),
+            &format!("{length}"),
+        ));
+    }
+    for (n, value) in values.iter().enumerate() {
+        flatten(value, inner, &format!("{place}[{n}]"), into)?;
+    }
+    Ok(())
+}
+
+fn read_check(value: &Value, place: &str, axes: &Axes) -> Result<Check, Error> {
+    let map = object(value, place)?;
+    let at = |key: &str| number(get(map, key, place)?, &format!("{place}.{key}"));
+    let rocker_radius = match axes.rocker_radius() {
+        None => None,
+        Some(radii) => {
+            let radius = at("rocker_radius_m")?;
+            if !(radii[0]..=radii[radii.len() - 1]).contains(&radius) {
+                return Err(wrong(
+                    &format!("{place}.rocker_radius_m"),
+                    &radius.to_string(),
+                    "a radius within the axis",
+                ));
+            }
+            Some(radius)
+        }
+    };
+    let mut figures = [0.0; 7];
+    for (figure, key) in figures.iter_mut().zip(Solved::KEYS) {
+        *figure = at(key)?;
+    }
+    Ok(Check {
+        point: Point {
+            fz: at("fz_n")?,
+            curvature: at("curvature_1pm")?,
+            rocker_radius,
+        },
+        solved: Solved::from_array(figures),
+    })
+}
+
+pub(crate) fn wrong(place: &str, found: &str, expected: &str) -> Error {
+    let mut found = found.to_string();
+    if found.chars().count() > 120 {
+        found = found.chars().take(120).chain("...".chars()).collect();
+    }
+    Error::Format {
+        place: place.into(),
+        found,
+        expected: expected.into(),
+    }
+}
+
+pub(crate) fn object<'a>(value: &'a Value, place: &str) -> Result<&'a Map<String, Value>, Error> {
+    value
+        .as_object()
+        .ok_or_else(|| wrong(place, kind(value), "an object"))
+}
+
+pub(crate) fn list<'a>(value: &'a Value, place: &str) -> Result<&'a Vec<Value>, Error> {
+    value
+        .as_array()
+        .ok_or_else(|| wrong(place, kind(value), "an array"))
+}
+
+pub(crate) fn get<'a>(
+    map: &'a Map<String, Value>,
+    key: &str,
+    place: &str,
+) -> Result<&'a Value, Error> {
+    map.get(key)
+        .ok_or_else(|| wrong(place, "nothing", &format!("the key {key}")))
+}
+
+pub(crate) fn text<'a>(map: &'a Map<String, Value>, key: &str) -> Result<&'a str, Error> {
+    let value = get(map, key, "the file")?;
+    value
+        .as_str()
+        .ok_or_else(|| wrong(key, kind(value), "a string"))
+}
+
+pub(crate) fn number(value: &Value, place: &str) -> Result<f64, Error> {
+    value
+        .as_f64()
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| wrong(place, &value.to_string(), "a finite number"))
+}
+
+fn known(map: &Map<String, Value>, keys: &[&str], place: &str) -> Result<(), Error> {
+    match map.keys().find(|key| !keys.contains(&key.as_str())) {
+        Some(key) => Err(wrong(
+            place,
+            &format!("the key {key}"),
+            &format!("only {}", keys.join(", ")),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a string",
+        Value::Array(_) => "an array",
+        Value::Object(_) => "an object",
+    }
+}
