@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::output::Global;
+use crate::output::{Global, say};
 
 mod exr_file;
 
@@ -23,9 +23,9 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let facts = describe(&args.file)?;
     if global.json {
-        println!("{facts:#}");
+        say(&format!("{facts:#}\n"));
     } else {
-        print!("{}", as_text(&facts, 0));
+        say(&as_text(&facts, 0));
     }
     Ok(())
 }

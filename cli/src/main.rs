@@ -1,7 +1,11 @@
 //! The `kufe` command: `main` -> `run` -> one module a command.
 
+mod case_file;
+mod completions;
+mod doctor;
 mod failure;
 mod info;
+mod init;
 mod outline;
 mod output;
 mod pressure_exr;
@@ -11,12 +15,22 @@ mod staging;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use failure::Failure;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe press                        solve a built-in bobsled runner into out/
+  kufe init case.toml               write a commented case to edit
+  kufe press case.toml -o out/      solve it
+  kufe info out/pressure.exr        say what the map holds
+
+Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
+4 accuracy not reached, 5 partly done (run again to resume)";
 
 /// Contact pressure, lookup tables, friction and dynamics of runners on ice.
 #[derive(Parser)]
-#[command(name = "kufe", version, about, propagate_version = true)]
+#[command(name = "kufe", version, propagate_version = true, after_help = EXAMPLES)]
 struct Cli {
     #[command(flatten)]
     global: output::Global,
@@ -28,6 +42,14 @@ struct Cli {
 enum Command {
     /// Say what a file holds
     Info(info::Args),
+    /// Write a commented case to start from
+    Init(init::Args),
+    /// Say what this machine offers
+    Doctor(doctor::Args),
+    /// Print a shell's completion script
+    Completions(completions::Args),
+    /// Write the manual pages
+    Man(completions::ManArgs),
 }
 
 fn run(cli: Cli) -> Result<(), Failure> {
@@ -35,6 +57,10 @@ fn run(cli: Cli) -> Result<(), Failure> {
     global.apply()?;
     match command {
         Command::Info(args) => info::run(&args, &global),
+        Command::Init(args) => init::run(&args, &global),
+        Command::Doctor(args) => doctor::run(&args, &global),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Man(args) => completions::man(&args, &global, Cli::command()),
     }
 }
 

@@ -56,6 +56,11 @@ impl Global {
     }
 }
 
+/// Prints on standard output; a reader that has gone away (`| head`) is no failure.
+pub fn say(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
 /// Writes `path` through a temporary file in its folder that is renamed once it is whole.
 ///
 /// # Errors

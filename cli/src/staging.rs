@@ -52,6 +52,27 @@ impl Staging {
         }
     }
 
+    /// Removes the hidden folder when the user interrupts, then leaves with code 130.
+    ///
+    /// Has no effect in a process that handles interrupts already.
+    pub fn remove_on_interrupt(&self) {
+        let Some(folder) = &self.folder else { return };
+        let hidden = folder.path().to_path_buf();
+        let made = self.made.clone();
+        let _ = ctrlc::set_handler(move || {
+            let _ = std::fs::remove_dir_all(&hidden);
+            for path in made.iter().rev() {
+                let _ = std::fs::remove_dir(path);
+            }
+            std::process::exit(130);
+        });
+    }
+
+    /// The failure to write the file `name`.
+    pub fn failure(&self, name: &str, reason: &dyn std::fmt::Display) -> Failure {
+        unwritable(&self.target.join(name), reason)
+    }
+
     /// Writes one file.
     ///
     /// # Errors
@@ -61,7 +82,7 @@ impl Staging {
         name: &str,
         write: impl FnOnce(&std::fs::File) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        let told = |reason: &dyn std::fmt::Display| unwritable(&self.target.join(name), reason);
+        let told = |reason: &dyn std::fmt::Display| self.failure(name, reason);
         let file = std::fs::File::create(self.path(name)).map_err(|error| told(&error))?;
         write(&file).map_err(|error| told(&error))?;
         file.sync_all().map_err(|error| told(&error))

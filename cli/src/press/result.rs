@@ -1,0 +1,79 @@
+//! `result.json`.
+
+use serde_json::{Map, Value, json};
+
+use super::Pressed;
+
+/// The figures of a solve, the case that they belong to, and how they came about.
+pub fn document(pressed: &Pressed) -> Value {
+    let solution = &pressed.solution;
+    let history: Vec<Value> = solution
+        .history
+        .iter()
+        .map(|state| {
+            json!({
+                "level": state.level,
+                "dofs": state.dofs,
+                "contact_nodes": state.contact_nodes,
+                "iterations": state.iterations,
+                "residual": state.residual,
+                "p_max_pa": state.p_max,
+            })
+        })
+        .collect();
+    json!({
+        "p_max_pa": solution.p_max,
+        "p_max_error_pa": solution.p_max_error,
+        "p_mean_pa": solution.p_mean,
+        "area_m2": solution.area,
+        "length_m": solution.length,
+        "width_m": solution.width,
+        "approach_m": solution.approach,
+        "pitch_rad": solution.pitch,
+        "roll_rad": solution.roll,
+        "fz_n": solution.fz,
+        "kkt_residual": solution.kkt_residual,
+        "dofs": solution.dofs,
+        "iterations": solution.iterations,
+        "seconds": pressed.seconds,
+        "peak_memory_bytes": peak_memory(),
+        "version": env!("CARGO_PKG_VERSION"),
+        "warnings": pressed.warnings,
+        "history": history,
+        "case": case_as_json(pressed),
+    })
+}
+
+/// The case key by key; JSON has no infinity, so `inf` becomes the word "inf".
+fn case_as_json(pressed: &Pressed) -> Value {
+    match toml::Value::try_from(&pressed.loaded.case) {
+        Ok(value) => as_json(&value),
+        Err(_) => Value::Null,
+    }
+}
+
+fn as_json(value: &toml::Value) -> Value {
+    match value {
+        toml::Value::Table(table) => Value::Object(
+            table
+                .iter()
+                .map(|(key, value)| (key.clone(), as_json(value)))
+                .collect::<Map<_, _>>(),
+        ),
+        toml::Value::Array(values) => values.iter().map(as_json).collect(),
+        toml::Value::Float(number) if !number.is_finite() => json!(number.to_string()),
+        toml::Value::Float(number) => json!(number),
+        toml::Value::Integer(number) => json!(number),
+        toml::Value::Boolean(truth) => json!(truth),
+        toml::Value::String(text) => json!(text),
+        toml::Value::Datetime(when) => json!(when.to_string()),
+    }
+}
+
+/// Largest resident memory of this process so far, where the system tells [bytes].
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
+}

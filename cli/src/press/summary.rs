@@ -1,0 +1,99 @@
+//! What `kufe press` says in words.
+
+use std::path::Path;
+
+use kufe_contact::{Iterate, Problem, Solution};
+
+use super::Pressed;
+
+/// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
+const ICE_GIVES_WAY: f64 = 10e6;
+
+/// A warning where the elastic answer is beyond what ice bears.
+pub fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
+    (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
+        format!(
+            "the peak of {:.1} MPa is beyond the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
+             as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
+            solution.p_max / 1e6
+        )
+    })
+}
+
+/// One line while the solver works.
+pub fn progress_line(state: &Iterate) -> String {
+    format!(
+        "mesh {}: {} unknowns, {} nodes touch, p_max {:.1} MPa, residual {:.0e}",
+        state.level + 1,
+        state.dofs,
+        state.contact_nodes,
+        state.p_max / 1e6,
+        state.residual
+    )
+}
+
+/// The picture's title.
+pub fn title(solution: &Solution) -> String {
+    format!(
+        "p_max {:.2} MPa   Fz {}   contact {} x {}",
+        solution.p_max / 1e6,
+        force(solution.fz),
+        length(solution.length),
+        length(solution.width),
+    )
+}
+
+/// The readable summary.
+pub fn text(pressed: &Pressed, out: &Path) -> String {
+    let solution = &pressed.solution;
+    let rows = [
+        (
+            "peak pressure",
+            format!(
+                "{:.2} MPa +- {:.2} (estimated error {:.2} %)",
+                solution.p_max / 1e6,
+                solution.p_max_error / 1e6,
+                1e2 * solution.p_max_error / solution.p_max
+            ),
+        ),
+        ("mean pressure", format!("{:.2} MPa", solution.p_mean / 1e6)),
+        ("contact length", length(solution.length)),
+        ("contact width", length(solution.width)),
+        ("contact area", format!("{:.4} mm2", solution.area * 1e6)),
+        ("approach", format!("{:.3} um", solution.approach * 1e6)),
+        (
+            "pitch, roll",
+            format!("{:.3e} rad, {:.3e} rad", solution.pitch, solution.roll),
+        ),
+        ("normal force", force(solution.fz)),
+        (
+            "solved in",
+            format!(
+                "{:.3} s, {} unknowns, {} iterations",
+                pressed.seconds, solution.dofs, solution.iterations
+            ),
+        ),
+        ("written to", out.display().to_string()),
+    ];
+    let mut text = format!("{}\n", pressed.loaded.name);
+    for (name, value) in rows {
+        text.push_str(&format!("  {name:<15} {value}\n"));
+    }
+    text
+}
+
+fn length(metres: f64) -> String {
+    if metres >= 1e-3 {
+        format!("{:.2} mm", metres * 1e3)
+    } else {
+        format!("{:.4} mm", metres * 1e3)
+    }
+}
+
+fn force(newtons: f64) -> String {
+    if newtons >= 1e3 {
+        format!("{:.3} kN", newtons / 1e3)
+    } else {
+        format!("{newtons:.1} N")
+    }
+}
