@@ -5,6 +5,7 @@
 //! | [`Longitudinal`], [`PressureLaw`] | mu fixed or over peak pressure; [`longitudinal_force`] |
 //! | [`MagicFormula`], [`Braghin`] | lateral force over slip and load |
 //! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
+//! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
 //!
 //! ```
 //! use kufe_friction::{Longitudinal, MagicFormula, longitudinal_force};
@@ -16,14 +17,19 @@
 
 pub mod effects;
 mod error;
+mod experiments;
 mod lateral;
 mod lateral_fit;
 mod lateral_identifiability;
 mod lateral_least_squares;
 mod lateral_score;
 mod longitudinal;
+mod mu_plot;
+mod mu_pressure_fit;
+mod table;
 
 pub use error::Error;
+pub use experiments::{Experiment, read_experiments, write_experiments};
 pub use lateral::{Braghin, LateralDerivatives, MagicFormula};
 pub use lateral_fit::{Estimate, LateralFit, LateralFitOptions, fit_lateral};
 pub use lateral_identifiability::{Combination, Identifiability};
@@ -31,3 +37,5 @@ pub use lateral_score::LateralSample;
 pub use longitudinal::{
     Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,
 };
+pub use mu_plot::draw_mu_over_pressure;
+pub use mu_pressure_fit::{LeastFriction, MuFit, Weighting, fit_mu};
