@@ -15,4 +15,112 @@ pub enum Error {
         /// The value found.
         found: f64,
     },
+    /// A corner of a cell names a node that the mesh does not have.
+    #[error("cell {cell} names node {node}; expected a node below {node_count}")]
+    NodeIndex {
+        /// The cell.
+        cell: usize,
+        /// The node that it names.
+        node: usize,
+        /// Number of nodes.
+        node_count: usize,
+    },
+    /// A cell is turned inside out, flat, or has a coordinate that is not finite.
+    #[error(
+        "cell {cell} has the Jacobian determinant {determinant} m^3 at a Gauss point or its centre; \
+         expected a positive number (corners in VTK's order, no inverted or flat cells)"
+    )]
+    InvertedCell {
+        /// The cell.
+        cell: usize,
+        /// The smallest determinant [m^3].
+        determinant: f64,
+    },
+    /// A mesh without cells.
+    #[error("the mesh has no cells; expected at least one hexahedron")]
+    NoCells,
+    /// The mesh is too large for 32-bit node numbers.
+    #[error("the mesh has {node_count} nodes; expected at most {limit}")]
+    TooManyNodes {
+        /// Number of nodes.
+        node_count: usize,
+        /// Largest number allowed.
+        limit: usize,
+    },
+    /// A list has another length than the thing that it belongs to.
+    #[error("{what}: {found} entries; expected {expected}")]
+    Length {
+        /// What the list holds.
+        what: &'static str,
+        /// Entries found.
+        found: usize,
+        /// Entries expected.
+        expected: usize,
+    },
+    /// A displacement is prescribed at a node or component that does not exist, or is not finite.
+    #[error(
+        "displacement {value} m prescribed for component {component} of node {node}; expected a finite value, \
+         a component below 3 and a node below {node_count}"
+    )]
+    Prescribed {
+        /// The node.
+        node: usize,
+        /// The component: 0, 1 or 2 for x, y or z.
+        component: usize,
+        /// The value [m].
+        value: f64,
+        /// Number of nodes.
+        node_count: usize,
+    },
+    /// One displacement is prescribed twice with different values.
+    #[error("component {component} of node {node} is prescribed as {first} m and as {second} m")]
+    PrescribedTwice {
+        /// The node.
+        node: usize,
+        /// The component: 0, 1 or 2 for x, y or z.
+        component: usize,
+        /// The value prescribed first [m].
+        first: f64,
+        /// The value prescribed then [m].
+        second: f64,
+    },
+    /// Elimination met a pivot that is not positive: the body can move as a mechanism.
+    #[error(
+        "the stiffness of {free_dofs} free displacements is not positive definite; expected supports that hold every \
+         rigid motion of every part"
+    )]
+    NotPositiveDefinite {
+        /// Number of free displacements.
+        free_dofs: usize,
+    },
+    /// The factor does not fit into memory or index range.
+    #[error("the Cholesky factor of {free_dofs} free displacements does not fit: {reason}")]
+    FactorTooLarge {
+        /// Number of free displacements.
+        free_dofs: usize,
+        /// What the factorisation reported.
+        reason: String,
+    },
+    /// Conjugate gradients did not reach the tolerance.
+    #[error(
+        "conjugate gradients stopped after {iterations} iterations at {residual}; expected {tolerance}"
+    )]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Relative residual or energy error reached.
+        residual: f64,
+        /// The tolerance asked for.
+        tolerance: f64,
+    },
+    /// The operator or preconditioner of conjugate gradients has a direction of negative or undefined energy.
+    #[error(
+        "conjugate gradients met the energy {energy} at iteration {iteration}; expected a positive number"
+    )]
+    Indefinite {
+        /// The iteration.
+        iteration: usize,
+        /// The energy p . K p or r . P^-1 r.
+        energy: f64,
+    },
 }

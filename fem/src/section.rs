@@ -1,0 +1,33 @@
+//! What a cell is made of and which element integrates it.
+
+use crate::hex8::{Corners, ElementMatrix};
+use crate::{Material, hex8, hex8_incompatible};
+
+/// Which eight-node hexahedron.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ElementKind {
+    /// Trilinear, 2 x 2 x 2 Gauss points. Locks where a thin body bends.
+    #[default]
+    Hex8,
+    /// Trilinear with incompatible modes, for bodies that bend.
+    Hex8Incompatible,
+}
+
+/// Material and element of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    /// The material.
+    pub material: Material,
+    /// The element.
+    pub kind: ElementKind,
+}
+
+impl Section {
+    /// Stiffness matrix (24 x 24) [N/m] of an element with these corners [m].
+    pub fn stiffness(&self, corners: &Corners) -> ElementMatrix {
+        match self.kind {
+            ElementKind::Hex8 => hex8::stiffness(corners, self.material),
+            ElementKind::Hex8Incompatible => hex8_incompatible::stiffness(corners, self.material),
+        }
+    }
+}
