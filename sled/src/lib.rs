@@ -22,6 +22,7 @@
 pub mod aero;
 pub mod check;
 mod derivative;
+pub mod effects;
 mod error;
 mod filter;
 mod friction;
@@ -48,7 +49,7 @@ pub use parquet_file::{read_parquet, write_parquet};
 pub use prepare::{PrepareOptions, Prepared, prepare, prepare_all};
 pub use read::{Columns, read_columns, read_csv, write_csv};
 pub use run::{
-    COLUMNS, Conditions, Entry, INDEX_COLUMNS, Run, read_good_runs, read_index, read_run, read_runs,
-    write_index,
+    COLUMNS, Conditions, Entry, INDEX_COLUMNS, Run, read_good_runs, read_index, read_run,
+    read_runs, write_index,
 };
 pub use transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};

@@ -1,0 +1,216 @@
+//! What can go wrong between a recorded run and a driver's score.
+
+/// Errors of the sled's readers, models and fits.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file could not be opened, read or written.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// The system's or the reader's answer.
+        reason: String,
+    },
+    /// A model file is no TOML, or a key is unknown, missing or of the wrong type.
+    #[error("{file}: {reason}")]
+    Keys {
+        /// The file.
+        file: String,
+        /// The parser's answer with line and key.
+        reason: String,
+    },
+    /// A key of the model holds a number that no sled has.
+    #[error("{file}: {key} = {value}: expected {expected}")]
+    KeyRange {
+        /// The file.
+        file: String,
+        /// The key with its table.
+        key: String,
+        /// What stands there.
+        value: f64,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// A required column is absent.
+    #[error("{file}: column {column} is missing; the file has: {found}")]
+    MissingColumn {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// The columns that are there.
+        found: String,
+    },
+    /// A required table has a column that it should not have, or one twice.
+    #[error("{file}: column {column} is {what}; expected {expected}")]
+    Column {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// What is wrong with it.
+        what: &'static str,
+        /// The columns the table has.
+        expected: String,
+    },
+    /// A cell does not hold what it must.
+    #[error("{file}: row {row}, column {column}: found {found:?}, expected {expected}")]
+    Cell {
+        /// The file.
+        file: String,
+        /// Line in the file, the header being line 1.
+        row: u64,
+        /// The column.
+        column: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// Values are missing (NaN or empty); nothing is filled in.
+    #[error(
+        "{file}: column {column}: {count} values are NaN or missing from row {row} on (t = {t_s:.3} s); {bursts} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
+    )]
+    Missing {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// Length of the first burst.
+        count: usize,
+        /// Row of its first value, the header being row 1.
+        row: u64,
+        /// Time of its first value [s].
+        t_s: f64,
+        /// Number of bursts.
+        bursts: usize,
+        /// Missing values in all.
+        total: usize,
+    },
+    /// The values of a column are not in its unit.
+    #[error("{file}: column {column}: {found}, which looks like {looks_like}; expected {expected}")]
+    Unit {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// What was found.
+        found: String,
+        /// The unit the values seem to have.
+        looks_like: &'static str,
+        /// The unit they should have.
+        expected: &'static str,
+    },
+    /// Time is not uniform.
+    #[error(
+        "{file}: row {row}: {what}: t_s steps by {step_s:.6} s at t = {t_s:.4} s, expected {expected_s:.6} s throughout"
+    )]
+    Time {
+        /// The file.
+        file: String,
+        /// Row of the later sample, the header being row 1.
+        row: u64,
+        /// Clock jump, time running backwards, or irregular step.
+        what: &'static str,
+        /// The step found [s].
+        step_s: f64,
+        /// Where [s].
+        t_s: f64,
+        /// The median step [s].
+        expected_s: f64,
+    },
+    /// Too few samples for filters and derivatives.
+    #[error("{file}: {samples} samples, expected at least {needed}")]
+    TooShort {
+        /// The file.
+        file: String,
+        /// Samples found.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// The sled stands still, where no slip angle exists.
+    #[error(
+        "{file}: row {row}: v_mps = {v_mps} at t = {t_s:.3} s, expected more than {least} m/s (no slip angle exists at standstill: cut that part off)"
+    )]
+    Standstill {
+        /// The file.
+        file: String,
+        /// Row, the header being row 1.
+        row: u64,
+        /// Speed found [m/s].
+        v_mps: f64,
+        /// When [s].
+        t_s: f64,
+        /// Least speed accepted [m/s].
+        least: f64,
+    },
+    /// Two rows of the index name the same run.
+    #[error(
+        "{file}: row {row}: run {run:?} is already named in row {first}, expected each run once"
+    )]
+    DuplicateRun {
+        /// The index.
+        file: String,
+        /// The later row.
+        row: u64,
+        /// The name.
+        run: String,
+        /// The earlier row.
+        first: u64,
+    },
+    /// Two runs hold the same samples.
+    #[error("runs {first:?} and {second:?} hold the same samples: expected each run once")]
+    DuplicateContent {
+        /// One run.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// What was asked for is not among the data.
+    #[error("{what} {found:?} is not among the data: there are {known}")]
+    Unknown {
+        /// What was asked for.
+        what: &'static str,
+        /// What was given.
+        found: String,
+        /// What there is.
+        known: String,
+    },
+    /// After filters and exclusions too little is left.
+    #[error("{what}: {found} left, expected at least {needed}")]
+    TooFew {
+        /// What there is too little of.
+        what: String,
+        /// How many are left.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// The simulated sled came to rest or left the range of the model.
+    #[error("simulation stopped at s = {s_m:.1} m, t = {t_s:.2} s: {what}")]
+    Stopped {
+        /// Where [m].
+        s_m: f64,
+        /// When [s].
+        t_s: f64,
+        /// Why.
+        what: String,
+    },
+    /// The friction models' own errors.
+    #[error(transparent)]
+    Friction(#[from] kufe_friction::Error),
+    /// A picture could not be made.
+    #[error(transparent)]
+    Plot(#[from] kufe_plot::Error),
+}
+
+impl Error {
+    /// An error of the system or a format's reader, with its file.
+    pub(crate) fn file(file: &str, reason: impl std::fmt::Display) -> Self {
+        Error::File {
+            file: file.to_string(),
+            reason: reason.to_string(),
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! Recorded runs: the index `runs.csv` and one file a run.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::check::check_columns;
+use crate::read::read_columns;
+use crate::{Error, aero};
+
+/// Columns that a run must have besides `t_s`.
+pub const COLUMNS: [&str; 10] = [
+    "ax_mps2",
+    "ay_mps2",
+    "az_mps2",
+    "roll_rate_radps",
+    "pitch_rate_radps",
+    "yaw_rate_radps",
+    "v_mps",
+    "alpha_rad",
+    "delta_rad",
+    "gamma_rad",
+];
+
+/// Columns of the index.
+pub const INDEX_COLUMNS: [&str; 9] = [
+    "run",
+    "file",
+    "track",
+    "driver",
+    "driver_class",
+    "session",
+    "ice_c",
+    "air_c",
+    "air_pa",
+];
+
+/// Ice and air during a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// Ice temperature [degrees Celsius].
+    pub ice_c: f64,
+    /// Air temperature [degrees Celsius].
+    pub air_c: f64,
+    /// Air pressure [Pa].
+    pub air_pa: f64,
+}
+
+impl Conditions {
+    /// Density of the air [kg/m3] by [`aero::air_density`].
+    pub fn air_density(&self) -> f64 {
+        aero::air_density(self.air_pa, self.air_c)
+    }
+}
+
+/// One row of the index.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Name of the run, unique in the index.
+    pub run: String,
+    /// The run's file, resolved against the folder of the index.
+    pub file: PathBuf,
+    /// Name of the track.
+    pub track: String,
+    /// Driver.
+    pub driver: String,
+    /// Driver's class.
+    pub driver_class: String,
+    /// Session (a day, a set-up).
+    pub session: String,
+    /// Ice and air.
+    pub conditions: Conditions,
+}
+
+/// One recorded run, uniform in time, in the units of its columns' names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Its row in the index.
+    pub entry: Entry,
+    /// Time of the first sample [s].
+    pub t0_s: f64,
+    /// Time between samples [s].
+    pub dt_s: f64,
+    /// Every column of the file but time, by name; extra ones are kept.
+    pub columns: BTreeMap<String, Vec<f64>>,
+    /// What was noticed and is no error (a sensor at its end stop).
+    pub remarks: Vec<String>,
+}
+
+impl Run {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.columns.values().next().map_or(0, Vec::len)
+    }
+
+    /// Whether there is no sample; never so for a run that was read.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Sampling rate [Hz].
+    pub fn rate_hz(&self) -> f64 {
+        1.0 / self.dt_s
+    }
+
+    /// A column by name.
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`] with the names there are.
+    pub fn column(&self, name: &str) -> Result<&[f64], Error> {
+        self.columns
+            .get(name)
+            .map(Vec::as_slice)
+            .ok_or_else(|| Error::MissingColumn {
+                file: self.entry.file.display().to_string(),
+                column: name.to_string(),
+                found: self.columns.keys().cloned().collect::<Vec<_>>().join(", "),
+            })
+    }
+}
+
+/// Reads the index and every run it names, in the index's order.
+///
+/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or, with the feature `mdf4`, MDF 4 (`.mf4`).
+/// Every run is checked by [`check_columns`].
+///
+/// # Errors
+/// The first bad run's error in the order of the index, [`Error::DuplicateContent`] where two runs are the same.
+pub fn read_runs(index: &Path) -> Result<Vec<Run>, Error> {
+    let runs = read_index(index)?
+        .into_par_iter()
+        .map(|entry| read_run(entry, &COLUMNS))
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    refuse_copies(&runs)?;
+    Ok(runs)
+}
+
+/// Like [`read_runs`], but leaves bad runs out and returns their errors beside the good ones.
+///
+/// # Errors
+/// Those of the index itself.
+pub fn read_good_runs(index: &Path) -> Result<(Vec<Run>, Vec<Error>), Error> {
+    let read: Vec<Result<Run, Error>> = read_index(index)?
+        .into_par_iter()
+        .map(|entry| read_run(entry, &COLUMNS))
+        .collect();
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    for run in read {
+        match run {
+            Ok(run) => good.push(run),
+            Err(error) => bad.push(error),
+        }
+    }
+    while let Some((first, second)) = find_copy(&good) {
+        bad.push(Error::DuplicateContent {
+            first: good[first].entry.run.clone(),
+            second: good[second].entry.run.clone(),
+        });
+        good.remove(second);
+    }
+    Ok((good, bad))
+}
+
+/// Reads one run's file and checks it; `required` are the columns it must have besides `t_s`.
+///
+/// # Errors
+/// Those of the format's reader and of [`check_columns`].
+pub fn read_run(entry: Entry, required: &[&str]) -> Result<Run, Error> {
+    let file = entry.file.display().to_string();
+    let mut columns = read_columns(&entry.file, required)?;
+    let (clock, remarks) = check_columns(&columns, required, &file)?;
+    columns.remove("t_s");
+    Ok(Run {
+        entry,
+        t0_s: clock.t0_s,
+        dt_s: clock.dt_s,
+        columns,
+        remarks,
+    })
+}
+
+/// Reads the index `runs.csv`; paths in it are relative to its folder.
+///
+/// # Errors
+/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`].
+pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
+    let file = index.display().to_string();
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_path(index)
+        .map_err(|error| Error::file(&file, error))?;
+    let header = reader
+        .headers()
+        .map_err(|error| Error::file(&file, error))?
+        .clone();
+    let at = place_columns(&header, &file)?;
+    let folder = index.parent().unwrap_or(Path::new(""));
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut rows: BTreeMap<String, u64> = BTreeMap::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| Error::file(&file, error))?;
+        let row = record.position().map_or(0, |position| position.line());
+        let text = |name: &str| -> Result<String, Error> {
+            let cell = record.get(at[name]).unwrap_or("");
+            if cell.is_empty() {
+                return Err(bad_cell(&file, row, name, cell, "a name"));
+            }
+            Ok(cell.to_string())
+        };
+        let number = |name: &str, low: f64, high: f64| -> Result<f64, Error> {
+            let cell = record.get(at[name]).unwrap_or("");
+            let expected = format!("a number from {low} to {high}");
+            let value: f64 = cell
+                .parse()
+                .map_err(|_| bad_cell(&file, row, name, cell, &expected))?;
+            if !(low..=high).contains(&value) {
+                return Err(bad_cell(&file, row, name, cell, &expected));
+            }
+            Ok(value)
+        };
+        let run = text("run")?;
+        if let Some(first) = rows.insert(run.clone(), row) {
+            return Err(Error::DuplicateRun {
+                file,
+                row,
+                run,
+                first,
+            });
+        }
+        entries.push(Entry {
+            run,
+            file: folder.join(text("file")?),
+            track: text("track")?,
+            driver: text("driver")?,
+            driver_class: text("driver_class")?,
+            session: text("session")?,
+            conditions: Conditions {
+                ice_c: number("ice_c", -60.0, 5.0)?,
+                air_c: number("air_c", -60.0, 50.0)?,
+                air_pa: number("air_pa", 50e3, 110e3)?,
+            },
+        });
+    }
+    if entries.is_empty() {
+        return Err(Error::TooFew {
+            what: format!("{file}: runs"),
+            found: 0,
+            needed: 1,
+        });
+    }
+    Ok(entries)
+}
+
+/// Writes the index; files are named relative to its folder.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(), Error> {
+    let told = |error: csv::Error| Error::file("runs.csv", error);
+    let mut table = csv::Writer::from_writer(writer);
+    table.write_record(INDEX_COLUMNS).map_err(told)?;
+    for entry in entries {
+        let c = &entry.conditions;
+        table
+            .write_record([
+                &entry.run,
+                &entry.file.display().to_string(),
+                &entry.track,
+                &entry.driver,
+                &entry.driver_class,
+                &entry.session,
+                &c.ice_c.to_string(),
+                &c.air_c.to_string(),
+                &c.air_pa.to_string(),
+            ])
+            .map_err(told)?;
+    }
+    table
+        .flush()
+        .map_err(|error| Error::file("runs.csv", error))
+}
+
+fn place_columns(
+    header: &csv::StringRecord,
+    file: &str,
+) -> Result<BTreeMap<&'static str, usize>, Error> {
+    let mut at = BTreeMap::new();
+    for (place, name) in header.iter().enumerate() {
+        let odd = |what| Error::Column {
+            file: file.to_string(),
+            column: name.to_string(),
+            what,
+            expected: INDEX_COLUMNS.join(", "),
+        };
+        let known = INDEX_COLUMNS
+            .iter()
+            .find(|known| **known == name)
+            .ok_or_else(|| odd("unknown"))?;
+        if at.insert(*known, place).is_some() {
+            return Err(odd("given twice"));
+        }
+    }
+    match INDEX_COLUMNS.iter().find(|name| !at.contains_key(*name)) {
+        None => Ok(at),
+        Some(missing) => Err(Error::MissingColumn {
+            file: file.to_string(),
+            column: missing.to_string(),
+            found: header.iter().collect::<Vec<_>>().join(", "),
+        }),
+    }
+}
+
+fn bad_cell(file: &str, row: u64, column: &str, found: &str, expected: &str) -> Error {
+    Error::Cell {
+        file: file.to_string(),
+        row,
+        column: column.to_string(),
+        found: found.to_string(),
+        expected: expected.to_string(),
+    }
+}
+
+/// Refuses two runs with the same samples: a file copied or named twice would count double.
+fn refuse_copies(runs: &[Run]) -> Result<(), Error> {
+    match find_copy(runs) {
+        None => Ok(()),
+        Some((first, second)) => Err(Error::DuplicateContent {
+            first: runs[first].entry.run.clone(),
+            second: runs[second].entry.run.clone(),
+        }),
+    }
+}
+
+fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
+    let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
+    for (i, run) in runs.iter().enumerate() {
+        // The first samples decide almost always; the whole columns are compared only where they agree.
+        let key: Vec<u64> = COLUMNS
+            .iter()
+            .filter_map(|name| run.columns.get(*name))
+            .flat_map(|values| {
+                [
+                    values.len() as u64,
+                    values[0].to_bits(),
+                    values[values.len() / 2].to_bits(),
+                ]
+            })
+            .collect();
+        if let Some(&first) = seen.get(&key) {
+            if runs[first].columns == run.columns {
+                return Some((first, i));
+            }
+        } else {
+            seen.insert(key, i);
+        }
+    }
+    None
+}
