@@ -37,4 +37,138 @@ pub enum MeshError {
         /// Points needed.
         needed: usize,
     },
+    /// An axis that is none of the six.
+    #[error("axis {found:?}; expected x, y, z, -x, -y or -z")]
+    AxisName {
+        /// What was found.
+        found: String,
+    },
+    /// Up and forward along the same axis.
+    #[error("up = {up} and forward = {forward} are parallel; expected two different axes")]
+    Axes {
+        /// The axis up.
+        up: String,
+        /// The axis forward.
+        forward: String,
+    },
+    /// A hull with nothing to touch.
+    #[error("the hull has no triangles")]
+    NoTriangles,
+    /// A triangle's corner that does not exist.
+    #[error(
+        "triangle {triangle} refers to vertex {index}, counted from 0; the hull has {vertices} vertices"
+    )]
+    VertexIndex {
+        /// The triangle's number, from 1.
+        triangle: usize,
+        /// The vertex it refers to, from 0.
+        index: usize,
+        /// Vertices there are.
+        vertices: usize,
+    },
+    /// A position that is no number.
+    #[error("vertex {vertex} is at {position:?}; expected finite coordinates")]
+    NotFinite {
+        /// The vertex's number, from 1.
+        vertex: usize,
+        /// Its position.
+        position: [f64; 3],
+    },
+    /// A hull inside out.
+    #[error(
+        "the hull's triangles face inwards (signed volume {volume:.3e} m^3); reverse their winding (flip normals)"
+    )]
+    InvertedHull {
+        /// Signed volume [m^3].
+        volume: f64,
+    },
+    /// More than is sensible.
+    #[error("more than {limit} {what}")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        limit: usize,
+    },
+    /// A file's ending that names no known format.
+    #[error("the ending {found:?} names no hull format; expected obj, gltf, glb or stl")]
+    HullFormat {
+        /// The ending found.
+        found: String,
+    },
+    /// An OBJ file that cannot be parsed.
+    #[error("not a readable OBJ file: {0}")]
+    Obj(#[from] tobj::LoadError),
+    /// An STL file that cannot be parsed.
+    #[error("not a readable STL file: {0}")]
+    Stl(#[from] std::io::Error),
+    /// An STL file shorter than it says.
+    #[error("the STL file announces {facets} facets, which need {needed} bytes; it has {found}")]
+    StlLength {
+        /// Facets announced.
+        facets: u64,
+        /// Bytes they need.
+        needed: u64,
+        /// Bytes there are.
+        found: usize,
+    },
+    /// A glTF file that cannot be parsed.
+    #[error("not a readable glTF file: {0}")]
+    Gltf(#[from] gltf::Error),
+    /// A GLB header with an impossible length.
+    #[error("the GLB header announces {announced} bytes; the file has {found}")]
+    GlbLength {
+        /// Bytes announced.
+        announced: usize,
+        /// Bytes there are.
+        found: usize,
+    },
+    /// A buffer shorter than the glTF file says.
+    #[error("glTF buffer {index} announces {announced} bytes; it has {found}")]
+    GltfBuffer {
+        /// The buffer's index.
+        index: usize,
+        /// Bytes announced.
+        announced: usize,
+        /// Bytes there are.
+        found: usize,
+    },
+    /// A buffer's file that cannot be read.
+    #[error("glTF buffer file {uri:?}: {source}")]
+    GltfFile {
+        /// The file's address.
+        uri: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// An accessor that does not fit its data.
+    #[error("glTF accessor {index}: {problem}")]
+    GltfAccessor {
+        /// The accessor's index.
+        index: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// A node reached twice.
+    #[error("glTF node {index} is reached twice; expected a tree")]
+    GltfNode {
+        /// The node's index.
+        index: usize,
+    },
+    /// A file that cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// What is wrong with a file.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        source: Box<MeshError>,
+    },
 }

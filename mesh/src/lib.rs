@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Underside`] | the height of a hull's lower surface over the contact plane |
 //! | [`Swept`] | a [`Section`] swept along a [`Rocker`]: [`BobRunner`] and [`LugeSteel`] make one |
+//! | [`Hull`] | triangles, read by [`read_obj`], [`read_gltf`], [`read_stl`] or made by [`tessellate`] |
 //! | [`Paraboloid`] | an unbounded paraboloid, for verification |
 //! | [`TensorGrid`] | graded coordinates along x, y and z |
 //! | [`HexMesh`] | points and eight-node hexahedra |
@@ -18,23 +19,39 @@
 mod bob_runner;
 mod error;
 mod hex_mesh;
+mod hull;
+mod hull_check;
+mod hull_file;
 mod luge_steel;
 mod paraboloid;
 mod profile;
+mod read_gltf;
+mod read_obj;
+mod read_stl;
 mod rocker;
 mod section;
 mod swept;
 mod tensor_grid;
+mod tessellate;
 mod underside;
+mod write_hull;
 
 pub use bob_runner::BobRunner;
 pub use error::MeshError;
 pub use hex_mesh::HexMesh;
+pub use hull::{Axis, Hull, HullOptions};
+pub use hull_check::{HullReport, HullWarning, check_hull};
+pub use hull_file::{HullFormat, load_hull};
 pub use luge_steel::LugeSteel;
 pub use paraboloid::Paraboloid;
 pub use profile::Profile;
+pub use read_gltf::read_gltf;
+pub use read_obj::read_obj;
+pub use read_stl::read_stl;
 pub use rocker::Rocker;
 pub use section::Section;
 pub use swept::{Ends, Swept};
 pub use tensor_grid::TensorGrid;
+pub use tessellate::tessellate;
 pub use underside::Underside;
+pub use write_hull::{write_glb, write_obj, write_stl};

@@ -1,0 +1,280 @@
+//! A hull as triangles.
+
+use std::{collections::HashMap, fmt, str::FromStr};
+
+use crate::MeshError;
+
+/// Positions and triangles, counter-clockwise seen from outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hull {
+    /// Vertex positions [m].
+    pub positions: Vec<[f64; 3]>,
+    /// Corners of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// An axis of a file, with its sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// 0, 1 or 2 for x, y or z.
+    pub index: usize,
+    /// Whether the axis points the other way.
+    pub negative: bool,
+}
+
+impl Axis {
+    /// The axis +x.
+    pub const X: Self = Self {
+        index: 0,
+        negative: false,
+    };
+    /// The axis +y.
+    pub const Y: Self = Self {
+        index: 1,
+        negative: false,
+    };
+    /// The axis +z.
+    pub const Z: Self = Self {
+        index: 2,
+        negative: false,
+    };
+
+    fn vector(self) -> [f64; 3] {
+        let mut vector = [0.0; 3];
+        vector[self.index] = if self.negative { -1.0 } else { 1.0 };
+        vector
+    }
+}
+
+impl FromStr for Axis {
+    type Err = MeshError;
+
+    /// Reads `x`, `y`, `z`, `-x`, `-y` or `-z`.
+    fn from_str(text: &str) -> Result<Self, MeshError> {
+        let (negative, letter) = match text.strip_prefix('-') {
+            Some(rest) => (true, rest),
+            None => (false, text.strip_prefix('+').unwrap_or(text)),
+        };
+        let index = ["x", "y", "z"].iter().position(|&l| l == letter);
+        let index = index.ok_or_else(|| MeshError::AxisName { found: text.into() })?;
+        Ok(Self { index, negative })
+    }
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}{}",
+            if self.negative { "-" } else { "" },
+            ["x", "y", "z"][self.index]
+        )
+    }
+}
+
+/// How a file's coordinates become metres with x forward and z up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HullOptions {
+    /// Metres in one unit of the file; 0.001 for millimetres.
+    pub scale: f64,
+    /// The file's axis that points up; where none is given, y for glTF and z for the others.
+    pub up: Option<Axis>,
+    /// The file's axis that points forward.
+    pub forward: Axis,
+}
+
+impl Default for HullOptions {
+    fn default() -> Self {
+        Self {
+            scale: 1.0,
+            up: None,
+            forward: Axis::X,
+        }
+    }
+}
+
+impl HullOptions {
+    /// The rows of the matrix that carries file coordinates to metres, x forward, y left, z up.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the scale is not positive, [`MeshError::Axes`] where the axes are parallel.
+    pub(crate) fn rows(&self, usual_up: Axis) -> Result<[[f64; 3]; 3], MeshError> {
+        if !(self.scale > 0.0 && self.scale.is_finite()) {
+            let expected = "a positive number of metres in one unit of the file";
+            return Err(MeshError::Parameter {
+                name: "scale",
+                value: self.scale,
+                expected,
+            });
+        }
+        let up = self.up.unwrap_or(usual_up);
+        if up.index == self.forward.index {
+            return Err(MeshError::Axes {
+                up: up.to_string(),
+                forward: self.forward.to_string(),
+            });
+        }
+        let (z, x) = (up.vector(), self.forward.vector());
+        let y = [
+            z[1] * x[2] - z[2] * x[1],
+            z[2] * x[0] - z[0] * x[2],
+            z[0] * x[1] - z[1] * x[0],
+        ];
+        Ok([x, y, z].map(|row| row.map(|v| v * self.scale)))
+    }
+}
+
+impl Hull {
+    /// The hull with equal positions made one vertex and collapsed triangles left out, its
+    /// coordinates carried over by `rows`.
+    ///
+    /// # Errors
+    /// [`MeshError::NoTriangles`], [`MeshError::VertexIndex`] where a corner has no position,
+    /// [`MeshError::NotFinite`] where a position that a triangle uses is no number.
+    pub(crate) fn welded(
+        positions: &[[f64; 3]],
+        triangles: impl Iterator<Item = [usize; 3]>,
+        rows: [[f64; 3]; 3],
+    ) -> Result<Self, MeshError> {
+        let mut hull = Self::default();
+        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+        for (number, corners) in triangles.enumerate() {
+            let mut welded = [0; 3];
+            for (corner, &index) in welded.iter_mut().zip(&corners) {
+                let found = positions.get(index);
+                let position = found.ok_or(MeshError::VertexIndex {
+                    triangle: number + 1,
+                    index,
+                    vertices: positions.len(),
+                })?;
+                if position.iter().any(|v| !v.is_finite()) {
+                    return Err(MeshError::NotFinite {
+                        vertex: index + 1,
+                        position: *position,
+                    });
+                }
+                // Adding zero makes -0 and 0 the same bits.
+                let key = position.map(|v| (v + 0.0).to_bits());
+                *corner = *known.entry(key).or_insert_with(|| {
+                    hull.positions.push(
+                        rows.map(|r| r[0] * position[0] + r[1] * position[1] + r[2] * position[2]),
+                    );
+                    (hull.positions.len() - 1) as u32
+                });
+            }
+            let [a, b, c] = welded;
+            if a != b && b != c && c != a {
+                hull.triangles.push(welded);
+            }
+        }
+        if hull.triangles.is_empty() {
+            return Err(MeshError::NoTriangles);
+        }
+        if let Some(vertex) = hull
+            .positions
+            .iter()
+            .position(|p| p.iter().any(|v| !v.is_finite()))
+        {
+            return Err(MeshError::NotFinite {
+                vertex: vertex + 1,
+                position: hull.positions[vertex],
+            });
+        }
+        Ok(hull)
+    }
+
+    /// Smallest and largest coordinates [m].
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for position in &self.positions {
+            for axis in 0..3 {
+                bounds[0][axis] = bounds[0][axis].min(position[axis]);
+                bounds[1][axis] = bounds[1][axis].max(position[axis]);
+            }
+        }
+        bounds
+    }
+
+    /// Signed volume `1/6 sum a . (b x c)` [m^3], positive where the triangles of a closed hull face outwards.
+    pub fn volume(&self) -> f64 {
+        let [low, _] = self.bounds();
+        let volume = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| {
+                let p = self.positions[i as usize];
+                [p[0] - low[0], p[1] - low[1], p[2] - low[2]]
+            });
+            let cross = [
+                b[1] * c[2] - b[2] * c[1],
+                b[2] * c[0] - b[0] * c[2],
+                b[0] * c[1] - b[1] * c[0],
+            ];
+            (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0
+        };
+        self.triangles.iter().map(volume).sum()
+    }
+
+    /// Twice the area vector of triangle `t` [m^2]; it points outwards.
+    pub fn normal(&self, t: &[u32; 3]) -> [f64; 3] {
+        let [a, b, c] = t.map(|i| self.positions[i as usize]);
+        let (u, v) = (
+            [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
+            [c[0] - a[0], c[1] - a[1], c[2] - a[2]],
+        );
+        [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_turn_a_y_up_file_right_handed() {
+        let options = HullOptions {
+            scale: 0.001,
+            up: Some("y".parse().unwrap()),
+            forward: "-z".parse().unwrap(),
+        };
+        let rows = options.rows(Axis::Z).unwrap();
+        let carry = |p: [f64; 3]| rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
+        assert_eq!(carry([0.0, 1000.0, 0.0]), [0.0, 0.0, 1.0]);
+        assert_eq!(carry([0.0, 0.0, -1000.0]), [1.0, 0.0, 0.0]);
+        assert_eq!(carry([1000.0, 0.0, 0.0]), [0.0, -1.0, 0.0]);
+    }
+
+    #[test]
+    fn parallel_axes_and_unknown_names_are_refused() {
+        let parallel = HullOptions {
+            up: Some(Axis::X),
+            ..Default::default()
+        };
+        assert!(
+            parallel
+                .rows(Axis::Z)
+                .unwrap_err()
+                .to_string()
+                .contains("parallel")
+        );
+        assert!(
+            "w".parse::<Axis>()
+                .unwrap_err()
+                .to_string()
+                .contains("\"w\"")
+        );
+        let bad_scale = HullOptions {
+            scale: f64::NAN,
+            ..Default::default()
+        };
+        assert!(
+            bad_scale
+                .rows(Axis::Z)
+                .unwrap_err()
+                .to_string()
+                .contains("scale")
+        );
+    }
+}
