@@ -6,6 +6,7 @@
 //! | [`MagicFormula`], [`Braghin`] | lateral force over slip and load |
 //! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
 //! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
+//! | [`evaluate_glide`], [`evaluate_ice_house`] | mu by specimen from gliding runs |
 //!
 //! ```
 //! use kufe_friction::{Longitudinal, MagicFormula, longitudinal_force};
@@ -18,11 +19,15 @@
 pub mod effects;
 mod error;
 mod experiments;
+mod glides;
+mod icehouse;
+mod icehouse_plot;
 mod lateral;
 mod lateral_fit;
 mod lateral_identifiability;
 mod lateral_least_squares;
 mod lateral_score;
+mod line_fit;
 mod longitudinal;
 mod mu_plot;
 mod mu_pressure_fit;
@@ -30,10 +35,17 @@ mod table;
 
 pub use error::Error;
 pub use experiments::{Experiment, read_experiments, write_experiments};
+pub use glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
+pub use icehouse::{
+    GAS_CONSTANT_OF_AIR, GRAVITY, GlidePair, GlideRun, IceHouse, SHARE_LEFT_OUT, SpecimenFriction,
+    air_density, evaluate_glide, evaluate_ice_house,
+};
+pub use icehouse_plot::draw_glide;
 pub use lateral::{Braghin, LateralDerivatives, MagicFormula};
 pub use lateral_fit::{Estimate, LateralFit, LateralFitOptions, fit_lateral};
 pub use lateral_identifiability::{Combination, Identifiability};
 pub use lateral_score::LateralSample;
+pub use line_fit::{LineFit, fit_line};
 pub use longitudinal::{
     Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,
 };
