@@ -3,13 +3,32 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Problem`] | runner, ice, track and load |
+//! | [`Options`] | accuracy and limits |
+//! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
 
 pub mod case;
+mod discretise;
 mod error;
+mod far_field;
+mod gap;
+mod grading;
+mod hertz;
+mod level;
+mod measure;
+mod motion;
+mod options;
 mod problem;
+mod psor;
 mod solution;
+mod solve;
+mod surface;
+mod vector;
+mod window;
 
 pub use error::Error;
+pub use hertz::{Hertz, hertz};
+pub use options::Options;
 pub use problem::{Foundation, Ice, Load, Problem, Runner, Tilt};
 pub use solution::{Iterate, Solution, SurfaceField, VolumeField};
+pub use solve::solve;

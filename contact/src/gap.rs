@@ -1,0 +1,147 @@
+//! The gap between the undeformed runner and the track.
+
+use crate::{Error, Load, Problem, Tilt};
+
+/// Undeformed gap g(x, y) = height of the underside - height of the track, with the fixed part of the
+/// tilt in it, and how the runner's rigid motion changes it.
+///
+/// gap(q) = g - N q with q = (approach, pitch, roll) and the row N = (1, x - x0, -(y - y0)): pressing in
+/// lowers the runner, positive pitch lowers its nose, positive roll lifts its left side. (x0, y0) is the
+/// line of action, so that the moments of the pressure about it balance to zero.
+pub(crate) struct Gap<'a> {
+    problem: &'a Problem,
+    /// Line of action [m].
+    pub line_of_action: [f64; 2],
+    /// Pitch and roll that are held and so part of g [rad].
+    fixed_tilt: [f64; 2],
+    /// Which of approach, pitch and roll follow from balance.
+    pub free_motion: [bool; 3],
+    /// A rotation taken out of g when pitch and roll are free, so that g is level at the line of action [rad].
+    pub levelling: [f64; 2],
+}
+
+impl<'a> Gap<'a> {
+    /// Checks that the runner fits the track and that the load acts on the hull.
+    pub fn new(problem: &'a Problem) -> Result<Self, Error> {
+        let (line_of_action, fixed_tilt, free_motion) = match problem.load {
+            Load::Force {
+                offset_x,
+                offset_y,
+                tilt: Tilt::Free,
+                ..
+            } => ([offset_x, offset_y], [0.0; 2], [true; 3]),
+            Load::Force {
+                offset_x,
+                offset_y,
+                tilt: Tilt::Fixed { pitch, roll },
+                ..
+            } => ([offset_x, offset_y], [pitch, roll], [true, false, false]),
+            Load::Approach { pitch, roll, .. } => ([0.0; 2], [pitch, roll], [false; 3]),
+        };
+        let extent = problem.runner.underside.extent();
+        let [x0, y0] = line_of_action;
+        if free_motion[0]
+            && !(extent[0] <= x0 && x0 <= extent[1] && extent[2] <= y0 && y0 <= extent[3])
+        {
+            return Err(Error::LoadMissesHull {
+                x: x0,
+                y: y0,
+                x_min: extent[0],
+                x_max: extent[1],
+                y_min: extent[2],
+                y_max: extent[3],
+            });
+        }
+        let reach = extent[0].abs().max(extent[1].abs());
+        let curvature = problem.track_curvature;
+        if reach.is_finite() && reach * curvature.abs() >= 0.5 {
+            return Err(Error::TrackTooTight {
+                radius: 1.0 / curvature,
+                reach,
+            });
+        }
+        let mut gap = Gap {
+            problem,
+            line_of_action,
+            fixed_tilt,
+            free_motion,
+            levelling: [0.0; 2],
+        };
+        if free_motion[1] {
+            gap.levelling = gap.slope();
+        }
+        Ok(gap)
+    }
+
+    /// g at (x, y) [m]; infinite where there is no hull.
+    pub fn at(&self, x: f64, y: f64) -> f64 {
+        let [x0, y0] = self.line_of_action;
+        let pitch = self.fixed_tilt[0] + self.levelling[0];
+        let roll = self.fixed_tilt[1] + self.levelling[1];
+        let height = self.problem.runner.underside.height(x, y);
+        height - track_height(self.problem.track_curvature, x) - pitch * (x - x0) + roll * (y - y0)
+    }
+
+    /// The row N of a node.
+    pub fn motion_row(&self, x: f64, y: f64) -> [f64; 3] {
+        [
+            1.0,
+            x - self.line_of_action[0],
+            -(y - self.line_of_action[1]),
+        ]
+    }
+
+    /// Pitch and roll in the result, from the motion that was solved for.
+    pub fn tilt(&self, pitch: f64, roll: f64) -> [f64; 2] {
+        [
+            self.fixed_tilt[0] + self.levelling[0] + pitch,
+            self.fixed_tilt[1] + self.levelling[1] + roll,
+        ]
+    }
+
+    /// The mirror planes x = 0 and y = 0 that hull, track and load share.
+    pub fn symmetry(&self) -> [bool; 2] {
+        let hull = self.problem.runner.underside.mirror_symmetric();
+        let [x0, y0] = self.line_of_action;
+        [
+            hull[0] && x0 == 0.0 && self.fixed_tilt[0] == 0.0,
+            hull[1] && y0 == 0.0 && self.fixed_tilt[1] == 0.0,
+        ]
+    }
+
+    /// The rotation (pitch, roll) that levels a smooth hull at the line of action; 0 where the hull has a
+    /// mirror plane there.
+    fn slope(&self) -> [f64; 2] {
+        let [x0, y0] = self.line_of_action;
+        let extent = self.problem.runner.underside.extent();
+        let symmetric = self.symmetry();
+        let difference = |low: f64, high: f64, step: f64, at: &dyn Fn(f64) -> f64| {
+            let (from, to) = (low.max(-step), high.min(step));
+            let slope = (at(to) - at(from)) / (to - from);
+            if slope.is_finite() { slope } else { 0.0 }
+        };
+        let pitch = if symmetric[0] {
+            0.0
+        } else {
+            difference(extent[0] - x0, extent[1] - x0, 1e-3, &|d| {
+                self.at(x0 + d, y0)
+            })
+        };
+        let roll = if symmetric[1] {
+            0.0
+        } else {
+            -difference(extent[2] - y0, extent[3] - y0, 1e-5, &|d| {
+                self.at(x0, y0 + d)
+            })
+        };
+        [pitch, roll]
+    }
+}
+
+/// Height of a track of curvature `curvature` [1/m] above its lowest point, at `x` [m].
+///
+/// The arc R - sqrt(R^2 - x^2) written so that R may be infinite.
+fn track_height(curvature: f64, x: f64) -> f64 {
+    let sine = curvature * x;
+    curvature * x * x / (1.0 + (1.0 - sine * sine).max(0.0).sqrt())
+}

@@ -1,0 +1,291 @@
+//! From nodal forces to pressures, and from pressures to the figures of a contact.
+
+/// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it ends at.
+pub(crate) struct PressureField<'a> {
+    /// Nodes along x [m].
+    pub x: &'a [f64],
+    /// Nodes along y [m].
+    pub y: &'a [f64],
+    /// Nodal forces [N].
+    pub force: &'a [f64],
+    /// Integrals of the nodes' hat functions, by x and by y [m].
+    pub lumped: [&'a [f64]; 2],
+    /// Mirror planes x = 0 and y = 0.
+    pub symmetry: [bool; 2],
+    /// Largest pressure the ice bears [Pa].
+    pub hardness: f64,
+}
+
+/// The figures of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Figures {
+    pub p_max: f64,
+    pub area: f64,
+    pub length: f64,
+    pub width: f64,
+}
+
+impl PressureField<'_> {
+    /// Nodal pressures [Pa].
+    ///
+    /// A node's force over the integral of its hat function is a weighted mean of the pressure:
+    /// p + m1 p' + m2 p'' / 2 with the hat's first two moments. Where both neighbours along an axis are in
+    /// contact the moments' share is taken out with the differences of the means themselves.
+    pub fn pressures(&self) -> Vec<f64> {
+        let (nx, ny) = (self.x.len(), self.y.len());
+        let mean: Vec<f64> = (0..nx * ny)
+            .map(|n| self.force[n] / (self.lumped[0][n % nx] * self.lumped[1][n / nx]))
+            .collect();
+        let mut pressure = mean.clone();
+        for j in 0..ny {
+            for i in 0..nx {
+                let n = j * nx + i;
+                if mean[n] <= 0.0 || mean[n] >= self.hardness * (1.0 - 1e-9) {
+                    continue;
+                }
+                let along_x = moment_share(self.x, i, self.symmetry[0], |k| mean[j * nx + k]);
+                let along_y = moment_share(self.y, j, self.symmetry[1], |k| mean[k * nx + i]);
+                pressure[n] = (mean[n] - along_x - along_y).clamp(0.0, self.hardness);
+            }
+        }
+        pressure
+    }
+
+    /// Peak, area, length and width of the contact.
+    pub fn figures(&self, pressure: &[f64]) -> Figures {
+        let (columns, rows) = (self.chords_across(pressure), self.chords_along(pressure));
+        let copies: f64 = self
+            .symmetry
+            .iter()
+            .map(|&s| if s { 2.0 } else { 1.0 })
+            .product();
+        let extent = |chords: &[Vec<[f64; 2]>], axis: usize| {
+            let ends = chords
+                .iter()
+                .flatten()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |e, c| {
+                    [e[0].min(c[0]), e[1].max(c[1])]
+                });
+            match ends[1] - ends[0] {
+                _ if ends[1] < ends[0] => 0.0,
+                _ if self.symmetry[axis] => 2.0 * ends[1],
+                length => length,
+            }
+        };
+        let (length, width) = (extent(&rows, 0), extent(&columns, 1));
+        let by_columns = area(self.x, &columns, &rows);
+        let by_rows = area(self.y, &rows, &columns);
+        Figures {
+            p_max: self.peak(pressure),
+            area: 0.5 * (by_columns + by_rows) * copies,
+            length,
+            width,
+        }
+    }
+
+    /// Contact intervals of every line across (one for each x).
+    pub fn chords_across(&self, pressure: &[f64]) -> Vec<Vec<[f64; 2]>> {
+        let nx = self.x.len();
+        (0..nx)
+            .map(|i| {
+                chords(
+                    self.y,
+                    &(0..self.y.len())
+                        .map(|j| pressure[j * nx + i])
+                        .collect::<Vec<f64>>(),
+                    self.symmetry[1],
+                )
+            })
+            .collect()
+    }
+
+    /// Contact intervals of every line along (one for each y).
+    pub fn chords_along(&self, pressure: &[f64]) -> Vec<Vec<[f64; 2]>> {
+        pressure
+            .chunks_exact(self.x.len())
+            .map(|row| chords(self.x, row, self.symmetry[0]))
+            .collect()
+    }
+
+    /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours on each axis.
+    fn peak(&self, pressure: &[f64]) -> f64 {
+        let nx = self.x.len();
+        let Some(top) = (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b]))
+        else {
+            return 0.0;
+        };
+        let (i, j) = (top % nx, top / nx);
+        let rise_x = vertex_rise(self.x, i, self.symmetry[0], |k| pressure[j * nx + k]);
+        let rise_y = vertex_rise(self.y, j, self.symmetry[1], |k| pressure[k * nx + i]);
+        (pressure[top] + rise_x + rise_y).min(self.hardness)
+    }
+}
+
+/// Neighbours' distances and values around node `k`; a mirror plane continues the field evenly.
+fn neighbours(
+    nodes: &[f64],
+    k: usize,
+    symmetric: bool,
+    value: &impl Fn(usize) -> f64,
+) -> Option<[[f64; 2]; 2]> {
+    if k + 1 >= nodes.len() {
+        return None;
+    }
+    let above = [nodes[k + 1] - nodes[k], value(k + 1)];
+    match k {
+        0 if symmetric => Some([above, above]),
+        0 => None,
+        _ => Some([[nodes[k] - nodes[k - 1], value(k - 1)], above]),
+    }
+}
+
+/// Slope and curvature at a node from its neighbours.
+fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f64, f64) {
+    let (down, up) = ((here - p0) / h0, (p1 - here) / h1);
+    (
+        (down * h1 + up * h0) / (h0 + h1),
+        2.0 * (up - down) / (h0 + h1),
+    )
+}
+
+/// m1 p' + m2 p'' / 2 of the hat function at node `k`; 0 at the rim, where the pressure is not smooth.
+fn moment_share(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
+    match neighbours(nodes, k, symmetric, &value) {
+        Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
+            let [h0, h1] = [sides[0][0], sides[1][0]];
+            let (slope, curvature) = differences(sides, value(k));
+            let first = (h1 - h0) / 3.0;
+            let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
+            first * slope + 0.5 * second * curvature
+        }
+        _ => 0.0,
+    }
+}
+
+/// How far the parabola through three nodes rises above the middle one.
+fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
+    match neighbours(nodes, k, symmetric, &value) {
+        Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
+            let (slope, curvature) = differences(sides, value(k));
+            if curvature < 0.0 {
+                -0.5 * slope * slope / curvature
+            } else {
+                0.0
+            }
+        }
+        _ => 0.0,
+    }
+}
+
+/// Stretches of positive pressure along a line, resolved below the cell.
+///
+/// Ends are found by [`rim`]; a mirror plane at the first node is the start of a stretch that touches it.
+fn chords(nodes: &[f64], pressure: &[f64], symmetric: bool) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    let mut i = 0;
+    while i < nodes.len() {
+        if pressure[i] <= 0.0 {
+            i += 1;
+            continue;
+        }
+        let first = i;
+        while i + 1 < nodes.len() && pressure[i + 1] > 0.0 {
+            i += 1;
+        }
+        let last = i;
+        let at = |k: usize| (nodes[k], pressure[k]);
+        let upwards: Vec<(f64, f64)> = (first..=last).take(4).map(at).collect();
+        let downwards: Vec<(f64, f64)> = (first..=last).rev().take(4).map(at).collect();
+        let low = if first == 0 && symmetric {
+            nodes[0]
+        } else {
+            rim(
+                &upwards,
+                first.checked_sub(1).map_or(nodes[first], |o| nodes[o]),
+            )
+        };
+        let high = rim(
+            &downwards,
+            nodes.get(last + 1).copied().unwrap_or(nodes[last]),
+        );
+        found.push([low, high]);
+        i += 1;
+    }
+    found
+}
+
+/// Where p^2 reaches zero beyond the outermost node in contact.
+///
+/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too large (its hat
+/// reaches out of the contact), so the parabola goes through the next three inside; with fewer nodes the rim
+/// is put half a cell beyond the last one.
+fn rim(inside: &[(f64, f64)], outside: f64) -> f64 {
+    let outermost = inside[0].0;
+    let half_way = 0.5 * (outermost + outside);
+    let [_, a, b, c, ..] = inside else {
+        return half_way;
+    };
+    let [pa, pb, pc] = [a, b, c].map(|n| n.1 * n.1);
+    // Newton's form from a outwards: p^2(t) = pa + d1 t + d2 t (t - (b - a)), t = x - a.
+    let d1 = (pb - pa) / (b.0 - a.0);
+    let d2 = ((pc - pb) / (c.0 - b.0) - d1) / (c.0 - a.0);
+    let slope = d1 - d2 * (b.0 - a.0);
+    let outwards = (outside - outermost).signum();
+    if slope * outwards >= 0.0 || !slope.is_finite() {
+        return half_way;
+    }
+    let discriminant = slope * slope - 4.0 * d2 * pa;
+    let t = if discriminant > 0.0 {
+        2.0 * pa / (-slope + -slope.signum() * discriminant.sqrt())
+    } else {
+        -pa / slope
+    };
+    let (low, high) = (0.5 * (a.0 + outermost), outside);
+    (a.0 + t).clamp(low.min(high), low.max(high))
+}
+
+/// Area from the chords on the lines of one axis, with the square of the chord linear between lines (it is a
+/// parabola in an ellipse) and down to 0 at the contact's end.
+fn area(nodes: &[f64], chords: &[Vec<[f64; 2]>], crossing: &[Vec<[f64; 2]>]) -> f64 {
+    let length = |i: usize| chords[i].iter().map(|c| c[1] - c[0]).sum::<f64>();
+    let mut sum = 0.0;
+    for i in 0..nodes.len() {
+        let here = length(i);
+        if here <= 0.0 {
+            continue;
+        }
+        for next in [i.checked_sub(1), Some(i + 1).filter(|&n| n < nodes.len())]
+            .into_iter()
+            .flatten()
+        {
+            let there = length(next);
+            if there > 0.0 {
+                // Each interval is met from both of its ends.
+                let mean =
+                    2.0 / 3.0 * (here * here + here * there + there * there) / (here + there);
+                sum += 0.5 * mean * (nodes[next] - nodes[i]).abs();
+            } else {
+                let end = tip(nodes[i], nodes[next], crossing);
+                sum += 2.0 / 3.0 * here * (end - nodes[i]).abs();
+            }
+        }
+    }
+    sum
+}
+
+/// The farthest end of a crossing line's contact between the last line in contact and the first one out of it.
+fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
+    let (low, high) = (last.min(outside), last.max(outside));
+    let ends = crossing
+        .iter()
+        .flatten()
+        .flatten()
+        .filter(|e| (low..=high).contains(*e));
+    let farthest = ends.map(|e| (e - last).abs()).fold(0.0, f64::max);
+    let reach = if farthest > 0.0 {
+        farthest
+    } else {
+        0.5 * (high - low)
+    };
+    last + reach * (outside - last).signum()
+}

@@ -1,0 +1,552 @@
+//! From a problem to a pressure field of the accuracy asked.
+
+use kufe_fem::Material;
+
+use crate::discretise::{Discretisation, Resolution, discretise};
+use crate::far_field::{lumps, prescribe};
+use crate::gap::Gap;
+use crate::level::{Level, Progress, State};
+use crate::measure::{Figures, PressureField};
+use crate::psor::PlaneState;
+use crate::window::{Patch, first_guess};
+use crate::{
+    Error, Foundation, Iterate, Load, Options, Problem, Solution, SurfaceField, VolumeField,
+};
+
+/// Cells over half the patch while it is being found.
+const SCOUTING: Resolution = Resolution {
+    cells: 7.0,
+    growth: 0.7,
+};
+/// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
+fn growth(cells: f64) -> f64 {
+    3.0 / cells
+}
+/// Ratio of the resolutions of successive meshes.
+const REFINEMENT: f64 = 1.5;
+
+/// Solves a contact problem.
+///
+/// Linear elasticity on trilinear hexahedra, frictionless unilateral contact; see the crate's page for the
+/// method. The mesh is refined until the estimated discretisation error of the peak pressure is below
+/// `options.p_max_tolerance`.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and [`Error::BeyondHardness`] for
+/// problems without an answer; [`Error::NotConverged`] and [`Error::AccuracyNotReached`] where limits stop the
+/// solve.
+pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
+    let material = check(problem, options)?;
+    let gap = Gap::new(problem)?;
+    let (mut patch, mut forces) = scout(problem, &gap, material)?;
+    let mut cells = first_resolution(options.p_max_tolerance);
+    let mut history = Vec::new();
+    let mut previous: Option<Raw> = None;
+    for level in 0.. {
+        let resolution = Resolution {
+            cells,
+            growth: growth(cells),
+        };
+        let mesh = discretise(problem, &gap, material, &patch, resolution);
+        let dofs = mesh
+            .level
+            .bodies
+            .iter()
+            .map(|b| b.operator.free_dofs())
+            .sum();
+        let (state, progress) = solve_level(problem, material, &mesh, &patch, &forces, options)?;
+        let pressure = field(&mesh, problem).of(&state);
+        let raw = Raw {
+            cells,
+            p_max: pressure.figures.p_max,
+            approach: mesh.level.depth(&state),
+        };
+        report(level, dofs, &progress, raw.p_max, &mut history, options);
+        let limit = previous.map(|before| Extrapolation::new(before, raw));
+        if let Some(limit) = limit.filter(|l| l.error <= options.p_max_tolerance * l.p_max) {
+            return Ok(solution(
+                problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
+            ));
+        }
+        previous = Some(raw);
+        if dofs as f64 * REFINEMENT.powi(3) > options.max_dofs as f64 {
+            let estimate = limit.map_or(f64::INFINITY, |l| l.error / l.p_max);
+            return Err(Error::AccuracyNotReached {
+                dofs,
+                estimate,
+                tolerance: options.p_max_tolerance,
+            });
+        }
+        forces = lumped_forces(&mesh, &state);
+        patch = pressure.patch;
+        cells = (cells * REFINEMENT).round();
+    }
+    unreachable!("the loop ends by accuracy or by its limit of unknowns")
+}
+
+/// What one mesh says.
+#[derive(Clone, Copy, Debug)]
+struct Raw {
+    cells: f64,
+    p_max: f64,
+    approach: f64,
+}
+
+/// Peak pressure and approach in the limit of fine meshes, from two similar meshes.
+///
+/// Similar meshes (the same zones, all spacings in proportion) have errors c h^2 + higher terms, so that
+/// p = p2 + (p2 - p1) / (r^2 - 1) with r the ratio of their resolutions (L. F. Richardson, 1911).
+#[derive(Clone, Copy, Debug)]
+struct Extrapolation {
+    p_max: f64,
+    error: f64,
+    approach: f64,
+}
+
+impl Extrapolation {
+    /// Share of the extrapolation's step that is reported as error: on the closed forms that the tests compare
+    /// with it holds the true error.
+    const SHARE: f64 = 0.4;
+    /// Scatter of the peak pressure with the place of the rim between nodes, times the square of the cells.
+    const SCATTER: f64 = 0.03;
+
+    fn new(coarse: Raw, fine: Raw) -> Self {
+        let divisor = (fine.cells / coarse.cells).powi(2) - 1.0;
+        let step = (fine.p_max - coarse.p_max) / divisor;
+        Extrapolation {
+            p_max: fine.p_max + step,
+            error: Self::SHARE * step.abs()
+                + Self::SCATTER / (fine.cells * fine.cells) * fine.p_max,
+            approach: fine.approach + (fine.approach - coarse.approach) / divisor,
+        }
+    }
+}
+
+/// Cells of the first of two meshes whose extrapolation should meet the tolerance on a smooth contact.
+fn first_resolution(tolerance: f64) -> f64 {
+    (0.21 / tolerance.sqrt()).ceil().clamp(4.0, 16.0)
+}
+
+/// Ranges of the numbers in a problem.
+fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
+    let out = |name, value, expected| {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            expected,
+        })
+    };
+    let ice = &problem.ice;
+    if !(ice.youngs_modulus > 0.0 && ice.youngs_modulus.is_finite()) {
+        return out(
+            "ice Young's modulus",
+            ice.youngs_modulus,
+            "a positive number of Pa",
+        );
+    }
+    if !(ice.poissons_ratio > -1.0 && ice.poissons_ratio < 0.5) {
+        return out(
+            "ice Poisson's ratio",
+            ice.poissons_ratio,
+            "more than -1 and less than 0.5",
+        );
+    }
+    if let Foundation::RigidBed { thickness } = ice.foundation
+        && !(thickness > 0.0 && thickness.is_finite())
+    {
+        return out("ice thickness", thickness, "a positive number of m");
+    }
+    if let Some(hardness) = ice.hardness
+        && !(hardness > 0.0 && hardness.is_finite())
+    {
+        return out("ice hardness", hardness, "a positive number of Pa");
+    }
+    if !problem.track_curvature.is_finite() {
+        return out(
+            "track curvature",
+            problem.track_curvature,
+            "a finite number of 1/m",
+        );
+    }
+    match problem.load {
+        Load::Force { fz, .. } if !(fz > 0.0 && fz.is_finite()) => {
+            return out("normal force", fz, "a positive number of N");
+        }
+        Load::Approach { approach, .. } if !(approach > 0.0 && approach.is_finite()) => {
+            return out("approach", approach, "a positive number of m");
+        }
+        _ => {}
+    }
+    if !(options.p_max_tolerance > 0.0 && options.p_max_tolerance.is_finite()) {
+        return out(
+            "accuracy of the peak pressure",
+            options.p_max_tolerance,
+            "a positive number",
+        );
+    }
+    Material::new(ice.youngs_modulus, ice.poissons_ratio).map_err(|_| Error::OutOfRange {
+        name: "ice material",
+        value: ice.youngs_modulus,
+        expected: "an elastic solid",
+    })
+}
+
+/// Contact forces as they are known so far, on the plane they were found on.
+struct Forces {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    force: Vec<f64>,
+    symmetry: [bool; 2],
+}
+
+/// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it finds.
+fn scout(problem: &Problem, gap: &Gap, material: Material) -> Result<(Patch, Forces), Error> {
+    let mut patch = first_guess(problem, gap);
+    for _ in 0..20 {
+        let mesh = discretise(problem, gap, material, &patch, SCOUTING);
+        let level = &mesh.level;
+        capacity(problem, level)?;
+        let [_, scaled] = level.greens();
+        let start = PlaneState {
+            force: vec![0.0; level.candidates.len()],
+            motion: [patch.motion, 0.0, 0.0],
+            settled: false,
+        };
+        let base: Vec<f64> = level.candidates.iter().map(|&n| level.gap[n]).collect();
+        let found = level.plane_contact(&scaled, &base, start);
+        let mut force = vec![0.0; level.gap.len()];
+        for (&node, f) in level.candidates.iter().zip(&found.force) {
+            force[node] = *f;
+        }
+        let state = State {
+            displacement: Vec::new(),
+            force,
+            motion: found.motion,
+        };
+        let next = field(&mesh, problem).of(&state).patch;
+        let settled = similar(&patch, &next);
+        patch = next;
+        if settled {
+            return Ok((patch, lumped_forces(&mesh, &state)));
+        }
+    }
+    Err(Error::NotConverged {
+        iterations: 20,
+        residual: f64::INFINITY,
+        tolerance: 0.15,
+    })
+}
+
+/// Whether a grid made for one patch resolves the other.
+fn similar(a: &Patch, b: &Patch) -> bool {
+    let close = |a: [f64; 2], b: [f64; 2]| {
+        let length = a[1] - a[0];
+        (a[0] - b[0]).abs() < 0.15 * length
+            && (a[1] - b[1]).abs() < 0.15 * length
+            && (b[1] - b[0]) > 0.75 * length
+    };
+    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(*a, *b)) && close(a.y, b.y)
+}
+
+/// Refuses a load that the hull cannot pass on at the stated hardness.
+fn capacity(problem: &Problem, level: &Level) -> Result<(), Error> {
+    let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
+        return Ok(());
+    };
+    let [x0, x1, y0, y1] = problem.runner.underside.extent();
+    let capacity = hardness * (x1 - x0) * (y1 - y0);
+    let _ = level;
+    if capacity <= fz {
+        Err(Error::BeyondHardness { fz, capacity })
+    } else {
+        Ok(())
+    }
+}
+
+/// The patch that a pressure field covers.
+fn found_patch(field: &PressureField, pressure: &[f64], motion: f64) -> Patch {
+    let x = merged(field.chords_along(pressure), field.symmetry[0]);
+    let y = merged(field.chords_across(pressure), field.symmetry[1]);
+    let y = match (y.first(), y.last()) {
+        (Some(first), Some(last)) => [first[0], last[1]],
+        _ => [0.0; 2],
+    };
+    Patch { x, y, motion }
+}
+
+/// The union of the stretches on all lines; whole where a mirror plane cuts one.
+///
+/// Stretches closer together than a fifth of the longer one count as one: their grids would merge anyway.
+fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<[f64; 2]> {
+    let mut all: Vec<[f64; 2]> = chords.into_iter().flatten().collect();
+    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut merged: Vec<[f64; 2]> = Vec::new();
+    for stretch in all {
+        match merged.last_mut() {
+            Some(last)
+                if stretch[0] - last[1]
+                    < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) =>
+            {
+                last[1] = last[1].max(stretch[1]);
+            }
+            _ => merged.push(stretch),
+        }
+    }
+    if symmetric
+        && let Some(first) = merged.first_mut()
+        && first[0] == 0.0
+    {
+        first[0] = -first[1];
+    }
+    merged
+}
+
+/// Solves on one mesh, beginning with the contact on the plane alone.
+fn solve_level(
+    problem: &Problem,
+    material: Material,
+    mesh: &Discretisation,
+    patch: &Patch,
+    forces: &Forces,
+    options: &Options,
+) -> Result<(State, Progress), Error> {
+    let level = &mesh.level;
+    let mut displacement = vec![0.0; level.len()];
+    if problem.ice.foundation == Foundation::HalfSpace {
+        let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
+        prescribe(
+            &mesh.grid,
+            mesh.symmetry,
+            material,
+            &lumps,
+            &mut displacement,
+        );
+    }
+    let greens = level.greens();
+    let base: Vec<f64> = level.candidates.iter().map(|&n| level.gap[n]).collect();
+    let start = PlaneState {
+        force: vec![0.0; level.candidates.len()],
+        motion: [patch.motion, 0.0, 0.0],
+        settled: false,
+    };
+    let found = level.plane_contact(&greens[1], &base, start);
+    let mut force = vec![0.0; level.gap.len()];
+    for (&node, f) in level.candidates.iter().zip(&found.force) {
+        force[node] = *f;
+    }
+    let mut state = State {
+        displacement,
+        force,
+        motion: found.motion,
+    };
+    let limit = 1000;
+    let progress = level.solve(&mut state, &greens, options.residual, limit);
+    if !progress.converged {
+        return Err(Error::NotConverged {
+            iterations: progress.iterations,
+            residual: progress.residual,
+            tolerance: options.residual,
+        });
+    }
+    Ok((state, progress))
+}
+
+fn lumped_forces(mesh: &Discretisation, state: &State) -> Forces {
+    Forces {
+        x: mesh.grid.x.clone(),
+        y: mesh.grid.y.clone(),
+        force: state.force.clone(),
+        symmetry: mesh.symmetry,
+    }
+}
+
+/// Pressures and figures of a state.
+struct Pressure {
+    values: Vec<f64>,
+    figures: Figures,
+    patch: Patch,
+}
+
+struct Field<'a> {
+    mesh: &'a Discretisation,
+    hardness: f64,
+}
+
+fn field<'a>(mesh: &'a Discretisation, problem: &Problem) -> Field<'a> {
+    Field {
+        mesh,
+        hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
+    }
+}
+
+impl Field<'_> {
+    fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
+        let operator = &self.mesh.level.bodies[0].operator;
+        PressureField {
+            x: &self.mesh.grid.x,
+            y: &self.mesh.grid.y,
+            force: &state.force,
+            lumped: [&operator.axes[0].lumped_mass, &operator.axes[1].lumped_mass],
+            symmetry: self.mesh.symmetry,
+            hardness: self.hardness,
+        }
+    }
+
+    fn of(&self, state: &State) -> Pressure {
+        let field = self.pressure_field(state);
+        let values = field.pressures();
+        let figures = field.figures(&values);
+        let patch = found_patch(&field, &values, state.motion[0]);
+        Pressure {
+            values,
+            figures,
+            patch,
+        }
+    }
+}
+
+fn report(
+    level: usize,
+    dofs: usize,
+    progress: &Progress,
+    p_max: f64,
+    history: &mut Vec<Iterate>,
+    options: &Options,
+) {
+    for update in &progress.updates {
+        let iterate = Iterate {
+            level,
+            dofs,
+            contact_nodes: update.contact_nodes,
+            iterations: update.iterations,
+            residual: update.residual,
+            p_max,
+        };
+        if let Some(callback) = &options.progress {
+            callback(&iterate);
+        }
+        history.push(iterate);
+    }
+}
+
+#[allow(clippy::too_many_arguments)]
+fn solution(
+    problem: &Problem,
+    gap: &Gap,
+    mesh: Discretisation,
+    state: State,
+    progress: Progress,
+    pressure: Pressure,
+    limit: Extrapolation,
+    dofs: usize,
+    history: Vec<Iterate>,
+) -> Solution {
+    let Pressure {
+        values, figures, ..
+    } = pressure;
+    let share = mesh
+        .symmetry
+        .iter()
+        .map(|&s| if s { 0.5 } else { 1.0 })
+        .product::<f64>();
+    let fz = mesh.level.resultant(&state)[0] / share;
+    let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
+    let gaps = mesh.level.gaps(&state);
+    let closing = mesh.level.closing(&state.displacement);
+    let surface = unfold(
+        &mesh.grid.x,
+        &mesh.grid.y,
+        mesh.symmetry,
+        [values, gaps, closing],
+    );
+    let depth = mesh.level.depth(&state);
+    let kkt_residual = kkt(&mesh.level, &state, &progress, problem, depth);
+    let nodes = mesh.grid.node_count();
+    let u = &state.displacement;
+    let displacement = (0..nodes)
+        .map(|n| [u[n], u[nodes + n], u[2 * nodes + n]])
+        .collect();
+    Solution {
+        p_max: limit.p_max,
+        p_max_error: limit.error,
+        p_mean: fz / figures.area,
+        area: figures.area,
+        length: figures.length,
+        width: figures.width,
+        approach: limit.approach,
+        pitch,
+        roll,
+        fz,
+        kkt_residual,
+        dofs,
+        iterations: progress.iterations,
+        history,
+        surface,
+        volume: VolumeField {
+            grid: mesh.grid,
+            displacement,
+            youngs_modulus: problem.ice.youngs_modulus,
+            poissons_ratio: problem.ice.poissons_ratio,
+        },
+        symmetry: mesh.symmetry,
+    }
+}
+
+/// Largest relative violation: equilibrium, balance, tension, penetration.
+fn kkt(level: &Level, state: &State, progress: &Progress, problem: &Problem, depth: f64) -> f64 {
+    let largest = state
+        .force
+        .iter()
+        .fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
+    let tension = state.force.iter().fold(0.0f64, |m, f| m.max(-f)) / largest;
+    let penetration = level
+        .gaps(state)
+        .iter()
+        .zip(&state.force)
+        .zip(&level.bound)
+        .fold(
+            0.0f64,
+            |m, ((g, f), b)| {
+                if *f >= *b { m } else { m.max(-g) }
+            },
+        )
+        / depth;
+    let balance = match problem.load {
+        Load::Force { .. } => {
+            let wanted = level.motion.balance[0];
+            (level.resultant(state)[0] - wanted).abs() / wanted
+        }
+        Load::Approach { .. } => 0.0,
+    };
+    [progress.residual, tension, penetration, balance]
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+/// Mirrors plane fields over the symmetry planes.
+fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 3]) -> SurfaceField {
+    let whole = |nodes: &[f64], symmetric: bool| -> (Vec<f64>, Vec<usize>) {
+        if !symmetric {
+            return (nodes.to_vec(), (0..nodes.len()).collect());
+        }
+        let mirrored = (1..nodes.len()).rev().map(|i| (-nodes[i], i));
+        mirrored
+            .chain((0..nodes.len()).map(|i| (nodes[i], i)))
+            .unzip()
+    };
+    let (xs, is) = whole(x, symmetry[0]);
+    let (ys, js) = whole(y, symmetry[1]);
+    let spread = |values: &[f64]| -> Vec<f64> {
+        js.iter()
+            .flat_map(|&j| is.iter().map(move |&i| values[j * x.len() + i]))
+            .collect()
+    };
+    let [pressure, gap, uz] = fields.map(|f| spread(&f));
+    SurfaceField {
+        x: xs,
+        y: ys,
+        pressure,
+        gap,
+        uz,
+    }
+}

@@ -1,0 +1,193 @@
+//! A first guess of the patch from the undeformed gap alone.
+
+use kufe_mesh::Underside;
+
+use crate::gap::Gap;
+use crate::{Load, Problem};
+
+/// Where contact is expected: intervals along x, one interval across, and the approach.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Patch {
+    /// Stretches along the runner, in order [m].
+    pub x: Vec<[f64; 2]>,
+    /// Stretch across the runner [m].
+    pub y: [f64; 2],
+    /// The runner's motion towards the track at which the patch is expected: approach plus the lowest gap [m].
+    pub motion: f64,
+}
+
+impl Patch {
+    /// From its first to its last point along x [m].
+    pub fn span_x(&self) -> [f64; 2] {
+        let ends = self
+            .x
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |e, i| {
+                [e[0].min(i[0]), e[1].max(i[1])]
+            });
+        if ends[0] <= ends[1] { ends } else { [0.0; 2] }
+    }
+}
+
+/// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that
+/// E* d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor of 2.
+pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
+    let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
+    let stations = Stations::new(problem.runner.underside.as_ref(), gap);
+    match problem.load {
+        Load::Approach { approach, .. } => stations.cut(gap, approach.max(1e-12)),
+        Load::Force { fz, .. } => {
+            let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                let depth = middle.exp();
+                let patch = stations.cut(gap, depth);
+                let length: f64 = patch.x.iter().map(|i| i[1] - i[0]).sum();
+                let force = contact_modulus * depth * (length * (patch.y[1] - patch.y[0])).sqrt();
+                if force < fz {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            stations.cut(gap, (0.5 * (low + high)).exp())
+        }
+    }
+}
+
+/// Sampled lines along and across the hull.
+struct Stations {
+    along: Vec<[f64; 2]>,
+    lowest: f64,
+    y0: f64,
+    y_range: [f64; 2],
+}
+
+impl Stations {
+    /// Samples the gap on the line along x through the line of action, denser near it.
+    fn new(underside: &dyn Underside, gap: &Gap) -> Self {
+        let extent = underside.extent();
+        let [x0, y0] = gap.line_of_action;
+        let reach = |end: f64, from: f64| {
+            if end.is_finite() {
+                end - from
+            } else {
+                end.signum() * 2.0
+            }
+        };
+        let (back, front) = (reach(extent[0], x0), reach(extent[1], x0));
+        let mut offsets: Vec<f64> = Vec::new();
+        for i in 0..=400 {
+            let t = i as f64 / 400.0;
+            offsets.push(front * t.powi(3));
+            offsets.push(back * t.powi(3));
+            offsets.push(front * t);
+            offsets.push(back * t);
+        }
+        offsets.sort_by(f64::total_cmp);
+        offsets.dedup();
+        let y_range = [
+            if extent[2].is_finite() {
+                extent[2]
+            } else {
+                y0 - 2.0
+            },
+            if extent[3].is_finite() {
+                extent[3]
+            } else {
+                y0 + 2.0
+            },
+        ];
+        let along: Vec<[f64; 2]> = offsets
+            .iter()
+            .map(|d| [x0 + d, lowest_across(gap, x0 + d, y0, y_range)])
+            .filter(|s| s[1].is_finite())
+            .collect();
+        let lowest = along.iter().map(|s| s[1]).fold(f64::INFINITY, f64::min);
+        let along = along.iter().map(|s| [s[0], s[1] - lowest]).collect();
+        Stations {
+            along,
+            lowest,
+            y0,
+            y_range,
+        }
+    }
+
+    /// The part of the hull within `depth` of its lowest point.
+    fn cut(&self, gap: &Gap, depth: f64) -> Patch {
+        let mut x: Vec<[f64; 2]> = Vec::new();
+        let mut inside = false;
+        for pair in self.along.windows(2) {
+            let crossing = || {
+                pair[0][0]
+                    + (pair[1][0] - pair[0][0]) * (depth - pair[0][1]) / (pair[1][1] - pair[0][1])
+            };
+            match (pair[0][1] < depth, pair[1][1] < depth) {
+                (true, true) if !inside => {
+                    x.push([pair[0][0], pair[1][0]]);
+                    inside = true;
+                }
+                (true, true) => {
+                    if let Some(last) = x.last_mut() {
+                        last[1] = pair[1][0];
+                    }
+                }
+                (true, false) => {
+                    let end = crossing();
+                    match x.last_mut() {
+                        Some(last) if inside => last[1] = end,
+                        _ => x.push([pair[0][0], end]),
+                    }
+                    inside = false;
+                }
+                (false, true) => {
+                    x.push([crossing(), pair[1][0]]);
+                    inside = true;
+                }
+                (false, false) => {}
+            }
+        }
+        let deepest = self
+            .along
+            .iter()
+            .min_by(|a, b| a[1].total_cmp(&b[1]))
+            .map_or(0.0, |s| s[0]);
+        let width = |sign: f64| {
+            let end = if sign > 0.0 {
+                self.y_range[1]
+            } else {
+                self.y_range[0]
+            } - self.y0;
+            let below = |d: f64| gap.at(deepest, self.y0 + d) - self.lowest < depth;
+            let (mut low, mut high) = (1e-9f64.min(end.abs()), end.abs());
+            if below(sign * high) {
+                return end;
+            }
+            for _ in 0..60 {
+                let middle = (low * high).sqrt();
+                if below(sign * middle) {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            sign * high
+        };
+        Patch {
+            x,
+            y: [self.y0 + width(-1.0), self.y0 + width(1.0)],
+            motion: depth + self.lowest,
+        }
+    }
+}
+
+/// Lowest gap on the line across at `x`: golden-section search on a curve with one valley.
+fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
+    let here = gap.at(x, y0);
+    if here.is_finite() {
+        return here;
+    }
+    (1..40)
+        .map(|i| gap.at(x, range[0] + (range[1] - range[0]) * f64::from(i) / 40.0))
+        .fold(f64::INFINITY, f64::min)
+}

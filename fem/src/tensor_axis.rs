@@ -1,0 +1,207 @@
+//! One axis of a tensor grid: the 1-D matrices of linear elements and their eigenvectors.
+
+use faer::linalg::solvers::SelfAdjointEigen;
+use faer::{Mat, Side};
+
+/// A tridiagonal matrix by rows: `(below, on, above)` the diagonal.
+///
+/// The first row's `below` and the last row's `above` are 0.
+pub type Tridiagonal = Vec<[f64; 3]>;
+
+/// The 1-D matrices of linear elements on graded nodes.
+///
+/// With hat functions phi_i on the nodes: stiffness K_ij = int phi_i' phi_j', mass
+/// M_ij = int phi_i phi_j, gradient D_ij = int phi_i' phi_j (which does not depend on the spacing),
+/// and the lumped mass m_i = int phi_i.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Node coordinates, strictly increasing [m].
+    pub nodes: Vec<f64>,
+    /// K, [1/m].
+    pub stiffness: Tridiagonal,
+    /// M, [m].
+    pub mass: Tridiagonal,
+    /// D, dimensionless.
+    pub gradient: Tridiagonal,
+    /// D transposed.
+    pub gradient_transposed: Tridiagonal,
+    /// Row sums of M, [m].
+    pub lumped_mass: Vec<f64>,
+}
+
+impl Axis {
+    /// Assembles the matrices.
+    ///
+    /// # Panics
+    /// Where there are fewer than two nodes or they do not increase: grids are made, not read.
+    pub fn new(nodes: &[f64]) -> Self {
+        let n = nodes.len();
+        assert!(
+            n >= 2 && nodes.windows(2).all(|w| w[1] > w[0]),
+            "axis nodes must increase: {n} nodes"
+        );
+        let mut axis = Axis {
+            nodes: nodes.to_vec(),
+            stiffness: vec![[0.0; 3]; n],
+            mass: vec![[0.0; 3]; n],
+            gradient: vec![[0.0; 3]; n],
+            gradient_transposed: vec![[0.0; 3]; n],
+            lumped_mass: vec![0.0; n],
+        };
+        for e in 0..n - 1 {
+            let h = nodes[e + 1] - nodes[e];
+            add_element(
+                &mut axis.stiffness,
+                e,
+                [[1.0 / h, -1.0 / h], [-1.0 / h, 1.0 / h]],
+            );
+            add_element(&mut axis.mass, e, [[h / 3.0, h / 6.0], [h / 6.0, h / 3.0]]);
+            add_element(&mut axis.gradient, e, [[-0.5, -0.5], [0.5, 0.5]]);
+            add_element(&mut axis.gradient_transposed, e, [[-0.5, 0.5], [-0.5, 0.5]]);
+            axis.lumped_mass[e] += h / 2.0;
+            axis.lumped_mass[e + 1] += h / 2.0;
+        }
+        axis
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Never: an axis has at least two nodes.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Solves K q = theta M q on the nodes that `fixed` (low end, high end) leaves free.
+    pub fn modes(&self, fixed: [bool; 2]) -> AxisModes {
+        let n = self.len();
+        let first = usize::from(fixed[0]);
+        let free = n - first - usize::from(fixed[1]);
+        // M is symmetric positive definite: with D = diag(M)^(-1/2) the scaled problem is well
+        // conditioned however graded the axis is, and its Cholesky factor is bidiagonal.
+        let scale: Vec<f64> = (0..free)
+            .map(|i| self.mass[first + i][1].sqrt().recip())
+            .collect();
+        let mut diagonal = vec![0.0; free];
+        let mut below = vec![0.0; free];
+        for i in 0..free {
+            if i > 0 {
+                let off = self.mass[first + i][0] * scale[i] * scale[i - 1];
+                below[i] = off / diagonal[i - 1];
+            }
+            diagonal[i] = (1.0 - below[i] * below[i]).sqrt();
+        }
+        // A = L^-1 (D K D) L^-T, column by column.
+        let scaled = |i: usize, j: usize| -> f64 {
+            if i.abs_diff(j) > 1 {
+                0.0
+            } else {
+                self.stiffness[first + i][1 + j - i] * scale[i] * scale[j]
+            }
+        };
+        let mut a = Mat::<f64>::zeros(free, free);
+        for j in 0..free {
+            let mut previous = 0.0;
+            for i in 0..free {
+                let value = (scaled(i, j) - below[i] * previous) / diagonal[i];
+                a[(i, j)] = value;
+                previous = value;
+            }
+        }
+        for i in 0..free {
+            let mut previous = 0.0;
+            for j in 0..free {
+                let value = (a[(i, j)] - below[j] * previous) / diagonal[j];
+                a[(i, j)] = value;
+                previous = value;
+            }
+        }
+        for j in 0..free {
+            for i in 0..j {
+                let mean = 0.5 * (a[(i, j)] + a[(j, i)]);
+                a[(i, j)] = mean;
+                a[(j, i)] = mean;
+            }
+        }
+        let eigen = SelfAdjointEigen::new(a.as_ref(), Side::Lower)
+            .unwrap_or_else(|_| panic!("eigenvalues of a {free} x {free} axis did not converge"));
+        let mut vectors = Mat::<f64>::zeros(n, free);
+        let q = eigen.U();
+        for m in 0..free {
+            let mut next = 0.0;
+            for i in (0..free).rev() {
+                let coupling = if i + 1 < free {
+                    below[i + 1] * next
+                } else {
+                    0.0
+                };
+                next = (q[(i, m)] - coupling) / diagonal[i];
+                vectors[(first + i, m)] = next * scale[i];
+            }
+        }
+        let values = (0..free).map(|m| eigen.S()[m].max(0.0)).collect();
+        AxisModes { values, vectors }
+    }
+}
+
+/// Eigenpairs of one axis: K q = theta M q with q^T M q = 1.
+#[derive(Clone, Debug)]
+pub struct AxisModes {
+    /// theta, increasing [1/m2].
+    pub values: Vec<f64>,
+    /// One column a mode, one row a node; rows of fixed nodes are 0.
+    pub vectors: Mat<f64>,
+}
+
+fn add_element(matrix: &mut Tridiagonal, e: usize, element: [[f64; 2]; 2]) {
+    matrix[e][1] += element[0][0];
+    matrix[e][2] += element[0][1];
+    matrix[e + 1][0] += element[1][0];
+    matrix[e + 1][1] += element[1][1];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_mass_orthonormal_and_diagonalise_the_stiffness_on_a_graded_axis() {
+        let mut nodes = vec![0.0];
+        let mut h = 1e-5;
+        while nodes.len() < 40 {
+            nodes.push(nodes[nodes.len() - 1] + h);
+            h *= 1.3;
+        }
+        let axis = Axis::new(&nodes);
+        let modes = axis.modes([false, true]);
+        let times = |matrix: &Tridiagonal, m: usize| -> Vec<f64> {
+            (0..axis.len())
+                .map(|i| {
+                    let at = |j: usize| modes.vectors[(j, m)];
+                    let mut sum = matrix[i][1] * at(i);
+                    if i > 0 {
+                        sum += matrix[i][0] * at(i - 1);
+                    }
+                    if i + 1 < axis.len() {
+                        sum += matrix[i][2] * at(i + 1);
+                    }
+                    sum
+                })
+                .collect()
+        };
+        let top = modes.values[modes.values.len() - 1];
+        for m in 0..modes.values.len() {
+            let (mq, kq) = (times(&axis.mass, m), times(&axis.stiffness, m));
+            for l in 0..modes.values.len() {
+                let dot = |v: &[f64]| -> f64 {
+                    (0..axis.len()).map(|i| modes.vectors[(i, l)] * v[i]).sum()
+                };
+                let expected = f64::from(u8::from(l == m));
+                assert!((dot(&mq) - expected).abs() < 1e-10);
+                assert!((dot(&kq) - expected * modes.values[m]).abs() < 1e-12 * top);
+            }
+        }
+    }
+}
