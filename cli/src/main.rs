@@ -4,13 +4,18 @@ mod case_file;
 mod completions;
 mod doctor;
 mod failure;
+mod friction;
+mod hermite;
+mod icehouse;
 mod info;
 mod init;
 mod outline;
 mod output;
+mod press;
 mod pressure_exr;
 mod pressure_map;
 mod pressure_png;
+mod rim;
 mod staging;
 
 use std::process::ExitCode;
@@ -40,10 +45,16 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Solve one contact problem and write its pressure map
+    Press(press::Args),
     /// Say what a file holds
     Info(info::Args),
     /// Write a commented case to start from
     Init(init::Args),
+    /// Friction of a case, or the fit of friction over pressure
+    Friction(friction::Args),
+    /// Coefficient of friction by specimen from gliding runs
+    Icehouse(icehouse::Args),
     /// Say what this machine offers
     Doctor(doctor::Args),
     /// Print a shell's completion script
@@ -56,8 +67,11 @@ fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;
     global.apply()?;
     match command {
+        Command::Press(args) => press::run(&args, &global),
         Command::Info(args) => info::run(&args, &global),
         Command::Init(args) => init::run(&args, &global),
+        Command::Friction(args) => friction::run(&args, &global),
+        Command::Icehouse(args) => icehouse::run(&args, &global),
         Command::Doctor(args) => doctor::run(&args, &global),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, &global, Cli::command()),

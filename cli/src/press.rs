@@ -2,7 +2,6 @@
 
 mod result;
 mod summary;
-mod volume;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -104,7 +103,7 @@ fn write_files(
     document: &serde_json::Value,
 ) -> Result<(), Failure> {
     use std::io::Write;
-    let map = PressureMap::new(&pressed.solution.surface);
+    let map = PressureMap::of(&pressed.solution);
     staging.write("result.json", |mut file| writeln!(file, "{document:#}"))?;
     staging.write("pressure.exr", |file| {
         let curvature = pressed.problem.track_curvature;
@@ -112,6 +111,5 @@ fn write_files(
     })?;
     let title = summary::title(&pressed.solution);
     pressure_png::write(&staging.path("pressure.png"), &map, &title)
-        .map_err(|error| staging.failure("pressure.png", &error))?;
-    staging.write("field.vtu", |file| volume::write(file, &pressed.solution.volume))
+        .map_err(|error| staging.failure("pressure.png", &error))
 }

@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn an_exr_gives_back_its_channels_and_its_place() -> Result<(), Box<dyn std::error::Error>> {
-        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6));
+        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6);
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
         write(file.as_file(), &map, 1000.0, 0.0)?;
         let image = read_first_flat_layer_from_file(file.path())?;

@@ -1,6 +1,9 @@
 //! The contact's fields on a regular grid of pixels.
 
-use kufe_contact::SurfaceField;
+use kufe_contact::{Solution, SurfaceField};
+
+use crate::hermite::Hermite;
+use crate::rim::squared_pressure;
 
 /// Pixels across the whole window, along each axis.
 const FEWEST: usize = 384;
@@ -8,7 +11,7 @@ const MOST: usize = 3072;
 /// Width of the empty frame around the contact, relative to the contact's extent.
 const MARGIN: f64 = 0.25;
 
-/// Pressure, gap and displacement as averages over the pixels of a regular grid.
+/// Pressure, gap and displacement on the pixels of a regular grid.
 ///
 /// Arrays are `ny` rows of `nx`; column `i` is at `x0 + i dx`, row `j` at `y0 + j dy` (pixel centres).
 #[derive(Clone, Debug, PartialEq)]
@@ -34,12 +37,16 @@ pub struct PressureMap {
 }
 
 impl PressureMap {
-    /// Averages of the bilinear fields over pixels in a window around the contact.
+    /// The map of a solved contact.
+    pub fn of(solution: &Solution) -> PressureMap {
+        PressureMap::new(&solution.surface, solution.fz, solution.p_max)
+    }
+
+    /// The fields in a window around the contact; the pressure carries the force `fz` [N] and peaks at `p_max` [Pa].
     ///
-    /// The average of a hat function over a pixel is exact, so the map carries the same force as
-    /// the nodes: `sum p dx dy = sum p_ij A_ij` with `A_ij` the nodes' trapezoidal areas.
+    /// Gap and displacement are averages of the bilinear fields over the pixels; see [`pressure`] for the pressure.
     /// Where nothing touches, the window is the whole field.
-    pub fn new(field: &SurfaceField) -> PressureMap {
+    pub fn new(field: &SurfaceField, fz: f64, p_max: f64) -> PressureMap {
         let columns = field.x.len();
         let touches = |i: usize, j: usize| field.pressure[j * columns + i] > 0.0;
         let touched_x: Vec<bool> = (0..columns)
@@ -51,6 +58,7 @@ impl PressureMap {
         let along = Axis::around(&field.x, &touched_x);
         let across = Axis::around(&field.y, &touched_y);
         let average = |values: &[f64]| average(values, columns, &along, &across);
+        let pressure = pressure(field, fz, p_max, &along, &across);
         PressureMap {
             x0: along.first,
             y0: across.first,
@@ -58,8 +66,11 @@ impl PressureMap {
             dy: across.step,
             nx: along.count,
             ny: across.count,
-            pressure: average(&field.pressure),
-            gap: average(&field.gap),
+            pressure,
+            gap: average(&field.gap)
+                .into_iter()
+                .map(|gap| gap.max(0.0))
+                .collect(),
             uz: average(&field.uz),
         }
     }
@@ -103,6 +114,10 @@ struct Axis {
 }
 
 impl Axis {
+    fn centre(&self, pixel: usize) -> f64 {
+        self.first + pixel as f64 * self.step
+    }
+
     /// A window around the touched nodes, its pixels about as fine as the finest cell there.
     fn around(nodes: &[f64], touched: &[bool]) -> Axis {
         let last = nodes.len() - 1;
@@ -182,6 +197,45 @@ fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f
     pixels
 }
 
+/// Pressure at the pixels' centres.
+///
+/// p^2 is interpolated by cubics along x and then along y, and ends at its rim below the cell (see
+/// [`squared_pressure`]). One factor near 1 then makes `sum p dx dy` the force, and nothing exceeds the peak.
+fn pressure(field: &SurfaceField, fz: f64, p_max: f64, along: &Axis, across: &Axis) -> Vec<f64> {
+    let (nodes, columns) = (field.y.len(), along.count);
+    let squared = squared_pressure(field);
+    let mut by_rows = vec![f64::NAN; nodes * columns];
+    for (row, out) in squared
+        .chunks_exact(field.x.len())
+        .zip(by_rows.chunks_exact_mut(columns))
+    {
+        let line = Hermite::new(&field.x, row);
+        out.iter_mut()
+            .enumerate()
+            .for_each(|(i, value)| *value = line.at(along.centre(i)));
+    }
+    let mut pressure = vec![0.0; columns * across.count];
+    let mut column = vec![0.0; nodes];
+    for i in 0..columns {
+        column
+            .iter_mut()
+            .enumerate()
+            .for_each(|(j, value)| *value = by_rows[j * columns + i]);
+        let line = Hermite::new(&field.y, &column);
+        for j in 0..across.count {
+            // A gap's NaN loses against zero.
+            pressure[j * columns + i] = line.at(across.centre(j)).max(0.0).sqrt();
+        }
+    }
+    let carried = pressure.iter().sum::<f64>() * along.step * across.step;
+    if carried > 0.0 {
+        pressure
+            .iter_mut()
+            .for_each(|value| *value = (*value * fz / carried).min(p_max));
+    }
+    pressure
+}
+
 #[cfg(test)]
 pub mod tests {
     use super::*;
@@ -220,26 +274,21 @@ pub mod tests {
     }
 
     #[test]
-    fn the_map_carries_the_force_of_the_nodes() {
-        let field = ellipse(0.025, 0.14e-3, 138.5e6);
-        let map = PressureMap::new(&field);
-        let halves = |nodes: &[f64]| -> Vec<f64> {
-            (0..nodes.len())
-                .map(|i| {
-                    let right = nodes[(i + 1).min(nodes.len() - 1)];
-                    0.5 * (right - nodes[i.saturating_sub(1)])
-                })
-                .collect()
-        };
-        let (wx, wy) = (halves(&field.x), halves(&field.y));
-        let nodes: f64 = (0..field.pressure.len())
-            .map(|k| field.pressure[k] * wx[k % field.x.len()] * wy[k / field.x.len()])
-            .sum();
-        let pixels: f64 = map.pressure.iter().sum::<f64>() * map.dx * map.dy;
-        assert!((pixels / nodes - 1.0).abs() < 1e-12, "{pixels} {nodes}");
-        // Hertz: F = 2/3 pi a b p_max; the trapezoidal rule on 40 nodes a half-axis is off by less than a per cent.
-        let hertz = 2.0 / 3.0 * std::f64::consts::PI * 0.025 * 0.14e-3 * 138.5e6;
-        assert!((pixels / hertz - 1.0).abs() < 0.01, "{pixels} {hertz}");
+    fn the_map_of_a_hertz_contact_has_its_force_peak_and_area() {
+        let (a, b, peak) = (0.025, 0.14e-3, 138.5e6);
+        let hertz = 2.0 / 3.0 * std::f64::consts::PI * a * b * peak;
+        let map = PressureMap::new(&ellipse(a, b, peak), hertz, 2.0 * peak);
+        let pixel = map.dx * map.dy;
+        let force: f64 = map.pressure.iter().sum::<f64>() * pixel;
+        assert!((force / hertz - 1.0).abs() < 1e-9, "{force} {hertz}");
+        // The factor that makes the force exact is part of the peak, so the peak checks it.
+        let top = map.pressure.iter().copied().fold(0.0, f64::max);
+        assert!((top / peak - 1.0).abs() < 1e-3, "{top}");
+        let area = map.pressure.iter().filter(|&&p| p > 0.0).count() as f64 * pixel;
+        assert!(
+            (area / (std::f64::consts::PI * a * b) - 1.0).abs() < 0.01,
+            "{area}"
+        );
     }
 
     #[test]
@@ -249,7 +298,7 @@ pub mod tests {
         for (k, value) in field.uz.iter_mut().enumerate() {
             *value = 3.0 * field.x[k % columns] - 2.0 * field.y[k / columns] + 0.5;
         }
-        let map = PressureMap::new(&field);
+        let map = PressureMap::new(&field, 1.0, 1e6);
         // A pixel that lies inside one cell averages to its centre's value exactly; over a kink the
         // hat functions still sum a linear field to the same.
         for j in [0, map.ny / 3, map.ny - 1] {
@@ -263,12 +312,16 @@ pub mod tests {
 
     #[test]
     fn beyond_the_hull_the_gap_is_infinite_and_never_nan() {
-        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 1e6));
+        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 1e6), 1.0, 1e6);
         assert!(map.gap.iter().all(|gap| !gap.is_nan()));
-        let map = PressureMap::new(&SurfaceField {
-            pressure: vec![0.0; ellipse(0.025, 0.14e-3, 1.0).pressure.len()],
-            ..ellipse(0.025, 0.14e-3, 1.0)
-        });
+        let map = PressureMap::new(
+            &SurfaceField {
+                pressure: vec![0.0; ellipse(0.025, 0.14e-3, 1.0).pressure.len()],
+                ..ellipse(0.025, 0.14e-3, 1.0)
+            },
+            0.0,
+            0.0,
+        );
         assert!(map.gap.iter().any(|gap| gap.is_infinite()));
         assert!(map.gap.iter().all(|gap| !gap.is_nan()));
     }

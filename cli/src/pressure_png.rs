@@ -254,7 +254,7 @@ mod tests {
         let path = folder.path().join("pressure.png");
         write(
             &path,
-            &PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6)),
+            &PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6),
             "test",
         )?;
         let bytes = std::fs::read(&path)?;

@@ -1,0 +1,202 @@
+//! `kufe friction fit`: mu over pressure from experiments, in the form of a model file.
+
+use std::fs::File;
+use std::io::{BufReader, Write};
+use std::path::PathBuf;
+
+use kufe_friction::{
+    Experiment, Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn,
+    draw_mu_over_pressure, fit_mu, read_experiments,
+};
+use serde_json::{Value, json};
+
+use super::failure;
+use crate::failure::Failure;
+use crate::output::{Global, say};
+use crate::staging::Staging;
+
+/// Arguments of `kufe friction fit`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Experiments: specimen, p_max_pa, p_max_sd_pa, mu, mu_sd
+    pub experiments: PathBuf,
+    /// Folder for fit.json, friction.toml and mu.png
+    #[arg(long, short, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+    /// Weigh every specimen alike, as the paper does, instead of by both errors
+    #[arg(long)]
+    pub unweighted: bool,
+    /// Largest coefficient of the law (E_x)
+    #[arg(long, value_name = "MU", default_value_t = PressureLaw::PUBLISHED.mu_cap)]
+    pub mu_cap: f64,
+    /// Asperity factor of the law
+    #[arg(long, value_name = "ZETA", default_value_t = 1.0)]
+    pub zeta: f64,
+    /// What the asperity factor multiplies
+    #[arg(long, value_enum, default_value_t = ZetaOn::Mu)]
+    pub zeta_acts_on: ZetaOn,
+    /// Probability that intervals and band are to cover
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    pub confidence: f64,
+}
+
+/// As [`ZetaActsOn`].
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum ZetaOn {
+    /// The coefficient, as in the paper's formula
+    Mu,
+    /// The pressure, as in the paper's text
+    Pressure,
+}
+
+/// Fits and writes.
+///
+/// # Errors
+/// [`Failure::Usage`], [`Failure::BadInput`] for the table and the output, [`Failure::NotConverged`].
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    if !(args.confidence > 0.0 && args.confidence < 1.0) {
+        let text = format!(
+            "--confidence {}: expected above 0, below 1",
+            args.confidence
+        );
+        return Err(Failure::Usage(text));
+    }
+    let name = args.experiments.display().to_string();
+    let file = File::open(&args.experiments)
+        .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
+    let experiments =
+        read_experiments(&name, BufReader::new(file)).map_err(|error| failure(&error))?;
+    let weighting = if args.unweighted {
+        Weighting::None
+    } else {
+        Weighting::Both
+    };
+    let fit = fit_mu(&experiments, weighting, args.confidence)
+        .map_err(|error| prefixed(&name, failure(&error)))?;
+    let acts_on = match args.zeta_acts_on {
+        ZetaOn::Mu => ZetaActsOn::Mu,
+        ZetaOn::Pressure => ZetaActsOn::Pressure,
+    };
+    let law = fit.law(args.mu_cap, args.zeta, acts_on);
+    law.check()
+        .map_err(|error| prefixed(&name, failure(&error)))?;
+    let document = document(&fit, &law, &experiments, args.confidence);
+    let staging = Staging::begin(&args.out)?;
+    staging.remove_on_interrupt();
+    staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;
+    let toml = model_form(&law).map_err(|error| staging.failure("friction.toml", &error))?;
+    staging.write("friction.toml", |mut file| file.write_all(toml.as_bytes()))?;
+    kufe_plot::png(&staging.path("mu.png"), 900, 620, &|root| {
+        draw_mu_over_pressure(&root, &experiments, &fit, &law)
+    })
+    .map_err(|error| staging.failure("mu.png", &error))?;
+    staging.commit()?;
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        say(&summary(&fit, args));
+    }
+    Ok(())
+}
+
+fn prefixed(name: &str, failure: Failure) -> Failure {
+    match failure {
+        Failure::BadInput(text) => Failure::BadInput(format!("{name}: {text}")),
+        Failure::NotConverged(text) => Failure::NotConverged(format!("{name}: {text}")),
+        other => other,
+    }
+}
+
+/// `[friction.longitudinal]` as a model file has it.
+fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
+    let keys = LongitudinalKeys::from(Longitudinal::Pressure(*law));
+    Ok(format!(
+        "[friction.longitudinal]\n{}",
+        toml::to_string(&keys)?
+    ))
+}
+
+fn document(fit: &MuFit, law: &PressureLaw, experiments: &[Experiment], confidence: f64) -> Value {
+    let rows: Vec<Vec<f64>> = (0..3)
+        .map(|i| (0..3).map(|j| fit.covariance[(i, j)]).collect())
+        .collect();
+    let with_interval = |name: &str, value: f64, k: usize| {
+        let half = fit.quantile * fit.covariance[(k, k)].sqrt();
+        (
+            name.to_string(),
+            json!({ "value": value, "low": value - half, "high": value + half }),
+        )
+    };
+    let parameters: serde_json::Map<String, Value> = [
+        with_interval("b", fit.b, 0),
+        with_interval("c", fit.c, 1),
+        with_interval("d", fit.d, 2),
+    ]
+    .into_iter()
+    .collect();
+    let residuals: Vec<Value> = experiments
+        .iter()
+        .map(|e| {
+            let fitted = fit.band(e.p_max_pa);
+            json!({ "specimen": e.specimen, "mu": e.mu, "fitted": fitted.value, "low": fitted.low, "high": fitted.high })
+        })
+        .collect();
+    json!({
+        "parameters": parameters,
+        "unit": "mu in 1e-3, p in MPa: mu = b p^2 - c p + d",
+        "covariance_bcd": rows,
+        "weighting": fit.weighting,
+        "confidence": confidence,
+        "chi2": fit.chi2,
+        "degrees_of_freedom": fit.freedom,
+        "p_value": fit.p_value,
+        "least_friction": fit.least_friction(),
+        "mu_cap": law.mu_cap,
+        "zeta": law.zeta,
+        "zeta_acts_on": law.zeta_acts_on,
+        "specimens": residuals,
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+fn summary(fit: &MuFit, args: &Args) -> String {
+    let sd = |k: usize| fit.covariance[(k, k)].sqrt();
+    let mut text = format!(
+        "mu = 1e-3 (b p^2 - c p + d), p in MPa, {}\n  b  {:8.4} +- {:.4}\n  c  {:8.3} +- {:.3}\n  d  {:8.2} +- {:.2}\n",
+        match fit.weighting {
+            Weighting::Both => "weighted by the errors of mu and p",
+            Weighting::None => "unweighted",
+        },
+        fit.b,
+        sd(0),
+        fit.c,
+        sd(1),
+        fit.d,
+        sd(2),
+    );
+    if let Some(p_value) = fit.p_value {
+        text += &format!(
+            "chi2 {:.2} on {} degrees of freedom, p = {:.3}: {}\n",
+            fit.chi2,
+            fit.freedom,
+            p_value,
+            if p_value < 0.05 {
+                "a quadratic does not describe these data within their stated errors"
+            } else {
+                "nothing left to explain"
+            }
+        );
+    }
+    text += &match fit.least_friction() {
+        Some(least) => format!(
+            "least friction {:.2}e-3 at {:.2} MPa ({:.2} to {:.2})\n",
+            1e3 * least.mu.value,
+            1e-6 * least.p_pa.value,
+            1e-6 * least.p_pa.low,
+            1e-6 * least.p_pa.high,
+        ),
+        None => "the data show no minimum within their errors\n".to_string(),
+    };
+    let out = args.out.display();
+    text + &format!("{out}: fit.json, friction.toml, mu.png\n")
+}

@@ -1,0 +1,239 @@
+//! Friction of one runner under one load: the contact is solved and its peak pressure looked up in the law.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use kufe_contact::{Options, solve};
+use kufe_friction::effects::{Column, Conditions, find};
+use kufe_friction::{Longitudinal, air_density, longitudinal_force};
+use kufe_sled::Model;
+use kufe_sled::effects::{Effects, Kind};
+use serde_json::json;
+
+use crate::case_file::LoadedCase;
+use crate::failure::Failure;
+use crate::output::{Global, say};
+
+/// Arguments of `kufe friction CASE`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The case
+    #[arg(required = true)]
+    pub case: Option<PathBuf>,
+    /// Speed along the track [m/s]
+    #[arg(
+        long,
+        value_name = "M/S",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub speed: Option<f64>,
+    /// Slip angle [rad]
+    #[arg(
+        long,
+        value_name = "RAD",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub alpha: f64,
+    /// Model whose [friction.longitudinal] and [effects] hold; the published law where absent
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Ice temperature [degrees Celsius], for effects that need it
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    pub ice_c: Option<f64>,
+    /// Air temperature [degrees Celsius], for effects that need it
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    pub air_c: Option<f64>,
+    /// Air pressure [Pa], for effects that need it
+    #[arg(long, value_name = "PA")]
+    pub air_pa: Option<f64>,
+    /// Relative humidity [%], for effects that need it
+    #[arg(long, value_name = "PCT")]
+    pub humidity_pct: Option<f64>,
+}
+
+/// Solves and prints.
+///
+/// # Errors
+/// [`Failure::Usage`] for numbers out of range, [`Failure::BadInput`] for the files,
+/// [`Failure::NotConverged`] where the solver stops short.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let (Some(path), Some(speed)) = (&args.case, args.speed) else {
+        return Err(Failure::Usage("a case and --speed are needed".into()));
+    };
+    check(args, speed)?;
+    let (law, effects, drag_area) = model(args)?;
+    let loaded = LoadedCase::read(path)?;
+    let (problem, warnings) = loaded.problem()?;
+    let needs_pressure = law.needs_pressure();
+    let bar = global.progress();
+    bar.set_message("solving the contact");
+    let started = Instant::now();
+    let options = Options {
+        p_max_tolerance: loaded.case.accuracy.p_max,
+        ..Options::default()
+    };
+    let solved = solve(&problem, &options);
+    bar.finish_and_clear();
+    let solution = solved.map_err(|error| loaded.failure(&error))?;
+    for warning in &warnings {
+        eprintln!("kufe: warning: {warning}");
+    }
+    let base = law.mu(solution.p_max);
+    let conditions = conditions(args, speed, solution.fz, drag_area);
+    let (mu, applied, ignored) = with_effects(base, &effects, &conditions)?;
+    let error = match law {
+        Longitudinal::Pressure(law) => law.slope(solution.p_max).abs() * solution.p_max_error,
+        Longitudinal::Fixed(_) => 0.0,
+    };
+    let fx = longitudinal_force(solution.fz, args.alpha, mu);
+    let document = json!({
+        "p_max_pa": solution.p_max,
+        "p_max_error_pa": solution.p_max_error,
+        "fz_n": solution.fz,
+        "mu": mu,
+        "mu_base": base,
+        "mu_error": error,
+        "depends_on_pressure": needs_pressure,
+        "alpha_rad": args.alpha,
+        "fx_n": fx,
+        "v_mps": speed,
+        "power_w": fx * speed,
+        "effects": applied,
+        "effects_not_concerned": ignored,
+        "seconds": started.elapsed().as_secs_f64(),
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    if global.json {
+        say(&format!("{document:#}\n"));
+        return Ok(());
+    }
+    let mut text = format!(
+        "p_max    {:.3} +- {:.3} MPa\nF_z      {:.1} N\nmu       {:.3}e-3 +- {:.3}e-3 (discretisation)\nF_x      {:.3} N at alpha {} rad\npower    {:.1} W at {} m/s\n",
+        solution.p_max * 1e-6,
+        solution.p_max_error * 1e-6,
+        solution.fz,
+        mu * 1e3,
+        error * 1e3,
+        fx,
+        args.alpha,
+        fx * speed,
+        speed,
+    );
+    if !applied.is_empty() {
+        text += &format!(
+            "effects  {} (mu before them {:.3}e-3)\n",
+            applied.join(", "),
+            base * 1e3
+        );
+    }
+    if !ignored.is_empty() {
+        text += &format!("not of the friction coefficient: {}\n", ignored.join(", "));
+    }
+    say(&text);
+    Ok(())
+}
+
+fn check(args: &Args, speed: f64) -> Result<(), Failure> {
+    let told = |name: &str, value: f64, expected: &str| {
+        Err(Failure::Usage(format!(
+            "--{name} {value}: expected {expected}"
+        )))
+    };
+    if !(0.0..=100.0).contains(&speed) {
+        return told("speed", speed, "0 to 100 m/s");
+    }
+    if args.alpha.is_nan() || args.alpha.abs() > std::f64::consts::FRAC_PI_2 {
+        return told(
+            "alpha",
+            args.alpha,
+            "a slip angle in rad within a quarter turn",
+        );
+    }
+    for (name, value) in [("ice-c", args.ice_c), ("air-c", args.air_c)] {
+        if let Some(value) = value.filter(|v| !(-60.0..=60.0).contains(v)) {
+            return told(name, value, "degrees Celsius, -60 to 60");
+        }
+    }
+    if let Some(value) = args.air_pa.filter(|v| !(30e3..=120e3).contains(v)) {
+        return told("air-pa", value, "an air pressure in Pa, 30000 to 120000");
+    }
+    if let Some(value) = args.humidity_pct.filter(|v| !(0.0..=100.0).contains(v)) {
+        return told("humidity-pct", value, "0 to 100");
+    }
+    Ok(())
+}
+
+fn model(args: &Args) -> Result<(Longitudinal, Effects, f64), Failure> {
+    let Some(path) = &args.model else {
+        return Ok((Longitudinal::PUBLISHED, Effects::default(), f64::NAN));
+    };
+    let told =
+        |error: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {error}", path.display()));
+    let model = Model::load(path).map_err(Failure::bad_input)?;
+    let law = model.friction.longitudinal.model().map_err(|e| told(&e))?;
+    let effects = Effects::from_tables(&model.effects).map_err(|e| told(&e))?;
+    Ok((law, effects, model.sled.cda_m2))
+}
+
+fn conditions(args: &Args, speed: f64, fz: f64, drag_area: f64) -> Conditions {
+    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let (air_c, air_pa) = (known(args.air_c), known(args.air_pa));
+    Conditions {
+        t: 0.0,
+        s: 0.0,
+        v: speed,
+        fz,
+        ice_c: known(args.ice_c),
+        air_c,
+        air_pa,
+        humidity_pct: known(args.humidity_pct),
+        distance: 0.0,
+        air_density: air_density(air_pa, air_c),
+        drag_area,
+    }
+}
+
+/// The coefficient after every effect on it, the names of those, and of the model's others.
+fn with_effects(
+    base: f64,
+    effects: &Effects,
+    at: &Conditions,
+) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
+    let (mut mu, mut applied, mut ignored) = (base, Vec::new(), Vec::new());
+    for active in &effects.active {
+        let effect = match active.kind {
+            Kind::Catalogue(_) => find(active.effect_name()),
+            Kind::Custom(_) => None,
+        };
+        let Some(effect) = effect else {
+            ignored.push(active.name.clone());
+            continue;
+        };
+        for column in effect.info().needs {
+            let missing = match column {
+                Column::IceTemperature => at.ice_c.is_nan().then_some("--ice-c"),
+                Column::AirTemperature => at.air_c.is_nan().then_some("--air-c"),
+                Column::AirPressure => at.air_pa.is_nan().then_some("--air-pa"),
+                Column::Humidity => at.humidity_pct.is_nan().then_some("--humidity-pct"),
+                _ => None,
+            };
+            if let Some(option) = missing {
+                return Err(Failure::Usage(format!(
+                    "the model's effect {} needs {option}",
+                    active.name
+                )));
+            }
+        }
+        mu = effect.coefficient(&active.values, mu, at);
+        if mu.is_nan() {
+            return Err(Failure::Usage(format!(
+                "the model's effect {} needs --air-c and --air-pa",
+                active.name
+            )));
+        }
+        applied.push(active.name.clone());
+    }
+    Ok((mu, applied, ignored))
+}
