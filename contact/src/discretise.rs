@@ -4,9 +4,10 @@ use kufe_fem::{HeldFaces, Material, TensorOperator};
 use kufe_mesh::TensorGrid;
 
 use crate::gap::Gap;
-use crate::grading::{Zone, graded_axis};
+use crate::grading::{Start, Zone, graded_axis};
 use crate::level::{Body, Level};
 use crate::motion::Motion;
+use crate::stretch::Stretch;
 use crate::window::Patch;
 use crate::{Foundation, Load, Problem};
 
@@ -50,68 +51,53 @@ pub(crate) fn discretise(
 ) -> Discretisation {
     let symmetry = gap.symmetry();
     let [x_low, x_high] = patch.span_x();
-    let [y_low, y_high] = patch.y;
-    let largest = 0.5 * (x_high - x_low).max(y_high - y_low);
+    let largest = 0.5 * (x_high - x_low).max(2.0 * patch.y.half());
     let (reach, depth) = match problem.ice.foundation {
         Foundation::HalfSpace => (HALF_SPACE_REACH * largest, HALF_SPACE_REACH * largest),
         Foundation::RigidBed { thickness } => (LAYER_REACH * thickness, thickness),
     };
-    let widened = |interval: [f64; 2], axis: usize| {
-        // The rim falls in the middle of a cell, so that all meshes cut it alike.
-        let half = 0.5 * (interval[1] - interval[0]);
-        let spacing = half / resolution.cells;
-        let margin = 0.5 * spacing;
-        let low = if symmetry[axis] && interval[0] <= 0.0 {
-            0.0
-        } else {
-            interval[0] - margin
-        };
-        Zone {
-            low,
-            high: interval[1] + margin,
-            spacing,
-        }
+    let axis = |stretches: &[Stretch], axis: usize| {
+        let zones: Vec<Zone> =
+            stretches.iter().filter_map(|s| widened(s, symmetry[axis], resolution)).collect();
+        let (low, high) = (stretches[0].low, stretches[stretches.len() - 1].high);
+        let start = if symmetry[axis] { Start::At(0.0) } else { Start::Beyond(low - reach) };
+        graded_axis(start, high + reach, &zones, resolution.growth)
     };
-    let x_zones: Vec<Zone> = patch
-        .x
-        .iter()
-        .map(|&interval| widened(interval, 0))
-        .collect();
-    let y_half = 0.5 * (y_high - y_low);
-    let y_zone = widened(patch.y, 1);
-    let axis = |zones: &[Zone], low: f64, high: f64, symmetric: bool| {
-        if symmetric {
-            graded_axis(0.0, high.max(-low) + reach, zones, resolution.growth)
-        } else {
-            graded_axis(low - reach, high + reach, zones, resolution.growth)
-        }
-    };
-    let narrowest = patch
-        .x
-        .iter()
-        .map(|i| 0.5 * (i[1] - i[0]))
-        .fold(y_half, f64::min);
+    let narrowest = patch.x.iter().map(Stretch::half).fold(patch.y.half(), f64::min);
     let z_zone = Zone {
-        low: -EVEN_DEPTH * narrowest,
-        high: 0.0,
+        stretch: Stretch::even(-(EVEN_DEPTH * narrowest).min(depth), 0.0),
         spacing: (narrowest / resolution.cells).min(depth / 4.0),
     };
-    let mut z_axis = graded_axis(-depth, 0.0, &[z_zone], resolution.growth);
+    let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[z_zone], resolution.growth);
     if matches!(problem.ice.foundation, Foundation::RigidBed { .. }) {
-        let scale = -depth / z_axis[0];
-        z_axis.iter_mut().for_each(|z| *z *= scale);
+        let scale = -depth / z[0];
+        z.iter_mut().for_each(|z| *z *= scale);
     }
-    let grid = TensorGrid {
-        x: axis(&x_zones, x_low, x_high, symmetry[0]),
-        y: axis(&[y_zone], y_low, y_high, symmetry[1]),
-        z: z_axis,
-    };
+    let grid = TensorGrid { x: axis(&patch.x, 0), y: axis(std::slice::from_ref(&patch.y), 1), z };
     let level = level(problem, gap, material, patch, &grid, symmetry);
     Discretisation {
         grid,
         level,
         symmetry,
     }
+}
+
+/// The zone of a stretch: half a cell longer at its rims, so that all meshes cut them in the middle of a cell,
+/// and only its upper half where a mirror plane cuts it. Nothing of a stretch below a mirror plane.
+fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
+    let spacing = stretch.half() / resolution.cells;
+    let margin = |x: f64| 0.5 * spacing * stretch.size(x);
+    let low = stretch.low - margin(stretch.low);
+    let high = stretch.high + margin(stretch.high);
+    if symmetric && high <= 0.0 {
+        return None;
+    }
+    let cut = symmetric && stretch.low <= 0.0;
+    let (from, length) = (if cut { 0.0 } else { low }, stretch.high - stretch.low);
+    // Places are relative to the stretch: carry them over to the zone.
+    let place = |t: f64| (stretch.low + t * length - from) / (high - from);
+    let sizes = stretch.sizes.iter().map(|s| [place(s[0]), s[1]]).collect();
+    Some(Zone { stretch: Stretch { low: from, high, sizes }, spacing })
 }
 
 /// Outer faces held in all components, mirror planes in their normal one.
@@ -145,19 +131,17 @@ fn level(
     let mut bound = Vec::with_capacity(nx * ny);
     let mut candidates = Vec::new();
     let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
-    let [y_low, y_high] = patch.y;
-    let y_margin = 0.35 * (y_high - y_low);
+    let near = |stretch: &Stretch, x: f64| {
+        let margin = 0.7 * stretch.half();
+        (stretch.low - margin..=stretch.high + margin).contains(&x)
+    };
     for j in 0..ny {
         for i in 0..nx {
             let (x, y) = (grid.x[i], grid.y[j]);
             let outer =
                 i + 1 == nx || j + 1 == ny || (i == 0 && !symmetry[0]) || (j == 0 && !symmetry[1]);
             let value = if outer { f64::INFINITY } else { gap.at(x, y) };
-            let near_x = patch.x.iter().any(|p| {
-                let margin = 0.35 * (p[1] - p[0]);
-                (p[0] - margin..=p[1] + margin).contains(&x)
-            });
-            if value.is_finite() && near_x && (y_low - y_margin..=y_high + y_margin).contains(&y) {
+            if value.is_finite() && near(&patch.y, y) && patch.x.iter().any(|s| near(s, x)) {
                 candidates.push(gaps.len());
             }
             gaps.push(value);

@@ -1,44 +1,70 @@
 //! Graded axes: fine over the contact, growing away from it.
 
+use crate::stretch::Stretch;
+
 /// A stretch of an axis that is to be resolved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Zone {
-    /// Its start [m].
-    pub low: f64,
-    /// Its end [m].
-    pub high: f64,
-    /// Spacing inside [m].
+    /// Where it is, and how fine relative to `spacing`.
+    pub stretch: Stretch,
+    /// Spacing where the stretch wants 1 [m].
     pub spacing: f64,
 }
 
-/// Nodes over the zones and beyond them to at least `low` and `high`.
+impl Zone {
+    fn spacing_at(&self, x: f64) -> f64 {
+        self.spacing * self.stretch.size(x)
+    }
+
+    /// Nodes at even steps of the integral of dx / h(x), ends included.
+    fn nodes(&self) -> Vec<f64> {
+        let (low, high) = (self.stretch.low, self.stretch.high);
+        if self.stretch.finest() == 1.0 {
+            let cells = ((high - low) / self.spacing).round().max(1.0) as usize;
+            return (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();
+        }
+        let mut nodes = vec![low];
+        nodes.extend(even_steps(low, high, |x| self.spacing_at(x), f64::round));
+        nodes.push(high);
+        nodes
+    }
+}
+
+/// Where an axis begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Start {
+    /// Exactly here: a mirror plane [m].
+    At(f64),
+    /// At or beyond this place [m].
+    Beyond(f64),
+}
+
+/// Nodes over the zones and beyond them to `start` and to at least `high`.
 ///
-/// Every zone is divided evenly, so that meshes of different fineness are images of each other and their
-/// errors can be compared. Outside, the spacing grows by `growth` times the distance from the zone, and the
+/// Every zone is divided by its own rule, so that meshes of different fineness are images of each other and
+/// their errors can be compared. Outside, the spacing grows by `growth` times the distance from the zone, and the
 /// last node falls where the growth puts it, at or beyond the end asked. Between two zones the nodes stand at
 /// even steps of the integral of dx / h(x), h being the smaller of the two zones' wishes. Zones are in order
 /// and apart.
-pub(crate) fn graded_axis(low: f64, high: f64, zones: &[Zone], growth: f64) -> Vec<f64> {
-    let (first, last) = (zones[0], zones[zones.len() - 1]);
-    let mut nodes: Vec<f64> = outward(first.spacing, first.low - low, growth)
-        .iter()
-        .rev()
-        .map(|d| first.low - d)
-        .collect();
+pub(crate) fn graded_axis(start: Start, high: f64, zones: &[Zone], growth: f64) -> Vec<f64> {
+    let (first, last) = (&zones[0], &zones[zones.len() - 1]);
+    let (begin, end) = (first.stretch.low, last.stretch.high);
+    let (reach, exact) = match start {
+        Start::At(x) => (begin - x, true),
+        Start::Beyond(x) => (begin - x, false),
+    };
+    let mut before = outward(first.spacing_at(begin), reach, growth);
+    if exact && let Some(&farthest) = before.last() {
+        before.iter_mut().for_each(|d| *d *= reach / farthest);
+    }
+    let mut nodes: Vec<f64> = before.iter().rev().map(|d| begin - d).collect();
     for (index, zone) in zones.iter().enumerate() {
         if index > 0 {
-            nodes.extend(between(zones[index - 1], *zone, growth));
+            nodes.extend(between(&zones[index - 1], zone, growth));
         }
-        let cells = ((zone.high - zone.low) / zone.spacing).round().max(1.0) as usize;
-        nodes.extend(
-            (0..=cells).map(|i| zone.low + (zone.high - zone.low) * i as f64 / cells as f64),
-        );
+        nodes.extend(zone.nodes());
     }
-    nodes.extend(
-        outward(last.spacing, high - last.high, growth)
-            .iter()
-            .map(|d| last.high + d),
-    );
+    nodes.extend(outward(last.spacing_at(end), high - end, growth).iter().map(|d| end + d));
     nodes
 }
 
@@ -55,23 +81,34 @@ fn outward(spacing: f64, reach: f64, growth: f64) -> Vec<f64> {
 }
 
 /// Nodes strictly between two zones.
-fn between(left: Zone, right: Zone, growth: f64) -> Vec<f64> {
-    let (low, high) = (left.high, right.low);
-    let spacing =
-        |x: f64| (left.spacing + growth * (x - low)).min(right.spacing + growth * (high - x));
-    const STEPS: usize = 2000;
-    let step = (high - low) / STEPS as f64;
-    let mut counts = vec![0.0];
-    for i in 0..STEPS {
-        counts.push(counts[i] + step / spacing(low + (i as f64 + 0.5) * step));
+fn between(left: &Zone, right: &Zone, growth: f64) -> Vec<f64> {
+    let (low, high) = (left.stretch.high, right.stretch.low);
+    let (from, to) = (left.spacing_at(low), right.spacing_at(high));
+    even_steps(low, high, |x| (from + growth * (x - low)).min(to + growth * (high - x)), f64::ceil)
+}
+
+/// Nodes strictly between `low` and `high` at even steps of the integral of dx / `spacing`, the number of
+/// steps rounded by `round`.
+fn even_steps(low: f64, high: f64, spacing: impl Fn(f64) -> f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
+    let (mut stations, mut counts) = (vec![low], vec![0.0]);
+    let (mut x, mut count) = (low, 0.0);
+    while x < high {
+        // Short against the spacing here and where the step leads.
+        let trial = 0.1 * spacing(x);
+        let step = trial.min(0.2 * spacing((x + trial).min(high))).min(high - x);
+        let next = if high - (x + step) < 1e-6 * step { high } else { x + step };
+        count += (next - x) / spacing(0.5 * (x + next));
+        x = next;
+        stations.push(x);
+        counts.push(count);
     }
-    let cells = counts[STEPS].ceil().max(1.0) as usize;
+    let cells = round(count).max(1.0) as usize;
     (1..cells)
         .map(|i| {
-            let target = counts[STEPS] * i as f64 / cells as f64;
-            let station = counts.partition_point(|c| *c < target).max(1);
+            let target = count * i as f64 / cells as f64;
+            let station = counts.partition_point(|c| *c < target).clamp(1, counts.len() - 1);
             let weight = (target - counts[station - 1]) / (counts[station] - counts[station - 1]);
-            low + ((station - 1) as f64 + weight) * step
+            stations[station - 1] + weight * (stations[station] - stations[station - 1])
         })
         .collect()
 }
@@ -94,12 +131,12 @@ mod tests {
                 spacing: 0.2,
             },
         ];
-        let nodes = graded_axis(0.0, 100.0, &zones, 0.4);
+        let nodes = graded_axis(Start::At(0.0), 100.0, &zones, 0.4);
         assert!(nodes[0] == 0.0 && nodes[nodes.len() - 1] >= 100.0);
         for pair in nodes.windows(2) {
             let (step, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
             let wish = |zone: &Zone| {
-                zone.spacing + 0.4 * (zone.low - middle).max(middle - zone.high).max(0.0)
+                zone.spacing + 0.4 * (zone.stretch.low - middle).max(middle - zone.stretch.high).max(0.0)
             };
             let asked = zones.iter().map(wish).fold(f64::INFINITY, f64::min);
             assert!(

@@ -22,6 +22,7 @@ mod problem;
 mod psor;
 mod solution;
 mod solve;
+mod stretch;
 mod surface;
 mod vector;
 mod window;

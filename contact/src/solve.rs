@@ -8,6 +8,7 @@ use crate::gap::Gap;
 use crate::level::{Level, Progress, State};
 use crate::measure::{Figures, PressureField};
 use crate::psor::PlaneState;
+use crate::stretch::Stretch;
 use crate::window::{Patch, first_guess};
 use crate::{
     Error, Foundation, Iterate, Load, Options, Problem, Solution, SurfaceField, VolumeField,
@@ -55,7 +56,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             .map(|b| b.operator.free_dofs())
             .sum();
         let (state, progress) = solve_level(problem, material, &mesh, &patch, &forces, options)?;
-        let pressure = field(&mesh, problem).of(&state);
+        let pressure = field(&mesh, problem, &patch).of(&state);
         let raw = Raw {
             cells,
             p_max: pressure.figures.p_max,
@@ -78,7 +79,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             });
         }
         forces = lumped_forces(&mesh, &state);
-        patch = pressure.patch;
+        patch = pressure.patch.with_sizes_of(&patch);
         cells = (cells * REFINEMENT).round();
     }
     unreachable!("the loop ends by accuracy or by its limit of unknowns")
@@ -223,7 +224,7 @@ fn scout(problem: &Problem, gap: &Gap, material: Material) -> Result<(Patch, For
             force,
             motion: found.motion,
         };
-        let next = field(&mesh, problem).of(&state).patch;
+        let next = field(&mesh, problem, &patch).of(&state).patch;
         let settled = similar(&patch, &next);
         patch = next;
         if settled {
@@ -239,13 +240,13 @@ fn scout(problem: &Problem, gap: &Gap, material: Material) -> Result<(Patch, For
 
 /// Whether a grid made for one patch resolves the other.
 fn similar(a: &Patch, b: &Patch) -> bool {
-    let close = |a: [f64; 2], b: [f64; 2]| {
-        let length = a[1] - a[0];
-        (a[0] - b[0]).abs() < 0.15 * length
-            && (a[1] - b[1]).abs() < 0.15 * length
-            && (b[1] - b[0]) > 0.75 * length
+    let close = |a: &Stretch, b: &Stretch| {
+        (a.low - b.low).abs() < 0.3 * a.half()
+            && (a.high - b.high).abs() < 0.3 * a.half()
+            && b.half() > 0.75 * a.half()
+            && b.finest() > 0.7 * a.finest()
     };
-    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(*a, *b)) && close(a.y, b.y)
+    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(a, b)) && close(&a.y, &b.y)
 }
 
 /// Refuses a load that the hull cannot pass on at the stated hardness.
@@ -263,30 +264,45 @@ fn capacity(problem: &Problem, level: &Level) -> Result<(), Error> {
     }
 }
 
-/// The patch that a pressure field covers.
-fn found_patch(field: &PressureField, pressure: &[f64], motion: f64) -> Patch {
-    let x = merged(field.chords_along(pressure), field.symmetry[0]);
-    let y = merged(field.chords_across(pressure), field.symmetry[1]);
-    let y = match (y.first(), y.last()) {
-        (Some(first), Some(last)) => [first[0], last[1]],
-        _ => [0.0; 2],
-    };
+/// The patch that a pressure field covers, and how fine it wants to be resolved.
+///
+/// Sizes start from those of `before`, the patch that the mesh was made for.
+fn found_patch(field: &PressureField, pressure: &[f64], motion: f64, before: &Patch) -> Patch {
+    let nx = field.x.len();
+    let mut x = merged(field.chords_along(pressure), field.symmetry[0]);
+    let mut y = merged(field.chords_across(pressure), field.symmetry[1]);
+    let last = y.pop().unwrap_or_else(|| before.y.clone());
+    let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
+    let highest_at_x: Vec<f64> = (0..nx).map(|i| highest(pressure.iter().skip(i).step_by(nx))).collect();
+    let highest_at_y: Vec<f64> = pressure.chunks_exact(nx).map(|row| highest(row.iter())).collect();
+    for stretch in &mut x {
+        if let Some(same) = before.x.iter().find(|s| s.low < stretch.high && stretch.low < s.high) {
+            stretch.sizes.clone_from(&same.sizes);
+        }
+        stretch.adapt(field.x, &highest_at_x);
+    }
+    y.sizes.clone_from(&before.y.sizes);
+    y.adapt(field.y, &highest_at_y);
+    if x.is_empty() {
+        x.clone_from(&before.x);
+    }
     Patch { x, y, motion }
+}
+
+fn highest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    values.copied().fold(0.0, f64::max)
 }
 
 /// The union of the stretches on all lines; whole where a mirror plane cuts one.
 ///
 /// Stretches closer together than a fifth of the longer one count as one: their grids would merge anyway.
-fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<[f64; 2]> {
+fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<Stretch> {
     let mut all: Vec<[f64; 2]> = chords.into_iter().flatten().collect();
     all.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut merged: Vec<[f64; 2]> = Vec::new();
     for stretch in all {
         match merged.last_mut() {
-            Some(last)
-                if stretch[0] - last[1]
-                    < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) =>
-            {
+            Some(last) if stretch[0] - last[1] < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) => {
                 last[1] = last[1].max(stretch[1]);
             }
             _ => merged.push(stretch),
@@ -298,7 +314,7 @@ fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<[f64; 2]> {
     {
         first[0] = -first[1];
     }
-    merged
+    merged.iter().map(|[low, high]| Stretch::even(*low, *high)).collect()
 }
 
 /// Solves on one mesh, beginning with the contact on the plane alone.
@@ -369,12 +385,12 @@ struct Pressure {
 
 struct Field<'a> {
     mesh: &'a Discretisation,
+    patch: &'a Patch,
     hardness: f64,
 }
 
-fn field<'a>(mesh: &'a Discretisation, problem: &Problem) -> Field<'a> {
-    Field {
-        mesh,
+fn field<'a>(mesh: &'a Discretisation, problem: &Problem, patch: &'a Patch) -> Field<'a> {
+    Field { mesh, patch,
         hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
     }
 }
@@ -396,7 +412,7 @@ impl Field<'_> {
         let field = self.pressure_field(state);
         let values = field.pressures();
         let figures = field.figures(&values);
-        let patch = found_patch(&field, &values, state.motion[0]);
+        let patch = found_patch(&field, &values, state.motion[0], self.patch);
         Pressure {
             values,
             figures,

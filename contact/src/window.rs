@@ -3,29 +3,38 @@
 use kufe_mesh::Underside;
 
 use crate::gap::Gap;
+use crate::stretch::Stretch;
 use crate::{Load, Problem};
 
 /// Where contact is expected: intervals along x, one interval across, and the approach.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Patch {
-    /// Stretches along the runner, in order [m].
-    pub x: Vec<[f64; 2]>,
-    /// Stretch across the runner [m].
-    pub y: [f64; 2],
+    /// Stretches along the runner, in order.
+    pub x: Vec<Stretch>,
+    /// Stretch across the runner.
+    pub y: Stretch,
     /// The runner's motion towards the track at which the patch is expected: approach plus the lowest gap [m].
     pub motion: f64,
 }
 
 impl Patch {
+    /// This patch, resolved like `other` where both have the same stretches: their meshes are similar.
+    pub fn with_sizes_of(mut self, other: &Patch) -> Self {
+        if self.x.len() == other.x.len() {
+            for (mine, theirs) in self.x.iter_mut().zip(&other.x) {
+                mine.sizes.clone_from(&theirs.sizes);
+            }
+            self.y.sizes.clone_from(&other.y.sizes);
+        }
+        self
+    }
+
     /// From its first to its last point along x [m].
     pub fn span_x(&self) -> [f64; 2] {
-        let ends = self
-            .x
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |e, i| {
-                [e[0].min(i[0]), e[1].max(i[1])]
-            });
-        if ends[0] <= ends[1] { ends } else { [0.0; 2] }
+        match (self.x.first(), self.x.last()) {
+            (Some(first), Some(last)) => [first.low, last.high],
+            _ => [0.0; 2],
+        }
     }
 }
 
@@ -42,8 +51,8 @@ pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
                 let middle = 0.5 * (low + high);
                 let depth = middle.exp();
                 let patch = stations.cut(gap, depth);
-                let length: f64 = patch.x.iter().map(|i| i[1] - i[0]).sum();
-                let force = contact_modulus * depth * (length * (patch.y[1] - patch.y[0])).sqrt();
+                let length: f64 = patch.x.iter().map(|s| 2.0 * s.half()).sum();
+                let force = contact_modulus * depth * (length * 2.0 * patch.y.half()).sqrt();
                 if force < fz {
                     low = middle;
                 } else {
@@ -173,11 +182,9 @@ impl Stations {
             }
             sign * high
         };
-        Patch {
-            x,
-            y: [self.y0 + width(-1.0), self.y0 + width(1.0)],
-            motion: depth + self.lowest,
-        }
+        let x = x.iter().map(|[low, high]| Stretch::even(*low, *high)).collect();
+        let y = Stretch::even(self.y0 + width(-1.0), self.y0 + width(1.0));
+        Patch { x, y, motion: depth + self.lowest }
     }
 }
 

@@ -1,0 +1,113 @@
+//! A stretch of an axis in contact, and how fine it wants to be resolved where.
+
+/// A stretch of one axis that is in contact.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    /// Its start [m].
+    pub low: f64,
+    /// Its end [m].
+    pub high: f64,
+    /// Wanted spacing over the even one at places of the stretch (0 at its start, 1 at its end), in order;
+    /// linear in between, constant beyond the first and last; empty for 1 everywhere.
+    pub sizes: Vec<[f64; 2]>,
+}
+
+/// Finest spacing over the even one.
+const FINEST: f64 = 1e-3;
+/// Largest change of the wanted spacing over the distance.
+const GRADIENT: f64 = 0.35;
+/// How much coarser than by the measure of [`wanted_sizes`] is still good.
+const SLACK: f64 = 2.0;
+
+impl Stretch {
+    /// A stretch that is resolved evenly.
+    pub fn even(low: f64, high: f64) -> Self {
+        Stretch { low, high, sizes: Vec::new() }
+    }
+
+    /// Half its length [m].
+    pub fn half(&self) -> f64 {
+        0.5 * (self.high - self.low)
+    }
+
+    /// Wanted spacing over the even one at `x`.
+    pub fn size(&self, x: f64) -> f64 {
+        let place = (x - self.low) / (self.high - self.low);
+        let next = self.sizes.partition_point(|s| s[0] < place);
+        match (next.checked_sub(1).map(|i| self.sizes[i]), self.sizes.get(next)) {
+            (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (place - a[0]) / (b[0] - a[0]),
+            (Some(only), None) => only[1],
+            (None, Some(only)) => only[1],
+            (None, None) => 1.0,
+        }
+    }
+
+    /// Smallest wanted spacing over the even one.
+    pub fn finest(&self) -> f64 {
+        self.sizes.iter().map(|s| s[1]).fold(1.0, f64::min)
+    }
+
+    /// Sets the wanted sizes from the pressure along the axis: `pressures[i]` is the largest at `nodes[i]`.
+    ///
+    /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well everywhere. So the
+    /// measure is the curvature of p^2 against that parabola's, 2 p_max^2 / half^2: where it is larger, as at
+    /// the ends of a conformal contact or at a worn edge, the spacing falls with its root.
+    pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64]) {
+        let inside: Vec<usize> =
+            (0..nodes.len()).filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0).collect();
+        let top = inside.iter().map(|&i| pressures[i]).fold(0.0, f64::max).powi(2);
+        let even = 2.0 * top / self.half().powi(2);
+        let mut sizes: Vec<[f64; 2]> = inside
+            .windows(3)
+            .filter(|w| w[2] == w[0] + 2)
+            .map(|w| {
+                let [a, b, c] = [0, 1, 2].map(|k| (nodes[w[k]], pressures[w[k]].powi(2)));
+                let curvature = 2.0 * ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
+                let wanted = SLACK * (even / curvature.abs().max(f64::MIN_POSITIVE)).sqrt();
+                [b.0, wanted.clamp(FINEST, 1.0)]
+            })
+            .collect();
+        // A mesh three times finer than the last is as far as its curvatures can be trusted.
+        for size in &mut sizes {
+            size[1] = size[1].max(self.size(size[0]) / 3.0);
+        }
+        limit_gradient(&mut sizes, GRADIENT / self.half() * 8.0);
+        let length = self.high - self.low;
+        self.sizes = sizes.iter().map(|s| [(s[0] - self.low) / length, s[1]]).collect();
+    }
+}
+
+/// Lowers sizes until neighbours differ by at most `slope` times their distance.
+fn limit_gradient(sizes: &mut [[f64; 2]], slope: f64) {
+    for i in 1..sizes.len() {
+        sizes[i][1] = sizes[i][1].min(sizes[i - 1][1] + slope * (sizes[i][0] - sizes[i - 1][0]));
+    }
+    for i in (1..sizes.len()).rev() {
+        sizes[i - 1][1] = sizes[i - 1][1].min(sizes[i][1] + slope * (sizes[i][0] - sizes[i - 1][0]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn adapted(pressure: impl Fn(f64) -> f64) -> Stretch {
+        let nodes: Vec<f64> = (0..41).map(|i| -1.0 + f64::from(i) / 20.0).collect();
+        let pressures: Vec<f64> = nodes.iter().map(|&x| pressure(x)).collect();
+        let mut stretch = Stretch::even(-1.0, 1.0);
+        stretch.adapt(&nodes, &pressures);
+        stretch
+    }
+
+    #[test]
+    fn hertz_pressure_is_resolved_evenly() {
+        assert_eq!(adapted(|x| (1.0 - x * x).max(0.0).sqrt()).finest(), 1.0);
+    }
+
+    #[test]
+    fn rising_ends_are_refined_and_the_middle_is_not() {
+        let stretch = adapted(|x| 1.0 + (-(1.0 - x.abs()) / 0.02).exp());
+        assert!(stretch.finest() < 0.5 && stretch.size(0.0) > 0.9, "{}", stretch.finest());
+        assert!(stretch.size(0.95) < 0.6);
+    }
+}
