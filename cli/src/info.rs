@@ -8,11 +8,12 @@ use crate::failure::Failure;
 use crate::output::{Global, say};
 
 mod exr_file;
+mod hull_file;
 
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// A pressure map (.exr)
+    /// A hull (.obj, .glb, .gltf, .stl) or a pressure map (.exr)
     pub file: PathBuf,
 }
 
@@ -38,9 +39,10 @@ fn describe(path: &Path) -> Result<Value, Failure> {
     let mut facts = json!({ "file": path.display().to_string() });
     let more = match ending.as_str() {
         "exr" => exr_file::describe(path)?,
+        "obj" | "glb" | "gltf" | "stl" => hull_file::describe(path)?,
         other => {
             return Err(Failure::BadInput(format!(
-                "{}: kind \".{other}\" is not known: expected .exr",
+                "{}: kind \".{other}\" is not known: expected .obj, .glb, .gltf, .stl or .exr",
                 path.display()
             )));
         }
@@ -61,6 +63,7 @@ fn as_text(value: &Value, depth: usize) -> String {
         .iter()
         .map(|(key, value)| match value {
             Value::Object(_) => format!("{indent}{key}:\n{}", as_text(value, depth + 1)),
+            Value::Array(lines) if lines.is_empty() => format!("{indent}{key}: none\n"),
             Value::String(text) => format!("{indent}{key}: {text}\n"),
             other => format!("{indent}{key}: {other}\n"),
         })

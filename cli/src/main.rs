@@ -6,6 +6,7 @@ mod doctor;
 mod failure;
 mod friction;
 mod hermite;
+mod hull;
 mod icehouse;
 mod info;
 mod init;
@@ -47,6 +48,8 @@ struct Cli {
 enum Command {
     /// Solve one contact problem and write its pressure map
     Press(press::Args),
+    /// Write a parametric runner as a hull file
+    Hull(hull::Args),
     /// Say what a file holds
     Info(info::Args),
     /// Write a commented case to start from
@@ -68,6 +71,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     global.apply()?;
     match command {
         Command::Press(args) => press::run(&args, &global),
+        Command::Hull(args) => hull::run(&args, &global),
         Command::Info(args) => info::run(&args, &global),
         Command::Init(args) => init::run(&args, &global),
         Command::Friction(args) => friction::run(&args, &global),

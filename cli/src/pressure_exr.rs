@@ -10,6 +10,9 @@ use exr::prelude::{
 
 use crate::pressure_map::PressureMap;
 
+const COMMENTS: &str = "p: contact pressure [Pa]; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
+    row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
+
 /// Writes channels `p` [Pa], `gap` [m] and `uz` [m], one pixel a cell, as ZIP-compressed scanlines.
 ///
 /// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
@@ -23,12 +26,11 @@ pub fn write(
     fz: f64,
     track_curvature: f64,
 ) -> exr::error::UnitResult {
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Some(Text::from(concat!("kufe ", env!("CARGO_PKG_VERSION"))));
-    attributes.comments = Some(Text::from(
-        "p: contact pressure [Pa]; gap [m]; uz: vertical displacement of the ice [m]. Column i, row j of the \
-         pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).",
-    ));
+    let mut attributes = LayerAttributes {
+        software_name: Some(Text::from(concat!("kufe ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(Text::from(COMMENTS)),
+        ..LayerAttributes::default()
+    };
     let radius = if track_curvature == 0.0 {
         f64::INFINITY
     } else {

@@ -66,7 +66,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (law, effects, drag_area) = model(args)?;
     let loaded = LoadedCase::read(path)?;
     let (problem, warnings) = loaded.problem()?;
-    let needs_pressure = law.needs_pressure();
     let bar = global.progress();
     bar.set_message("solving the contact");
     let started = Instant::now();
@@ -83,6 +82,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let base = law.mu(solution.p_max);
     let conditions = conditions(args, speed, solution.fz, drag_area);
     let (mu, applied, ignored) = with_effects(base, &effects, &conditions)?;
+    let capped =
+        matches!(law, Longitudinal::Pressure(law) if law.uncapped(solution.p_max) > law.mu_cap);
     let error = match law {
         Longitudinal::Pressure(law) => law.slope(solution.p_max).abs() * solution.p_max_error,
         Longitudinal::Fixed(_) => 0.0,
@@ -95,7 +96,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "mu": mu,
         "mu_base": base,
         "mu_error": error,
-        "depends_on_pressure": needs_pressure,
+        "depends_on_pressure": law.needs_pressure(),
+        "capped": capped,
         "alpha_rad": args.alpha,
         "fx_n": fx,
         "v_mps": speed,
@@ -121,6 +123,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         fx * speed,
         speed,
     );
+    if capped {
+        text += "the law's cap holds: the pressure lies beyond its parabola\n";
+    }
     if !applied.is_empty() {
         text += &format!(
             "effects  {} (mu before them {:.3}e-3)\n",
