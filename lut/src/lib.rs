@@ -12,13 +12,20 @@
 //! | [`curvature_from_pitch`] | the input that a sled measures |
 
 mod axes;
+mod csv_file;
 mod error;
+mod fmu;
+mod header;
 mod lookup;
+mod mat_file;
 mod pitch;
 mod quantity;
 mod read;
 mod refine;
+mod script;
+mod shard;
 mod smooth;
+mod store;
 mod sweep;
 mod table;
 mod write;
@@ -29,5 +36,8 @@ pub use lookup::{Looked, Lookup, Mode};
 pub use pitch::{MIN_SPEED, curvature_from_pitch, radius_from_pitch};
 pub use quantity::{Point, Quantity, Solved};
 pub use read::MAX_FILE_BYTES;
+pub use script::{parallel as parallel_script, slurm as slurm_script};
+pub use shard::{Done, Manifest, Next, next_batch, solve_missing};
+pub use store::{Origin, Store, sha256};
 pub use sweep::{Plan, Spacing, SweepError, Swept, sweep, sweep_batches};
 pub use table::{Check, Measured, Table};

@@ -8,7 +8,7 @@
 
 use std::collections::HashMap;
 
-use crate::sweep::{Plan, Spacing};
+use crate::sweep::{Plan, SolveBatch, Spacing};
 use crate::table::relative_error;
 use crate::{Axes, Check, Error, Lookup, MAX_AXIS, Mode, Point, Quantity, Solved, Table};
 
@@ -35,7 +35,7 @@ type Key = [u64; 3];
 
 pub(crate) fn refine<E: From<Error>>(
     plan: &Plan,
-    solve: &mut dyn FnMut(&[Point]) -> Result<Vec<Solved>, E>,
+    solve: &mut SolveBatch<E>,
 ) -> Result<Refinement, E> {
     let mut grid = Grid::start(plan)?;
     let mut known: Known = Known::default();
@@ -87,11 +87,7 @@ struct Known {
 }
 
 impl Known {
-    fn solve<E>(
-        &mut self,
-        points: &[Point],
-        solve: &mut dyn FnMut(&[Point]) -> Result<Vec<Solved>, E>,
-    ) -> Result<(), E> {
+    fn solve<E>(&mut self, points: &[Point], solve: &mut SolveBatch<E>) -> Result<(), E> {
         let mut new: Vec<Point> = Vec::new();
         let mut asked = std::collections::HashSet::new();
         for point in points {

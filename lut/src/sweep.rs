@@ -74,6 +74,9 @@ impl Plan {
     }
 }
 
+/// Solves a batch of points, results in their order.
+pub(crate) type SolveBatch<'a, E> = dyn FnMut(&[Point]) -> Result<Vec<Solved>, E> + 'a;
+
 /// A failed sweep: the table's part or the solver's.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError<E: std::error::Error + 'static> {
@@ -197,7 +200,7 @@ pub fn sweep_batches<E: From<Error>>(
 fn fixed<E>(
     axes: &Axes,
     checks: usize,
-    solve: &mut dyn FnMut(&[Point]) -> Result<Vec<Solved>, E>,
+    solve: &mut SolveBatch<E>,
 ) -> Result<(Vec<Solved>, Vec<Check>), E> {
     let mut points = axes.points();
     let nodes = points.len();

@@ -349,9 +349,9 @@ proptest! {
                 prop_assert!(value >= a.min(b) * (1.0 - 1e-12) && value <= a.max(b) * (1.0 + 1e-12));
             }
         }
-        for i in 1..5 {
+        for &border in &x[1..5] {
             let across = -1.0 + 3.2 * t;
-            let f = |s: f64| lookup.at(x[i] + s, across).value;
+            let f = |s: f64| lookup.at(border + s, across).value;
             let h = 1e-6;
             let before = (3.0 * f(0.0) - 4.0 * f(-h) + f(-2.0 * h)) / (2.0 * h);
             let after = (-3.0 * f(0.0) + 4.0 * f(h) - f(2.0 * h)) / (2.0 * h);
