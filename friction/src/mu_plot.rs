@@ -2,11 +2,11 @@
 
 use plotters::prelude::*;
 
-use crate::{Experiment, MuFit, PressureLaw};
+use crate::{Experiment, MuFit, PressureLaw, ZetaActsOn};
 
 /// Draws the coefficient of friction over the peak pressure.
 ///
-/// `fit` gives curve and 95 % band, `law` the capped curve that a simulation uses.
+/// `fit` gives the confidence band, `law` the capped curve that a simulation uses.
 ///
 /// # Errors
 /// [`kufe_plot::Error::Draw`].
@@ -66,7 +66,7 @@ where
         .collect();
     chart
         .draw_series(std::iter::once(Polygon::new(band, blue.mix(0.15))))?
-        .label("95 % band")
+        .label(format!("{:.0} % band", 100.0 * fit.confidence))
         .legend(move |(x, y)| {
             Rectangle::new([(x, y - 5), (x + 20, y + 5)], blue.mix(0.25).filled())
         });
@@ -75,7 +75,13 @@ where
             grid.iter().map(|&p| (p, 1e3 * law.mu(p * 1e6))),
             blue.stroke_width(2),
         ))?
-        .label(format!("{:.4} p² − {:.3} p + {:.2}", fit.b, fit.c, fit.d))
+        .label(format!(
+            "{:.4} p² − {:.3} p + {:.2}{}",
+            fit.b,
+            fit.c,
+            fit.d,
+            asperities(law)
+        ))
         .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], blue.stroke_width(2)));
     let grey = kufe_plot::PALETTE[6];
     chart
@@ -107,8 +113,16 @@ where
         .legend(move |(x, y)| Circle::new((x + 10, y), 4, red.filled()));
     if experiments.len() <= 24 {
         chart.draw_series(experiments.iter().map(|e| {
+            // Above a point that lies above the curve, below one below; leftwards near the right edge.
+            let down = e.mu < law.mu(e.p_max_pa);
+            let left = e.p_max_pa * 1e-6 > low + 0.85 * (high - low);
+            let width = 7 * e.specimen.chars().count() as i32;
+            let offset = (
+                if left { -7 - width } else { 7 },
+                if down { 6 } else { -18 },
+            );
             EmptyElement::at((e.p_max_pa * 1e-6, 1e3 * e.mu))
-                + Text::new(e.specimen.clone(), (7, -18), ("sans-serif", 13).into_font())
+                + Text::new(e.specimen.clone(), offset, ("sans-serif", 13).into_font())
         }))?;
     }
     chart
@@ -120,4 +134,12 @@ where
         .margin(12)
         .draw()?;
     Ok(())
+}
+
+fn asperities(law: &PressureLaw) -> String {
+    match (law.zeta == 1.0, law.zeta_acts_on) {
+        (true, _) => String::new(),
+        (false, ZetaActsOn::Mu) => format!(", times zeta = {}", law.zeta),
+        (false, ZetaActsOn::Pressure) => format!(", p times zeta = {}", law.zeta),
+    }
 }

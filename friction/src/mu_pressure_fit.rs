@@ -40,6 +40,8 @@ pub struct MuFit {
     pub freedom: usize,
     /// Probability of a larger chi2 if curve and errors are right; none without weights or freedom.
     pub p_value: Option<f64>,
+    /// Probability that intervals and band are to cover.
+    pub confidence: f64,
     /// Two-sided quantile that the intervals use: normal with stated errors, Student's t from the scatter.
     pub quantile: f64,
 }
@@ -81,7 +83,14 @@ pub fn fit_mu(
         let chi2 = points.squares(&plain);
         let covariance = plain_inverse * (chi2 / freedom as f64);
         let quantile = student_quantile(confidence, freedom);
-        return Ok(points.result(plain, covariance, weighting, chi2, None, quantile));
+        return Ok(points.result(
+            plain,
+            covariance,
+            weighting,
+            chi2,
+            None,
+            (confidence, quantile),
+        ));
     }
     if let Some(exact) = experiments.iter().find(|e| e.mu_sd <= 0.0) {
         return Err(Error::OutOfRange {
@@ -93,7 +102,14 @@ pub fn fit_mu(
     let (coefficients, inverse, chi2) = points.orthogonal(plain)?;
     let p_value = ChiSquared::new(freedom as f64).ok().map(|d| d.sf(chi2));
     let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
-    Ok(points.result(coefficients, inverse, weighting, chi2, p_value, quantile))
+    Ok(points.result(
+        coefficients,
+        inverse,
+        weighting,
+        chi2,
+        p_value,
+        (confidence, quantile),
+    ))
 }
 
 impl MuFit {
@@ -249,7 +265,7 @@ impl Points {
         weighting: Weighting,
         chi2: f64,
         p_value: Option<f64>,
-        quantile: f64,
+        (confidence, quantile): (f64, f64),
     ) -> MuFit {
         let (m, w) = (self.centre, self.width);
         let back = Matrix3::new(
@@ -273,6 +289,7 @@ impl Points {
             chi2,
             freedom: self.t.len() - 3,
             p_value,
+            confidence,
             quantile,
         }
     }
