@@ -6,6 +6,8 @@
 //! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 (feature `mdf4`) |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
+//! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
+//! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
 //!
 //! ```
 //! use kufe_sled::one_track::{State, forward, normal_forces};
@@ -20,11 +22,16 @@
 //! ```
 
 pub mod aero;
+mod bootstrap;
 pub mod check;
 mod derivative;
+mod driver;
+mod dynamics;
 pub mod effects;
 mod error;
+mod evaluate;
 mod filter;
+mod fit;
 mod friction;
 mod matlab;
 #[cfg(feature = "mdf4")]
@@ -36,11 +43,22 @@ mod parquet_file;
 mod prepare;
 mod read;
 mod run;
+pub mod sample_data;
+mod simulate;
+mod spline;
+mod track;
 mod transfer;
+mod validate;
+mod write;
 
+pub use bootstrap::{Summary, quantile, summarise};
 pub use derivative::derivative;
+pub use driver::Driver;
+pub use dynamics::{GRAVITY, Instant, WallContact};
 pub use error::Error;
+pub use evaluate::{Angles, DrivingForce, Group, RunEvaluation, distinct, evaluate, groups};
 pub use filter::{low_pass, noise_gain, resample};
+pub use fit::{FitOptions, SledFit, fit, lateral_samples};
 pub use friction::{PressureLookup, RunnerFriction, Vehicle};
 pub use model::{Friction, Model, Noise, Sled, Survey};
 pub use noise::{estimate_noise, slip_noise, white_noise_sd};
@@ -52,4 +70,11 @@ pub use run::{
     COLUMNS, Conditions, Entry, INDEX_COLUMNS, Run, read_good_runs, read_index, read_run,
     read_runs, write_index,
 };
+pub use simulate::{EnergyBalance, SimulateOptions, Simulated, record, simulate, simulated_entry};
+pub use spline::Spline;
+pub use track::{Track, TrackShape};
 pub use transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
+pub use validate::{
+    Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
+};
+pub use write::{RunFormat, write_run};

@@ -1,0 +1,235 @@
+//! The simulator against energy, time steps, the inverse model and the clock.
+
+use kufe_friction::Longitudinal;
+use kufe_sled::one_track::inverse;
+use kufe_sled::sample_data::sample_track;
+use kufe_sled::{
+    Driver, Model, Noise, PrepareOptions, Prepared, SimulateOptions, Simulated, Track, TrackShape,
+    Vehicle, WallContact, prepare, record, simulate, simulated_entry,
+};
+
+fn vehicle() -> Vehicle {
+    Vehicle::new(&Model::published()).unwrap()
+}
+
+fn driven(vehicle: &Vehicle, track: &Track, options: &SimulateOptions) -> Simulated {
+    simulate(
+        vehicle,
+        &TrackShape::new(track),
+        &Driver::of_skill(0.6),
+        options,
+    )
+    .unwrap()
+}
+
+/// Hills and valleys without turns, whose curvature is the slope's.
+fn rolling_track() -> Track {
+    let s_m: Vec<f64> = (0..=800).map(f64::from).collect();
+    let k = std::f64::consts::TAU / 160.0;
+    Track {
+        name: "rolling".to_string(),
+        slope_rad: s_m.iter().map(|s| 0.06 + 0.08 * (k * s).sin()).collect(),
+        curvature_1pm: s_m.iter().map(|s| -0.08 * k * (k * s).cos()).collect(),
+        bank_rad: vec![0.0; s_m.len()],
+        s_m,
+    }
+}
+
+#[test]
+fn speed_follows_from_altitude_when_nothing_rubs() {
+    let mut vehicle = vehicle();
+    vehicle.sled.cda_m2 = 0.0;
+    for runner in [&mut vehicle.front, &mut vehicle.rear] {
+        runner.longitudinal = Longitudinal::Fixed(0.0);
+        runner.lateral.k_n_per_rad = 1e-12;
+    }
+    let track = rolling_track();
+    let run = simulate(
+        &vehicle,
+        &TrackShape::new(&track),
+        &Driver::of_skill(1.0),
+        &SimulateOptions::default(),
+    )
+    .unwrap();
+    assert!(run.energy.relative_error() < 1e-9, "{:?}", run.energy);
+    // Independently: altitude by Simpson's rule on the formula itself.
+    let last = run.instants.last().unwrap().state;
+    let slope = |s: f64| 0.06 + 0.08 * (std::f64::consts::TAU / 160.0 * s).sin();
+    let n = 20_000;
+    let h = last.s_m / n as f64;
+    let drop: f64 = (0..n)
+        .map(|i| {
+            let a = i as f64 * h;
+            h / 6.0 * (slope(a).sin() + 4.0 * slope(a + 0.5 * h).sin() + slope(a + h).sin())
+        })
+        .sum();
+    let expected = (100.0 + 2.0 * kufe_sled::GRAVITY * drop).sqrt();
+    let off = (last.v_mps / expected - 1.0).abs();
+    assert!(
+        off < 1e-6,
+        "speed {} against {expected}: {off:.1e}",
+        last.v_mps
+    );
+}
+
+#[test]
+fn work_and_energy_balance_with_everything_on() {
+    let options = SimulateOptions {
+        contacts: vec![WallContact {
+            s_m: 480.0,
+            length_m: 15.0,
+            force_n: 800.0,
+            x_m: 0.3,
+        }],
+        ..SimulateOptions::default()
+    };
+    let run = driven(&vehicle(), &sample_track("east"), &options);
+    assert!(run.finished);
+    assert!(run.energy.relative_error() < 1e-6, "{:?}", run.energy);
+    assert!(run.energy.ice_j < -1e3 && run.energy.air_j < -1e3 && run.energy.wall_j != 0.0);
+}
+
+#[test]
+fn time_steps_converge_with_order_four() {
+    let track = sample_track("east");
+    let drive = |step_s: f64| {
+        let options = SimulateOptions {
+            step_s,
+            rate_hz: 100.0,
+            most_s: 25.0,
+            ..SimulateOptions::default()
+        };
+        driven(&vehicle(), &track, &options).instants
+    };
+    let fine = drive(0.000_25);
+    // Root mean square over the run of the rear slip angle, relative to the slip's own.
+    let error = |step: f64| {
+        let squares =
+            |pick: &dyn Fn(usize) -> f64| (0..fine.len()).map(|i| pick(i).powi(2)).sum::<f64>();
+        let coarse = drive(step);
+        let off = squares(&|i| coarse[i].state.alpha_r_rad - fine[i].state.alpha_r_rad);
+        (off / squares(&|i| fine[i].state.alpha_r_rad)).sqrt()
+    };
+    let errors = [0.01, 0.005, 0.0025].map(error);
+    let order = (errors[0] / errors[2]).log2() / 2.0;
+    println!("steps 10, 5, 2.5 ms: errors {errors:?}, order {order:.2}");
+    assert!((order - 4.0).abs() < 0.3, "order {order} from {errors:?}");
+    let real_time = error(0.001);
+    println!("1 kHz: {real_time:.1e}");
+    assert!(real_time < 1e-6, "1 kHz differs from 4 kHz by {real_time}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_and_another_seed_another_run() {
+    let track = sample_track("west");
+    let speed = |seed| {
+        let options = SimulateOptions {
+            seed,
+            ..SimulateOptions::default()
+        };
+        driven(&vehicle(), &track, &options)
+            .instants
+            .last()
+            .unwrap()
+            .state
+            .v_mps
+    };
+    assert_eq!(speed(3).to_bits(), speed(3).to_bits());
+    assert_ne!(speed(3), speed(4));
+}
+
+fn recorded(
+    simulated: &Simulated,
+    model: &Model,
+    track: &Track,
+    noise: Option<&Noise>,
+) -> Prepared {
+    let options = SimulateOptions::default();
+    let entry = simulated_entry("r", track, "d", options.conditions);
+    let run = record(simulated, &model.sled, noise, entry, 1);
+    let raw = PrepareOptions {
+        rate_hz: 1e4,
+        cutoff_hz: 1e4,
+    };
+    prepare(&run, &model.sled, Some(&Noise::default()), &raw).unwrap()
+}
+
+#[test]
+fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
+    let mut model = Model::published();
+    model.sled.accel_y_m = 0.07;
+    let vehicle = Vehicle::new(&model).unwrap();
+    let track = sample_track("east");
+    let simulated = driven(&vehicle, &track, &SimulateOptions::default());
+    // With the simulator's own accelerations the two directions are each other's inverse.
+    for instant in &simulated.instants {
+        let back = inverse(&vehicle, &instant.state, &instant.motion);
+        for (found, truth) in back
+            .front
+            .iter()
+            .chain(&back.rear)
+            .zip(instant.forces.front.iter().chain(&instant.forces.rear))
+        {
+            assert!(
+                (found - truth).abs() < 1e-6 * instant.forces.front[2],
+                "{found} against {truth}"
+            );
+        }
+    }
+    let prepared = recorded(&simulated, &model, &track, None);
+    let forces = prepared.measured_forces(&vehicle);
+    let mut worst = 0.0_f64;
+    let most = |pick: &dyn Fn(&kufe_sled::AxleForces) -> f64| {
+        simulated
+            .instants
+            .iter()
+            .map(|i| pick(&i.forces).abs())
+            .fold(0.0, f64::max)
+    };
+    let exercised = |pick: &dyn Fn(&kufe_sled::State) -> f64| {
+        prepared
+            .states
+            .iter()
+            .map(|s| pick(s).abs())
+            .fold(0.0, f64::max)
+    };
+    assert!(exercised(&|s| s.delta_rad) > 0.02 && exercised(&|s| s.gamma_rad) > 0.02);
+    assert!(exercised(&|s| s.roll_rate_radps) > 0.5 && exercised(&|s| s.roll_accel_radps2) > 1.0);
+    for axis in 0..3 {
+        for (name, front) in [("front", true), ("rear", false)] {
+            let pick = |f: &kufe_sled::AxleForces| if front { f.front[axis] } else { f.rear[axis] };
+            let scale = most(&pick);
+            for (i, force) in forces.iter().enumerate().skip(4).take(forces.len() - 8) {
+                let off = (pick(force) - pick(&simulated.instants[i].forces)).abs() / scale;
+                worst = worst.max(off);
+                // What is left is the derivative across kinks in the track's third derivative, at each metre of its table.
+                assert!(
+                    off < 5e-3,
+                    "{name} axis {axis} at sample {i}: {off:.1e} of {scale:.0} N"
+                );
+            }
+        }
+    }
+    println!("largest force error {worst:.1e} of the largest force");
+}
+
+#[test]
+fn a_thousand_times_real_time_on_one_core() {
+    let vehicle = vehicle();
+    let shape = TrackShape::new(&sample_track("east"));
+    let driver = Driver::of_skill(0.6);
+    let options = SimulateOptions {
+        rate_hz: 100.0,
+        ..SimulateOptions::default()
+    };
+    // The best of a few: the machine may be busy with other things.
+    let mut best = 0.0_f64;
+    for _ in 0..8 {
+        let start = std::time::Instant::now();
+        let run = simulate(&vehicle, &shape, &driver, &options).unwrap();
+        let simulated = run.instants.last().unwrap().state.t_s;
+        best = best.max(simulated / start.elapsed().as_secs_f64());
+    }
+    println!("{best:.0} times real time at 1 kHz");
+    assert!(best > 1000.0, "only {best:.0} times real time");
+}
