@@ -69,13 +69,21 @@ mod tests {
         let w = |x: f64| beam.deflection_on_foundation(x, load, k);
         let (n, reach) = (200_000, 2.0);
         let dx = reach / n as f64;
-        let carried: f64 = (0..n).map(|i| 2.0 * k * w((i as f64 + 0.5) * dx) * dx).sum();
+        let carried: f64 = (0..n)
+            .map(|i| 2.0 * k * w((i as f64 + 0.5) * dx) * dx)
+            .sum();
         assert!((carried / load - 1.0).abs() < 1e-8, "{carried}");
         // E I w'''' + k w = 0 beside the load, by central differences.
         let (x, h) = (0.03, 1e-3);
-        let fourth = (w(x - 2.0 * h) - 4.0 * w(x - h) + 6.0 * w(x) - 4.0 * w(x + h) + w(x + 2.0 * h)) / h.powi(4);
+        let fourth = (w(x - 2.0 * h) - 4.0 * w(x - h) + 6.0 * w(x) - 4.0 * w(x + h)
+            + w(x + 2.0 * h))
+            / h.powi(4);
         let residual = beam.bending_stiffness() * fourth + k * w(x);
-        assert!(residual.abs() < 1e-3 * k * w(0.0), "{residual} {}", k * w(0.0));
+        assert!(
+            residual.abs() < 1e-3 * k * w(0.0),
+            "{residual} {}",
+            k * w(0.0)
+        );
     }
 
     #[test]

@@ -78,7 +78,9 @@ pub fn strain_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] 
 /// # Panics
 /// As [`strain_at`].
 pub fn stress_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] {
-    body.sections()[cell].material.stress(strain_at(body, cell, u, xi))
+    body.sections()[cell]
+        .material
+        .stress(strain_at(body, cell, u, xi))
 }
 
 /// Stresses [Pa] at the 2 x 2 x 2 Gauss points of every cell, in the order of [`hex8::gauss_points`].
@@ -116,7 +118,9 @@ pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
 /// As [`gauss_point_stresses`].
 pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
     let mut corners = gauss_point_stresses(body, u);
-    corners.par_iter_mut().for_each(|values| *values = extrapolate_to_corners(values));
+    corners
+        .par_iter_mut()
+        .for_each(|values| *values = extrapolate_to_corners(values));
     let graph = NodeGraph::new(body.mesh());
     (0..body.node_count())
         .into_par_iter()

@@ -35,7 +35,11 @@ impl ThickCylinder {
     /// Radial, hoop and axial stress [Pa] at radius `r` [m], tension positive.
     pub fn stress(&self, r: f64, material: Material) -> [f64; 3] {
         let (a, b) = self.constants();
-        [a - b / (r * r), a + b / (r * r), 2.0 * material.poissons_ratio() * a]
+        [
+            a - b / (r * r),
+            a + b / (r * r),
+            2.0 * material.poissons_ratio() * a,
+        ]
     }
 
     /// Radial displacement [m] at radius `r` [m].

@@ -1,1 +1,3 @@
 //! Verification suite.
+
+pub mod meshes;
