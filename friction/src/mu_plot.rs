@@ -66,7 +66,7 @@ where
         .collect();
     chart
         .draw_series(std::iter::once(Polygon::new(band, blue.mix(0.15))))?
-        .label(format!("{:.0} % band", 100.0 * fit.confidence))
+        .label(format!("{:.0} % band of the fit", 100.0 * fit.confidence))
         .legend(move |(x, y)| {
             Rectangle::new([(x, y - 5), (x + 20, y + 5)], blue.mix(0.25).filled())
         });

@@ -61,6 +61,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         );
         return Err(Failure::Usage(text));
     }
+    for (option, value, most) in [("mu-cap", args.mu_cap, 1.0), ("zeta", args.zeta, 100.0)] {
+        if !(value > 0.0 && value <= most) {
+            let text = format!("--{option} {value}: expected above 0, up to {most}");
+            return Err(Failure::Usage(text));
+        }
+    }
     let name = args.experiments.display().to_string();
     let file = File::open(&args.experiments)
         .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
