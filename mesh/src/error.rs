@@ -171,4 +171,12 @@ pub enum MeshError {
         /// What is wrong.
         source: Box<MeshError>,
     },
+    /// A hull without an underside.
+    #[error("no triangle of the hull faces down; check `up`, and that the triangles face outwards")]
+    NothingFacesDown,
+    /// Vertices that determine no surface.
+    #[error(
+        "the hull's underside determines no smooth surface; expected vertices spread along and across it"
+    )]
+    NoFit,
 }

@@ -5,6 +5,7 @@
 //! | [`Underside`] | the height of a hull's lower surface over the contact plane |
 //! | [`Swept`] | a [`Section`] swept along a [`Rocker`]: [`BobRunner`] and [`LugeSteel`] make one |
 //! | [`Hull`] | triangles, read by [`read_obj`], [`read_gltf`], [`read_stl`] or made by [`tessellate`] |
+//! | [`FittedUnderside`] | a smooth surface through a hull's vertices |
 //! | [`Paraboloid`] | an unbounded paraboloid, for verification |
 //! | [`TensorGrid`] | graded coordinates along x, y and z |
 //! | [`HexMesh`] | points and eight-node hexahedra |
@@ -16,8 +17,15 @@
 //! assert_eq!((mesh.points.len(), mesh.cells.len()), (12, 2));
 //! ```
 
+mod arc_length;
+mod b_spline;
+mod band_cholesky;
 mod bob_runner;
+mod break_places;
+mod downward;
 mod error;
+mod fitted_underside;
+mod height_fit;
 mod hex_mesh;
 mod hull;
 mod hull_check;
@@ -36,8 +44,10 @@ mod tessellate;
 mod underside;
 mod write_hull;
 
+use b_spline::BSpline;
 pub use bob_runner::BobRunner;
 pub use error::MeshError;
+pub use fitted_underside::{Coarse, FitQuality, FittedUnderside};
 pub use hex_mesh::HexMesh;
 pub use hull::{Axis, Hull, HullOptions};
 pub use hull_check::{HullReport, HullWarning, check_hull};
