@@ -31,6 +31,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 pub use error::CaseError;
+pub use problem::{FittedHull, StatedProblem};
 pub use thickness::Thickness;
 
 /// One contact problem as a file states it.

@@ -20,6 +20,16 @@ pub(crate) struct Resolution {
     pub growth: f64,
 }
 
+/// How far the mesh reaches and which of its nodes may touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// What the patch needs; nodes on and near it.
+    Patch,
+    /// Under the whole hull where that is bounded; every node under the hull. Contact far from where it is expected
+    /// is seen, if coarsely.
+    WholeHull,
+}
+
 /// The mesh and what belongs to it.
 pub(crate) struct Discretisation {
     /// Nodes of the ice, z = 0 on top.
@@ -48,6 +58,7 @@ pub(crate) fn discretise(
     material: Material,
     patch: &Patch,
     resolution: Resolution,
+    under: Reach,
 ) -> Discretisation {
     let symmetry = gap.symmetry();
     let [x_low, x_high] = patch.span_x();
@@ -56,14 +67,32 @@ pub(crate) fn discretise(
         Foundation::HalfSpace => (HALF_SPACE_REACH * largest, HALF_SPACE_REACH * largest),
         Foundation::RigidBed { thickness } => (LAYER_REACH * thickness, thickness),
     };
+    let extent = problem.runner.underside.extent();
     let axis = |stretches: &[Stretch], axis: usize| {
-        let zones: Vec<Zone> =
-            stretches.iter().filter_map(|s| widened(s, symmetry[axis], resolution)).collect();
-        let (low, high) = (stretches[0].low, stretches[stretches.len() - 1].high);
-        let start = if symmetry[axis] { Start::At(0.0) } else { Start::Beyond(low - reach) };
-        graded_axis(start, high + reach, &zones, resolution.growth)
+        let zones: Vec<Zone> = stretches
+            .iter()
+            .filter_map(|s| widened(s, symmetry[axis], resolution))
+            .collect();
+        let mut low = stretches[0].low - reach;
+        let mut high = stretches[stretches.len() - 1].high + reach;
+        let hull = [extent[2 * axis], extent[2 * axis + 1]];
+        if under == Reach::WholeHull && hull.iter().all(|end| end.is_finite()) {
+            let beyond = 0.05 * (hull[1] - hull[0]);
+            low = low.min(hull[0] - beyond);
+            high = high.max(hull[1] + beyond);
+        }
+        let start = if symmetry[axis] {
+            Start::At(0.0)
+        } else {
+            Start::Beyond(low)
+        };
+        graded_axis(start, high, &zones, resolution.growth)
     };
-    let narrowest = patch.x.iter().map(Stretch::half).fold(patch.y.half(), f64::min);
+    let narrowest = patch
+        .x
+        .iter()
+        .map(Stretch::half)
+        .fold(patch.y.half(), f64::min);
     let z_zone = Zone {
         stretch: Stretch::even(-(EVEN_DEPTH * narrowest).min(depth), 0.0),
         spacing: (narrowest / resolution.cells).min(depth / 4.0),
@@ -73,8 +102,12 @@ pub(crate) fn discretise(
         let scale = -depth / z[0];
         z.iter_mut().for_each(|z| *z *= scale);
     }
-    let grid = TensorGrid { x: axis(&patch.x, 0), y: axis(std::slice::from_ref(&patch.y), 1), z };
-    let level = level(problem, gap, material, patch, &grid, symmetry);
+    let grid = TensorGrid {
+        x: axis(&patch.x, 0),
+        y: axis(std::slice::from_ref(&patch.y), 1),
+        z,
+    };
+    let level = level(problem, gap, material, patch, &grid, symmetry, under);
     Discretisation {
         grid,
         level,
@@ -97,7 +130,14 @@ fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option
     // Places are relative to the stretch: carry them over to the zone.
     let place = |t: f64| (stretch.low + t * length - from) / (high - from);
     let sizes = stretch.sizes.iter().map(|s| [place(s[0]), s[1]]).collect();
-    Some(Zone { stretch: Stretch { low: from, high, sizes }, spacing })
+    Some(Zone {
+        stretch: Stretch {
+            low: from,
+            high,
+            sizes,
+        },
+        spacing,
+    })
 }
 
 /// Outer faces held in all components, mirror planes in their normal one.
@@ -118,6 +158,7 @@ fn level(
     patch: &Patch,
     grid: &TensorGrid,
     symmetry: [bool; 2],
+    under: Reach,
 ) -> Level {
     let operator = TensorOperator::new(
         grid,
@@ -135,13 +176,16 @@ fn level(
         let margin = 0.7 * stretch.half();
         (stretch.low - margin..=stretch.high + margin).contains(&x)
     };
+    // The plane problem's matrix is dense: beyond some size only the expected nodes are taken.
+    let everywhere = under == Reach::WholeHull && nx * ny <= 1500;
     for j in 0..ny {
         for i in 0..nx {
             let (x, y) = (grid.x[i], grid.y[j]);
             let outer =
                 i + 1 == nx || j + 1 == ny || (i == 0 && !symmetry[0]) || (j == 0 && !symmetry[1]);
             let value = if outer { f64::INFINITY } else { gap.at(x, y) };
-            if value.is_finite() && near(&patch.y, y) && patch.x.iter().any(|s| near(s, x)) {
+            let expected = near(&patch.y, y) && patch.x.iter().any(|s| near(s, x));
+            if value.is_finite() && (everywhere || expected) {
                 candidates.push(gaps.len());
             }
             gaps.push(value);

@@ -21,7 +21,9 @@ impl Zone {
         let (low, high) = (self.stretch.low, self.stretch.high);
         if self.stretch.finest() == 1.0 {
             let cells = ((high - low) / self.spacing).round().max(1.0) as usize;
-            return (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();
+            return (0..=cells)
+                .map(|i| low + (high - low) * i as f64 / cells as f64)
+                .collect();
         }
         let mut nodes = vec![low];
         nodes.extend(even_steps(low, high, |x| self.spacing_at(x), f64::round));
@@ -64,7 +66,11 @@ pub(crate) fn graded_axis(start: Start, high: f64, zones: &[Zone], growth: f64) 
         }
         nodes.extend(zone.nodes());
     }
-    nodes.extend(outward(last.spacing_at(end), high - end, growth).iter().map(|d| end + d));
+    nodes.extend(
+        outward(last.spacing_at(end), high - end, growth)
+            .iter()
+            .map(|d| end + d),
+    );
     nodes
 }
 
@@ -84,19 +90,35 @@ fn outward(spacing: f64, reach: f64, growth: f64) -> Vec<f64> {
 fn between(left: &Zone, right: &Zone, growth: f64) -> Vec<f64> {
     let (low, high) = (left.stretch.high, right.stretch.low);
     let (from, to) = (left.spacing_at(low), right.spacing_at(high));
-    even_steps(low, high, |x| (from + growth * (x - low)).min(to + growth * (high - x)), f64::ceil)
+    even_steps(
+        low,
+        high,
+        |x| (from + growth * (x - low)).min(to + growth * (high - x)),
+        f64::ceil,
+    )
 }
 
 /// Nodes strictly between `low` and `high` at even steps of the integral of dx / `spacing`, the number of
 /// steps rounded by `round`.
-fn even_steps(low: f64, high: f64, spacing: impl Fn(f64) -> f64, round: impl Fn(f64) -> f64) -> Vec<f64> {
+fn even_steps(
+    low: f64,
+    high: f64,
+    spacing: impl Fn(f64) -> f64,
+    round: impl Fn(f64) -> f64,
+) -> Vec<f64> {
     let (mut stations, mut counts) = (vec![low], vec![0.0]);
     let (mut x, mut count) = (low, 0.0);
     while x < high {
         // Short against the spacing here and where the step leads.
         let trial = 0.1 * spacing(x);
-        let step = trial.min(0.2 * spacing((x + trial).min(high))).min(high - x);
-        let next = if high - (x + step) < 1e-6 * step { high } else { x + step };
+        let step = trial
+            .min(0.2 * spacing((x + trial).min(high)))
+            .min(high - x);
+        let next = if high - (x + step) < 1e-6 * step {
+            high
+        } else {
+            x + step
+        };
         count += (next - x) / spacing(0.5 * (x + next));
         x = next;
         stations.push(x);
@@ -106,7 +128,9 @@ fn even_steps(low: f64, high: f64, spacing: impl Fn(f64) -> f64, round: impl Fn(
     (1..cells)
         .map(|i| {
             let target = count * i as f64 / cells as f64;
-            let station = counts.partition_point(|c| *c < target).clamp(1, counts.len() - 1);
+            let station = counts
+                .partition_point(|c| *c < target)
+                .clamp(1, counts.len() - 1);
             let weight = (target - counts[station - 1]) / (counts[station] - counts[station - 1]);
             stations[station - 1] + weight * (stations[station] - stations[station - 1])
         })
@@ -136,7 +160,11 @@ mod tests {
         for pair in nodes.windows(2) {
             let (step, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
             let wish = |zone: &Zone| {
-                zone.spacing + 0.4 * (zone.stretch.low - middle).max(middle - zone.stretch.high).max(0.0)
+                zone.spacing
+                    + 0.4
+                        * (zone.stretch.low - middle)
+                            .max(middle - zone.stretch.high)
+                            .max(0.0)
             };
             let asked = zones.iter().map(wish).fold(f64::INFINITY, f64::min);
             assert!(

@@ -100,6 +100,18 @@ pub(crate) struct Progress {
     pub converged: bool,
 }
 
+impl Progress {
+    /// A solve without iterations.
+    pub fn direct(converged: bool) -> Self {
+        Progress {
+            iterations: 0,
+            updates: Vec::new(),
+            residual: 0.0,
+            converged,
+        }
+    }
+}
+
 /// What happened with one contact set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SetUpdate {

@@ -18,6 +18,7 @@ mod level;
 mod measure;
 mod motion;
 mod options;
+mod plain;
 mod problem;
 mod psor;
 mod solution;
@@ -29,7 +30,7 @@ mod window;
 
 pub use error::Error;
 pub use hertz::{Hertz, hertz};
-pub use options::Options;
+pub use options::{Method, Options};
 pub use problem::{Foundation, Ice, Load, Problem, Runner, Tilt};
 pub use solution::{Iterate, Solution, SurfaceField, VolumeField};
 pub use solve::solve;

@@ -4,6 +4,19 @@ use std::sync::Arc;
 
 use crate::Iterate;
 
+/// The way to the solution of one mesh's equations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Projected SOR on the contact forces, accelerated by constrained conjugate gradients.
+    #[default]
+    Accelerated,
+    /// Active set on surface responses from a sparse Cholesky factor: slow, for checking small meshes.
+    CholeskyActiveSet,
+    /// Plain projected SOR on the stiffness, at the rigid motion of [`Method::Accelerated`]: very slow, for checking
+    /// small meshes.
+    PlainSor,
+}
+
 /// Accuracy and limits of a solve.
 #[derive(Clone)]
 pub struct Options {
@@ -13,6 +26,11 @@ pub struct Options {
     pub residual: f64,
     /// Largest number of unknowns of a mesh.
     pub max_dofs: usize,
+    /// Where given, one mesh with this many cells over half the patch is solved instead of refining to
+    /// `p_max_tolerance`; the reported error is then infinite.
+    pub cells: Option<usize>,
+    /// How the equations are solved.
+    pub method: Method,
     /// Called after every update of the contact set.
     pub progress: Option<Arc<dyn Fn(&Iterate) + Send + Sync>>,
 }
@@ -24,6 +42,8 @@ impl Default for Options {
             p_max_tolerance: 0.01,
             residual: 1e-9,
             max_dofs: 4_000_000,
+            cells: None,
+            method: Method::Accelerated,
             progress: None,
         }
     }

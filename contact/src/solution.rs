@@ -25,6 +25,8 @@ pub struct Solution {
     pub roll: f64,
     /// Integrated normal force [N].
     pub fz: f64,
+    /// Where the resultant of the pressure acts, x and y [m].
+    pub centre_of_pressure: [f64; 2],
     /// Largest violation of the contact conditions and of equilibrium, relative.
     pub kkt_residual: f64,
     /// Unknowns of the finest solve.

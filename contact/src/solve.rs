@@ -2,16 +2,17 @@
 
 use kufe_fem::Material;
 
-use crate::discretise::{Discretisation, Resolution, discretise};
+use crate::discretise::{Discretisation, Reach, Resolution, discretise};
 use crate::far_field::{lumps, prescribe};
 use crate::gap::Gap;
 use crate::level::{Level, Progress, State};
 use crate::measure::{Figures, PressureField};
+use crate::plain::{active_set, projected_sor};
 use crate::psor::PlaneState;
 use crate::stretch::Stretch;
 use crate::window::{Patch, first_guess};
 use crate::{
-    Error, Foundation, Iterate, Load, Options, Problem, Solution, SurfaceField, VolumeField,
+    Error, Foundation, Iterate, Load, Method, Options, Problem, Solution, SurfaceField, VolumeField,
 };
 
 /// Cells over half the patch while it is being found.
@@ -40,7 +41,9 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     let material = check(problem, options)?;
     let gap = Gap::new(problem)?;
     let (mut patch, mut forces) = scout(problem, &gap, material)?;
-    let mut cells = first_resolution(options.p_max_tolerance);
+    let mut cells = options
+        .cells
+        .map_or_else(|| first_resolution(options.p_max_tolerance), |c| c as f64);
     let mut history = Vec::new();
     let mut previous: Option<Raw> = None;
     for level in 0.. {
@@ -48,7 +51,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             cells,
             growth: growth(cells),
         };
-        let mesh = discretise(problem, &gap, material, &patch, resolution);
+        let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch);
         let dofs = mesh
             .level
             .bodies
@@ -63,7 +66,18 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             approach: mesh.level.depth(&state),
         };
         report(level, dofs, &progress, raw.p_max, &mut history, options);
-        let limit = previous.map(|before| Extrapolation::new(before, raw));
+        if options.cells.is_some() {
+            let limit = Extrapolation {
+                p_max: raw.p_max,
+                error: f64::INFINITY,
+                approach: raw.approach,
+            };
+            return Ok(solution(
+                problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
+            ));
+        }
+        let smooth = patch.x.iter().chain([&patch.y]).all(|s| s.finest() == 1.0);
+        let limit = previous.map(|before| Extrapolation::new(before, raw, smooth));
         if let Some(limit) = limit.filter(|l| l.error <= options.p_max_tolerance * l.p_max) {
             return Ok(solution(
                 problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
@@ -111,13 +125,23 @@ impl Extrapolation {
     /// Scatter of the peak pressure with the place of the rim between nodes, times the square of the cells.
     const SCATTER: f64 = 0.03;
 
-    fn new(coarse: Raw, fine: Raw) -> Self {
+    /// The limit of two meshes. Where the patch is not smooth (it wanted uneven cells) nothing is known of the order,
+    /// and the whole difference of the two is the error.
+    fn new(coarse: Raw, fine: Raw, smooth: bool) -> Self {
+        let scatter = Self::SCATTER / (fine.cells * fine.cells) * fine.p_max;
+        if !smooth {
+            let error = (fine.p_max - coarse.p_max).abs() + scatter;
+            return Extrapolation {
+                p_max: fine.p_max,
+                error,
+                approach: fine.approach,
+            };
+        }
         let divisor = (fine.cells / coarse.cells).powi(2) - 1.0;
         let step = (fine.p_max - coarse.p_max) / divisor;
         Extrapolation {
             p_max: fine.p_max + step,
-            error: Self::SHARE * step.abs()
-                + Self::SCATTER / (fine.cells * fine.cells) * fine.p_max,
+            error: Self::SHARE * step.abs() + scatter,
             approach: fine.approach + (fine.approach - coarse.approach) / divisor,
         }
     }
@@ -204,7 +228,7 @@ struct Forces {
 fn scout(problem: &Problem, gap: &Gap, material: Material) -> Result<(Patch, Forces), Error> {
     let mut patch = first_guess(problem, gap);
     for _ in 0..20 {
-        let mesh = discretise(problem, gap, material, &patch, SCOUTING);
+        let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull);
         let level = &mesh.level;
         capacity(problem, level)?;
         let [_, scaled] = level.greens();
@@ -273,10 +297,19 @@ fn found_patch(field: &PressureField, pressure: &[f64], motion: f64, before: &Pa
     let mut y = merged(field.chords_across(pressure), field.symmetry[1]);
     let last = y.pop().unwrap_or_else(|| before.y.clone());
     let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
-    let highest_at_x: Vec<f64> = (0..nx).map(|i| highest(pressure.iter().skip(i).step_by(nx))).collect();
-    let highest_at_y: Vec<f64> = pressure.chunks_exact(nx).map(|row| highest(row.iter())).collect();
+    let highest_at_x: Vec<f64> = (0..nx)
+        .map(|i| highest(pressure.iter().skip(i).step_by(nx)))
+        .collect();
+    let highest_at_y: Vec<f64> = pressure
+        .chunks_exact(nx)
+        .map(|row| highest(row.iter()))
+        .collect();
     for stretch in &mut x {
-        if let Some(same) = before.x.iter().find(|s| s.low < stretch.high && stretch.low < s.high) {
+        if let Some(same) = before
+            .x
+            .iter()
+            .find(|s| s.low < stretch.high && stretch.low < s.high)
+        {
             stretch.sizes.clone_from(&same.sizes);
         }
         stretch.adapt(field.x, &highest_at_x);
@@ -302,7 +335,10 @@ fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<Stretch> {
     let mut merged: Vec<[f64; 2]> = Vec::new();
     for stretch in all {
         match merged.last_mut() {
-            Some(last) if stretch[0] - last[1] < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) => {
+            Some(last)
+                if stretch[0] - last[1]
+                    < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) =>
+            {
                 last[1] = last[1].max(stretch[1]);
             }
             _ => merged.push(stretch),
@@ -314,7 +350,10 @@ fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<Stretch> {
     {
         first[0] = -first[1];
     }
-    merged.iter().map(|[low, high]| Stretch::even(*low, *high)).collect()
+    merged
+        .iter()
+        .map(|[low, high]| Stretch::even(*low, *high))
+        .collect()
 }
 
 /// Solves on one mesh, beginning with the contact on the plane alone.
@@ -355,8 +394,27 @@ fn solve_level(
         force,
         motion: found.motion,
     };
+    let held = state.displacement.clone();
     let limit = 1000;
-    let progress = level.solve(&mut state, &greens, options.residual, limit);
+    let mut progress = match options.method {
+        Method::Accelerated | Method::PlainSor => {
+            level.solve(&mut state, &greens, options.residual, limit)
+        }
+        Method::CholeskyActiveSet => Progress::direct(active_set(mesh, material, &mut state)),
+    };
+    if options.method == Method::PlainSor {
+        const SWEEPS: usize = 200_000;
+        let sweeps = projected_sor(
+            mesh,
+            material,
+            &held,
+            &mut state,
+            1e-3 * options.residual,
+            SWEEPS,
+        );
+        progress = Progress::direct(sweeps.is_some());
+        progress.iterations = sweeps.unwrap_or(SWEEPS);
+    }
     if !progress.converged {
         return Err(Error::NotConverged {
             iterations: progress.iterations,
@@ -390,7 +448,9 @@ struct Field<'a> {
 }
 
 fn field<'a>(mesh: &'a Discretisation, problem: &Problem, patch: &'a Patch) -> Field<'a> {
-    Field { mesh, patch,
+    Field {
+        mesh,
+        patch,
         hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
     }
 }
@@ -465,7 +525,14 @@ fn solution(
         .iter()
         .map(|&s| if s { 0.5 } else { 1.0 })
         .product::<f64>();
-    let fz = mesh.level.resultant(&state)[0] / share;
+    let resultant = mesh.level.resultant(&state);
+    let fz = resultant[0] / share;
+    // A mirror plane holds the centre of pressure; otherwise it follows from the moments about the line of action.
+    let centre = |axis: usize, moment: f64| match mesh.symmetry[axis] {
+        true => 0.0,
+        false => gap.line_of_action[axis] + moment / resultant[0],
+    };
+    let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
     let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
     let gaps = mesh.level.gaps(&state);
     let closing = mesh.level.closing(&state.displacement);
@@ -476,7 +543,7 @@ fn solution(
         [values, gaps, closing],
     );
     let depth = mesh.level.depth(&state);
-    let kkt_residual = kkt(&mesh.level, &state, &progress, problem, depth);
+    let kkt_residual = kkt(&mesh.level, &state, &progress, depth);
     let nodes = mesh.grid.node_count();
     let u = &state.displacement;
     let displacement = (0..nodes)
@@ -493,6 +560,7 @@ fn solution(
         pitch,
         roll,
         fz,
+        centre_of_pressure,
         kkt_residual,
         dofs,
         iterations: progress.iterations,
@@ -509,7 +577,7 @@ fn solution(
 }
 
 /// Largest relative violation: equilibrium, balance, tension, penetration.
-fn kkt(level: &Level, state: &State, progress: &Progress, problem: &Problem, depth: f64) -> f64 {
+fn kkt(level: &Level, state: &State, progress: &Progress, depth: f64) -> f64 {
     let largest = state
         .force
         .iter()
@@ -527,13 +595,21 @@ fn kkt(level: &Level, state: &State, progress: &Progress, problem: &Problem, dep
             },
         )
         / depth;
-    let balance = match problem.load {
-        Load::Force { .. } => {
-            let wanted = level.motion.balance[0];
-            (level.resultant(state)[0] - wanted).abs() / wanted
-        }
-        Load::Approach { .. } => 0.0,
-    };
+    // Moments are compared with the force times half the contact's extent.
+    let reach = level
+        .rows
+        .iter()
+        .zip(&state.force)
+        .filter(|(_, f)| **f > 0.0)
+        .fold([1.0f64, 1e-12, 1e-12], |m, (r, _)| {
+            [1.0, m[1].max(r[1].abs()), m[2].max(r[2].abs())]
+        });
+    let resultant = level.resultant(state);
+    let force = resultant[0].abs().max(f64::MIN_POSITIVE);
+    let balance = (0..3)
+        .filter(|&a| level.motion.free[a])
+        .map(|a| (resultant[a] - level.motion.balance[a]).abs() / (force * reach[a]))
+        .fold(0.0, f64::max);
     [progress.residual, tension, penetration, balance]
         .into_iter()
         .fold(0.0, f64::max)

@@ -22,7 +22,11 @@ const SLACK: f64 = 2.0;
 impl Stretch {
     /// A stretch that is resolved evenly.
     pub fn even(low: f64, high: f64) -> Self {
-        Stretch { low, high, sizes: Vec::new() }
+        Stretch {
+            low,
+            high,
+            sizes: Vec::new(),
+        }
     }
 
     /// Half its length [m].
@@ -34,7 +38,10 @@ impl Stretch {
     pub fn size(&self, x: f64) -> f64 {
         let place = (x - self.low) / (self.high - self.low);
         let next = self.sizes.partition_point(|s| s[0] < place);
-        match (next.checked_sub(1).map(|i| self.sizes[i]), self.sizes.get(next)) {
+        match (
+            next.checked_sub(1).map(|i| self.sizes[i]),
+            self.sizes.get(next),
+        ) {
             (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (place - a[0]) / (b[0] - a[0]),
             (Some(only), None) => only[1],
             (None, Some(only)) => only[1],
@@ -53,16 +60,22 @@ impl Stretch {
     /// measure is the curvature of p^2 against that parabola's, 2 p_max^2 / half^2: where it is larger, as at
     /// the ends of a conformal contact or at a worn edge, the spacing falls with its root.
     pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64]) {
-        let inside: Vec<usize> =
-            (0..nodes.len()).filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0).collect();
-        let top = inside.iter().map(|&i| pressures[i]).fold(0.0, f64::max).powi(2);
+        let inside: Vec<usize> = (0..nodes.len())
+            .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)
+            .collect();
+        let top = inside
+            .iter()
+            .map(|&i| pressures[i])
+            .fold(0.0, f64::max)
+            .powi(2);
         let even = 2.0 * top / self.half().powi(2);
         let mut sizes: Vec<[f64; 2]> = inside
             .windows(3)
             .filter(|w| w[2] == w[0] + 2)
             .map(|w| {
                 let [a, b, c] = [0, 1, 2].map(|k| (nodes[w[k]], pressures[w[k]].powi(2)));
-                let curvature = 2.0 * ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
+                let curvature =
+                    2.0 * ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
                 let wanted = SLACK * (even / curvature.abs().max(f64::MIN_POSITIVE)).sqrt();
                 [b.0, wanted.clamp(FINEST, 1.0)]
             })
@@ -73,7 +86,10 @@ impl Stretch {
         }
         limit_gradient(&mut sizes, GRADIENT / self.half() * 8.0);
         let length = self.high - self.low;
-        self.sizes = sizes.iter().map(|s| [(s[0] - self.low) / length, s[1]]).collect();
+        self.sizes = sizes
+            .iter()
+            .map(|s| [(s[0] - self.low) / length, s[1]])
+            .collect();
     }
 }
 
@@ -83,7 +99,8 @@ fn limit_gradient(sizes: &mut [[f64; 2]], slope: f64) {
         sizes[i][1] = sizes[i][1].min(sizes[i - 1][1] + slope * (sizes[i][0] - sizes[i - 1][0]));
     }
     for i in (1..sizes.len()).rev() {
-        sizes[i - 1][1] = sizes[i - 1][1].min(sizes[i][1] + slope * (sizes[i][0] - sizes[i - 1][0]));
+        sizes[i - 1][1] =
+            sizes[i - 1][1].min(sizes[i][1] + slope * (sizes[i][0] - sizes[i - 1][0]));
     }
 }
 
@@ -107,7 +124,11 @@ mod tests {
     #[test]
     fn rising_ends_are_refined_and_the_middle_is_not() {
         let stretch = adapted(|x| 1.0 + (-(1.0 - x.abs()) / 0.02).exp());
-        assert!(stretch.finest() < 0.5 && stretch.size(0.0) > 0.9, "{}", stretch.finest());
+        assert!(
+            stretch.finest() < 0.5 && stretch.size(0.0) > 0.9,
+            "{}",
+            stretch.finest()
+        );
         assert!(stretch.size(0.95) < 0.6);
     }
 }

@@ -182,9 +182,16 @@ impl Stations {
             }
             sign * high
         };
-        let x = x.iter().map(|[low, high]| Stretch::even(*low, *high)).collect();
+        let x = x
+            .iter()
+            .map(|[low, high]| Stretch::even(*low, *high))
+            .collect();
         let y = Stretch::even(self.y0 + width(-1.0), self.y0 + width(1.0));
-        Patch { x, y, motion: depth + self.lowest }
+        Patch {
+            x,
+            y,
+            motion: depth + self.lowest,
+        }
     }
 }
 

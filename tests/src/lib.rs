@@ -1,3 +1,4 @@
 //! Verification suite.
 
+pub mod contact;
 pub mod meshes;

@@ -40,6 +40,9 @@ pub enum CaseError {
     /// The shape's dimensions do not fit together.
     #[error("runner.shape: {0}")]
     Shape(#[from] kufe_mesh::MeshError),
+    /// The hull cannot be read, or has no usable underside.
+    #[error("runner.hull: {0}")]
+    Hull(kufe_mesh::MeshError),
     /// The case cannot be written as TOML.
     #[error("the case cannot be written as TOML: {reason}")]
     Unwritable {
@@ -80,7 +83,10 @@ impl CaseError {
             CaseError::OutOfRange { line, key, .. } | CaseError::Combination { line, key, .. } => {
                 *line = line_of(text, key).unwrap_or(0);
             }
-            CaseError::Syntax { .. } | CaseError::Shape(_) | CaseError::Unwritable { .. } => {}
+            CaseError::Syntax { .. }
+            | CaseError::Shape(_)
+            | CaseError::Hull(_)
+            | CaseError::Unwritable { .. } => {}
         }
         self
     }

@@ -3,11 +3,32 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_mesh::{BobRunner, LugeSteel, Paraboloid, Underside};
+use kufe_mesh::{
+    Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
+    Underside, load_hull,
+};
 
 use super::check::combination;
-use super::{Case, CaseError, RunnerTable, Shape, Thickness, TiltWord};
+use super::{Case, CaseError, ForwardAxis, RunnerTable, Shape, Thickness, TiltWord, UpAxis};
 use crate::{Foundation, Ice, Load, Problem, Runner, Tilt};
+
+/// A case's problem with the hull that it came from.
+#[derive(Clone)]
+pub struct StatedProblem {
+    /// The problem.
+    pub problem: Problem,
+    /// The hull, where the case names one.
+    pub hull: Option<FittedHull>,
+}
+
+/// A hull's fitted underside and what the hull is like.
+#[derive(Clone)]
+pub struct FittedHull {
+    /// The smooth surface that is pressed on the ice.
+    pub underside: Arc<FittedUnderside>,
+    /// Size, holes and warnings.
+    pub report: HullReport,
+}
 
 impl Case {
     /// The problem that the case states; a hull's path is taken from `base`, the case's folder.
@@ -15,20 +36,25 @@ impl Case {
     /// # Errors
     /// [`CaseError`] where the case is out of range or the hull cannot be had.
     pub fn problem(&self, base: &Path) -> Result<Problem, CaseError> {
+        Ok(self.stated(base)?.problem)
+    }
+
+    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be told.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
         self.check()?;
-        Ok(Problem {
-            runner: Runner {
-                underside: underside(&self.runner, base)?,
-            },
-            ice: Ice {
-                youngs_modulus: self.ice.youngs_modulus_pa,
-                poissons_ratio: self.ice.poissons_ratio,
-                foundation: match self.ice.thickness_m {
-                    Thickness::HalfSpace => Foundation::HalfSpace,
-                    Thickness::Layer(thickness) => Foundation::RigidBed { thickness },
-                },
-                hardness: self.ice.hardness_pa,
-            },
+        if self.runner.elastic {
+            return Err(combination(
+                "runner.elastic",
+                "expected false: runners are rigid so far",
+            ));
+        }
+        let (underside, hull) = underside(&self.runner, base)?;
+        let problem = Problem {
+            runner: Runner { underside },
+            ice: self.ice(),
             track_curvature: self.track.curvature(),
             load: Load::Force {
                 fz: self.load.fz_n,
@@ -42,15 +68,70 @@ impl Case {
                     },
                 },
             },
-        })
+        };
+        Ok(StatedProblem { problem, hull })
+    }
+
+    fn ice(&self) -> Ice {
+        Ice {
+            youngs_modulus: self.ice.youngs_modulus_pa,
+            poissons_ratio: self.ice.poissons_ratio,
+            foundation: match self.ice.thickness_m {
+                Thickness::HalfSpace => Foundation::HalfSpace,
+                Thickness::Layer(thickness) => Foundation::RigidBed { thickness },
+            },
+            hardness: self.ice.hardness_pa,
+        }
     }
 }
 
-fn underside(runner: &RunnerTable, base: &Path) -> Result<Arc<dyn Underside>, CaseError> {
+type Surface = (Arc<dyn Underside>, Option<FittedHull>);
+
+fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
     match (&runner.shape, &runner.hull) {
-        (Some(shape), _) => shape_underside(shape),
-        (None, Some(hull)) => hull_underside(runner, &base.join(hull)),
+        (Some(shape), _) => Ok((shape_underside(shape)?, None)),
+        (None, Some(path)) => {
+            let hull = fitted_hull(runner, &base.join(path)).map_err(CaseError::Hull)?;
+            Ok((hull.underside.clone(), Some(hull)))
+        }
         (None, None) => Err(combination("runner", "expected a hull or a shape")),
+    }
+}
+
+fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshError> {
+    let options = HullOptions {
+        scale: runner.scale.unwrap_or(1.0),
+        up: runner.up.map(UpAxis::axis),
+        forward: runner.forward.map_or(Axis::X, ForwardAxis::axis),
+    };
+    let (hull, report) = load_hull(path, &options)?;
+    let underside = FittedUnderside::new(&hull, runner.noise_m.unwrap_or(0.0))?;
+    Ok(FittedHull {
+        underside: Arc::new(underside),
+        report,
+    })
+}
+
+impl UpAxis {
+    fn axis(self) -> Axis {
+        match self {
+            UpAxis::Z => Axis::Z,
+            UpAxis::Y => Axis::Y,
+        }
+    }
+}
+
+impl ForwardAxis {
+    fn axis(self) -> Axis {
+        let (index, negative) = match self {
+            ForwardAxis::X => (0, false),
+            ForwardAxis::MinusX => (0, true),
+            ForwardAxis::Y => (1, false),
+            ForwardAxis::MinusY => (1, true),
+            ForwardAxis::Z => (2, false),
+            ForwardAxis::MinusZ => (2, true),
+        };
+        Axis { index, negative }
     }
 }
 
@@ -97,10 +178,6 @@ fn shape_underside(shape: &Shape) -> Result<Arc<dyn Underside>, CaseError> {
             .swept()?,
         ),
     })
-}
-
-fn hull_underside(_runner: &RunnerTable, _path: &Path) -> Result<Arc<dyn Underside>, CaseError> {
-    Err(combination("runner.hull", "expected a shape"))
 }
 
 #[cfg(test)]
@@ -151,5 +228,62 @@ mod tests {
             .map(|_| ())
             .expect_err("no height");
         assert!(error.to_string().starts_with("runner.shape: "), "{error}");
+    }
+
+    #[test]
+    fn a_hull_is_read_from_the_cases_folder_and_fitted() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let runner = BobRunner {
+            length: 0.2,
+            ..BobRunner::default()
+        }
+        .swept()?;
+        let hull = kufe_mesh::tessellate(&runner, 0.001)?;
+        // Written in millimetres, lying on its side, to be turned back by scale, up and forward.
+        let mut text = String::new();
+        for [x, y, z] in &hull.positions {
+            text += &format!("v {} {} {}\n", 1e3 * y, 1e3 * z, 1e3 * x);
+        }
+        for [a, b, c] in &hull.triangles {
+            text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+        }
+        std::fs::write(folder.path().join("bob.obj"), text)?;
+        let mut case = case(
+            "kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005",
+            "",
+        );
+        case.runner.shape = None;
+        case.runner.hull = Some("bob.obj".into());
+        case.runner.scale = Some(0.001);
+        case.runner.up = Some(UpAxis::Y);
+        case.runner.forward = Some(ForwardAxis::Z);
+        let stated = case.stated(folder.path())?;
+        let fitted = stated.problem.runner.underside;
+        for (x, y) in [(0.0, 0.0), (0.05, 0.0), (0.02, 0.0007), (-0.03, -0.001)] {
+            let error = fitted.height(x, y) - runner.height(x, y);
+            assert!(error.abs() < 2e-7, "{error:e} at {x}, {y}");
+        }
+        let report = stated.hull.expect("a hull").report;
+        assert!((report.extent[0] - 0.2).abs() < 1e-9 && report.warnings.is_empty());
+        Ok(())
+    }
+
+    #[test]
+    fn a_hull_that_does_not_exist_is_named() {
+        let mut case = case(
+            "kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005",
+            "",
+        );
+        case.runner.shape = None;
+        case.runner.hull = Some("nowhere.obj".into());
+        let error = case
+            .problem(Path::new("hulls"))
+            .map(|_| ())
+            .expect_err("no such file")
+            .to_string();
+        assert!(
+            error.starts_with("runner.hull: ") && error.contains("nowhere.obj"),
+            "{error}"
+        );
     }
 }

@@ -1,0 +1,190 @@
+//! Two slow ways to the same answer, for tests: plain projected SOR on the stiffness, and an active set on
+//! exact surface responses by sparse Cholesky.
+
+use faer::Mat;
+use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, assemble};
+use kufe_mesh::TensorGrid;
+
+use crate::discretise::Discretisation;
+use crate::level::{Level, State};
+use crate::psor::{PlaneState, dot};
+
+const RELAXATION: f64 = 1.7;
+
+/// The assembled stiffness of the ice and its held displacements, node by node.
+struct Assembled {
+    stiffness: BlockMatrix,
+    constraints: Constraints,
+    points: Vec<[f64; 3]>,
+    top: usize,
+}
+
+fn assembled(
+    grid: &TensorGrid,
+    level: &Level,
+    material: Material,
+    held: &[f64],
+) -> Option<Assembled> {
+    let mesh = grid.hex_mesh();
+    let points = mesh.points.clone();
+    let nodes = points.len();
+    let body = Body::uniform(mesh, material, ElementKind::Hex8).ok()?;
+    let stiffness = assemble(&body);
+    // What the tensor operator masks is what is held.
+    let mut free = vec![1.0; 3 * nodes];
+    level.bodies[0].operator.mask(&mut free);
+    let mut constraints = Constraints::new(nodes);
+    for c in 0..3 {
+        for node in 0..nodes {
+            if free[c * nodes + node] == 0.0 {
+                constraints
+                    .prescribe(node, c, held[c * nodes + node])
+                    .ok()?;
+            }
+        }
+    }
+    let [nx, ny, nz] = grid.shape();
+    Some(Assembled {
+        stiffness,
+        constraints,
+        points,
+        top: (nz - 1) * nx * ny,
+    })
+}
+
+/// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.
+///
+/// `state` enters with the held displacements and leaves solved. Returns whether it settled.
+pub(crate) fn active_set(mesh: &Discretisation, material: Material, state: &mut State) -> bool {
+    let level = &mesh.level;
+    let Some(ice) = assembled(&mesh.grid, level, material, &state.displacement) else {
+        return false;
+    };
+    let map = ice.constraints.dof_map();
+    let Ok(factor) = Factor::of_body(&ice.stiffness, &map, &ice.points) else {
+        return false;
+    };
+    let nodes = ice.points.len();
+    let unloaded = factor.displacement(
+        &ice.stiffness,
+        &ice.constraints,
+        &map,
+        &vec![0.0; 3 * nodes],
+    );
+    let n = level.candidates.len();
+    let vertical = |candidate: usize| 3 * (ice.top + level.candidates[candidate]) + 2;
+    let mut sides = vec![0.0; n * map.free_count()];
+    for j in 0..n {
+        if let Some(index) = map.index(vertical(j)) {
+            sides[j * map.free_count() + index] = 1.0;
+        }
+    }
+    factor.solve(&mut sides);
+    let response = Mat::from_fn(n, n, |i, j| {
+        map.index(vertical(i))
+            .map_or(0.0, |index| sides[j * map.free_count() + index])
+    });
+    let base: Vec<f64> = (0..n)
+        .map(|i| level.gap[level.candidates[i]] - unloaded[vertical(i)])
+        .collect();
+    let force = level.candidates.iter().map(|&c| state.force[c]).collect();
+    let start = PlaneState {
+        force,
+        motion: state.motion,
+        settled: false,
+    };
+    let found = level.plane_contact(&response, &base, start);
+    let mut loads = vec![0.0; 3 * nodes];
+    state.force.fill(0.0);
+    for (i, &force) in found.force.iter().enumerate() {
+        loads[vertical(i)] = -force;
+        state.force[level.candidates[i]] = force;
+    }
+    state.motion = found.motion;
+    let u = factor.displacement(&ice.stiffness, &ice.constraints, &map, &loads);
+    to_components(&u, &mut state.displacement);
+    found.settled
+}
+
+/// Plain projected SOR on the stiffness at the motion of `state`, from the held displacements.
+///
+/// Every unknown in turn is relaxed towards its equation; the vertical displacement of a candidate is then
+/// pushed down to the runner where it would penetrate. Ends when a sweep changes nothing by more than `tolerance`
+/// times the largest displacement. Returns the sweeps, or `None` where `limit` was reached.
+pub(crate) fn projected_sor(
+    mesh: &Discretisation,
+    material: Material,
+    held: &[f64],
+    state: &mut State,
+    tolerance: f64,
+    limit: usize,
+) -> Option<usize> {
+    let level = &mesh.level;
+    let ice = assembled(&mesh.grid, level, material, held)?;
+    let map = ice.constraints.dof_map();
+    let nodes = ice.points.len();
+    let mut u = vec![0.0; 3 * nodes];
+    ice.constraints.write_values(&mut u);
+    let mut ceiling = vec![f64::INFINITY; nodes];
+    for &c in &level.candidates {
+        ceiling[ice.top + c] = level.gap[c] - dot(level.rows[c], state.motion);
+    }
+    let graph = &ice.stiffness.graph;
+    let mut sweeps = None;
+    for sweep in 1..=limit {
+        let (mut change, mut largest) = (0.0f64, 0.0f64);
+        for node in 0..nodes {
+            let range = graph.row_start[node]..graph.row_start[node + 1];
+            for c in 0..3 {
+                if map.index(3 * node + c).is_none() {
+                    continue;
+                }
+                let (mut sum, mut diagonal) = (0.0, 0.0);
+                for (block, &other) in ice.stiffness.blocks[range.clone()]
+                    .iter()
+                    .zip(&graph.neighbours[range.clone()])
+                {
+                    let at = 3 * other as usize;
+                    sum += block[c][0] * u[at] + block[c][1] * u[at + 1] + block[c][2] * u[at + 2];
+                    if other as usize == node {
+                        diagonal = block[c][c];
+                    }
+                }
+                let wanted = u[3 * node + c] - RELAXATION * sum / diagonal;
+                let value = if c == 2 {
+                    wanted.min(ceiling[node])
+                } else {
+                    wanted
+                };
+                change = change.max((value - u[3 * node + c]).abs());
+                largest = largest.max(value.abs());
+                u[3 * node + c] = value;
+            }
+        }
+        if change <= tolerance * largest {
+            sweeps = Some(sweep);
+            break;
+        }
+    }
+    let mut reaction = vec![0.0; 3 * nodes];
+    ice.stiffness.apply(&u, &mut reaction);
+    state.force.fill(0.0);
+    for &c in &level.candidates {
+        let node = ice.top + c;
+        if u[3 * node + 2] >= ceiling[node] {
+            state.force[c] = (-reaction[3 * node + 2]).max(0.0);
+        }
+    }
+    to_components(&u, &mut state.displacement);
+    sweeps
+}
+
+/// From node by node to component by component.
+fn to_components(u: &[f64], out: &mut [f64]) {
+    let nodes = u.len() / 3;
+    for (node, values) in u.chunks_exact(3).enumerate() {
+        for c in 0..3 {
+            out[c * nodes + node] = values[c];
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Contacts that are no paraboloid on a half-space: punch, cylinder, layer, offset load, two ends, hardness.
+
+use std::f64::consts::PI;
+
+use kufe_contact::{Foundation, Load, Options, Tilt, hertz, solve};
+use kufe_mesh::{BobRunner, Paraboloid};
+use kufe_tests::contact::{Formula, ICE_E, ICE_NU, contact_modulus, on_half_space};
+
+fn paraboloid() -> Paraboloid {
+    Paraboloid::new(30.0, 0.005).unwrap()
+}
+
+/// F = 2 E* a d (K. L. Johnson, Contact Mechanics, eq. 3.36).
+#[test]
+fn flat_ended_rigid_punch_carries_two_contact_moduli_times_radius_times_approach() {
+    let (radius, approach) = (0.01, 1e-5);
+    let punch = Formula {
+        height: move |x: f64, y: f64| {
+            if x.hypot(y) <= radius {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        },
+        extent: [-radius, radius, -radius, radius],
+        symmetric: [true; 2],
+    };
+    let mut problem = on_half_space(punch, 1.0);
+    problem.load = Load::Approach {
+        approach,
+        pitch: 0.0,
+        roll: 0.0,
+    };
+    let s = solve(
+        &problem,
+        &Options {
+            cells: Some(24),
+            ..Options::default()
+        },
+    )
+    .unwrap();
+    let expected = 2.0 * contact_modulus() * radius * approach;
+    assert!(
+        (s.fz / expected - 1.0).abs() < 0.02,
+        "{} N against {expected} N",
+        s.fz
+    );
+}
+
+/// p0 = sqrt(q E* / (pi R)), b = sqrt(4 q R / (pi E*)) with q the load per length (Johnson, eqs. 4.43, 4.45).
+#[test]
+fn long_cylinder_is_a_line_contact_in_its_middle() {
+    let radius = 0.005;
+    let cylinder = Formula {
+        height: move |x: f64, y: f64| {
+            if x.abs() <= 0.05 {
+                y * y / (2.0 * radius)
+            } else {
+                f64::INFINITY
+            }
+        },
+        extent: [-0.05, 0.05, f64::NEG_INFINITY, f64::INFINITY],
+        symmetric: [true; 2],
+    };
+    let s = solve(
+        &on_half_space(cylinder, 2000.0),
+        &Options {
+            cells: Some(16),
+            ..Options::default()
+        },
+    )
+    .unwrap();
+    let (x, y) = (&s.surface.x, &s.surface.y);
+    let middle = x.iter().position(|x| x.abs() < 1e-12).unwrap();
+    let column: Vec<f64> = (0..y.len())
+        .map(|j| s.surface.pressure[j * x.len() + middle])
+        .collect();
+    let per_length: f64 = (1..y.len())
+        .map(|j| 0.5 * (column[j] + column[j - 1]) * (y[j] - y[j - 1]))
+        .sum();
+    let peak = column.iter().copied().fold(0.0, f64::max);
+    let expected = (per_length * contact_modulus() / (PI * radius)).sqrt();
+    assert!(
+        (peak / expected - 1.0).abs() < 0.01,
+        "{peak:.4e} against {expected:.4e}"
+    );
+    let half_width = (4.0 * per_length * radius / (PI * contact_modulus())).sqrt();
+    let touching = y
+        .iter()
+        .zip(&column)
+        .filter(|(_, p)| **p > 0.0)
+        .map(|(y, _)| *y)
+        .fold(0.0, f64::max);
+    assert!(
+        (touching / half_width - 1.0).abs() < 0.1,
+        "{touching:.3e} against {half_width:.3e}"
+    );
+}
+
+/// A rigid paraboloid on a thin bonded compressible layer: each column of ice is pressed by itself,
+/// p = M (d - r^2 / 2R) / t with M = lambda + 2 mu, so F = pi M R d^2 / t and p_max = M d / t (Johnson, section 5.8).
+#[test]
+fn thin_layer_on_a_rigid_bed_tends_to_independent_columns() {
+    let (radius, thickness, force) = (1.0, 2e-4, 1000.0);
+    let modulus = ICE_E * (1.0 - ICE_NU) / ((1.0 + ICE_NU) * (1.0 - 2.0 * ICE_NU));
+    let depth = (force * thickness / (PI * modulus * radius)).sqrt();
+    let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), force);
+    problem.ice.foundation = Foundation::RigidBed { thickness };
+    let s = solve(
+        &problem,
+        &Options {
+            p_max_tolerance: 0.005,
+            ..Options::default()
+        },
+    )
+    .unwrap();
+    // The contact is 20 thicknesses wide: the rim's share is a few per cent.
+    assert!(0.5 * s.length > 10.0 * thickness);
+    assert!(
+        (s.p_max / (modulus * depth / thickness) - 1.0).abs() < 0.03,
+        "p_max {:.4e}",
+        s.p_max
+    );
+    assert!(
+        (s.approach / depth - 1.0).abs() < 0.05,
+        "approach {:.4e} against {depth:.4e}",
+        s.approach
+    );
+}
+
+#[test]
+fn thick_layer_tends_to_the_half_space() {
+    let mut problem = on_half_space(paraboloid(), 1000.0);
+    problem.ice.foundation = Foundation::RigidBed { thickness: 1.0 };
+    let s = solve(
+        &problem,
+        &Options {
+            p_max_tolerance: 0.005,
+            ..Options::default()
+        },
+    )
+    .unwrap();
+    let h = hertz(30.0, 0.005, contact_modulus(), 1000.0);
+    assert!((s.p_max / h.p_max - 1.0).abs() < 0.005);
+}
+
+#[test]
+fn offset_load_tilts_the_runner_until_the_moments_balance() {
+    for offset in [[0.1, 0.0], [0.0, 0.0005], [-0.2, -0.0003]] {
+        let mut problem = on_half_space(paraboloid(), 1000.0);
+        problem.load = Load::Force {
+            fz: 1000.0,
+            offset_x: offset[0],
+            offset_y: offset[1],
+            tilt: Tilt::Free,
+        };
+        let s = solve(
+            &problem,
+            &Options {
+                p_max_tolerance: 0.01,
+                ..Options::default()
+            },
+        )
+        .unwrap();
+        let h = hertz(30.0, 0.005, contact_modulus(), 1000.0);
+        assert!((s.p_max / h.p_max - 1.0).abs() < 0.01, "{:.4e}", s.p_max);
+        // A paraboloid rolls on its arc: pitch = x / R, roll = - y / r.
+        assert!(
+            (s.pitch - offset[0] / 30.0).abs() < 2e-5,
+            "pitch {}",
+            s.pitch
+        );
+        assert!((s.roll + offset[1] / 0.005).abs() < 2e-3, "roll {}", s.roll);
+        for axis in 0..2 {
+            let arm = (s.centre_of_pressure[axis] - offset[axis]).abs();
+            assert!(
+                arm < 1e-6 * [s.length, s.width][axis],
+                "moment arm {arm:.1e} m on axis {axis}"
+            );
+        }
+    }
+}
+
+#[test]
+fn held_tilt_moves_the_patch_to_where_the_hull_is_level() {
+    let mut problem = on_half_space(paraboloid(), 1000.0);
+    let tilt = Tilt::Fixed {
+        pitch: 0.001,
+        roll: -0.02,
+    };
+    problem.load = Load::Force {
+        fz: 1000.0,
+        offset_x: 0.0,
+        offset_y: 0.0,
+        tilt,
+    };
+    let s = solve(
+        &problem,
+        &Options {
+            p_max_tolerance: 0.01,
+            ..Options::default()
+        },
+    )
+    .unwrap();
+    assert!(
+        (s.centre_of_pressure[0] - 0.03).abs() < 1e-4,
+        "{:?}",
+        s.centre_of_pressure
+    );
+    assert!(
+        (s.centre_of_pressure[1] - 1e-4).abs() < 1e-6,
+        "{:?}",
+        s.centre_of_pressure
+    );
+}
+
+/// A track of smaller radius than the rocker: only the ends touch. Solved without the mirror plane across the
+/// runner, so that the symmetry is a result.
+#[test]
+fn two_ended_contact_is_symmetric_and_each_end_carries_half() {
+    let bob = BobRunner::default().swept().unwrap();
+    let hull = Formula {
+        height: move |x, y| kufe_mesh::Underside::height(&bob, x, y),
+        extent: [-0.5, 0.5, -0.005, 0.005],
+        symmetric: [false, true],
+    };
+    let mut problem = on_half_space(hull, 1000.0);
+    problem.track_curvature = 1.0 / 20.0;
+    let s = solve(
+        &problem,
+        &Options {
+            cells: Some(6),
+            ..Options::default()
+        },
+    )
+    .unwrap();
+    let (x, y) = (&s.surface.x, &s.surface.y);
+    let mut halves = [0.0; 2];
+    for j in 1..y.len() {
+        for i in 1..x.len() {
+            let corners = [(i, j), (i - 1, j), (i, j - 1), (i - 1, j - 1)];
+            let mean = corners
+                .iter()
+                .map(|(i, j)| s.surface.pressure[j * x.len() + i])
+                .sum::<f64>()
+                / 4.0;
+            halves[usize::from(x[i] > 0.0)] += mean * (x[i] - x[i - 1]) * (y[j] - y[j - 1]);
+        }
+    }
+    assert!((halves[0] / halves[1] - 1.0).abs() < 1e-3, "{halves:?}");
+    assert!(
+        ((halves[0] + halves[1]) / 1000.0 - 1.0).abs() < 0.02,
+        "{halves:?}"
+    );
+    assert!(
+        s.centre_of_pressure[0].abs() < 1e-6 && s.pitch.abs() < 1e-7,
+        "{:?}",
+        s.centre_of_pressure
+    );
+    let middle = x
+        .iter()
+        .enumerate()
+        .filter(|(_, x)| x.abs() < 0.3)
+        .map(|(i, _)| i);
+    let middle_row = y.iter().position(|y| y.abs() < 1e-12).unwrap();
+    assert!(
+        middle
+            .map(|i| s.surface.pressure[middle_row * x.len() + i])
+            .all(|p| p == 0.0)
+    );
+}
+
+#[test]
+fn hardness_bounds_the_pressure_keeps_the_balance_and_tends_to_elasticity() {
+    let elastic = hertz(30.0, 0.005, contact_modulus(), 1000.0).p_max;
+    let mut last_area = f64::INFINITY;
+    for share in [0.2, 0.5, 0.9, 1.5] {
+        let mut problem = on_half_space(paraboloid(), 1000.0);
+        problem.ice.hardness = Some(share * elastic);
+        let s = solve(
+            &problem,
+            &Options {
+                cells: Some(8),
+                ..Options::default()
+            },
+        )
+        .unwrap();
+        let bound = share * elastic * (1.0 + 1e-9);
+        assert!(s.surface.pressure.iter().all(|p| *p <= bound));
+        assert!((s.fz / 1000.0 - 1.0).abs() < 1e-8, "{}", s.fz);
+        assert!(s.kkt_residual < 1e-8, "{:.1e}", s.kkt_residual);
+        assert!(
+            s.area < last_area && s.area * share * elastic >= 1000.0 * 0.98,
+            "area {:.3e}",
+            s.area
+        );
+        last_area = s.area;
+        if share > 1.0 {
+            assert!((s.p_max / elastic - 1.0).abs() < 0.01, "{:.4e}", s.p_max);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Problems that several contact claims share.
+
+use std::sync::Arc;
+
+use kufe_contact::{Foundation, Ice, Load, Problem, Runner, Tilt};
+use kufe_mesh::Underside;
+
+/// Young's modulus of the reference ice [Pa].
+pub const ICE_E: f64 = 9.0e9;
+/// Poisson's ratio of the reference ice.
+pub const ICE_NU: f64 = 0.33;
+
+/// Contact modulus of rigid on the reference ice [Pa].
+pub fn contact_modulus() -> f64 {
+    ICE_E / (1.0 - ICE_NU * ICE_NU)
+}
+
+/// A hull on a half-space of reference ice under a central load, free to tilt, on a flat track.
+pub fn on_half_space(underside: impl Underside + 'static, fz: f64) -> Problem {
+    Problem {
+        runner: Runner {
+            underside: Arc::new(underside),
+        },
+        ice: Ice {
+            youngs_modulus: ICE_E,
+            poissons_ratio: ICE_NU,
+            foundation: Foundation::HalfSpace,
+            hardness: None,
+        },
+        track_curvature: 0.0,
+        load: Load::Force {
+            fz,
+            offset_x: 0.0,
+            offset_y: 0.0,
+            tilt: Tilt::Free,
+        },
+    }
+}
+
+/// A hull given by a formula.
+pub struct Formula<F> {
+    /// Height at (x, y) [m].
+    pub height: F,
+    /// `[x_min, x_max, y_min, y_max]` [m].
+    pub extent: [f64; 4],
+    /// Mirror planes that the solver may use.
+    pub symmetric: [bool; 2],
+}
+
+impl<F: Fn(f64, f64) -> f64 + Send + Sync> Underside for Formula<F> {
+    fn height(&self, x: f64, y: f64) -> f64 {
+        (self.height)(x, y)
+    }
+
+    fn extent(&self) -> [f64; 4] {
+        self.extent
+    }
+
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        self.symmetric
+    }
+}
