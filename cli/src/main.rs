@@ -10,6 +10,7 @@ mod hull;
 mod icehouse;
 mod info;
 mod init;
+mod lut;
 mod outline;
 mod output;
 mod press;
@@ -52,6 +53,8 @@ enum Command {
     Hull(hull::Args),
     /// Say what a file holds
     Info(info::Args),
+    /// Make, draw, query and export lookup tables
+    Lut(lut::Args),
     /// Write a commented case to start from
     Init(init::Args),
     /// Friction of a case, or the fit of friction over pressure
@@ -73,6 +76,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Press(args) => press::run(&args, &global),
         Command::Hull(args) => hull::run(&args, &global),
         Command::Info(args) => info::run(&args, &global),
+        Command::Lut(args) => lut::run(&args, &global),
         Command::Init(args) => init::run(&args, &global),
         Command::Friction(args) => friction::run(&args, &global),
         Command::Icehouse(args) => icehouse::run(&args, &global),

@@ -13,11 +13,13 @@
 
 mod axes;
 mod csv_file;
+mod each;
 mod error;
 mod fmu;
 mod header;
 mod lookup;
 mod mat_file;
+mod picture;
 mod pitch;
 mod quantity;
 mod read;
@@ -33,6 +35,7 @@ mod write;
 pub use axes::{Axes, MAX_AXIS, MAX_NODES};
 pub use error::Error;
 pub use lookup::{Looked, Lookup, Mode};
+pub use picture::draw;
 pub use pitch::{MIN_SPEED, curvature_from_pitch, radius_from_pitch};
 pub use quantity::{Point, Quantity, Solved};
 pub use read::MAX_FILE_BYTES;

@@ -7,9 +7,9 @@
 use std::io::Read;
 use std::path::Path;
 
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
+use crate::each::each;
 use crate::read::{get, list, number, object, text, wrong};
 use crate::store::{point_json, write_renamed};
 use crate::sweep::{Plan, SweepError, Swept, sweep_batches};
@@ -192,27 +192,21 @@ where
         }
     }
     let broken = AtomicBool::new(false);
-    let outcomes: Vec<Option<Result<(), SweepError<E>>>> = missing
-        .par_iter()
-        .map(|point| {
-            if broken.load(Ordering::Relaxed) {
-                return None;
+    let outcomes: Vec<Option<Result<(), SweepError<E>>>> = each(&missing, |point| {
+        if broken.load(Ordering::Relaxed) {
+            return None;
+        }
+        let solved = match solve(point) {
+            Ok(solved) => solved,
+            Err(source) => {
+                let point = *point;
+                return Some(Err(SweepError::Solve { point, source }));
             }
-            let solved = match solve(point) {
-                Ok(solved) => solved,
-                Err(source) => {
-                    return Some(Err(SweepError::Solve {
-                        point: *point,
-                        source,
-                    }));
-                }
-            };
-            let kept =
-                crate::table::finite(point, &solved).and_then(|()| store.put(point, &solved));
-            broken.fetch_or(kept.is_err(), Ordering::Relaxed);
-            Some(kept.map_err(SweepError::Table))
-        })
-        .collect();
+        };
+        let kept = crate::table::finite(point, &solved).and_then(|()| store.put(point, &solved));
+        broken.fetch_or(kept.is_err(), Ordering::Relaxed);
+        Some(kept.map_err(SweepError::Table))
+    });
     for outcome in outcomes.into_iter().flatten() {
         outcome?;
         done.solved += 1;

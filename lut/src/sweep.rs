@@ -1,7 +1,6 @@
 //! Filling a table: given points, or points placed until the interpolation is as good as asked.
 
-use rayon::prelude::*;
-
+use crate::each::each;
 use crate::refine::{Refinement, refine, spread};
 use crate::table::finite;
 use crate::{Axes, Check, Error, Mode, Point, Solved, Table};
@@ -130,7 +129,7 @@ where
     E: std::error::Error + Send + 'static,
 {
     sweep_batches(plan, |points| {
-        let solved: Vec<Result<Solved, E>> = points.par_iter().map(&solve).collect();
+        let solved: Vec<Result<Solved, E>> = each(points, &solve);
         points
             .iter()
             .zip(solved)

@@ -1,0 +1,161 @@
+//! `kufe lut TABLE.toml`: the whole table in one process.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use kufe_lut::{Mode, Next, Point, Quantity, Store, Swept, Table, next_batch};
+use serde_json::{Value, json};
+
+use super::export::{Forms, write_table};
+use super::solver::Solver;
+use super::table_file::Wanted;
+use crate::failure::Failure;
+use crate::output::Global;
+
+/// Arguments of `kufe lut` without a subcommand.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The table file (docs/lut-format.md)
+    #[arg(required = true)]
+    table: Option<PathBuf>,
+    /// Where the table goes [default: the table file's name with .lut]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    forms: Forms,
+}
+
+/// Solves every point that is not on disk yet and writes the table.
+///
+/// # Errors
+/// As [`super::run`].
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let Some(path) = &args.table else {
+        return Err(Failure::Usage("kufe lut: which table file?".into()));
+    };
+    let wanted = Wanted::read(path)?;
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| path.with_extension("lut"));
+    let solver = Solver::new(&wanted)?;
+    let started = Instant::now();
+    let store = open_store(&out, &solver)?;
+    let mut solves = 0;
+    let mut swept = loop {
+        match next_batch(&wanted.plan, &store) {
+            Ok(Next::Finished(swept)) => break *swept,
+            Ok(Next::Points { points, round, .. }) => {
+                let label = format!("round {round}");
+                solves += solver.solve_missing(&store, &points, &label, global)?;
+            }
+            // A damaged point among finished ones: solved again with the others of its batch.
+            Err(kufe_lut::Error::Corrupt { path, reason }) => {
+                eprintln!("kufe: warning: {path}: damaged: {reason}; it will be solved again");
+                std::fs::remove_file(&path).map_err(|error| {
+                    Failure::BadInput(format!("{path}: cannot be removed: {error}"))
+                })?;
+            }
+            Err(error) => return Err(Failure::bad_input(error)),
+        }
+    };
+    swept.table.case = solver.case();
+    write_table(&swept.table, &out)?;
+    store
+        .clear(&all_points(&swept.table))
+        .map_err(Failure::bad_input)?;
+    let seconds = started.elapsed().as_secs_f64();
+    finish(&swept, &out, &args.forms, solves, seconds, global)
+}
+
+/// Results in hand stand beside the table to be until it is there.
+fn open_store(out: &Path, solver: &Solver) -> Result<Store, Failure> {
+    let mut folder = out.as_os_str().to_owned();
+    folder.push(".points");
+    Store::open(Path::new(&folder), solver.origin()?).map_err(Failure::bad_input)
+}
+
+fn all_points(table: &Table) -> Vec<Point> {
+    let mut points = table.axes().points();
+    points.extend(table.checks().iter().map(|check| check.point));
+    points
+}
+
+/// Writes the further forms, tells what the table is worth, and fails where it is less than was asked.
+///
+/// # Errors
+/// [`Failure::NotConverged`] where the interpolation stayed short of what was asked.
+pub fn finish(
+    swept: &Swept,
+    out: &Path,
+    forms: &Forms,
+    solves: usize,
+    seconds: f64,
+    global: &Global,
+) -> Result<(), Failure> {
+    let written = forms.write(&swept.table, out)?;
+    let summary = summary(&swept.table, solves, seconds)?;
+    if global.json {
+        println!("{summary:#}");
+    } else if !global.quiet {
+        println!("{}", out.display());
+        for path in &written {
+            println!("{}", path.display());
+        }
+        println!("{}", in_words(&summary));
+    }
+    match &swept.shortfall {
+        None => Ok(()),
+        Some(error) => Err(Failure::NotConverged(format!(
+            "{}: {error}; the table was written with its measured errors",
+            out.display()
+        ))),
+    }
+}
+
+fn summary(table: &Table, solves: usize, seconds: f64) -> Result<Value, Failure> {
+    let error = |mode| {
+        let measured = table.interpolation_error(Quantity::PMax, mode);
+        let measured = measured.map_err(Failure::bad_input)?;
+        Ok::<_, Failure>(measured.map(|measured| measured.max))
+    };
+    Ok(json!({
+        "nodes": table.nodes().len(),
+        "fz_values": table.axes().fz().len(),
+        "curvature_values": table.axes().curvature().len(),
+        "rocker_radius_values": table.axes().rocker_radius().map(<[f64]>::len),
+        "checks": table.checks().len(),
+        "interpolation_asked": table.interpolation_asked,
+        "interpolation_smooth": error(Mode::Smooth)?,
+        "interpolation_bilinear": error(Mode::Bilinear)?,
+        "solver_p_max": table.solver_error(),
+        "solves": solves,
+        "seconds": seconds,
+        "version": table.version,
+    }))
+}
+
+fn in_words(summary: &Value) -> String {
+    let percent = |key: &str| match summary[key].as_f64() {
+        Some(value) => format!("{:.3} %", 100.0 * value),
+        None => "not measured".into(),
+    };
+    let rocker = match summary["rocker_radius_values"].as_u64() {
+        Some(n) => format!(" x {n}"),
+        None => String::new(),
+    };
+    format!(
+        "  nodes                 {} x {}{rocker} (force x curvature), {} checks between them\n  \
+         solver error          {} of the peak pressure, estimated\n  \
+         interpolation error   {} smooth, {} bilinear, measured at the checks\n  \
+         time                  {:.1} s for {} solves",
+        summary["fz_values"],
+        summary["curvature_values"],
+        summary["checks"],
+        percent("solver_p_max"),
+        percent("interpolation_smooth"),
+        percent("interpolation_bilinear"),
+        summary["seconds"].as_f64().unwrap_or(0.0),
+        summary["solves"],
+    )
+}

@@ -1,0 +1,221 @@
+//! The contact solver as a sweep sees it.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use kufe_contact::case::{Case, CaseError, Shape};
+use kufe_contact::{Load, Options, Problem};
+use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
+
+use super::case_json::case_json;
+use super::table_file::Wanted;
+use crate::case_file::LoadedCase;
+use crate::failure::Failure;
+use crate::output::Global;
+
+/// A hull's file counts towards the case up to this size [bytes].
+const LARGEST_HULL: u64 = 1 << 31;
+
+/// Why a point has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// The solver's own answer.
+    #[error(transparent)]
+    Contact(#[from] kufe_contact::Error),
+    /// The case at this point is no case.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+}
+
+/// Solves points of one case.
+pub struct Solver {
+    loaded: LoadedCase,
+    base: Problem,
+    tolerance: f64,
+}
+
+impl Solver {
+    /// The solver for a table: its case, at the tolerance that the table asks for.
+    ///
+    /// The tolerance is `accuracy.p_max` of the table's file; without it the case's own, and at most half of the
+    /// interpolation error that is asked, so that refinement does not chase the solver's error.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the case cannot be had or has no rocker radius to sweep.
+    pub fn new(wanted: &Wanted) -> Result<Solver, Failure> {
+        let loaded = LoadedCase::read(&wanted.case)?;
+        if wanted.plan.rocker_radius.is_some() && loaded.case.runner.shape.is_none() {
+            return Err(Failure::BadInput(format!(
+                "{}: axes.rocker_radius_m: the runner of {} is a hull, expected a shape with a rocker radius",
+                wanted.path.display(),
+                wanted.case.display()
+            )));
+        }
+        let (base, warnings) = loaded.problem()?;
+        for warning in warnings {
+            eprintln!("kufe: warning: {warning}");
+        }
+        let own = loaded.case.accuracy.p_max;
+        let asked = if wanted.plan.is_fixed() {
+            own
+        } else {
+            own.min(0.5 * wanted.plan.interpolation)
+        };
+        Ok(Solver {
+            tolerance: wanted.p_max.unwrap_or(asked),
+            loaded,
+            base,
+        })
+    }
+
+    /// The case.
+    pub fn case(&self) -> serde_json::Value {
+        case_json(&self.loaded.case)
+    }
+
+    /// What every result belongs to: this version, the case with its hull, and the tolerance.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the hull's file cannot be read.
+    pub fn origin(&self) -> Result<Origin, Failure> {
+        // Load and track are replaced point by point: they are no part of what the results have in common.
+        let mut case = self.loaded.case.clone();
+        case.load.fz_n = 1.0;
+        case.track = Default::default();
+        case.accuracy.p_max = self.tolerance;
+        case.runner.hull = None;
+        let mut bytes = case_json(&case).to_string().into_bytes();
+        if let Some(hull) = &self.loaded.case.runner.hull {
+            bytes.extend(read_hull(&self.loaded.base.join(hull))?);
+        }
+        Ok(Origin {
+            version: env!("CARGO_PKG_VERSION").into(),
+            case_sha256: sha256(&bytes),
+        })
+    }
+
+    fn solve(&self, point: &Point) -> Result<Solved, SolveError> {
+        if INTERRUPTED.load(Ordering::Relaxed) {
+            return Err(SolveError::Interrupted);
+        }
+        let mut problem = match point.rocker_radius {
+            None => self.base.clone(),
+            Some(radius) => with_rocker(&self.loaded.case, radius).problem(&self.loaded.base)?,
+        };
+        problem.track_curvature = point.curvature;
+        if let Load::Force { fz, .. } = &mut problem.load {
+            *fz = point.fz;
+        }
+        let options = Options {
+            p_max_tolerance: self.tolerance,
+            ..Options::default()
+        };
+        let solution = kufe_contact::solve(&problem, &options)?;
+        Ok(Solved {
+            p_max: solution.p_max,
+            p_max_error: solution.p_max_error,
+            p_mean: solution.p_mean,
+            area: solution.area,
+            length: solution.length,
+            width: solution.width,
+            approach: solution.approach,
+        })
+    }
+
+    /// Solves what a store lacks of these points, telling how far it is; returns how many were solved.
+    ///
+    /// # Errors
+    /// [`Failure::Partial`] after Ctrl-C, [`Failure::NotConverged`] and [`Failure::BadInput`] with the point.
+    pub fn solve_missing(
+        &self,
+        store: &Store,
+        points: &[Point],
+        label: &str,
+        global: &Global,
+    ) -> Result<usize, Failure> {
+        stop_on_interrupt();
+        let bar = global.progress();
+        let solved = AtomicUsize::new(0);
+        let show = |n: usize| bar.set_message(format!("{label}: {n} of {} points", points.len()));
+        show(0);
+        let done = kufe_lut::solve_missing(store, points, |point| {
+            let result = self.solve(point)?;
+            show(solved.fetch_add(1, Ordering::Relaxed) + 1);
+            Ok(result)
+        });
+        bar.finish_and_clear();
+        let done = done.map_err(|error| self.failure(store, error))?;
+        for damage in &done.repaired {
+            eprintln!("kufe: warning: {damage}; solved again");
+        }
+        Ok(done.solved)
+    }
+
+    fn failure(&self, store: &Store, error: SweepError<SolveError>) -> Failure {
+        match error {
+            SweepError::Solve {
+                source: SolveError::Interrupted,
+                ..
+            } => Failure::Partial(format!(
+                "interrupted; finished points are kept in {}, the same command resumes",
+                store.folder().display()
+            )),
+            SweepError::Solve {
+                point,
+                source: SolveError::Contact(error),
+            } => match self.loaded.failure(&error) {
+                Failure::NotConverged(text) => Failure::NotConverged(format!("{text}, at {point}")),
+                Failure::BadInput(text) => Failure::BadInput(format!("{text}, at {point}")),
+                other => other,
+            },
+            other => Failure::bad_input(other),
+        }
+    }
+}
+
+fn with_rocker(case: &Case, radius: f64) -> Case {
+    let mut case = case.clone();
+    match &mut case.runner.shape {
+        Some(
+            Shape::Bob {
+                rocker_radius_m, ..
+            }
+            | Shape::Paraboloid {
+                rocker_radius_m, ..
+            }
+            | Shape::Luge {
+                rocker_radius_m, ..
+            },
+        ) => *rocker_radius_m = radius,
+        None => {}
+    }
+    case
+}
+
+fn read_hull(path: &Path) -> Result<Vec<u8>, Failure> {
+    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let length = std::fs::metadata(path)
+        .map_err(|error| told(format!("cannot be read: {error}")))?
+        .len();
+    if length > LARGEST_HULL {
+        return Err(told(format!(
+            "{length} bytes: expected a hull of at most {LARGEST_HULL} bytes"
+        )));
+    }
+    std::fs::read(path).map_err(|error| told(format!("cannot be read: {error}")))
+}
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C lets the points in hand finish and begins no others; a second one leaves at once.
+fn stop_on_interrupt() {
+    // A handler is set once a process: that one is there already is no error.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(5);
+        }
+    });
+}

@@ -1,0 +1,182 @@
+//! `table.toml`: which table is wanted.
+
+use std::path::{Path, PathBuf};
+
+use kufe_lut::{Mode, Plan, Spacing};
+use serde::Deserialize;
+
+use crate::failure::Failure;
+
+/// A table file is a page of text; what is longer than this is something else [bytes].
+const LONGEST: u64 = 1 << 20;
+
+/// A table file, key by key.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TableToml {
+    case: PathBuf,
+    axes: AxesToml,
+    #[serde(default)]
+    accuracy: AccuracyToml,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxesToml {
+    fz_n: AxisToml,
+    curvature_1pm: Option<AxisToml>,
+    radius_m: Option<AxisToml>,
+    rocker_radius_m: Option<AxisToml>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisToml {
+    values: Option<Vec<f64>>,
+    from: Option<f64>,
+    to: Option<f64>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AccuracyToml {
+    interpolation: Option<f64>,
+    evaluation: Option<Evaluation>,
+    p_max: Option<f64>,
+    checks: Option<usize>,
+    max_nodes: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Evaluation {
+    Both,
+    Smooth,
+    Bilinear,
+}
+
+/// What a table file asks for.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// The file.
+    pub path: PathBuf,
+    /// The case's file.
+    pub case: PathBuf,
+    /// The points and their accuracy.
+    pub plan: Plan,
+    /// Solver tolerance of the peak pressure, where the file states one.
+    pub p_max: Option<f64>,
+}
+
+impl Wanted {
+    /// Reads a table file.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
+    pub fn read(path: &Path) -> Result<Wanted, Failure> {
+        let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+        let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
+        let length = std::fs::metadata(path).map_err(unreadable)?.len();
+        if length > LONGEST {
+            return Err(told(format!(
+                "{length} bytes: expected a table file of at most {LONGEST} bytes"
+            )));
+        }
+        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let file: TableToml = toml::from_str(&text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start.min(text.len()));
+            let line = text[..start].matches('\n').count() + 1;
+            told(format!("line {line}: {}", error.message()))
+        })?;
+        let plan = plan(&file).map_err(told)?;
+        if let Some(p_max) = file.accuracy.p_max
+            && !(1e-5..=0.5).contains(&p_max)
+        {
+            return Err(told(format!(
+                "accuracy.p_max = {p_max}: expected a relative error between 1e-5 and 0.5"
+            )));
+        }
+        let base = path.parent().unwrap_or(Path::new(""));
+        Ok(Wanted {
+            path: path.to_path_buf(),
+            case: base.join(&file.case),
+            plan,
+            p_max: file.accuracy.p_max,
+        })
+    }
+}
+
+fn plan(file: &TableToml) -> Result<Plan, String> {
+    let curvature = match (&file.axes.curvature_1pm, &file.axes.radius_m) {
+        (Some(axis), None) => spacing("axes.curvature_1pm", axis)?,
+        (None, Some(axis)) => as_curvature(spacing("axes.radius_m", axis)?)?,
+        _ => return Err("axes: expected either curvature_1pm or radius_m".into()),
+    };
+    let mut plan = Plan::new(spacing("axes.fz_n", &file.axes.fz_n)?, curvature);
+    if let Some(axis) = &file.axes.rocker_radius_m {
+        plan.rocker_radius = Some(spacing("axes.rocker_radius_m", axis)?);
+    }
+    let accuracy = &file.accuracy;
+    plan.interpolation = accuracy.interpolation.unwrap_or(plan.interpolation);
+    plan.modes = match accuracy.evaluation.unwrap_or(Evaluation::Both) {
+        Evaluation::Both => Mode::ALL.to_vec(),
+        Evaluation::Smooth => vec![Mode::Smooth],
+        Evaluation::Bilinear => vec![Mode::Bilinear],
+    };
+    plan.checks = within("accuracy.checks", accuracy.checks, plan.checks, 100_000)?;
+    plan.max_nodes = within(
+        "accuracy.max_nodes",
+        accuracy.max_nodes,
+        plan.max_nodes,
+        kufe_lut::MAX_NODES,
+    )?;
+    Ok(plan)
+}
+
+fn within(key: &str, found: Option<usize>, default: usize, most: usize) -> Result<usize, String> {
+    match found {
+        Some(found) if found > most => Err(format!("{key} = {found}: expected at most {most}")),
+        Some(found) => Ok(found),
+        None => Ok(default),
+    }
+}
+
+fn spacing(key: &str, axis: &AxisToml) -> Result<Spacing, String> {
+    match (&axis.values, axis.from, axis.to) {
+        (Some(values), None, None) => Ok(Spacing::Values(values.clone())),
+        (None, Some(from), Some(to)) => Ok(Spacing::Range { from, to }),
+        _ => Err(format!(
+            "{key}: expected either values = [...], or from and to"
+        )),
+    }
+}
+
+/// Radii as curvatures, increasing: `inf` is 0, a straight, and a range from a crest to a valley passes it.
+fn as_curvature(radii: Spacing) -> Result<Spacing, String> {
+    let invert = |radius: f64| {
+        if radius == 0.0 || radius.is_nan() {
+            return Err(format!(
+                "axes.radius_m: found {radius}, expected a radius other than 0, or inf"
+            ));
+        }
+        // Adding 0 makes the curvature of -inf a plain 0.
+        Ok(1.0 / radius + 0.0)
+    };
+    Ok(match radii {
+        Spacing::Values(radii) => {
+            let mut curvatures = radii
+                .into_iter()
+                .map(invert)
+                .collect::<Result<Vec<_>, _>>()?;
+            curvatures.sort_by(f64::total_cmp);
+            Spacing::Values(curvatures)
+        }
+        Spacing::Range { from, to } => {
+            let (a, b) = (invert(from)?, invert(to)?);
+            Spacing::Range {
+                from: a.min(b),
+                to: a.max(b),
+            }
+        }
+    })
+}

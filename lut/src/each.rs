@@ -1,0 +1,45 @@
+//! One item a thread at a time.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Applies `work` to every item, on as many threads as the current rayon pool has; results in the items' order.
+///
+/// Each item runs inside a pool of one thread of its own: a solver that is parallel itself would otherwise have its
+/// waiting threads begin further items, one inside the other, and hold them all in memory.
+pub(crate) fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let threads = rayon::current_num_threads().min(items.len());
+    if threads <= 1 {
+        return items.iter().map(work).collect();
+    }
+    let next = AtomicUsize::new(0);
+    let one_by_one = || {
+        let mut done = Vec::new();
+        loop {
+            let n = next.fetch_add(1, Ordering::Relaxed);
+            match items.get(n) {
+                Some(item) => done.push((n, work(item))),
+                None => return done,
+            }
+        }
+    };
+    let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|_| {
+                scope.spawn(
+                    || match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                        Ok(pool) => pool.install(one_by_one),
+                        // No further thread to be had: the work is done in the pool there is.
+                        Err(_) => one_by_one(),
+                    },
+                )
+            })
+            .collect();
+        let joined = workers.into_iter().map(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        joined.flatten().collect()
+    });
+    results.sort_by_key(|(n, _)| *n);
+    results.into_iter().map(|(_, result)| result).collect()
+}
