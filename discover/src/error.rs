@@ -1,0 +1,78 @@
+//! What can be wrong with the data.
+
+/// Why a search cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file cannot be read or is not what it must be.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A cell of a table.
+    #[error("{file}: row {row}, column {column}: found {found:?}, expected {expected}")]
+    Cell {
+        /// The file.
+        file: String,
+        /// Row, counted from 1 with the header.
+        row: u64,
+        /// Column.
+        column: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
+    /// A column is missing.
+    #[error("{file}: column `{column}` is missing; found {found}")]
+    MissingColumn {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// The columns there are.
+        found: String,
+    },
+    /// Two runs or rows carry the same data, which would fake significance.
+    #[error(
+        "{file}: {first} and {second} hold the same data; a copy would count as a second measurement"
+    )]
+    Duplicate {
+        /// The file.
+        file: String,
+        /// First of the two.
+        first: String,
+        /// Second of the two.
+        second: String,
+    },
+    /// Too little data for what is asked.
+    #[error("{what}: found {found}, at least {needed} are needed")]
+    TooFew {
+        /// What there is too little of.
+        what: String,
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// The base model cannot be fitted.
+    #[error("the base model did not settle on the data: {reason}")]
+    BaseFit {
+        /// What went wrong.
+        reason: String,
+    },
+    /// From the sled's reader or model.
+    #[error(transparent)]
+    Sled(#[from] kufe_sled::Error),
+    /// From the friction laws.
+    #[error(transparent)]
+    Friction(#[from] kufe_friction::Error),
+    /// From an `[effects]` table.
+    #[error(transparent)]
+    Effect(#[from] kufe_sled::effects::EffectError),
+    /// From the contact solver or its case.
+    #[error(transparent)]
+    Contact(#[from] kufe_contact::Error),
+}

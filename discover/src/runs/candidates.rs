@@ -1,0 +1,276 @@
+//! The effects that could be missing, as far as the data can speak of them.
+
+use kufe_friction::effects::Expression;
+use kufe_sled::effects::{Active, CATALOGUE, Column, Effects, Kind, Level};
+use kufe_sled::effects::{Channel, Custom};
+
+use super::data::Data;
+
+/// One amplitude of one effect, with its settings.
+#[derive(Clone)]
+pub struct Candidate {
+    /// Name of the effect.
+    pub effect: String,
+    /// What it does.
+    pub kind: Kind,
+    /// Place of the amplitude among the parameters.
+    pub parameter: usize,
+    /// Name of the amplitude.
+    pub key: String,
+    /// Its unit.
+    pub unit: String,
+    /// Smallest admissible value.
+    pub low: f64,
+    /// Largest admissible value.
+    pub high: f64,
+    /// Order of magnitude.
+    pub typical: f64,
+    /// Level.
+    pub level: Level,
+    /// Settings, with the amplitudes at 0.
+    pub values: Vec<f64>,
+    /// The only track it acts on.
+    pub track: Option<String>,
+    /// What would tell it from its rivals.
+    pub decides: String,
+}
+
+impl Candidate {
+    /// The effect at an amplitude.
+    pub fn active(&self, amplitude: f64) -> Active {
+        let mut values = self.values.clone();
+        values[self.parameter] = amplitude;
+        Active {
+            name: self.effect.clone(),
+            kind: self.kind.clone(),
+            values,
+            track: self.track.clone(),
+        }
+    }
+
+    /// The same in a window of distance on one track.
+    pub fn within(&self, track: &str, from: f64, to: f64) -> Self {
+        let mut local = self.clone();
+        local.track = Some(track.to_owned());
+        if let Kind::Catalogue(effect) = &self.kind {
+            for (value, parameter) in local.values.iter_mut().zip(effect.info().parameters) {
+                match parameter.name {
+                    "from_m" => *value = from,
+                    "to_m" => *value = to,
+                    _ => {}
+                }
+            }
+        }
+        local
+    }
+
+    /// Name with the amplitude's key.
+    pub fn label(&self) -> String {
+        format!("{} ({})", self.effect, self.key)
+    }
+}
+
+/// All candidates by the way in which they are tested.
+pub struct Candidates {
+    /// Within runs, everywhere.
+    pub regular: Vec<Candidate>,
+    /// Within runs, in a window of distance that is searched for.
+    pub local: Vec<Candidate>,
+    /// From session to session or run to run.
+    pub levels: Vec<Candidate>,
+    /// In the track channel: slope and its rivals.
+    pub track: Vec<Candidate>,
+    /// Effects that these data cannot speak of, and why.
+    pub untestable: Vec<(String, String)>,
+}
+
+/// The catalogue and the person's own effects against what was recorded.
+pub fn list(data: &Data, own: &Effects) -> Candidates {
+    let mut out = Candidates {
+        regular: Vec::new(),
+        local: Vec::new(),
+        levels: Vec::new(),
+        track: Vec::new(),
+        untestable: Vec::new(),
+    };
+    for effect in CATALOGUE {
+        let info = effect.info();
+        let missing: Vec<&str> = info
+            .needs
+            .iter()
+            .filter(|column| !data.available.contains(column))
+            .map(|column| column.name())
+            .collect();
+        if !missing.is_empty() {
+            let why = format!(
+                "needs {}, which is not recorded or does not vary",
+                missing.join(", ")
+            );
+            out.untestable.push((info.name.to_owned(), why));
+            continue;
+        }
+        if matches!(info.level, Level::Session | Level::Run) && data.segmented {
+            let why = "needs several runs; there is one".to_owned();
+            out.untestable.push((info.name.to_owned(), why));
+            continue;
+        }
+        let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
+        for (index, parameter) in info.parameters.iter().enumerate() {
+            if !parameter.is_amplitude() {
+                continue;
+            }
+            let candidate = Candidate {
+                effect: info.name.to_owned(),
+                kind: Kind::Catalogue(*effect),
+                parameter: index,
+                key: parameter.name.to_owned(),
+                unit: parameter.unit.to_owned(),
+                low: parameter.low,
+                high: parameter.high,
+                typical: parameter.typical,
+                level: info.level,
+                values: defaults.clone(),
+                track: None,
+                decides: info.decides.to_owned(),
+            };
+            match (info.level, info.name) {
+                (Level::Track, "slope" | "track-profile") => out.track.push(candidate),
+                (Level::Track, _) => out.local.push(candidate),
+                (Level::Session | Level::Run, _) => out.levels.push(candidate),
+                (Level::Sample, "warm-up") => {
+                    for time in [3.0, 8.0, 20.0] {
+                        let mut shaped = candidate.clone();
+                        shaped.values[1] = time;
+                        out.regular.push(shaped);
+                    }
+                }
+                (Level::Sample, _) => {
+                    if candidate.key == "x_mps2" || candidate.key == "pitch_rad" {
+                        out.track.push(candidate.clone());
+                    }
+                    out.regular.push(candidate);
+                }
+            }
+        }
+    }
+    for effect in &own.active {
+        if let Kind::Custom(custom) = &effect.kind
+            && effect.values[0] == 0.0
+        {
+            out.regular
+                .push(own_candidate(&effect.name, custom.clone(), &effect.track));
+        }
+    }
+    out
+}
+
+fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate {
+    Candidate {
+        effect: name.to_owned(),
+        parameter: 0,
+        key: "value".to_owned(),
+        unit: custom.unit.clone(),
+        low: custom.low,
+        high: custom.high,
+        // The expression is linear in its amplitude: any step gives the same direction.
+        typical: 1e-3 * custom.high.min(1.0).max(1e-6),
+        level: Level::Sample,
+        values: vec![0.0],
+        track: track.clone(),
+        decides: String::new(),
+        kind: Kind::Custom(custom),
+    }
+}
+
+/// Dependences on single columns beyond the catalogue: a slope and a bend of the friction, of the grip and of a side force.
+pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
+    let columns = [
+        ("v_mps", Column::Speed),
+        ("fz_n", Column::Load),
+        ("alpha_rad", Column::Slip),
+        ("delta_rad", Column::Steering),
+        ("gamma_rad", Column::RollSplit),
+        ("roll_rate_radps", Column::RollRate),
+        ("roll_acceleration_radps2", Column::RollRate),
+        ("t_s", Column::Time),
+    ];
+    let mut out = Vec::new();
+    for (name, column) in columns {
+        if !data.available.contains(&column) {
+            continue;
+        }
+        let Some((centre, scale)) = spread(data, mass, name) else {
+            continue;
+        };
+        let z = format!("(({name} - {centre:.6e}) / {scale:.6e})");
+        let mut forms = vec![
+            (Channel::Grip, z.clone(), 0.02, ""),
+            (Channel::Grip, format!("{z}^2"), 0.02, ""),
+            (Channel::Lateral, format!("{name} / {scale:.6e}"), 10.0, "N"),
+            (
+                Channel::Lateral,
+                format!("{name} * abs({name}) / {:.6e}", scale * scale),
+                10.0,
+                "N",
+            ),
+        ];
+        if along {
+            forms.push((Channel::Friction, z.clone(), 1e-4, ""));
+            forms.push((Channel::Friction, format!("{z}^2"), 1e-4, ""));
+        }
+        for (channel, text, typical, unit) in forms {
+            let Ok(expression) = Expression::parse(&text) else {
+                continue;
+            };
+            let limit = if channel == Channel::Lateral {
+                1e5
+            } else {
+                10.0
+            };
+            out.push(Candidate {
+                effect: format!("unknown:{name}"),
+                kind: Kind::Custom(Custom {
+                    channel,
+                    expression,
+                    text,
+                    unit: unit.to_owned(),
+                    low: -limit,
+                    high: limit,
+                }),
+                parameter: 0,
+                key: "value".to_owned(),
+                unit: unit.to_owned(),
+                low: -limit,
+                high: limit,
+                typical,
+                level: Level::Sample,
+                values: vec![0.0],
+                track: None,
+                decides: format!("runs in which {name} is varied by itself"),
+            });
+        }
+    }
+    out
+}
+
+fn spread(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
+    let mut all: Vec<f64> = Vec::new();
+    for frame in &data.frames {
+        let column: &[f64] = match name {
+            "v_mps" => &frame.v,
+            "fz_n" => &frame.acceleration[2],
+            "alpha_rad" => &frame.slip,
+            "delta_rad" => &frame.steer,
+            "gamma_rad" => &frame.roll_split,
+            "roll_rate_radps" => &frame.rate[0],
+            "roll_acceleration_radps2" => &frame.rate_slope[0],
+            _ => &frame.t,
+        };
+        let unit = if name == "fz_n" { mass } else { 1.0 };
+        all.extend(column.iter().map(|x| unit * x));
+    }
+    let n = all.len() as f64;
+    let mean = all.iter().sum::<f64>() / n;
+    let sd = (all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+    (sd > 0.0).then_some((mean, sd))
+}

@@ -1,0 +1,1011 @@
+//! The search: fit, look, name, add, look again; at the end, once, the locked-away runs.
+
+use kufe_sled::effects::{Effects, Kind};
+use kufe_sled::{Model, Vehicle};
+
+use super::analysis::{Look, Seeing, best_windows, look};
+use super::candidates::{Candidate, Candidates, list, unknown};
+use super::chain::{BASE_NAMES, CHANNEL_NAMES, CHANNELS, Chain};
+use super::data::{Data, Frame};
+use super::design::{Design, windows};
+use super::estimate::{Estimate, estimate};
+use super::fit::{fit, free_base};
+use super::levels::judge;
+use super::track::TrackChannel;
+use super::twins::TwinMaker;
+use super::whiten::Whitener;
+use super::{gap, lock};
+use crate::report::{Detectable, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict};
+use crate::{Error, Options};
+
+/// What a search found, with the model that carries it.
+pub struct Found {
+    /// The report.
+    pub report: Report,
+    /// The model with the effects switched on and everything refitted.
+    pub next: Model,
+}
+
+/// Largest p-value of a claim within runs; session claims and track claims have thresholds of their own, 0.05 in all.
+const ALPHA: f64 = 0.025;
+const ALPHA_LEVELS: f64 = 0.015;
+const ALPHA_TRACK: f64 = 0.005;
+const MOST_STEPS: usize = 4;
+
+/// Searches runs for what the model lacks.
+///
+/// # Errors
+/// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`], [`Error::Effect`].
+pub fn search(
+    data: &Data,
+    model: &Model,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    let mut own = Effects::from_tables(&model.effects)?;
+    let trial = own.clone();
+    // An effect of one's own without a value is a candidate, not a part of the model.
+    own.active
+        .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
+    let chain = Chain {
+        vehicle: Vehicle::new(model)?,
+        base: [1.0; 5],
+        effects: own,
+    };
+    let locked = lock::lock(&data.frames, data.segmented);
+    let training: Vec<Frame> = locked
+        .training
+        .iter()
+        .map(|i| data.frames[*i].clone())
+        .collect();
+    let held: Vec<Frame> = locked
+        .held
+        .iter()
+        .map(|i| data.frames[*i].clone())
+        .collect();
+    if training.len() < 2 {
+        return Err(Error::TooFew {
+            what: "runs to learn from, beside those locked away".to_owned(),
+            found: training.len(),
+            needed: 2,
+        });
+    }
+    let mut remarks = data.remarks.clone();
+    let used = channels_in_use(data, model, options, &mut remarks);
+    let candidates = list(data, &trial);
+    let mut searcher = Searcher {
+        data,
+        model,
+        options,
+        progress,
+        training: &training,
+        used,
+        candidates: &candidates,
+        steps: Vec::new(),
+        depends: Vec::new(),
+        remarks,
+        first: None,
+    };
+    (searcher.progress)("fitting the base model");
+    let free = free_base(&chain, &training, used);
+    let (base, whitener) = fit(&chain, &training, &free, used)?;
+    let maker = searcher.maker(&base);
+    if maker.noise_scale < 0.95 {
+        searcher.remarks.push(format!(
+            "the noise stated for the sensors is more than the residuals hold; twins use {:.2} times it",
+            maker.noise_scale
+        ));
+    }
+    if data.noise_estimated {
+        let n = &data.noise;
+        searcher.remarks.push(format!(
+            "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; claims must hold from half to 1.6 times their bias",
+            n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
+        ));
+    }
+    let bins = gap::stand_out(&base, &whitener, &training, 0.05, options.seed);
+    let (after, level_note) = searcher.steps_from(base.clone(), &free)?;
+    let (after, after_whitener) = searcher.backward(after, &free)?;
+    (searcher.progress)("opening the locked-away runs");
+    searcher.finish(
+        &base,
+        &whitener,
+        after,
+        &after_whitener,
+        &free,
+        &held,
+        bins,
+        level_note,
+    )
+}
+
+fn channels_in_use(
+    data: &Data,
+    model: &Model,
+    options: &Options,
+    remarks: &mut Vec<String>,
+) -> [bool; CHANNELS] {
+    let silent = model.sled.cda_m2 == 0.0
+        && matches!(model.friction.longitudinal.model(), Ok(kufe_friction::Longitudinal::Fixed(mu)) if mu <= 1e-9);
+    let has_along = data
+        .available
+        .contains(&kufe_sled::effects::Column::LongitudinalAcceleration);
+    let along = has_along && !silent && options.longitudinal;
+    if silent {
+        remarks.push(
+            "the model has no friction and no drag along: the longitudinal channel is left out"
+                .to_owned(),
+        );
+    }
+    let surveyed = data.frames.iter().all(|f| f.slope.len() == f.len());
+    let track = along && surveyed;
+    if along {
+        remarks.push("the longitudinal residual uses the specific force a_x, which gravity does not enter; the speed's derivative enters the track channel alone".to_owned());
+    }
+    [along, options.lateral, options.lateral, track]
+}
+
+struct Searcher<'a> {
+    data: &'a Data,
+    model: &'a Model,
+    options: &'a Options,
+    progress: &'a (dyn Fn(&str) + Sync),
+    training: &'a [Frame],
+    used: [bool; CHANNELS],
+    candidates: &'a Candidates,
+    steps: Vec<Step>,
+    depends: Vec<String>,
+    remarks: Vec<String>,
+    first: Option<Vec<Detectable>>,
+}
+
+/// What a look leads to.
+struct Pick {
+    candidate: Candidate,
+    size: f64,
+    class: Vec<String>,
+    rivals: Vec<Rival>,
+    p_value: f64,
+    place: String,
+    channel: usize,
+}
+
+impl Searcher<'_> {
+    fn maker(&self, chain: &Chain) -> TwinMaker {
+        TwinMaker::new(
+            self.training,
+            chain,
+            self.data.noise,
+            self.used,
+            self.options.seed,
+        )
+    }
+
+    fn look_options(&self) -> Look {
+        Look {
+            twins: self.options.twins,
+            flips: self.options.flips,
+            alpha: ALPHA,
+            trust: if self.data.noise_estimated {
+                [0.5, 1.6]
+            } else {
+                [0.75, 1.3]
+            },
+            seed: self.options.seed,
+        }
+    }
+
+    /// Adds effects one by one until nothing more stands out.
+    fn steps_from(
+        &mut self,
+        base: Chain,
+        free: &[usize],
+    ) -> Result<(Chain, Option<String>), Error> {
+        let mut chain = base;
+        let mut note = None;
+        for number in 0..=MOST_STEPS {
+            (self.progress)(&format!("look {}", number + 1));
+            let whitener =
+                Whitener::estimate(&super::fit::residuals(&chain, self.training), self.used);
+            let pick = match self.within_runs(&chain, &whitener, free) {
+                Some(pick) => Some(pick),
+                None => match self.between_runs(&chain, &whitener, free, &mut note) {
+                    Some(pick) => Some(pick),
+                    None => match self.on_the_track(&chain) {
+                        Some(pick) => Some(pick),
+                        None => self.beyond_the_catalogue(&chain, &whitener, free),
+                    },
+                },
+            };
+            let Some(pick) = pick else { break };
+            if number == MOST_STEPS {
+                self.remarks.push(format!(
+                    "after {MOST_STEPS} effects {} still stands out",
+                    pick.candidate.effect
+                ));
+                break;
+            }
+            (self.progress)(&format!("adding {}", pick.candidate.label()));
+            let mut active = pick.candidate.active(pick.size);
+            let same = chain
+                .effects
+                .active
+                .iter()
+                .filter(|e| e.effect_name() == active.name)
+                .count();
+            if same > 0 {
+                active.name = format!("{}@{}", active.name, same + 1);
+            }
+            let before = gap_of(&chain, self.training, pick.channel);
+            let (next, _) = fit(&chain.with(active), self.training, free, self.used)?;
+            let after = gap_of(&next, self.training, pick.channel);
+            chain = next;
+            self.steps.push(Step {
+                effect: pick.candidate.effect.clone(),
+                class: pick.class,
+                channel: self.channel_name(pick.channel, &pick.candidate),
+                place: pick.place,
+                p_value: pick.p_value,
+                parameters: Vec::new(),
+                gap_before: before,
+                gap_after: after,
+                unit: CHANNEL_NAMES[pick.channel].1.to_owned(),
+                explainable_gap_closed: Interval {
+                    value: 0.0,
+                    low: 0.0,
+                    high: 0.0,
+                },
+                rivals: pick.rivals,
+            });
+        }
+        Ok((chain, note))
+    }
+
+    fn channel_name(&self, channel: usize, _candidate: &Candidate) -> String {
+        CHANNEL_NAMES[channel].0.to_owned()
+    }
+
+    fn within_runs(&mut self, chain: &Chain, whitener: &Whitener, free: &[usize]) -> Option<Pick> {
+        if whitener.count() == 0 {
+            return None;
+        }
+        let regular = self.fresh(chain, &self.candidates.regular);
+        let all_windows = windows(self.training, self.candidates.local.len());
+        let design = Design {
+            chain,
+            whitener,
+            free_base: free,
+            candidates: &regular,
+            local: &self.candidates.local,
+            windows: &all_windows,
+        };
+        let maker = self.maker(chain);
+        let seeing = look(
+            &design,
+            self.training,
+            &maker,
+            &self.look_options(),
+            self.progress,
+        );
+        if self.first.is_none() {
+            self.first = Some(detectable(&seeing, &regular));
+        }
+        let places = best_windows(&seeing, &self.candidates.local, &all_windows, regular.len());
+        self.choose(chain, whitener, free, &seeing, &regular, &places)
+    }
+
+    /// Candidates that are not already part of the chain.
+    fn fresh(&self, chain: &Chain, list: &[Candidate]) -> Vec<Candidate> {
+        list.iter()
+            .filter(|c| {
+                !chain.effects.active.iter().any(|e| {
+                    e.effect_name() == c.effect
+                        && e.track == c.track
+                        && (e.values[c.parameter] != 0.0
+                            || (c.effect == "saturation" && e.values[2] != 0.0))
+                })
+            })
+            .cloned()
+            .collect()
+    }
+
+    fn choose(
+        &self,
+        chain: &Chain,
+        whitener: &Whitener,
+        free: &[usize],
+        seeing: &Seeing,
+        regular: &[Candidate],
+        places: &[(Candidate, usize)],
+    ) -> Option<Pick> {
+        // All claimable ones, regular and windows, by what they explain.
+        let mut pool: Vec<(Candidate, usize)> = regular.iter().cloned().zip(0..).collect();
+        pool.extend(places.iter().cloned());
+        let best = pool
+            .iter()
+            .filter(|(candidate, at)| seeing.claimable(*at, candidate, ALPHA))
+            .max_by(|a, b| seeing.seen[a.1].gain.total_cmp(&seeing.seen[b.1].gain))?
+            .clone();
+        // Rivals judged together with the windows as ordinary candidates.
+        let list: Vec<Candidate> = pool.iter().map(|(c, _)| c.clone()).collect();
+        let design = Design {
+            chain,
+            whitener,
+            free_base: free,
+            candidates: &list,
+            local: &[],
+            windows: &[],
+        };
+        let grams = design.grams(self.training);
+        let cross = crate::score::cross_information(&grams, design.fitted());
+        let mut u = nalgebra::DMatrix::zeros(list.len(), self.training.len());
+        for (row, (_, at)) in pool.iter().enumerate() {
+            u.row_mut(row).copy_from(&seeing.u.row(*at));
+        }
+        let together = Seeing {
+            seen: pool
+                .iter()
+                .map(|(_, at)| seeing.seen[*at].clone())
+                .collect(),
+            critical: seeing.critical,
+            u,
+            cross,
+        };
+        let named = pool.iter().position(|(_, at)| *at == best.1)?;
+        let (class, rivals) = self.rivals(&together, &list, named);
+        let seen = &together.seen[named];
+        Some(Pick {
+            place: self.place_of(&list[named], chain),
+            channel: self.strongest_channel(chain, &list[named], seen.size),
+            candidate: list[named].clone(),
+            size: seen.size,
+            class,
+            rivals,
+            p_value: seen.p_flips.max(seen.p_twins),
+        })
+    }
+
+    /// The class: rivals that the named effect does not stand out beside.
+    fn rivals(
+        &self,
+        seeing: &Seeing,
+        list: &[Candidate],
+        named: usize,
+    ) -> (Vec<String>, Vec<Rival>) {
+        let runs = self.training.len() as f64;
+        let needed = 2.0 + 2.0 / runs.sqrt();
+        let name = &list[named].effect;
+        let mut class = vec![name.clone()];
+        let mut rivals: Vec<Rival> = Vec::new();
+        for (j, candidate) in list.iter().enumerate() {
+            let s = &seeing.seen[j];
+            if candidate.effect == *name || !s.usable || s.t.abs() < 1.5 {
+                continue;
+            }
+            let beyond = seeing.beyond(named, j);
+            let sign = seeing.seen[named].t.signum();
+            let correlation = seeing.correlation(named, j);
+            let possible = (candidate.low..=candidate.high).contains(&s.size);
+            let twin = correlation.abs() > 0.995;
+            let in_class = possible
+                && (twin || (beyond * sign < needed && s.gain > 0.3 * seeing.seen[named].gain));
+            if in_class && !class.contains(&candidate.effect) {
+                class.push(candidate.effect.clone());
+            }
+            rivals.push(Rival {
+                effect: candidate.effect.clone(),
+                parameter: candidate.key.clone(),
+                size: s.size,
+                unit: candidate.unit.clone(),
+                t: s.t,
+                gain: s.gain,
+                correlation,
+                t_of_named_beyond: beyond,
+                in_class,
+                decides: candidate.decides.clone(),
+            });
+        }
+        rivals.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        rivals.truncate(12);
+        (class, rivals)
+    }
+
+    fn place_of(&self, candidate: &Candidate, chain: &Chain) -> String {
+        let on = candidate
+            .track
+            .as_ref()
+            .map_or(String::new(), |t| format!(" on track {t}"));
+        if let Kind::Catalogue(effect) = &candidate.kind {
+            let at = |name: &str| effect.info().parameters.iter().position(|p| p.name == name);
+            if let (Some(from), Some(to), Some(_)) = (at("from_m"), at("to_m"), &candidate.track) {
+                return format!(
+                    "s {:.0}-{:.0} m{on}",
+                    candidate.values[from], candidate.values[to]
+                );
+            }
+        }
+        // The share of samples that carries half of the effect tells where it acts.
+        let Some(frame) = self.training.first() else {
+            return "all runs".to_owned();
+        };
+        let rest = chain.residuals(frame);
+        let moved = chain
+            .with(candidate.active(candidate.typical))
+            .residuals(frame);
+        let mut size: Vec<(f64, usize)> = (0..frame.len())
+            .map(|i| {
+                (
+                    (0..3)
+                        .map(|c| ((rest[c][i] - moved[c][i]) / scale_of(&rest[c])).powi(2))
+                        .sum::<f64>(),
+                    i,
+                )
+            })
+            .collect();
+        let total: f64 = size.iter().map(|x| x.0).sum();
+        size.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (mut sum, mut count, mut speed, mut load) = (0.0, 0, 0.0, 0.0);
+        for (x, i) in &size {
+            if sum > 0.5 * total {
+                break;
+            }
+            sum += x;
+            count += 1;
+            speed += frame.v[*i];
+            load += frame.acceleration[2][*i];
+        }
+        let count_f = f64::from(count.max(1));
+        format!(
+            "all runs{on}; half of it in {:.0} % of the samples, around v = {:.1} m/s and a_z = {:.1} m/s2",
+            100.0 * count_f / frame.len() as f64,
+            speed / count_f,
+            load / count_f
+        )
+    }
+
+    fn strongest_channel(&self, chain: &Chain, candidate: &Candidate, size: f64) -> usize {
+        let mut energy = [0.0; CHANNELS];
+        for frame in self.training.iter().take(4) {
+            let rest = chain.residuals(frame);
+            let moved = chain.with(candidate.active(size)).residuals(frame);
+            for c in (0..CHANNELS).filter(|c| self.used[*c]) {
+                let scale = scale_of(&rest[c]);
+                energy[c] += rest[c]
+                    .iter()
+                    .zip(&moved[c])
+                    .map(|(a, b)| ((a - b) / scale).powi(2))
+                    .sum::<f64>();
+            }
+        }
+        (0..CHANNELS)
+            .max_by(|a, b| energy[*a].total_cmp(&energy[*b]))
+            .unwrap_or(1)
+    }
+
+    fn between_runs(
+        &mut self,
+        chain: &Chain,
+        whitener: &Whitener,
+        free: &[usize],
+        note: &mut Option<String>,
+    ) -> Option<Pick> {
+        let list = self.fresh(chain, &self.candidates.levels);
+        if list.is_empty() || whitener.count() == 0 {
+            return None;
+        }
+        let design = Design {
+            chain,
+            whitener,
+            free_base: free,
+            candidates: &list,
+            local: &[],
+            windows: &[],
+        };
+        let levels = judge(
+            &design,
+            self.training,
+            &list,
+            ALPHA_LEVELS,
+            self.options.seed,
+        );
+        let best = (0..list.len())
+            .filter(|c| {
+                let s = &levels.seen[*c];
+                s.p_value <= ALPHA_LEVELS && (list[*c].low..=list[*c].high).contains(&s.size)
+            })
+            .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
+        let Some(named) = best else {
+            let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
+            let untestable = list
+                .iter()
+                .zip(&levels.seen)
+                .filter(|(_, s)| !s.testable)
+                .count();
+            if differ < 0.001 && untestable > 0 && note.is_none() {
+                *note = Some(format!(
+                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to say with what: at least 5 at spread temperatures and humidities are needed",
+                    levels.sessions
+                ));
+            }
+            return None;
+        };
+        let mut class = vec![list[named].effect.clone()];
+        let mut rivals = Vec::new();
+        for j in (0..list.len()).filter(|j| *j != named) {
+            let beyond = levels.beyond(named, j);
+            let s = &levels.seen[j];
+            let in_class = beyond.abs() < 2.5 && s.gain > 0.5 * levels.seen[named].gain;
+            if in_class {
+                class.push(list[j].effect.clone());
+            }
+            rivals.push(Rival {
+                effect: list[j].effect.clone(),
+                parameter: list[j].key.clone(),
+                size: s.size,
+                unit: list[j].unit.clone(),
+                t: s.size / s.error.max(1e-300),
+                gain: s.gain,
+                correlation: s.correlation,
+                t_of_named_beyond: beyond.clamp(-1e6, 1e6),
+                in_class,
+                decides: list[j].decides.clone(),
+            });
+        }
+        let seen = &levels.seen[named];
+        Some(Pick {
+            place: "a level from session to session".to_owned(),
+            channel: self.strongest_channel(chain, &list[named], seen.size),
+            candidate: list[named].clone(),
+            size: seen.size,
+            class,
+            rivals,
+            p_value: seen.p_value,
+        })
+    }
+
+    fn on_the_track(&mut self, chain: &Chain) -> Option<Pick> {
+        if !self.used[3] {
+            return None;
+        }
+        let list: Vec<Candidate> = self
+            .fresh(chain, &self.candidates.track)
+            .into_iter()
+            .filter(|c| c.effect != "track-profile")
+            .collect();
+        let channel = TrackChannel::new(chain, self.training, &list)?;
+        let stated = self.model.survey.map(|s| s.slope_sd_rad);
+        let sd = stated.unwrap_or(0.002);
+        if stated.is_none() && self.steps.is_empty() {
+            self.remarks.push(
+                "no [survey] in the model: a slope deviation of 0.002 rad is assumed".to_owned(),
+            );
+        }
+        let at = |factor: f64| -> Option<usize> {
+            (0..list.len())
+                .filter(|c| channel.judge(*c, sd * factor).p_value <= ALPHA_TRACK)
+                .max_by(|a, b| {
+                    let z = |c: usize| {
+                        (channel.judge(c, sd * factor).size / channel.judge(c, sd * factor).error)
+                            .abs()
+                    };
+                    z(*a).total_cmp(&z(*b))
+                })
+        };
+        if let Some(named) = at(1.0) {
+            let seen = channel.judge(named, sd);
+            let mut class = vec![list[named].effect.clone()];
+            for j in (0..list.len()).filter(|j| *j != named) {
+                if channel.beyond(named, j, sd).abs() < 2.0 {
+                    class.push(list[j].effect.clone());
+                }
+            }
+            if at(2.0).is_none() {
+                self.depends.push(format!(
+                    "{} stands out at the stated survey deviation but not at twice it",
+                    list[named].effect
+                ));
+            }
+            return Some(Pick {
+                place: "all runs".to_owned(),
+                channel: 3,
+                candidate: list[named].clone(),
+                size: seen.size,
+                class,
+                rivals: Vec::new(),
+                p_value: seen.p_value,
+            });
+        }
+        let profile = self
+            .candidates
+            .track
+            .iter()
+            .find(|c| c.effect == "track-profile")?;
+        if chain
+            .effects
+            .active
+            .iter()
+            .any(|e| e.effect_name() == "track-profile")
+        {
+            return None;
+        }
+        let (p, track, from, to, slope, needed_sd) = channel.profile(sd);
+        if p > ALPHA_TRACK {
+            if channel.profile(0.5 * sd).0 <= ALPHA_TRACK && needed_sd > sd {
+                self.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
+            }
+            return None;
+        }
+        if channel.profile(2.0 * sd).0 > ALPHA_TRACK {
+            self.depends.push(format!(
+                "the track's profile departs from its survey at the stated deviation of {sd:.5} rad, not at twice it; {needed_sd:.5} rad fits it"
+            ));
+        }
+        let candidate = profile.within(&track, from, to);
+        Some(Pick {
+            place: format!(
+                "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
+            ),
+            channel: 3,
+            candidate,
+            size: slope,
+            class: vec!["track-profile".to_owned()],
+            rivals: Vec::new(),
+            p_value: p,
+        })
+    }
+
+    /// What no effect of the catalogue explains: a dependence on one column.
+    fn beyond_the_catalogue(
+        &mut self,
+        chain: &Chain,
+        whitener: &Whitener,
+        free: &[usize],
+    ) -> Option<Pick> {
+        if whitener.count() == 0 {
+            return None;
+        }
+        (self.progress)("looking beyond the catalogue");
+        let list = self.fresh(
+            chain,
+            &unknown(self.data, self.model.sled.mass_kg, self.used[0]),
+        );
+        let design = Design {
+            chain,
+            whitener,
+            free_base: free,
+            candidates: &list,
+            local: &[],
+            windows: &[],
+        };
+        let maker = self.maker(chain);
+        let mut options = self.look_options();
+        options.alpha = 0.01;
+        let seeing = look(&design, self.training, &maker, &options, self.progress);
+        let best = (0..list.len())
+            .filter(|c| seeing.claimable(*c, &list[*c], options.alpha))
+            .max_by(|a, b| seeing.seen[*a].gain.total_cmp(&seeing.seen[*b].gain))?;
+        let (class, rivals) = self.rivals(&seeing, &list, best);
+        let seen = &seeing.seen[best];
+        let form = match &list[best].kind {
+            Kind::Custom(custom) => {
+                format!("{} on {:?}", custom.text, custom.channel).to_lowercase()
+            }
+            Kind::Catalogue(_) => String::new(),
+        };
+        Some(Pick {
+            place: format!("all runs; form {form}"),
+            channel: self.strongest_channel(chain, &list[best], seen.size),
+            candidate: list[best].clone(),
+            size: seen.size,
+            class,
+            rivals,
+            p_value: seen.p_flips.max(seen.p_twins),
+        })
+    }
+
+    /// Leaves out again what the others have made superfluous.
+    fn backward(&mut self, mut chain: Chain, free: &[usize]) -> Result<(Chain, Whitener), Error> {
+        let already = chain.effects.active.len() - self.steps.len();
+        let mut step = 0;
+        while self.steps.len() > 1 && step < self.steps.len() {
+            let estimates = self.estimates(&chain, free);
+            let weak = chain
+                .free()
+                .iter()
+                .zip(&estimates)
+                .filter(|((e, _), _)| *e == already + step)
+                .all(|(_, est)| (est.value / est.error.max(1e-300)).abs() < 1.5);
+            if weak && self.steps[step].channel != "track" {
+                self.remarks.push(format!(
+                    "{} became superfluous once the others were there and was removed",
+                    self.steps[step].effect
+                ));
+                chain.effects.active.remove(already + step);
+                self.steps.remove(step);
+                chain = fit(&chain, self.training, free, self.used)?.0;
+            } else {
+                step += 1;
+            }
+        }
+        Ok(fit(&chain, self.training, free, self.used)?)
+    }
+
+    /// Base parameters (as multipliers) first, then the effects' amplitudes.
+    fn estimates(&self, chain: &Chain, free: &[usize]) -> Vec<Estimate> {
+        let whitener = Whitener::estimate(&super::fit::residuals(chain, self.training), self.used);
+        estimate(
+            chain,
+            &whitener,
+            self.training,
+            free,
+            &self.maker(chain),
+            self.options.twins.min(24),
+        )
+        .split_off(free.len())
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn finish(
+        mut self,
+        base: &Chain,
+        whitener: &Whitener,
+        after: Chain,
+        after_whitener: &Whitener,
+        free: &[usize],
+        held: &[Frame],
+        bins: Vec<crate::report::Bin>,
+        level_note: Option<String>,
+    ) -> Result<Found, Error> {
+        let maker = self.maker(&after);
+        let all = estimate(
+            &after,
+            after_whitener,
+            self.training,
+            free,
+            &maker,
+            self.options.twins.min(24),
+        );
+        let mut settled = after.clone();
+        for (b, est) in free.iter().zip(&all) {
+            settled.base[*b] = est.value;
+        }
+        let already = after.effects.active.len() - self.steps.len();
+        for ((e, q), est) in after.free().into_iter().zip(&all[free.len()..]) {
+            settled.effects.active[e].values[q] = est.value;
+            if e < already {
+                continue;
+            }
+            let (name, unit) = match &after.effects.active[e].kind {
+                Kind::Catalogue(kind) => {
+                    let p = &kind.info().parameters[q];
+                    (p.name.to_owned(), p.unit.to_owned())
+                }
+                Kind::Custom(custom) => ("value".to_owned(), custom.unit.clone()),
+            };
+            self.steps[e - already].parameters.push(Fitted {
+                name,
+                value: est.value,
+                low: est.low,
+                high: est.high,
+                unit,
+            });
+        }
+        let base_parameters = free
+            .iter()
+            .zip(&all)
+            .map(|(b, est)| {
+                let scale = base_value(self.model, *b);
+                Fitted {
+                    name: BASE_NAMES[*b].to_owned(),
+                    value: est.value * scale,
+                    low: est.low * scale,
+                    high: est.high * scale,
+                    unit: if BASE_NAMES[*b].ends_with("rad") {
+                        "N/rad"
+                    } else {
+                        ""
+                    }
+                    .to_owned(),
+                }
+            })
+            .collect();
+        let regular = &self.candidates.regular;
+        let locals: Vec<Candidate> = after.effects.active[already..]
+            .iter()
+            .filter_map(|e| as_candidate(e, &self.candidates.local))
+            .collect();
+        let directions: Vec<Candidate> = regular.iter().chain(&locals).cloned().collect();
+        if !self.steps.is_empty() && whitener.count() > 0 && !held.is_empty() {
+            let design = Design {
+                chain: base,
+                whitener,
+                free_base: free,
+                candidates: &directions,
+                local: &[],
+                windows: &[],
+            };
+            let closed = gap::explainable_closed(
+                &design,
+                &settled,
+                self.training,
+                held,
+                &maker,
+                self.options.seed,
+            );
+            for step in &mut self.steps {
+                step.explainable_gap_closed = closed.clone();
+            }
+        }
+        let training = gap::channels(base, &settled, self.training, &maker, self.used);
+        let channels = gap::channels(base, &settled, held, &maker, self.used);
+        let shown = self
+            .steps
+            .first()
+            .map_or_else(|| CHANNEL_NAMES[1].0.to_owned(), |s| s.channel.clone());
+        let one = channels
+            .iter()
+            .find(|c| c.channel == shown)
+            .or(channels.first());
+        let held_out = HeldOut {
+            runs: held.iter().map(|f| f.name.clone()).collect(),
+            gap_before: one.map_or(0.0, |c| c.before),
+            gap_after: one.map_or(0.0, |c| c.after),
+            unit: one.map_or(String::new(), |c| c.unit.clone()),
+            channels,
+        };
+        let bins_after = gap::stand_out(
+            &after,
+            after_whitener,
+            self.training,
+            0.05,
+            self.options.seed,
+        );
+        let clean = bins_after.iter().all(|b| b.p_value > 0.01);
+        let verdict = self.verdict(clean, &bins, level_note.as_deref());
+        let next_experiment = self.next_experiment(verdict, level_note.as_deref());
+        let sentence = crate::sentence::sentence(
+            verdict,
+            &self.steps,
+            &held_out,
+            &next_experiment,
+            &self.depends,
+        );
+        self.remarks.extend(self.depends.iter().cloned());
+        let next = super::next::next_model(self.model, &settled, already);
+        Ok(Found {
+            report: Report {
+                verdict,
+                sentence,
+                steps: self.steps,
+                held_out,
+                minimum_detectable: self.first.unwrap_or_default(),
+                next_experiment,
+                base: base_parameters,
+                bins,
+                bins_after,
+                clean,
+                training,
+                untestable: self.candidates.untestable.clone(),
+                remarks: self.remarks,
+                data: if self.data.segmented {
+                    "one run, in segments"
+                } else {
+                    "runs"
+                }
+                .to_owned(),
+                seed: self.options.seed,
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+            },
+            next,
+        })
+    }
+
+    fn verdict(&self, clean: bool, bins: &[crate::report::Bin], note: Option<&str>) -> Verdict {
+        match self.steps.first() {
+            Some(_) if !self.depends.is_empty() && self.steps.len() == 1 => Verdict::DependsOn,
+            Some(step) if step.class.len() == 1 => Verdict::Named,
+            Some(_) => Verdict::OneOf,
+            None if note.is_some() => Verdict::NotIdentifiable,
+            None if !clean
+                && bins.iter().any(|b| b.p_value <= 0.002)
+                && self.data.noise_estimated =>
+            {
+                Verdict::Located
+            }
+            None => Verdict::None,
+        }
+    }
+
+    fn next_experiment(&self, verdict: Verdict, note: Option<&str>) -> String {
+        match verdict {
+            Verdict::NotIdentifiable => note.unwrap_or_default().to_owned(),
+            Verdict::OneOf => {
+                let mut what: Vec<String> = Vec::new();
+                for step in self.steps.iter().filter(|s| s.class.len() > 1) {
+                    for name in &step.class {
+                        if let Some(info) = kufe_sled::effects::find(name).map(|e| e.info()) {
+                            what.push(format!("{}: {}", name, info.decides));
+                        }
+                    }
+                }
+                what.dedup();
+                what.join("; ")
+            }
+            Verdict::DependsOn => {
+                "a survey of the track's slope with a stated deviation".to_owned()
+            }
+            Verdict::Named => "more runs in other conditions would narrow the parameter".to_owned(),
+            Verdict::Located => {
+                "runs in which the bins listed are visited with other variables changed".to_owned()
+            }
+            Verdict::None => {
+                "more runs lower the smallest detectable sizes as one over the root of their number"
+                    .to_owned()
+            }
+        }
+    }
+}
+
+fn as_candidate(active: &kufe_sled::effects::Active, locals: &[Candidate]) -> Option<Candidate> {
+    let local = locals
+        .iter()
+        .find(|l| l.effect == active.effect_name() && active.values[l.parameter] != 0.0)?;
+    let mut candidate = local.clone();
+    candidate.values = active.values.clone();
+    candidate.values[local.parameter] = 0.0;
+    candidate.track = active.track.clone();
+    Some(candidate)
+}
+
+fn scale_of(rows: &[f64]) -> f64 {
+    (rows.iter().map(|x| x * x).sum::<f64>() / rows.len().max(1) as f64)
+        .sqrt()
+        .max(1e-300)
+}
+
+fn gap_of(chain: &Chain, frames: &[Frame], channel: usize) -> f64 {
+    let rows: Vec<f64> = super::fit::residuals(chain, frames)
+        .into_iter()
+        .flat_map(|r| r[channel].clone())
+        .collect();
+    scale_of(&rows)
+}
+
+fn base_value(model: &Model, b: usize) -> f64 {
+    match b {
+        1 => model.friction.front.mu_zeta,
+        2 => model.friction.front.k_n_per_rad,
+        3 => model.friction.rear.mu_zeta,
+        4 => model.friction.rear.k_n_per_rad,
+        _ => match model.friction.longitudinal.model() {
+            Ok(kufe_friction::Longitudinal::Fixed(mu)) => mu,
+            _ => 1.0,
+        },
+    }
+}
+
+fn detectable(seeing: &Seeing, list: &[Candidate]) -> Vec<Detectable> {
+    list.iter()
+        .enumerate()
+        .filter(|(c, _)| seeing.seen[*c].usable)
+        .map(|(c, candidate)| {
+            let like = (0..list.len())
+                .filter(|j| list[*j].effect != candidate.effect && seeing.seen[*j].usable)
+                .max_by(|a, b| {
+                    seeing
+                        .correlation(c, *a)
+                        .abs()
+                        .total_cmp(&seeing.correlation(c, *b).abs())
+                });
+            Detectable {
+                effect: candidate.effect.clone(),
+                parameter: candidate.key.clone(),
+                size: seeing.seen[c].detectable,
+                unit: candidate.unit.clone(),
+                left_after_refit: seeing.seen[c].left,
+                most_like: like.map_or(String::new(), |j| list[j].effect.clone()),
+                correlation: like.map_or(0.0, |j| seeing.correlation(c, j)),
+            }
+        })
+        .collect()
+}
