@@ -2,7 +2,8 @@
 
 use plotters::prelude::*;
 
-use crate::icehouse::{GRAVITY, GlideRun, IceHouse};
+use crate::glide_run::{GRAVITY, GlideRun};
+use crate::icehouse::IceHouse;
 
 /// Draws kinetic, potential and air energy of one run, their sum, and the line whose slope is the ice's friction.
 ///

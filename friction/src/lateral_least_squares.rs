@@ -19,7 +19,12 @@ pub(crate) fn least_squares(
         free: (0..3).filter(|&i| free[i]).collect(),
         e: start.e,
     };
-    let (problem, report) = LevenbergMarquardt::new().minimize(problem);
+    // Looser than rounding: along a direction that the data do not determine the last digits cost most of the time, and the
+    // corrected score takes the parameters further.
+    let (problem, report) = LevenbergMarquardt::new()
+        .with_ftol(1e-12)
+        .with_xtol(1e-10)
+        .minimize(problem);
     let model = model_of(&problem.theta, start.e);
     if !report.termination.was_successful() || model.check().is_err() {
         return Err(Error::NotConverged {

@@ -18,7 +18,9 @@
 
 pub mod effects;
 mod error;
+mod estimate;
 mod experiments;
+mod glide_run;
 mod glides;
 mod icehouse;
 mod icehouse_plot;
@@ -26,23 +28,26 @@ mod lateral;
 mod lateral_fit;
 mod lateral_identifiability;
 mod lateral_least_squares;
+mod lateral_root;
 mod lateral_score;
 mod line_fit;
 mod longitudinal;
 mod mu_plot;
 mod mu_pressure_fit;
+mod orthogonal_distance;
 mod table;
 
 pub use error::Error;
+pub use estimate::Estimate;
 pub use experiments::{Experiment, read_experiments, write_experiments};
-pub use glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
-pub use icehouse::{
-    GAS_CONSTANT_OF_AIR, GRAVITY, GlidePair, GlideRun, IceHouse, SHARE_LEFT_OUT, SpecimenFriction,
-    air_density, evaluate_glide, evaluate_ice_house,
+pub use glide_run::{
+    GAS_CONSTANT_OF_AIR, GRAVITY, GlideRun, SHARE_LEFT_OUT, air_density, evaluate_glide,
 };
+pub use glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
+pub use icehouse::{GlidePair, IceHouse, SpecimenFriction, evaluate_ice_house};
 pub use icehouse_plot::draw_glide;
 pub use lateral::{Braghin, LateralDerivatives, MagicFormula};
-pub use lateral_fit::{Estimate, LateralFit, LateralFitOptions, fit_lateral};
+pub use lateral_fit::{LateralFit, LateralFitOptions, fit_lateral};
 pub use lateral_identifiability::{Combination, Identifiability};
 pub use lateral_score::LateralSample;
 pub use line_fit::{LineFit, fit_line};

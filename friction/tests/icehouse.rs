@@ -138,7 +138,7 @@ fn neglecting_the_air_would_matter() {
 
 #[test]
 fn intervals_cover_friction_and_slope_with_white_and_with_correlated_noise() {
-    for (keep, speed_sd) in [(0.0, 0.03), (0.9, 0.03)] {
+    for (keep, speed_sd) in [(0.0, 0.03), (0.95, 0.03)] {
         let noisy = Glide {
             keep,
             speed_sd,
@@ -225,7 +225,7 @@ fn unlabelled_directions_give_the_slope_a_sign() {
 
 #[test]
 fn standard_error_of_a_line_matches_the_scatter_of_slopes() {
-    for keep in [0.0, 0.8] {
+    for keep in [0.0, 0.8, 0.95] {
         let mut slopes = Vec::new();
         let mut stated = 0.0;
         for seed in 0..400 {
@@ -249,7 +249,7 @@ fn standard_error_of_a_line_matches_the_scatter_of_slopes() {
         // A variance from 400 draws is known to 7 per cent.
         let ratio = (stated / variance).sqrt();
         assert!((mean + 3.0).abs() < 4.0 * (variance / 400.0).sqrt());
-        assert!((0.88..1.12).contains(&ratio), "correlation {keep}: {ratio}");
+        assert!((0.87..1.13).contains(&ratio), "correlation {keep}: {ratio}");
     }
 }
 

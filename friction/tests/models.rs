@@ -215,3 +215,40 @@ fn braghin_has_its_published_slope_and_end() {
     assert!((model.force(1e9, 1000.0) - 500.0).abs() < 1e-3);
     assert_eq!(model.force(0.1, -5.0), 0.0);
 }
+
+mod at_any_point {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn lateral_force_is_odd_bounded_and_grows_with_slip(
+            mu_zeta in 0.01..10.0f64,
+            c in 0.001..1.0f64,
+            e in -5.0..1.0f64,
+            k_n_per_rad in 1.0..1e6f64,
+            alpha in 0.0..1.5f64,
+            fz in -100.0..1e5f64,
+        ) {
+            let model = MagicFormula { mu_zeta, c, e, k_n_per_rad };
+            let force = model.force(alpha, fz);
+            prop_assert_eq!(model.force(-alpha, fz), -force);
+            prop_assert!(force >= 0.0 && force <= mu_zeta * fz.max(0.0) * (1.0 + 1e-12));
+            prop_assert!(model.derivatives(alpha, fz).alpha >= 0.0);
+        }
+
+        #[test]
+        fn friction_stays_between_zero_and_the_cap(
+            b in 0.0..1.0f64,
+            c in -5.0..5.0f64,
+            d in -5.0..30.0f64,
+            zeta in 0.1..3.0f64,
+            p in 0.0..1e9f64,
+        ) {
+            for zeta_acts_on in [ZetaActsOn::Mu, ZetaActsOn::Pressure] {
+                let law = PressureLaw { b, c, d, mu_cap: 0.007, zeta, zeta_acts_on };
+                prop_assert!((0.0..=0.007).contains(&law.mu(p)));
+            }
+        }
+    }
+}
