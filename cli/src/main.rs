@@ -2,8 +2,11 @@
 
 mod case_file;
 mod completions;
+mod discover;
 mod doctor;
+mod evaluate;
 mod failure;
+mod fit;
 mod friction;
 mod hermite;
 mod hull;
@@ -18,7 +21,10 @@ mod pressure_exr;
 mod pressure_map;
 mod pressure_png;
 mod rim;
+mod simulate;
+mod sled_runs;
 mod staging;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -61,6 +67,16 @@ enum Command {
     Friction(friction::Args),
     /// Coefficient of friction by specimen from gliding runs
     Icehouse(icehouse::Args),
+    /// Fit friction to recorded runs
+    Fit(fit::Args),
+    /// Compare the friction model with runs it was not fitted to
+    Validate(validate::Args),
+    /// What drivers lose beyond a straight glide
+    Evaluate(evaluate::Args),
+    /// Drive a sled down a track; make the sample data
+    Simulate(simulate::Args),
+    /// Find the effect that a model lacks, name it and add it
+    Discover(discover::Args),
     /// Say what this machine offers
     Doctor(doctor::Args),
     /// Print a shell's completion script
@@ -80,6 +96,11 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Init(args) => init::run(&args, &global),
         Command::Friction(args) => friction::run(&args, &global),
         Command::Icehouse(args) => icehouse::run(&args, &global),
+        Command::Fit(args) => fit::run(&args, &global),
+        Command::Validate(args) => validate::run(&args, &global),
+        Command::Evaluate(args) => evaluate::run(&args, &global),
+        Command::Simulate(args) => simulate::run(&args, &global),
+        Command::Discover(args) => discover::run(&args, &global),
         Command::Doctor(args) => doctor::run(&args, &global),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, &global, Cli::command()),

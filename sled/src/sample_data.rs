@@ -24,38 +24,39 @@ pub const DRIVERS: [(&str, &str, usize); 5] = [
 
 /// How each sample driver steers.
 ///
-/// A2 steers more than A1; A3 and B1 vary more from run to run; C1 steers little and late.
+/// A1 steers little and lets the sled wander; A2 steers much and stays on the line; A3 and B1 vary more from run to
+/// run; C1 steers little and late, and swings between the walls ([`sample_contacts`]).
 pub fn sample_driver(name: &str) -> Driver {
     let a1 = Driver {
         noise_rad: 0.006,
-        wander_m: 0.06,
+        wander_m: 0.10,
         ..Driver::of_skill(0.95)
     };
     match name {
         "A2" => Driver {
-            noise_rad: 0.016,
+            noise_rad: 0.009,
             line_gain: 0.06,
-            wander_m: 0.05,
+            wander_m: 0.03,
             ..a1
         },
         "A3" => Driver {
-            noise_rad: 0.010,
+            noise_rad: 0.008,
             wander_m: 0.12,
             ..a1
         },
         "B1" => Driver {
-            noise_rad: 0.014,
-            wander_m: 0.25,
-            ..Driver::of_skill(0.7)
+            noise_rad: 0.016,
+            wander_m: 0.30,
+            ..Driver::of_skill(0.6)
         },
         "C1" => Driver {
-            feedforward: 0.1,
-            line_gain: 0.012,
+            feedforward: 0.2,
+            line_gain: 0.03,
             course_gain: 0.0,
-            lag_s: 0.2,
-            most_rad: 0.04,
-            noise_rad: 0.004,
-            wander_m: 0.5,
+            lag_s: 0.3,
+            most_rad: 0.035,
+            noise_rad: 0.012,
+            wander_m: 0.6,
             ..Driver::of_skill(0.2)
         },
         _ => a1,
@@ -141,21 +142,28 @@ fn smooth_step(x: f64) -> f64 {
     x * x * x * (10.0 + x * (6.0 * x - 15.0))
 }
 
-/// Wall contacts of one sample run: near 500 m and 800 m on `east`, none on `west`.
-pub fn sample_contacts(track: &str, seed: u64) -> Vec<WallContact> {
-    if track != "east" {
-        return Vec::new();
-    }
+/// Wall contacts of one sample run: on `east` near 500 m and 800 m for everybody; B1 and above all C1 touch elsewhere, too.
+pub fn sample_contacts(track: &str, driver: &str, seed: u64) -> Vec<WallContact> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x77a1);
-    [(490.0, 1.0), (790.0, -1.0)]
-        .into_iter()
-        .map(|(s_m, side)| WallContact {
-            s_m: s_m + random.random_range(-8.0..8.0),
-            length_m: random.random_range(10.0..20.0),
-            force_n: side * random.random_range(500.0..1100.0),
-            x_m: random.random_range(-0.3..0.5),
-        })
-        .collect()
+    let mut contact = |s_m: f64, side: f64| WallContact {
+        s_m: s_m + random.random_range(-8.0..8.0),
+        length_m: random.random_range(10.0..20.0),
+        force_n: side * random.random_range(500.0..1100.0),
+        x_m: random.random_range(-0.3..0.5),
+    };
+    let mut contacts = Vec::new();
+    if track == "east" {
+        contacts.extend([contact(490.0, 1.0), contact(790.0, -1.0)]);
+    }
+    let elsewhere: &[f64] = match driver {
+        "B1" => &[640.0],
+        "C1" => &[260.0, 340.0, 560.0, 640.0, 700.0, 910.0, 1000.0, 1120.0],
+        _ => &[],
+    };
+    for (i, s_m) in elsewhere.iter().enumerate() {
+        contacts.push(contact(*s_m, if i % 2 == 0 { -1.0 } else { 1.0 }));
+    }
+    contacts
 }
 
 /// One run of the sample data set before it is driven.
@@ -207,7 +215,7 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
                         air_c: -4.0 + 2.0 * warm,
                         air_pa: 94_500.0 + 300.0 * warm,
                     },
-                    contacts: sample_contacts(track, run_seed),
+                    contacts: sample_contacts(track, driver, run_seed),
                     seed: run_seed,
                     ..SimulateOptions::default()
                 },

@@ -1,0 +1,119 @@
+//! Box plots over named categories.
+
+use kufe_plot::{Error, PALETTE, PngRoot};
+use plotters::prelude::*;
+
+use crate::bootstrap::quantile;
+
+/// Five quantiles of a distribution, and its points where they are few.
+#[derive(Clone, Debug, Default)]
+pub struct Spread {
+    /// Quantiles 5 %, 25 %, 50 %, 75 %, 95 %.
+    pub quantiles: [f64; 5],
+    /// Every value, drawn as a point where there are at most a hundred.
+    pub points: Vec<f64>,
+}
+
+impl Spread {
+    /// From values in any order; all zero where there are none.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Spread {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        if sorted.is_empty() {
+            return Spread::default();
+        }
+        Spread {
+            quantiles: [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&sorted, share)),
+            points: if sorted.len() <= 100 {
+                sorted
+            } else {
+                Vec::new()
+            },
+        }
+    }
+
+    fn reach(&self) -> (f64, f64) {
+        let (mut low, mut high) = (self.quantiles[0], self.quantiles[4]);
+        for point in &self.points {
+            (low, high) = (low.min(*point), high.max(*point));
+        }
+        (low, high)
+    }
+}
+
+/// One panel of boxes: categories along x, quartiles as a box, 5 to 95 % as whiskers, points beside.
+pub(super) fn draw_boxes(
+    root: &PngRoot,
+    title: &str,
+    unit: &str,
+    boxes: &[(String, Spread)],
+) -> Result<(), Error> {
+    let reach = boxes.iter().map(|(_, spread)| spread.reach());
+    let (low, high) = reach.fold((0.0_f64, 0.0_f64), |(low, high), (a, b)| {
+        (low.min(a), high.max(b))
+    });
+    let margin = 0.06 * (high - low).max(1e-9);
+    let count = boxes.len() as f64;
+    let mut chart = ChartBuilder::on(root)
+        .caption(title, ("sans-serif", 22))
+        .margin(12)
+        .x_label_area_size(30)
+        .y_label_area_size(64)
+        .build_cartesian_2d(
+            0.0..count,
+            (low - if low < 0.0 { margin } else { 0.0 })..high + margin,
+        )?;
+    let names = |x: &f64| {
+        let place = x.floor() as usize;
+        match boxes.get(place) {
+            Some((name, _)) if (x - place as f64 - 0.5).abs() < 0.01 => name.clone(),
+            _ => String::new(),
+        }
+    };
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .x_labels(2 * boxes.len() + 1)
+        .x_label_formatter(&names)
+        .y_desc(unit)
+        .label_style(("sans-serif", 17))
+        .light_line_style(WHITE)
+        .draw()?;
+    for (place, (_, spread)) in boxes.iter().enumerate() {
+        let colour = PALETTE[place % 6];
+        let [q5, q25, q50, q75, q95] = spread.quantiles;
+        let middle = place as f64 + 0.5;
+        let (left, right) = (middle - 0.24, middle + 0.24);
+        let line = |points: Vec<(f64, f64)>, width: u32| {
+            PathElement::new(points, colour.stroke_width(width))
+        };
+        chart.draw_series([Rectangle::new(
+            [(left, q25), (right, q75)],
+            colour.mix(0.35).filled(),
+        )])?;
+        chart.draw_series([
+            line(
+                vec![
+                    (left, q25),
+                    (right, q25),
+                    (right, q75),
+                    (left, q75),
+                    (left, q25),
+                ],
+                1,
+            ),
+            line(vec![(left, q50), (right, q50)], 3),
+            line(vec![(middle, q75), (middle, q95)], 1),
+            line(vec![(middle, q25), (middle, q5)], 1),
+            line(vec![(middle - 0.1, q95), (middle + 0.1, q95)], 1),
+            line(vec![(middle - 0.1, q5), (middle + 0.1, q5)], 1),
+        ])?;
+        chart.draw_series(
+            spread
+                .points
+                .iter()
+                .map(|point| Circle::new((middle + 0.34, *point), 3, colour.filled())),
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Drivers and tracks compared: energies, angles, and the forces of one run.
+
+use std::path::Path;
+
+use super::boxes::{Spread, draw_boxes};
+use super::strip::{Line, draw_strip};
+use crate::Error;
+use crate::evaluate::{DrivingForce, RunEvaluation, distinct};
+
+/// Relative loss increases as box plots (front, rear, air, total), a box a driver or a track.
+///
+/// `by` picks the name that runs are grouped by; the title says what is compared.
+///
+/// # Errors
+/// [`Error::Plot`].
+pub fn energy_picture(
+    path: &Path,
+    title: &str,
+    runs: &[RunEvaluation],
+    by: fn(&RunEvaluation) -> &String,
+) -> Result<(), Error> {
+    type Pick = fn(&RunEvaluation) -> f64;
+    let panels: [(&str, Pick); 4] = [
+        ("front runner", |run| run.increase_front),
+        ("rear runner", |run| run.increase_rear),
+        ("air", |run| run.increase_aero),
+        ("total", |run| run.increase_total),
+    ];
+    kufe_plot::png(path, 1500, 560, &|root| {
+        let root = root.titled(title, ("sans-serif", 26))?;
+        for ((name, pick), area) in panels.iter().zip(root.split_evenly((1, 4))) {
+            let boxes: Vec<(String, Spread)> = distinct(runs, by)
+                .into_iter()
+                .map(|group| {
+                    let of = runs.iter().filter(|run| by(run) == group);
+                    (
+                        group.to_string(),
+                        Spread::of(of.map(|run| 100.0 * pick(run))),
+                    )
+                })
+                .collect();
+            draw_boxes(&area, name, "loss increase [%]", &boxes)?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// Steering and slip angles by driver: their distributions, and the shares above 2 and 4 degrees by run.
+///
+/// # Errors
+/// [`Error::Plot`].
+pub fn angle_picture(path: &Path, runs: &[RunEvaluation]) -> Result<(), Error> {
+    type Angle = fn(&DrivingForce) -> f64;
+    type Share = fn(&RunEvaluation) -> [f64; 2];
+    let angles: [(&str, Angle, Share); 4] = [
+        (
+            "steering",
+            |f| f.delta_rad,
+            |run| [run.steering.share_above_2deg, run.steering.share_above_4deg],
+        ),
+        (
+            "front slip",
+            |f| f.alpha_f_rad,
+            |run| {
+                [
+                    run.slip_front.share_above_2deg,
+                    run.slip_front.share_above_4deg,
+                ]
+            },
+        ),
+        (
+            "rear slip",
+            |f| f.alpha_r_rad,
+            |run| {
+                [
+                    run.slip_rear.share_above_2deg,
+                    run.slip_rear.share_above_4deg,
+                ]
+            },
+        ),
+        (
+            "chassis slip",
+            |f| f.beta_rad,
+            |run| {
+                [
+                    run.chassis_slip.share_above_2deg,
+                    run.chassis_slip.share_above_4deg,
+                ]
+            },
+        ),
+    ];
+    let drivers = distinct(runs, |run| &run.driver);
+    let spreads = |value: &dyn Fn(&RunEvaluation) -> Vec<f64>| -> Vec<(String, Spread)> {
+        drivers
+            .iter()
+            .map(|driver| {
+                let of = runs.iter().filter(|run| run.driver == *driver);
+                (driver.to_string(), Spread::of(of.flat_map(value)))
+            })
+            .collect()
+    };
+    kufe_plot::png(path, 1600, 1350, &|root| {
+        let areas = root.split_evenly((3, 4));
+        for (column, (name, angle, share)) in angles.iter().enumerate() {
+            let all = spreads(&|run| run.series.iter().map(|f| angle(f).to_degrees()).collect());
+            draw_boxes(&areas[column], name, "angle [degrees]", &all)?;
+            for (row, degrees) in [(1, 2), (2, 4)] {
+                let title = format!("{name} above {degrees}°");
+                let boxes = spreads(&|run| vec![100.0 * share(run)[row - 1]]);
+                draw_boxes(
+                    &areas[4 * row + column],
+                    &title,
+                    "share of time [%]",
+                    &boxes,
+                )?;
+            }
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// Actual and ideal force against the motion over the distance of one run, with the slip angles below.
+///
+/// # Errors
+/// [`Error::Plot`].
+pub fn force_picture(path: &Path, run: &RunEvaluation) -> Result<(), Error> {
+    let line = |name, colour, pick: fn(&DrivingForce) -> f64| Line {
+        name,
+        colour,
+        points: run.series.iter().map(|f| (f.s_m, pick(f))).collect(),
+    };
+    let forces = [
+        line("as driven", 1, |f| f.actual_n),
+        line("ideal", 0, |f| f.ideal_n),
+    ];
+    let slips = [
+        line("front slip", 1, |f| f.alpha_f_rad.to_degrees()),
+        line("rear slip", 0, |f| f.alpha_r_rad.to_degrees()),
+        line("steering", 6, |f| f.delta_rad.to_degrees()),
+    ];
+    let title = format!(
+        "{} on {}: {:.2} % more loss than a straight glide",
+        run.run,
+        run.track,
+        100.0 * run.increase_total
+    );
+    kufe_plot::png(path, 1500, 860, &|root| {
+        let (above, below) = root.split_vertically(460);
+        draw_strip(
+            &above,
+            &title,
+            "distance [m]",
+            "force along the motion [N]",
+            &forces,
+            &[],
+        )?;
+        draw_strip(&below, "", "distance [m]", "angle [degrees]", &slips, &[])
+    })?;
+    Ok(())
+}

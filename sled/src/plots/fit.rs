@@ -1,0 +1,104 @@
+//! Lateral force over slip angle for ranges of the normal force, measured and fitted.
+
+use std::path::Path;
+
+use kufe_friction::{LateralSample, MagicFormula};
+use kufe_plot::PALETTE;
+use plotters::prelude::*;
+
+use crate::Error;
+use crate::bootstrap::quantile;
+
+/// Points drawn a panel at most; more would only hide each other.
+const MOST_POINTS: usize = 6000;
+
+/// Three panels, a third of the samples each by their normal force, with the fitted law at each third's mean load.
+///
+/// # Errors
+/// [`Error::Plot`].
+pub fn fit_picture(
+    path: &Path,
+    runner: &str,
+    samples: &[LateralSample],
+    law: &MagicFormula,
+) -> Result<(), Error> {
+    let mut loads: Vec<f64> = samples.iter().map(|sample| sample.fz).collect();
+    loads.sort_by(f64::total_cmp);
+    let cuts = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|share| quantile(&loads, share));
+    let mut slips: Vec<f64> = samples
+        .iter()
+        .map(|sample| sample.alpha.to_degrees().abs())
+        .collect();
+    slips.sort_by(f64::total_cmp);
+    // The rarest slips would make everything else a line.
+    let reach = 1.15 * quantile(&slips, 0.9995).max(0.2);
+    kufe_plot::png(path, 1500, 560, &|root| {
+        for (panel, area) in root.split_evenly((1, 3)).into_iter().enumerate() {
+            let (low, high) = (cuts[panel], cuts[panel + 1]);
+            let inside = |fz: f64| fz >= low && (fz < high || panel == 2);
+            let here: Vec<&LateralSample> =
+                samples.iter().filter(|sample| inside(sample.fz)).collect();
+            let mean = here.iter().map(|sample| sample.fz).sum::<f64>() / here.len().max(1) as f64;
+            let most = here
+                .iter()
+                .filter(|sample| sample.alpha.to_degrees().abs() <= reach)
+                .map(|sample| sample.fy.abs())
+                .fold(law.force(reach.to_radians(), mean), f64::max)
+                * 1.05;
+            let mut chart = ChartBuilder::on(&area)
+                .caption(
+                    format!(
+                        "{runner} runner, {:.1} to {:.1} kN",
+                        low * 1e-3,
+                        high * 1e-3
+                    ),
+                    ("sans-serif", 22),
+                )
+                .margin(12)
+                .x_label_area_size(46)
+                .y_label_area_size(70)
+                .build_cartesian_2d(-reach..reach, -most..most)?;
+            chart
+                .configure_mesh()
+                .x_desc("slip angle [degrees]")
+                .y_desc("lateral force [N]")
+                .label_style(("sans-serif", 16))
+                .light_line_style(WHITE)
+                .draw()?;
+            let every = here.len().div_ceil(MOST_POINTS).max(1);
+            chart
+                .draw_series(
+                    here.iter()
+                        .step_by(every)
+                        .filter(|sample| sample.alpha.to_degrees().abs() <= reach)
+                        .map(|sample| {
+                            let point = (sample.alpha.to_degrees(), sample.fy);
+                            Circle::new(point, 1, PALETTE[5].mix(0.5).filled())
+                        }),
+                )?
+                .label("measured")
+                .legend(|(x, y)| Circle::new((x + 9, y), 4, PALETTE[5].filled()));
+            chart
+                .draw_series(LineSeries::new(
+                    (-200..=200).map(|i| {
+                        let degrees = reach * f64::from(i) / 200.0;
+                        (degrees, law.force(degrees.to_radians(), mean))
+                    }),
+                    PALETTE[1].stroke_width(3),
+                ))?
+                .label(format!("fit at {:.1} kN", mean * 1e-3))
+                .legend(|(x, y)| {
+                    PathElement::new(vec![(x, y), (x + 18, y)], PALETTE[1].stroke_width(3))
+                });
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::UpperLeft)
+                .background_style(WHITE.mix(0.8))
+                .border_style(BLACK.mix(0.2))
+                .label_font(("sans-serif", 16))
+                .draw()?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}

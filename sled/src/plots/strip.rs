@@ -1,0 +1,92 @@
+//! Lines over time or distance, one panel below the other.
+
+use kufe_plot::{Error, PALETTE, PngRoot};
+use plotters::prelude::*;
+
+/// One line of a panel.
+pub(super) struct Line<'a> {
+    pub name: &'a str,
+    pub points: Vec<(f64, f64)>,
+    pub colour: usize,
+}
+
+/// Draws lines in one panel with a legend; `marks` are vertical lines with their labels.
+pub(super) fn draw_strip(
+    root: &PngRoot,
+    title: &str,
+    x_name: &str,
+    y_name: &str,
+    lines: &[Line],
+    marks: &[(f64, String)],
+) -> Result<(), Error> {
+    let all = || lines.iter().flat_map(|line| line.points.iter());
+    let range = |pick: fn(&(f64, f64)) -> f64| {
+        let (low, high) = all()
+            .map(pick)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
+        (low, high.max(low + 1e-9))
+    };
+    let (x_low, x_high) = range(|point| point.0);
+    let (y_low, y_high) = range(|point| point.1);
+    let margin = 0.06 * (y_high - y_low);
+    let top = if marks.is_empty() {
+        margin
+    } else {
+        4.0 * margin
+    };
+    let mut builder = ChartBuilder::on(root);
+    if !title.is_empty() {
+        builder.caption(title, ("sans-serif", 22));
+    }
+    let mut chart = builder
+        .margin(10)
+        .margin_right(24)
+        .x_label_area_size(44)
+        .y_label_area_size(76)
+        .build_cartesian_2d(x_low..x_high, y_low - margin..y_high + top)?;
+    chart
+        .configure_mesh()
+        .x_desc(x_name)
+        .y_desc(y_name)
+        .x_labels(12)
+        .y_labels(6)
+        .label_style(("sans-serif", 16))
+        .light_line_style(WHITE)
+        .draw()?;
+    for line in lines {
+        let colour = PALETTE[line.colour];
+        chart
+            .draw_series(LineSeries::new(
+                line.points.iter().copied(),
+                colour.stroke_width(1),
+            ))?
+            .label(line.name)
+            .legend(move |(x, y)| {
+                PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
+            });
+    }
+    for (x, label) in marks {
+        let grey = PALETTE[6];
+        chart.draw_series([PathElement::new(
+            vec![(*x, y_low - margin), (*x, y_high + margin)],
+            grey.stroke_width(1),
+        )])?;
+        chart.draw_series([Text::new(
+            label.clone(),
+            (*x, y_high + top - 0.3 * margin),
+            ("sans-serif", 15).into_font().color(&grey),
+        )])?;
+    }
+    if lines.len() > 1 {
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::LowerRight)
+            .background_style(WHITE.mix(0.8))
+            .border_style(BLACK.mix(0.2))
+            .label_font(("sans-serif", 16))
+            .draw()?;
+    }
+    Ok(())
+}
