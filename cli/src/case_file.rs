@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_contact::case::{Case, CaseError};
-use kufe_contact::{Error, Problem};
+use kufe_contact::case::{Case, FittedHull, StatedProblem};
+use kufe_contact::{Error, Problem, Solution, SurfaceField};
 
 use crate::failure::Failure;
 
@@ -64,14 +64,51 @@ impl LoadedCase {
         })
     }
 
-    /// The problem that the case states, with what its reader should be warned of.
+    /// The problem that the case states.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the hull cannot be had.
+    pub fn stated(&self) -> Result<StatedProblem, Failure> {
+        self.case
+            .stated(&self.base)
+            .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
+    }
+
+    /// The problem alone, with what its hull's reader should be warned of.
+    ///
+    /// # Errors
+    /// As [`stated`](Self::stated).
     pub fn problem(&self) -> Result<(Problem, Vec<String>), Failure> {
-        let told = |error: CaseError| Failure::BadInput(format!("{}: {error}", self.name));
-        let problem = self.case.problem(&self.base).map_err(told)?;
-        Ok((problem, Vec::new()))
+        let stated = self.stated()?;
+        let warnings = self.hull_warnings(stated.hull.as_ref());
+        Ok((stated.problem, warnings))
+    }
+
+    /// What is odd about the hull, ready to be shown.
+    pub fn hull_warnings(&self, hull: Option<&FittedHull>) -> Vec<String> {
+        hull.iter()
+            .flat_map(|hull| &hull.report.warnings)
+            .map(|warning| format!("{}: runner.hull: {warning}", self.name))
+            .collect()
+    }
+
+    /// Refuses a hull whose fit is too uncertain for what was solved on it.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
+    pub fn fine_enough(&self, hull: &FittedHull, solution: &Solution) -> Result<(), Failure> {
+        let patch = patch(&solution.surface);
+        match hull.underside.coarse_within(solution.approach, patch) {
+            None => Ok(()),
+            Some(coarse) => Err(Failure::BadInput(format!(
+                "{}: runner.hull: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
+                 the approach is {:.3} um; expected at most {:.3} um: give it finer triangles",
+                self.name,
+                1e6 * coarse.error,
+                1e6 * coarse.approach,
+                1e6 * coarse.allowed
+            ))),
+        }
     }
 
     /// A solver's error as the command's.
@@ -84,4 +121,24 @@ impl LoadedCase {
             _ => Failure::BadInput(text),
         }
     }
+}
+
+/// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
+fn patch(field: &SurfaceField) -> [f64; 4] {
+    let mut patch = [
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    for (k, _) in field.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        let (x, y) = (field.x[k % field.x.len()], field.y[k / field.x.len()]);
+        patch = [
+            patch[0].min(x),
+            patch[1].max(x),
+            patch[2].min(y),
+            patch[3].max(y),
+        ];
+    }
+    patch
 }

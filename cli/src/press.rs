@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use kufe_contact::case::{FittedHull, StatedProblem};
 use kufe_contact::{Iterate, Options, Problem, Solution, solve};
 
 use crate::case_file::LoadedCase;
@@ -32,6 +33,8 @@ pub struct Pressed {
     pub loaded: LoadedCase,
     /// The problem that it stated.
     pub problem: Problem,
+    /// The hull, where the case names one.
+    pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
     /// Wall time of the solve [s].
@@ -50,16 +53,26 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(path) => LoadedCase::read(path)?,
         None => LoadedCase::example()?,
     };
-    let (problem, mut warnings) = loaded.problem()?;
+    let StatedProblem { problem, hull } = loaded.stated()?;
+    let mut warnings = Vec::new();
+    for warning in loaded.hull_warnings(hull.as_ref()) {
+        warn(&mut warnings, warning);
+    }
     let staging = Staging::begin(&args.out)?;
     staging.remove_on_interrupt();
     let started = Instant::now();
     let solution = solve_with_progress(&loaded, &problem, global)?;
     let seconds = started.elapsed().as_secs_f64();
-    warnings.extend(summary::beyond_ice(&problem, &solution));
+    if let Some(hull) = &hull {
+        loaded.fine_enough(hull, &solution)?;
+    }
+    if let Some(warning) = summary::beyond_ice(&problem, &solution) {
+        warn(&mut warnings, warning);
+    }
     let pressed = Pressed {
         loaded,
         problem,
+        hull,
         solution,
         seconds,
         warnings,
@@ -67,15 +80,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let document = result::document(&pressed);
     write_files(&staging, &pressed, &document)?;
     staging.commit()?;
-    for warning in &pressed.warnings {
-        eprintln!("kufe: warning: {warning}");
-    }
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {
         say(&summary::text(&pressed, &args.out));
     }
     Ok(())
+}
+
+/// Says a warning at once, and keeps it for the result.
+fn warn(warnings: &mut Vec<String>, warning: String) {
+    eprintln!("kufe: warning: {warning}");
+    warnings.push(warning);
 }
 
 fn solve_with_progress(

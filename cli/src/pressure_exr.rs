@@ -1,6 +1,6 @@
 //! `pressure.exr`: the map as 32-bit floats with its place in metres.
 
-use std::io::{Seek, Write};
+use std::io::{Cursor, Write};
 
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{
@@ -21,7 +21,7 @@ const COMMENTS: &str = "p: contact pressure [Pa]; gap [m]; uz: vertical displace
 /// # Errors
 /// The EXR writer's, which are those of `writer`.
 pub fn write(
-    writer: impl Write + Seek,
+    mut writer: impl Write,
     map: &PressureMap,
     fz: f64,
     track_curvature: f64,
@@ -65,7 +65,36 @@ pub fn write(
         Encoding::SMALL_LOSSLESS,
         channels,
     );
-    Image::from_layer(layer).write().to_buffered(writer)
+    let mut file = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut file)?;
+    let mut bytes = file.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(writer.write_all(&bytes)?)
+}
+
+/// Sorts the header's attributes by name: the EXR library holds them in a table of random order, and the same
+/// map is to be the same bytes.
+///
+/// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a zero, the value's
+/// size as 4 bytes and the value; a zero ends the header. Sorting keeps its length, so all offsets stay.
+fn sort_attributes(bytes: &mut [u8]) {
+    const START: usize = 8;
+    let zero = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|k| from + k);
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    let mut at = START;
+    while bytes[at] != 0 {
+        let end = zero(at).and_then(|name| zero(name + 1)).and_then(|kind| {
+            let size = bytes.get(kind + 1..kind + 5)?.try_into().ok()?;
+            Some(kind + 5 + u32::from_le_bytes(size) as usize)
+        });
+        let Some(end) = end.filter(|&end| end < bytes.len()) else {
+            unreachable!("the EXR library wrote a broken header");
+        };
+        attributes.push(bytes[at..end].to_vec());
+        at = end;
+    }
+    attributes.sort();
+    bytes[START..at].copy_from_slice(&attributes.concat());
 }
 
 #[cfg(test)]

@@ -58,6 +58,13 @@ impl PressureMap {
         let along = Axis::around(&field.x, &touched_x);
         let across = Axis::around(&field.y, &touched_y);
         let average = |values: &[f64]| average(values, columns, &along, &across);
+        // What touches has no gap, whatever the solver's tolerance left of it.
+        let gap: Vec<f64> = field
+            .pressure
+            .iter()
+            .zip(&field.gap)
+            .map(|(&p, gap)| if p > 0.0 { 0.0 } else { gap.max(0.0) })
+            .collect();
         let pressure = pressure(field, fz, p_max, &along, &across);
         PressureMap {
             x0: along.first,
@@ -67,10 +74,7 @@ impl PressureMap {
             nx: along.count,
             ny: across.count,
             pressure,
-            gap: average(&field.gap)
-                .into_iter()
-                .map(|gap| gap.max(0.0))
-                .collect(),
+            gap: average(&gap),
             uz: average(&field.uz),
         }
     }

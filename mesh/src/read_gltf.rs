@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use gltf::{
-    Accessor, Gltf, Node,
+    Accessor, Document, Gltf, Node,
     accessor::{DataType, Dimensions},
     buffer::Source,
     mesh::Mode,
@@ -43,7 +43,7 @@ pub fn read_gltf(
             });
         }
     }
-    let Gltf { document, mut blob } = Gltf::from_slice(bytes)?;
+    let (document, mut blob) = parse(bytes)?;
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let data = match buffer.source() {
@@ -89,6 +89,26 @@ pub fn read_gltf(
         }
     }
     Hull::welded(&reader.positions, reader.triangles.into_iter(), rows)
+}
+
+/// The validated document and the binary chunk.
+///
+/// The library's own validation indexes accessors before it has checked them, so that comes first here.
+fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes)?;
+    let root = document.into_json();
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let named = primitives.flat_map(|primitive| primitive.attributes.values());
+    if let Some(missing) = named
+        .map(|index| index.value())
+        .find(|&index| index >= root.accessors.len())
+    {
+        return Err(MeshError::GltfAccessor {
+            index: missing,
+            problem: "a mesh refers to it; there is none of that number",
+        });
+    }
+    Ok((Document::from_json(root)?, blob))
 }
 
 struct Reader {

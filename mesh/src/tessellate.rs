@@ -32,7 +32,7 @@ pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     let half = (0.5 * steps).ceil() as i64;
     let middle = 0.5 * (x0 + x1);
     let xs: Vec<f64> = (-half..=half)
-        .map(|i| middle + 0.5 * (x1 - x0) * i as f64 / half as f64)
+        .map(|i| (middle + 0.5 * (x1 - x0) * i as f64 / half as f64).clamp(x0, x1))
         .collect();
 
     let mut hull = Hull::default();

@@ -112,7 +112,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Ok(());
     }
     let mut text = format!(
-        "p_max    {:.3} +- {:.3} MPa\nF_z      {:.1} N\nmu       {:.3}e-3 +- {:.3}e-3 (discretisation)\nF_x      {:.3} N at alpha {} rad\npower    {:.1} W at {} m/s\n",
+        "p_max    {:.3} +- {:.3} MPa\nF_z      {:.1} N\nmu       {:.3}e-3 +- {:.3}e-3 (discretisation)\nF_x      {:.3} N at alpha {} rad\npower    {:.1} W lost at {} m/s\n",
         solution.p_max * 1e-6,
         solution.p_max_error * 1e-6,
         solution.fz,
@@ -120,7 +120,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         error * 1e3,
         fx,
         args.alpha,
-        fx * speed,
+        -fx * speed,
         speed,
     );
     if capped {

@@ -21,6 +21,16 @@ pub fn document(pressed: &Pressed) -> Value {
             })
         })
         .collect();
+    let fit = pressed.hull.as_ref().map(|hull| {
+        let quality = hull.underside.quality();
+        json!({
+            "residual_rms_m": quality.residual_rms,
+            "residual_max_m": quality.residual_max,
+            "resolution_error_m": quality.resolution_error,
+            "residual_over_approach": quality.residual_rms / solution.approach,
+            "vertices": quality.vertices,
+        })
+    });
     json!({
         "p_max_pa": solution.p_max,
         "p_max_error_pa": solution.p_max_error,
@@ -38,6 +48,7 @@ pub fn document(pressed: &Pressed) -> Value {
         "seconds": pressed.seconds,
         "peak_memory_bytes": peak_memory(),
         "version": env!("CARGO_PKG_VERSION"),
+        "hull_fit": fit,
         "warnings": pressed.warnings,
         "history": history,
         "case": case_as_json(pressed),

@@ -46,7 +46,7 @@ pub fn title(solution: &Solution) -> String {
 /// The readable summary.
 pub fn text(pressed: &Pressed, out: &Path) -> String {
     let solution = &pressed.solution;
-    let rows = [
+    let mut rows = vec![
         (
             "peak pressure",
             format!(
@@ -75,6 +75,15 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         ),
         ("written to", out.display().to_string()),
     ];
+    if let Some(hull) = &pressed.hull {
+        let residual = hull.underside.quality().residual_rms;
+        let share = 1e2 * residual / solution.approach;
+        let fit = format!(
+            "{:.4} um from the hull's vertices ({share:.2} % of the approach)",
+            1e6 * residual
+        );
+        rows.insert(rows.len() - 2, ("hull's fit", fit));
+    }
     let mut text = format!("{}\n", pressed.loaded.name);
     for (name, value) in rows {
         text.push_str(&format!("  {name:<15} {value}\n"));

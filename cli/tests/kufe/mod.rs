@@ -1,0 +1,92 @@
+//! Runs the command in an empty folder.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A runner, flat ice and a load: a case that solves in an instant.
+pub const CASE: &str = r#"[runner]
+shape = { kind = "bob", length_m = 1.0, rocker_radius_m = 30.0, section_radius_m = 0.005, width_m = 0.010, height_m = 0.030 }
+[ice]
+youngs_modulus_pa = 9.0e9
+poissons_ratio = 0.33
+thickness_m = 0.05
+[track]
+radius_m = inf
+[load]
+fz_n = 1000.0
+[accuracy]
+p_max = 0.02
+"#;
+
+/// An empty folder to run the command in.
+pub struct Bench {
+    /// The folder, removed with this value.
+    pub folder: TempDir,
+}
+
+impl Bench {
+    /// A new empty folder.
+    pub fn new() -> Bench {
+        Bench {
+            folder: tempfile::tempdir().expect("a temporary folder"),
+        }
+    }
+
+    /// A path in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).expect("a writable folder");
+    }
+
+    /// Runs `kufe` with these words in the folder.
+    pub fn kufe(&self, words: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_kufe"))
+            .args(words)
+            .current_dir(self.folder.path())
+            .output()
+            .expect("the command runs")
+    }
+
+    /// Runs `kufe` and expects it to succeed; returns what it printed.
+    pub fn succeeds(&self, words: &[&str]) -> String {
+        let output = self.kufe(words);
+        assert!(
+            output.status.success(),
+            "kufe {words:?}: {}",
+            errors(&output)
+        );
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// Names of what the folder holds, sorted.
+    pub fn names(&self) -> Vec<String> {
+        names(self.folder.path())
+    }
+}
+
+/// What a run said on standard error.
+pub fn errors(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Names of what a folder holds, hidden ones too, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .expect("a readable folder")
+        .map(|entry| {
+            entry
+                .expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
