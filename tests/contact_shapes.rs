@@ -34,7 +34,7 @@ fn flat_ended_rigid_punch_carries_two_contact_moduli_times_radius_times_approach
     let s = solve(
         &problem,
         &Options {
-            cells: Some(24),
+            cells: Some(16),
             ..Options::default()
         },
     )
@@ -101,7 +101,7 @@ fn long_cylinder_is_a_line_contact_in_its_middle() {
 /// p = M (d - r^2 / 2R) / t with M = lambda + 2 mu, so F = pi M R d^2 / t and p_max = M d / t (Johnson, section 5.8).
 #[test]
 fn thin_layer_on_a_rigid_bed_tends_to_independent_columns() {
-    let (radius, thickness, force) = (1.0, 2e-4, 1000.0);
+    let (radius, thickness, force) = (1.0, 1e-4, 1000.0);
     let modulus = ICE_E * (1.0 - ICE_NU) / ((1.0 + ICE_NU) * (1.0 - 2.0 * ICE_NU));
     let depth = (force * thickness / (PI * modulus * radius)).sqrt();
     let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), force);
@@ -114,7 +114,7 @@ fn thin_layer_on_a_rigid_bed_tends_to_independent_columns() {
         },
     )
     .unwrap();
-    // The contact is 20 thicknesses wide: the rim's share is a few per cent.
+    // The contact is 30 thicknesses wide: the rim's share is a few per cent.
     assert!(0.5 * s.length > 10.0 * thickness);
     assert!(
         (s.p_max / (modulus * depth / thickness) - 1.0).abs() < 0.03,
@@ -122,7 +122,7 @@ fn thin_layer_on_a_rigid_bed_tends_to_independent_columns() {
         s.p_max
     );
     assert!(
-        (s.approach / depth - 1.0).abs() < 0.05,
+        (s.approach / depth - 1.0).abs() < 0.01,
         "approach {:.4e} against {depth:.4e}",
         s.approach
     );

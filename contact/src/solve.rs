@@ -1,5 +1,6 @@
 //! From a problem to a pressure field of the accuracy asked.
 
+use faer::Mat;
 use kufe_fem::Material;
 
 use crate::discretise::{Discretisation, Reach, Resolution, discretise};
@@ -290,8 +291,15 @@ fn capacity(problem: &Problem, level: &Level) -> Result<(), Error> {
 
 /// The patch that a pressure field covers, and how fine it wants to be resolved.
 ///
-/// Sizes start from those of `before`, the patch that the mesh was made for.
-fn found_patch(field: &PressureField, pressure: &[f64], motion: f64, before: &Patch) -> Patch {
+/// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends at the hull's
+/// own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay as they are.
+fn found_patch(
+    field: &PressureField,
+    pressure: &[f64],
+    motion: f64,
+    before: &Patch,
+    edge: bool,
+) -> Patch {
     let nx = field.x.len();
     let mut x = merged(field.chords_along(pressure), field.symmetry[0]);
     let mut y = merged(field.chords_across(pressure), field.symmetry[1]);
@@ -312,10 +320,14 @@ fn found_patch(field: &PressureField, pressure: &[f64], motion: f64, before: &Pa
         {
             stretch.sizes.clone_from(&same.sizes);
         }
-        stretch.adapt(field.x, &highest_at_x);
+        if !edge {
+            stretch.adapt(field.x, &highest_at_x);
+        }
     }
     y.sizes.clone_from(&before.y.sizes);
-    y.adapt(field.y, &highest_at_y);
+    if !edge {
+        y.adapt(field.y, &highest_at_y);
+    }
     if x.is_empty() {
         x.clone_from(&before.x);
     }
@@ -366,17 +378,6 @@ fn solve_level(
     options: &Options,
 ) -> Result<(State, Progress), Error> {
     let level = &mesh.level;
-    let mut displacement = vec![0.0; level.len()];
-    if problem.ice.foundation == Foundation::HalfSpace {
-        let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
-        prescribe(
-            &mesh.grid,
-            mesh.symmetry,
-            material,
-            &lumps,
-            &mut displacement,
-        );
-    }
     let greens = level.greens();
     let base: Vec<f64> = level.candidates.iter().map(|&n| level.gap[n]).collect();
     let start = PlaneState {
@@ -390,30 +391,35 @@ fn solve_level(
         force[node] = *f;
     }
     let mut state = State {
-        displacement,
+        displacement: vec![0.0; level.len()],
         force,
         motion: found.motion,
     };
-    let held = state.displacement.clone();
-    let limit = 1000;
-    let mut progress = match options.method {
-        Method::Accelerated | Method::PlainSor => {
-            level.solve(&mut state, &greens, options.residual, limit)
+    hold_outer_faces(problem, material, mesh, forces, &mut state);
+    let mut progress = one_solve(mesh, material, &greens, &mut state, options);
+    if matches!(problem.load, Load::Approach { .. })
+        && problem.ice.foundation == Foundation::HalfSpace
+    {
+        // The force, and with it the far field, follows from the solution.
+        const ROUNDS: usize = 20;
+        for _ in 0..ROUNDS {
+            let before = level.resultant(&state)[0];
+            hold_outer_faces(
+                problem,
+                material,
+                mesh,
+                &lumped_forces(mesh, &state),
+                &mut state,
+            );
+            let again = one_solve(mesh, material, &greens, &mut state, options);
+            progress.iterations += again.iterations;
+            progress.converged &= again.converged;
+            progress.residual = again.residual;
+            progress.updates.extend(again.updates);
+            if (level.resultant(&state)[0] - before).abs() <= 1e-6 * before {
+                break;
+            }
         }
-        Method::CholeskyActiveSet => Progress::direct(active_set(mesh, material, &mut state)),
-    };
-    if options.method == Method::PlainSor {
-        const SWEEPS: usize = 200_000;
-        let sweeps = projected_sor(
-            mesh,
-            material,
-            &held,
-            &mut state,
-            1e-3 * options.residual,
-            SWEEPS,
-        );
-        progress = Progress::direct(sweeps.is_some());
-        progress.iterations = sweeps.unwrap_or(SWEEPS);
     }
     if !progress.converged {
         return Err(Error::NotConverged {
@@ -423,6 +429,53 @@ fn solve_level(
         });
     }
     Ok((state, progress))
+}
+
+/// Writes the far field of the contact forces onto the outer faces of a half-space.
+fn hold_outer_faces(
+    problem: &Problem,
+    material: Material,
+    mesh: &Discretisation,
+    forces: &Forces,
+    state: &mut State,
+) {
+    if problem.ice.foundation == Foundation::HalfSpace {
+        let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
+        prescribe(
+            &mesh.grid,
+            mesh.symmetry,
+            material,
+            &lumps,
+            &mut state.displacement,
+        );
+    }
+}
+
+/// Solves the equations of one mesh for held outer faces, from `state`.
+fn one_solve(
+    mesh: &Discretisation,
+    material: Material,
+    greens: &[Mat<f64>; 2],
+    state: &mut State,
+    options: &Options,
+) -> Progress {
+    const ITERATIONS: usize = 1000;
+    const SWEEPS: usize = 200_000;
+    let level = &mesh.level;
+    match options.method {
+        Method::Accelerated => level.solve(state, greens, options.residual, ITERATIONS),
+        Method::CholeskyActiveSet => Progress::direct(active_set(mesh, material, state)),
+        Method::PlainSor => {
+            let held = state.displacement.clone();
+            level.solve(state, greens, options.residual, ITERATIONS);
+            let tolerance = 1e-3 * options.residual;
+            let sweeps = projected_sor(mesh, material, &held, state, tolerance, SWEEPS);
+            Progress {
+                iterations: sweeps.unwrap_or(SWEEPS),
+                ..Progress::direct(sweeps.is_some())
+            }
+        }
+    }
 }
 
 fn lumped_forces(mesh: &Discretisation, state: &State) -> Forces {
@@ -468,11 +521,28 @@ impl Field<'_> {
         }
     }
 
+    /// Whether a node in contact has a neighbour under no hull.
+    fn touches_edge(&self, state: &State) -> bool {
+        let nx = self.mesh.grid.x.len();
+        let gap = &self.mesh.level.gap;
+        (0..gap.len()).filter(|&n| state.force[n] > 0.0).any(|n| {
+            let left = (n % nx > 0).then(|| n - 1);
+            let right = (n % nx + 1 < nx).then_some(n + 1);
+            let below = n.checked_sub(nx);
+            let above = (n + nx < gap.len()).then_some(n + nx);
+            [left, right, below, above]
+                .into_iter()
+                .flatten()
+                .any(|n| gap[n].is_infinite())
+        })
+    }
+
     fn of(&self, state: &State) -> Pressure {
         let field = self.pressure_field(state);
         let values = field.pressures();
         let figures = field.figures(&values);
-        let patch = found_patch(&field, &values, state.motion[0], self.patch);
+        let edge = self.touches_edge(state);
+        let patch = found_patch(&field, &values, state.motion[0], self.patch, edge);
         Pressure {
             values,
             figures,

@@ -104,21 +104,33 @@ impl TensorOperator {
             .for_each_init(
                 || Scratch::new(nx, ny),
                 |scratch, (k, ((x, y), z))| {
-                    self.gather_z(u, k, scratch);
-                    for j in 0..ny {
-                        let row = j * nx..(j + 1) * nx;
-                        self.row_x(j, scratch, &mut x[row.clone()]);
-                        self.row_y(j, scratch, &mut y[row.clone()]);
-                        self.row_z(j, scratch, &mut z[row]);
-                    }
-                    mask_plane(x, self.held[0], [nx, ny, nz], k);
-                    mask_plane(y, self.held[1], [nx, ny, nz], k);
-                    mask_plane(z, self.held[2], [nx, ny, nz], k);
+                    // The same loops for the widest vectors that this machine has.
+                    pulp::Arch::new().dispatch(
+                        #[inline(always)]
+                        || self.plane(u, k, scratch, [&mut *x, &mut *y, &mut *z]),
+                    );
                 },
             );
     }
 
+    /// Plane `k` of all three components of K u.
+    #[inline(always)]
+    fn plane(&self, u: &[f64], k: usize, scratch: &mut Scratch, [x, y, z]: [&mut [f64]; 3]) {
+        let [nx, ny, nz] = self.shape();
+        self.gather_z(u, k, scratch);
+        for j in 0..ny {
+            let row = j * nx..(j + 1) * nx;
+            self.row_x(j, scratch, &mut x[row.clone()]);
+            self.row_y(j, scratch, &mut y[row.clone()]);
+            self.row_z(j, scratch, &mut z[row]);
+        }
+        mask_plane(x, self.held[0], [nx, ny, nz], k);
+        mask_plane(y, self.held[1], [nx, ny, nz], k);
+        mask_plane(z, self.held[2], [nx, ny, nz], k);
+    }
+
     /// The z-direction's share: M u, K u, D u and D^T u of every component in plane `k`.
+    #[inline(always)]
     fn gather_z(&self, u: &[f64], k: usize, scratch: &mut Scratch) {
         let [nx, ny, nz] = self.shape();
         let plane = nx * ny;
@@ -143,6 +155,7 @@ impl TensorOperator {
     /// K_x[(l+2m) M_y a_x] + M_x[m K_y a_x + m M_y b_x]
     /// + D_x[l D_y^T a_y + l M_y t_z] + D_x^T[m D_y a_y + m M_y d_z],
     /// where a, b, d, t are M_z u, K_z u, D_z u, D_z^T u.
+    #[inline(always)]
     fn row_x(&self, j: usize, scratch: &mut Scratch, out: &mut [f64]) {
         let (l, m) = (self.lambda, self.mu);
         let y = &self.axes[1];
@@ -169,6 +182,7 @@ impl TensorOperator {
     /// Row j of the y equations:
     /// K_x[m M_y a_y] + M_x[(l+2m) K_y a_y + m M_y b_y + l D_y t_z + m D_y^T d_z]
     /// + D_x[m D_y^T a_x] + D_x^T[l D_y a_x].
+    #[inline(always)]
     fn row_y(&self, j: usize, scratch: &mut Scratch, out: &mut [f64]) {
         let (l, m) = (self.lambda, self.mu);
         let y = &self.axes[1];
@@ -195,6 +209,7 @@ impl TensorOperator {
     /// Row j of the z equations:
     /// K_x[m M_y a_z] + M_x[m K_y a_z + (l+2m) M_y b_z + l D_y^T d_y + m D_y t_y]
     /// + D_x[m M_y t_x] + D_x^T[l M_y d_x].
+    #[inline(always)]
     fn row_z(&self, j: usize, scratch: &mut Scratch, out: &mut [f64]) {
         let (l, m) = (self.lambda, self.mu);
         let y = &self.axes[1];
@@ -256,7 +271,7 @@ impl Rows {
     }
 
     /// Adds `factor` times the tridiagonal row `t` of the y-direction acting on plane `p`.
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, target: usize, p: &[f64], nx: usize, j: usize, t: [f64; 3], factor: f64) {
         let row = &mut self.data[target][1..=nx];
         let [low, on, high] = t.map(|value| value * factor);
@@ -281,7 +296,7 @@ impl Rows {
     ///
     /// D + D^T is diag(-1, 0 .. 0, 1), so D r + D^T s = D (r - s) plus the two ends of s; and D w is
     /// the central difference (w_(i-1) - w_(i+1)) / 2 once w is continued by -w beyond its ends.
-    #[inline]
+    #[inline(always)]
     fn finish(&mut self, x: &[[Vec<f64>; 3]; 2], out: &mut [f64]) {
         let nx = out.len();
         let [p, q, r, s] = &mut self.data;
@@ -296,7 +311,7 @@ impl Rows {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn tridiagonal_pair(
     k: &[Vec<f64>; 3],
     p: &[f64],
@@ -322,7 +337,7 @@ fn tridiagonal_pair(
     }
 }
 
-#[inline]
+#[inline(always)]
 fn combine(planes: [&[f64]; 3], t: [f64; 3], out: &mut [f64]) {
     for (((out, low), on), high) in out.iter_mut().zip(planes[0]).zip(planes[1]).zip(planes[2]) {
         *out = t[0] * low + t[1] * on + t[2] * high;
