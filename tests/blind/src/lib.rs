@@ -1,0 +1,41 @@
+//! Blind cases for `kufe discover`: data with a hidden cause, and the program that scores the answers.
+//!
+//! Nothing here uses a kufe crate. The sled, its sensors, the friction experiments and the
+//! pressure maps come from physics written a second time, so that a mistake in the finder's model
+//! of an effect is not repeated in the data that test it.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`catalogue`] | the list of cases: families, what each hides, how large |
+//! | [`run_case`], [`experiments`], [`pressure_case`] | builders of the three kinds of data |
+//! | [`track`], [`sled`], [`drive`], [`sensors`], [`campaign`] | the sled on its track and its measurement chain |
+//! | [`inverse`], [`signature`] | residuals by an independent inversion; size and likeness of effects in them |
+//! | [`half_space`], [`fourier`] | contact pressures by boundary elements |
+//! | [`answer`] | what a case hides, as a file |
+//! | [`score`], [`table`], [`ci`] | runs the finder on cases and compares its reports with the answers |
+//!
+//! ```
+//! let specs = kufe_blind::catalogue::chosen("experiment/temperature@4").unwrap();
+//! let case = specs[0].build(1).unwrap();
+//! assert_eq!(case.answer.hides[0].effect, "temperature");
+//! ```
+pub mod answer;
+pub mod campaign;
+pub mod catalogue;
+pub mod ci;
+pub mod drive;
+pub mod experiments;
+pub mod fourier;
+pub mod half_space;
+pub mod hidden;
+pub mod inverse;
+pub mod least_squares;
+pub mod noise;
+pub mod pressure_case;
+pub mod run_case;
+pub mod score;
+pub mod sensors;
+pub mod signature;
+pub mod sled;
+pub mod table;
+pub mod track;
