@@ -26,7 +26,7 @@ pub fn parallel(kufe: &Path, plan: &Path, shards: usize) -> String {
     format!(
         "#!/bin/sh\n\
          # Run again to run what failed; finished points are not solved again.\n\
-         exec parallel --joblog {} --bar --halt never {} lut run {plan_text} --shard '{{}}/{shards}' --threads 1 ::: $(seq 1 {shards})\n",
+         exec parallel --joblog {} --halt never {} lut run {plan_text} --shard '{{}}/{shards}' --threads 1 ::: $(seq 1 {shards})\n",
         quoted(&plan.join("parallel.log")),
         quoted(kufe),
     )
