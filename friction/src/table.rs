@@ -65,7 +65,10 @@ impl Table {
                 return Err(Error::MissingColumn {
                     file: file.into(),
                     column: (*name).into(),
-                    found: header.join(", "),
+                    found: match header.join(", ") {
+                        empty if empty.is_empty() => "nothing".into(),
+                        names => names,
+                    },
                     expected: columns.required.join(", "),
                 });
             }

@@ -240,3 +240,37 @@ fn useless_samples_are_refused_by_name() {
     };
     assert!(told(&[sample; 30], &noise).contains("within its noise"));
 }
+
+#[test]
+fn noise_in_the_load_of_two_per_cent_moves_the_parameters_by_less_than_half_a_per_cent() {
+    let truth = MagicFormula::PUBLISHED_FRONT;
+    let track = Track {
+        runs: 12,
+        samples: 1500,
+        slip_rms: 0.01,
+        slip_sd: 0.0,
+        force_sd: 10.0,
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let (mut k, mut p) = (0.0, 0.0);
+    for seed in 0..10 {
+        let exact = track.drive(&truth, seed);
+        let noisy: Vec<LateralSample> = exact
+            .iter()
+            .map(|s| {
+                let kick: f64 = StandardNormal.sample(&mut rng);
+                LateralSample {
+                    fz: s.fz + 50.0 * kick,
+                    ..*s
+                }
+            })
+            .collect();
+        let options = LateralFitOptions::default();
+        let with = fit_lateral(&noisy, &options).expect("fits").model;
+        let without = fit_lateral(&exact, &options).expect("fits").model;
+        k += (with.k_n_per_rad / without.k_n_per_rad).ln() / 10.0;
+        p += (with.mu_zeta_c() / without.mu_zeta_c()).ln() / 10.0;
+    }
+    println!("load noise moves ln K by {k:.5}, ln P by {p:.5}");
+    assert!(k.abs() < 0.005 && p.abs() < 0.005, "{k} {p}");
+}
