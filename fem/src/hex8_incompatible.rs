@@ -79,6 +79,38 @@ impl Uncondensed {
     }
 }
 
+/// Cholesky factor of the stiffness of the inner amplitudes alone, as [`Uncondensed::inner_factor`].
+pub(crate) fn inner_factor(corners: &Corners, material: Material) -> [[f64; 9]; 9] {
+    let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
+    let centre = Jacobian::at(corners, [0.0; 3]);
+    let mut blocks = [[[[0.0; 3]; 3]; 3]; 3];
+    for xi in gauss_points() {
+        let determinant = Jacobian::at(corners, xi).determinant;
+        let modes = mode_gradients(&centre, xi, determinant);
+        for a in 0..3 {
+            for b in 0..=a {
+                let block = &mut blocks[a][b];
+                add_block(
+                    block,
+                    modes[a],
+                    modes[b],
+                    lambda * determinant,
+                    mu * determinant,
+                );
+            }
+        }
+    }
+    cholesky(std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            if j <= i {
+                blocks[i / 3][j / 3][i % 3][j % 3]
+            } else {
+                0.0
+            }
+        })
+    }))
+}
+
 /// Condensed stiffness K_uu - K_ua K_aa^-1 K_au (24 x 24), symmetric [N/m].
 ///
 /// Every Jacobian determinant must be positive ([`crate::hex8::smallest_determinant`]); [`crate::Body`] checks it.
@@ -145,6 +177,14 @@ fn back_substitute(l: &[[f64; 9]; 9], mut x: [f64; 9]) -> [f64; 9] {
         x[i] /= l[i][i];
     }
     x
+}
+
+/// Inverse of the matrix whose Cholesky factor is `l`.
+pub(crate) fn invert(l: &[[f64; 9]; 9]) -> [[f64; 9]; 9] {
+    std::array::from_fn(|j| {
+        let unit = std::array::from_fn(|i| f64::from(u8::from(i == j)));
+        back_substitute(l, forward_substitute(l, unit))
+    })
 }
 
 #[cfg(test)]
