@@ -1,0 +1,241 @@
+//! Contact and linear solves: time, memory, unknowns and iterations, as Markdown tables.
+
+use std::sync::Arc;
+
+use kufe_benches::{again, best_of, peak_bytes};
+use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Solution, Tilt, hertz, solve};
+use kufe_fem::{FastDiagonal, Material, TensorOperator, cg};
+use kufe_mesh::{BobRunner, Paraboloid, TensorGrid, Underside};
+
+const ICE_E: f64 = 9.0e9;
+const ICE_NU: f64 = 0.33;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["hertz", tolerance] => hertz_case(number(tolerance)),
+        ["linear", cells] => linear_case(number(cells) as usize),
+        ["runner", radius, dofs] => runner_case(number(radius), number(dofs)),
+        ["aspect", rocker, cells] => aspect_case(number(rocker), number(cells) as usize),
+        _ => tables(),
+    }
+}
+
+fn number(word: &str) -> f64 {
+    word.parse()
+        .unwrap_or_else(|_| panic!("{word}: expected a number"))
+}
+
+fn tables() {
+    println!("### Runner of 30 m rocker and 5 mm section, 1 kN, rigid on a half-space\n");
+    println!(
+        "| accuracy asked | true error | solve | whole process | peak memory | unknowns | iterations |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for tolerance in ["0.005", "0.001", "0.0003"] {
+        let begun = std::time::Instant::now();
+        let w = again(&["hertz", tolerance]);
+        let whole = begun.elapsed().as_secs_f64();
+        println!(
+            "| {} % | {:.3} % | {:.0} ms | {:.0} ms | {:.0} MB | {} | {} |",
+            100.0 * number(tolerance),
+            number(&w[0]),
+            1e3 * number(&w[1]),
+            1e3 * whole,
+            number(&w[2]) / 1e6,
+            w[3],
+            w[4]
+        );
+    }
+    println!("\nThe whole process solves five times; the solve is the best of them.\n");
+    println!("### One linear solve, residual 1e-8, aspect ratio over 100\n");
+    println!("| unknowns | iterations | set-up | iterations' time | peak memory |");
+    println!("|---|---|---|---|---|");
+    for cells in ["24", "47", "70", "100"] {
+        let w = again(&["linear", cells]);
+        println!(
+            "| {} | {} | {:.3} s | {:.2} s | {:.2} GB |",
+            w[0],
+            w[1],
+            number(&w[2]),
+            number(&w[3]),
+            number(&w[4]) / 1e9
+        );
+    }
+    println!(
+        "\n### Runner 1 m long with rounded ends, rocker 30 m, section 5 mm, 1 kN, about 750,000 unknowns\n"
+    );
+    println!("| track radius | contact from end to end | p_max | iterations | unknowns | time |");
+    println!("|---|---|---|---|---|---|");
+    for radius in ["inf", "60", "32", "30", "29", "15"] {
+        let w = again(&["runner", radius, "750000"]);
+        println!(
+            "| {radius} m | {:.0} mm | {:.1} MPa | {} | {} | {:.2} s |",
+            1e3 * number(&w[0]),
+            number(&w[1]) / 1e6,
+            w[2],
+            w[3],
+            number(&w[4])
+        );
+    }
+    println!("\n### Iterations over refinement and aspect ratio (residual 1e-9)\n");
+    println!("| rocker / section radius | patch a / b | 4 cells | 8 cells | 16 cells |");
+    println!("|---|---|---|---|---|");
+    for rocker in ["0.005", "0.1", "5", "100", "600"] {
+        let counts: Vec<Vec<String>> = ["4", "8", "16"]
+            .iter()
+            .map(|cells| again(&["aspect", rocker, cells]))
+            .collect();
+        println!(
+            "| {} | {:.0} | {} | {} | {} |",
+            number(rocker) / 0.005,
+            number(&counts[0][0]),
+            counts[0][1],
+            counts[1][1],
+            counts[2][1]
+        );
+    }
+}
+
+fn on_half_space(underside: impl Underside + 'static, track_curvature: f64) -> Problem {
+    Problem {
+        runner: Runner {
+            underside: Arc::new(underside),
+        },
+        ice: Ice {
+            youngs_modulus: ICE_E,
+            poissons_ratio: ICE_NU,
+            foundation: Foundation::HalfSpace,
+            hardness: None,
+        },
+        track_curvature,
+        load: Load::Force {
+            fz: 1000.0,
+            offset_x: 0.0,
+            offset_y: 0.0,
+            tilt: Tilt::Free,
+        },
+    }
+}
+
+fn solved(problem: &Problem, options: &Options) -> Solution {
+    solve(problem, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn paraboloid(rocker: f64, section: f64) -> Paraboloid {
+    Paraboloid::new(rocker, section).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn hertz_case(tolerance: f64) {
+    let problem = on_half_space(paraboloid(30.0, 0.005), 0.0);
+    let options = Options {
+        p_max_tolerance: tolerance,
+        ..Options::default()
+    };
+    let (seconds, s) = best_of(5, || solved(&problem, &options));
+    let exact = hertz(30.0, 0.005, ICE_E / (1.0 - ICE_NU * ICE_NU), 1000.0).p_max;
+    let error = 100.0 * (s.p_max / exact - 1.0).abs();
+    println!(
+        "{error} {seconds} {} {} {}",
+        peak_bytes(),
+        s.dofs,
+        s.iterations
+    );
+}
+
+/// A quarter of a needle-shaped patch under its Hertz pressure, on a graded grid of `cells`^3 cells.
+fn linear_case(cells: usize) {
+    let axis = |half: f64| -> Vec<f64> {
+        // Even to the half-width, then in geometric progression to a third of a metre.
+        let even = cells / 3;
+        let mut nodes: Vec<f64> = (0..=even).map(|i| half * i as f64 / even as f64).collect();
+        let ratio = (0.3 / half).powf(1.0 / (cells - even) as f64);
+        nodes.extend((1..=cells - even).map(|i| half * ratio.powi(i as i32)));
+        nodes
+    };
+    let (a, b) = (0.0251, 0.000137);
+    let z: Vec<f64> = axis(b).iter().rev().map(|d| -d).collect();
+    let grid = TensorGrid {
+        x: axis(a),
+        y: axis(b),
+        z,
+    };
+    let ice = Material::new(ICE_E, ICE_NU).unwrap_or_else(|error| panic!("{error}"));
+    let held = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
+    let ((set_up, (operator, preconditioner)), nodes) = (
+        best_of(1, || {
+            let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held);
+            let preconditioner = FastDiagonal::new(&operator);
+            (operator, preconditioner)
+        }),
+        grid.node_count(),
+    );
+    let [nx, ny, nz] = grid.shape();
+    let mut load = vec![0.0; 3 * nodes];
+    for j in 0..ny {
+        for i in 0..nx {
+            let inside = 1.0 - (grid.x[i] / a).powi(2) - (grid.y[j] / b).powi(2);
+            let area = operator.axes[0].lumped_mass[i] * operator.axes[1].lumped_mass[j];
+            load[2 * nodes + grid.node(i, j, nz - 1)] = -1e8 * inside.max(0.0).sqrt() * area;
+        }
+    }
+    operator.mask(&mut load);
+    let (mut modal, mut scratch) = (
+        vec![0.0; preconditioner.mode_count()],
+        vec![0.0; preconditioner.scratch_len()],
+    );
+    let mut u = vec![0.0; 3 * nodes];
+    let options = cg::Options {
+        stop: cg::Stop::Energy(1e-8),
+        ..cg::Options::default()
+    };
+    let (seconds, history) = best_of(1, || {
+        cg::solve(
+            |v, out| operator.apply(v, out),
+            |r, out| preconditioner.apply(r, out, &mut modal, &mut scratch),
+            &load,
+            &mut u,
+            &mut cg::Workspace::default(),
+            &options,
+        )
+        .unwrap_or_else(|error| panic!("{error}"))
+    });
+    println!(
+        "{} {} {set_up} {seconds} {}",
+        operator.free_dofs(),
+        history.iterations,
+        peak_bytes()
+    );
+}
+
+/// The runner at the resolution that gives about `dofs` unknowns.
+fn runner_case(radius: f64, dofs: f64) {
+    let bob = BobRunner::default()
+        .swept()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let problem = on_half_space(bob, 1.0 / radius);
+    let at = |cells: usize| Options {
+        cells: Some(cells),
+        ..Options::default()
+    };
+    let trial = solved(&problem, &at(6));
+    let cells = (6.0 * (dofs / trial.dofs as f64).cbrt()).round() as usize;
+    let (seconds, s) = best_of(2, || solved(&problem, &at(cells)));
+    println!(
+        "{} {} {} {} {seconds}",
+        s.length, s.p_max, s.iterations, s.dofs
+    );
+}
+
+fn aspect_case(rocker: f64, cells: usize) {
+    let problem = on_half_space(paraboloid(rocker, 0.005), 0.0);
+    let s = solved(
+        &problem,
+        &Options {
+            cells: Some(cells),
+            ..Options::default()
+        },
+    );
+    println!("{} {}", s.length / s.width, s.iterations);
+}

@@ -1,0 +1,66 @@
+//! Measuring a piece of work in a process of its own, so that peak memory is its own too.
+
+use std::process::Command;
+use std::time::Instant;
+
+/// Time and memory of a piece of work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Wall time [s].
+    pub seconds: f64,
+    /// Largest resident memory of the process [bytes].
+    pub peak_bytes: u64,
+}
+
+/// Runs this program again with `arguments` and returns the words of its last line of output.
+///
+/// # Panics
+/// Where the program cannot be run or fails: a benchmark has no one to report to.
+pub fn again(arguments: &[&str]) -> Vec<String> {
+    let program = std::env::current_exe().unwrap_or_else(|error| panic!("own path: {error}"));
+    let output = Command::new(program)
+        .args(arguments)
+        .output()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    text.lines()
+        .last()
+        .unwrap_or_default()
+        .split_whitespace()
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Best wall time of `rounds` repetitions [s], and the last result.
+pub fn best_of<T>(rounds: usize, mut work: impl FnMut() -> T) -> (f64, T) {
+    let mut best = f64::INFINITY;
+    let mut last = None;
+    for _ in 0..rounds.max(1) {
+        let begun = Instant::now();
+        last = Some(work());
+        best = best.min(begun.elapsed().as_secs_f64());
+    }
+    match last {
+        Some(value) => (best, value),
+        None => unreachable!("at least one round"),
+    }
+}
+
+/// Largest resident memory of this process so far [bytes]; 0 where the system does not tell.
+pub fn peak_bytes() -> u64 {
+    std::fs::read_to_string("/proc/self/status")
+        .ok()
+        .and_then(|status| {
+            let line = status
+                .lines()
+                .find(|line| line.starts_with("VmHWM:"))?
+                .to_owned();
+            line.split_whitespace().nth(1)?.parse::<u64>().ok()
+        })
+        .map_or(0, |kib| kib * 1024)
+}
