@@ -54,7 +54,7 @@ pub struct LateralArgs {
 /// [`Failure::BadInput`] with file and place, [`Failure::NotConverged`], [`Failure::Usage`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let What::Lateral(args) = &args.what;
-    if !(args.roll_acceleration > 0.0) {
+    if args.roll_acceleration.is_nan() || args.roll_acceleration <= 0.0 {
         return Err(Failure::Usage(format!(
             "--roll-acceleration {}: expected a positive number of degrees/s2",
             args.roll_acceleration

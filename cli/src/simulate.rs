@@ -103,7 +103,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
     let told = |error: kufe_sled::Error| failure(&error);
     let model = Model::load(model).map_err(told)?;
-    let vehicle = Vehicle::new(&model).map_err(told)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(told)?;
     let track = Track::load(track).map_err(told)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
@@ -130,7 +130,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
             let mut entry = simulated_entry(&name, &track, &driver_name, conditions);
             entry.session.clone_from(&args.session);
             let noise = model.noise.as_ref().filter(|_| !args.no_noise);
-            let run = record(&simulated, &model.sled, noise, entry, options.seed);
+            let run = record(&simulated, &vehicle, noise, entry, options.seed);
             Ok((run, simulated.energy, simulated.finished))
         })
         .collect::<Vec<_>>()
@@ -168,7 +168,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
     write_runs(&staging, &mut runs, format(args))?;
     write_track(&staging, &track)?;
     staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
-    let picture = draw_first(&staging, &runs, &model)?;
+    let picture = draw_first(&staging, &runs, &model, &vehicle)?;
     staging.commit()?;
     bar.finish_and_clear();
     if global.json {
@@ -278,9 +278,14 @@ fn write_track(staging: &Staging, track: &Track) -> Result<(), Failure> {
 }
 
 /// Draws the first run where it is long enough to be prepared; names the picture for the summary.
-fn draw_first(staging: &Staging, runs: &[Run], model: &Model) -> Result<&'static str, Failure> {
+fn draw_first(
+    staging: &Staging,
+    runs: &[Run],
+    model: &Model,
+    vehicle: &Vehicle,
+) -> Result<&'static str, Failure> {
     let options = PrepareOptions::default();
-    let Ok(prepared) = prepare(&runs[0], &model.sled, model.noise.as_ref(), &options) else {
+    let Ok(prepared) = prepare(&runs[0], vehicle, model.noise.as_ref(), &options) else {
         return Ok("");
     };
     run_picture(&staging.path("overview.png"), &prepared)

@@ -64,7 +64,7 @@ impl RunArgs {
             )));
         }
         let model = Model::load(&self.model).map_err(|error| failure(&error))?;
-        let vehicle = Vehicle::new(&model).map_err(|error| failure(&error))?;
+        let vehicle = Vehicle::with_effects(&model).map_err(|error| failure(&error))?;
         let bar = global.progress();
         bar.set_message(format!("reading {}", self.runs.display()));
         let (mut runs, left_out) = if self.leave_out_bad_runs {
@@ -99,7 +99,7 @@ impl RunArgs {
             cutoff_hz: self.cutoff,
             ..PrepareOptions::default()
         };
-        let prepared = prepare_all(&runs, &model.sled, model.noise.as_ref(), &options)
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
             .map_err(|error| failure(&error))?;
         bar.finish_and_clear();
         Ok(Loaded {

@@ -7,14 +7,17 @@ use crate::run::Conditions;
 use crate::track::TrackShape;
 use crate::transfer::{Slips, slips};
 
-/// Standard gravity [m/s2].
-pub const GRAVITY: f64 = 9.806_65;
+/// Gravity as the format's conventions have it: an accelerometer at rest on level ice reads it [m/s2].
+pub const GRAVITY: f64 = 9.81;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///
 /// Order: s [m], n [m], heading chi against the line [rad], v_x, v_y [m/s], yaw rate [rad/s], steering [rad], work of
-/// gravity, of the ice, of the air and of contacts [J].
-pub type Unknowns = [f64; 11];
+/// gravity, of the ice, of the air (with what effects add to the body) and of contacts [J], time [s].
+pub(crate) type Unknowns = [f64; COUNT];
+
+/// Number of unknowns.
+pub(crate) const COUNT: usize = 12;
 
 const S: usize = 0;
 const N: usize = 1;
@@ -23,6 +26,7 @@ const VX: usize = 3;
 const VY: usize = 4;
 const YAW: usize = 5;
 const DELTA: usize = 6;
+const TIME: usize = 11;
 
 /// A push from outside, such as a wall: half a wave of lateral force over a stretch of track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +65,19 @@ pub(crate) struct World<'a> {
     pub cross_curvature: f64,
 }
 
+/// What the equations need of a moment ago, before the forces that decide it are known.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Before {
+    /// Growth of the speed [m/s2].
+    pub growth: f64,
+    /// Rates of the slip angles, front and rear [rad/s]; only effects ask for them.
+    pub slip_rate: [f64; 2],
+    /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
+    pub accel: [f64; 3],
+    /// Roll acceleration [rad/s2]; only effects ask for it.
+    pub roll_accel: f64,
+}
+
 /// Everything known at one instant of a simulation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Instant {
@@ -78,6 +95,8 @@ pub struct Instant {
     pub wall_n: f64,
     /// Growth of the speed at the sensor [m/s2].
     pub speed_growth: f64,
+    /// Rate of the slip angle at the sensor [rad/s].
+    pub alpha_sensor_rate_radps: f64,
 }
 
 impl World<'_> {
@@ -92,19 +111,26 @@ impl World<'_> {
     /// f_z  = p v_y - q v_x + g u_z    (p, q, r) = roll, pitch, yaw rate
     /// ```
     ///
-    /// `growth` is the speed's rate of change of a moment ago [m/s2]: the pitch acceleration, and with it the normal
-    /// forces, need it before the forces that decide it are known. Beyond the base line, the sled balances where the line
+    /// The pitch acceleration, and with it the normal forces, need the speed's growth before the forces that decide it are
+    /// known: it is taken from a moment ago. Beyond the base line, the sled balances where the line
     /// puts it: its yaw rate w is the one without lateral force, and the channel's cross-section leads it back.
-    pub(crate) fn rates(&self, y: &Unknowns, growth: f64) -> (Unknowns, Instant) {
+    pub(crate) fn rates(&self, y: &Unknowns, before: &Before) -> (Unknowns, Instant) {
+        let growth = before.growth;
         let sled = &self.vehicle.sled;
         let [s, n, chi, vx, vy, yaw, delta, ..] = *y;
-        let [theta, theta_s, _] = self.shape.slope.at(s);
+        let [mut theta, mut theta_s, _] = self.shape.slope.at(s);
+        if !self.vehicle.effects.is_empty() {
+            let added = |s: f64| self.vehicle.effects.slope("", s);
+            theta += added(s);
+            theta_s += added(s + 0.5) - added(s - 0.5);
+        }
         let [curvature, curvature_s, _] = self.shape.curvature.at(s);
         let [bank, bank_s, bank_ss] = self.shape.bank.at(s);
 
         let vys = vy + sled.slip_x_m * yaw;
-        let speed = vx.hypot(vys);
-        let alpha = -vys.atan2(vx);
+        // The sled moves forward throughout, which `trouble` sees to: the plain forms do, and are faster.
+        let speed = (vx * vx + vys * vys).sqrt();
+        let alpha = -(vys / vx).atan();
         let Slips { cog, front, rear } = slips(sled, alpha, yaw, speed, delta);
 
         let (sin_chi, cos_chi) = chi.sin_cos();
@@ -127,7 +153,7 @@ impl World<'_> {
         let gamma = self.shape.bank.value(s + sled.l_f_m) - self.shape.bank.value(s - sled.l_r_m)
             + self.cross_curvature * sled.wheelbase_m() * sin_chi;
         let mut state = State {
-            t_s: 0.0,
+            t_s: y[TIME],
             s_m: s,
             v_mps: speed,
             alpha_cog_rad: cog,
@@ -138,13 +164,16 @@ impl World<'_> {
             roll_rate_radps: roll,
             pitch_rate_radps: pitch,
             yaw_rate_radps: yaw,
-            roll_accel_radps2: 0.0,
+            roll_accel_radps2: before.roll_accel,
             curvature_1pm: curvature,
             fz_f0_n,
             fz_r_n,
             air_density_kgpm3: self.density,
             ice_c: self.conditions.ice_c,
             air_c: self.conditions.air_c,
+            air_pa: self.conditions.air_pa,
+            slip_rate_radps: before.slip_rate,
+            accel_mps2: before.accel,
         };
         let forces = forward(self.vehicle, &state);
         let air = aero_force(sled, &state);
@@ -159,6 +188,7 @@ impl World<'_> {
             forces.front_body[1] + forces.rear[1],
         ];
         let ice_moment = sled.l_f_m * forces.front_body[1] - sled.l_r_m * forces.rear[1];
+        let air = [air[0] + forces.body[0], air[1] + forces.body[1]];
         let fx = (ice[0] + air[0]) / sled.mass_kg;
         let fy = (ice[1] + air[1] + wall) / sled.mass_kg;
         let vx_t = fx - GRAVITY * up[0] + yaw * vy;
@@ -177,6 +207,18 @@ impl World<'_> {
         let roll_accel = phi_tt - theta_t / (cos_theta * cos_theta) * turn - tan_theta * turn_t;
         state.roll_accel_radps2 = roll_accel;
 
+        // Rates of the slip angles from those of the velocities, for the sensor and for effects.
+        let vys_t = vy_t + sled.slip_x_m * yaw_accel;
+        let speed_growth = (vx * vx_t + vys * vys_t) / speed;
+        let alpha_t = -(vys_t * vx - vys * vx_t) / (speed * speed);
+        let turn_rate_t = (yaw_accel - yaw * speed_growth / speed) / speed;
+        let steering_t = self.steering_rate(y, dn, speed);
+        state.accel_mps2 = [fx, fy, fz];
+        state.slip_rate_radps = [
+            alpha_t - turn_rate_t * (sled.l_f_m - sled.slip_x_m) + steering_t,
+            alpha_t - turn_rate_t * (-sled.l_r_m - sled.slip_x_m),
+        ];
+
         let rates = [
             ds,
             dn,
@@ -184,11 +226,12 @@ impl World<'_> {
             vx_t,
             vy_t,
             yaw_accel,
-            self.steering_rate(y, dn, speed),
+            steering_t,
             -sled.mass_kg * GRAVITY * (up[0] * vx + up[1] * vy),
             ice[0] * vx + ice[1] * vy + ice_moment * yaw,
             air[0] * vx + air[1] * vy,
             wall * vy + wall_moment * yaw,
+            1.0,
         ];
         let instant = Instant {
             state,
@@ -201,9 +244,20 @@ impl World<'_> {
             angular_accel_radps2: [roll_accel, pitch_accel, yaw_accel],
             alpha_sensor_rad: alpha,
             wall_n: wall,
-            speed_growth: (vx * vx_t + vys * (vy_t + sled.slip_x_m * yaw_accel)) / speed,
+            speed_growth,
+            alpha_sensor_rate_radps: alpha_t,
         };
         (rates, instant)
+    }
+
+    /// What the next moment needs of this one.
+    pub(crate) fn before(instant: &Instant) -> Before {
+        Before {
+            growth: instant.speed_growth,
+            slip_rate: instant.state.slip_rate_radps,
+            accel: instant.state.accel_mps2,
+            roll_accel: instant.state.roll_accel_radps2,
+        }
     }
 
     fn steering_rate(&self, y: &Unknowns, dn: f64, speed: f64) -> f64 {

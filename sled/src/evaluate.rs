@@ -101,6 +101,7 @@ pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
 }
 
 fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
+    let vehicle = &vehicle.on_track(&run.entry.track);
     let sled = &vehicle.sled;
     let mut series = Vec::with_capacity(run.states.len());
     // Ideal loss, and what front, rear and air take beyond it.

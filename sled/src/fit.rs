@@ -166,6 +166,7 @@ pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
     let residuals: Vec<Vec<f64>> = runs
         .par_iter()
         .map(|run| {
+            let vehicle = &vehicle.on_track(&run.entry.track);
             run.states
                 .iter()
                 .zip(&run.motions)

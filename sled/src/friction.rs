@@ -5,6 +5,7 @@ use std::sync::Arc;
 use kufe_friction::{Longitudinal, MagicFormula};
 
 use crate::Error;
+use crate::effects::{Effects, Measured};
 use crate::model::{Model, Sled};
 
 /// Peak pressure [Pa] of a runner over normal force [N] and track curvature [1/m].
@@ -43,7 +44,7 @@ impl std::fmt::Debug for RunnerFriction {
 }
 
 /// A sled with the friction of both runners.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Vehicle {
     /// Masses, lengths, sensor places and drag.
     pub sled: Sled,
@@ -51,10 +52,29 @@ pub struct Vehicle {
     pub front: RunnerFriction,
     /// Rear runner.
     pub rear: RunnerFriction,
+    /// Effects beyond the base model that act on forces, sensors and track; none from [`Vehicle::new`].
+    pub effects: Effects,
+}
+
+impl std::fmt::Debug for Vehicle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let effects: Vec<&str> = self
+            .effects
+            .active
+            .iter()
+            .map(|e| e.name.as_str())
+            .collect();
+        f.debug_struct("Vehicle")
+            .field("sled", &self.sled)
+            .field("front", &self.front)
+            .field("rear", &self.rear)
+            .field("effects", &effects)
+            .finish()
+    }
 }
 
 impl Vehicle {
-    /// Opens the pressure tables that the model names, relative to the model's folder.
+    /// The base model: opens the pressure tables that the model names, relative to the model's folder.
     ///
     /// # Errors
     /// [`Error::Keys`] where the friction law needs a pressure and the model names no table, [`Error::File`] where a
@@ -86,7 +106,51 @@ impl Vehicle {
                 pressure: open("rear_table", &keys.rear_table)?,
                 lateral: model.friction.rear,
             },
+            effects: Effects::default(),
         })
+    }
+
+    /// [`Vehicle::new`] with the effects that the model switches on.
+    ///
+    /// What is constant about the sensors, the accelerometer's true place and the true mass, is put into `sled`.
+    ///
+    /// # Errors
+    /// Those of [`Vehicle::new`], and [`Error::Keys`] for an effect that does not exist or whose parameters are wrong.
+    pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
+        let mut vehicle = Vehicle::new(model)?;
+        vehicle.effects = Effects::from_tables(&model.effects).map_err(|error| Error::Keys {
+            file: "model".to_string(),
+            reason: error.to_string(),
+        })?;
+        let sled = &mut vehicle.sled;
+        let mut truth = Measured {
+            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
+            mass: sled.mass_kg,
+            ..Measured::default()
+        };
+        vehicle.effects.correct(&mut truth);
+        [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m] = truth.accelerometer;
+        sled.mass_kg = truth.mass;
+        if sled.mass_kg > 0.0 {
+            return Ok(vehicle);
+        }
+        Err(Error::KeyRange {
+            file: "model".to_string(),
+            key: "sled.mass_kg with [effects.mass]".to_string(),
+            value: sled.mass_kg,
+            expected: "a positive number",
+        })
+    }
+
+    /// The vehicle with only the effects that act on this track, freed of its name.
+    pub fn on_track(&self, track: &str) -> Vehicle {
+        let mut vehicle = self.clone();
+        let active = &mut vehicle.effects.active;
+        active.retain(|effect| effect.track.as_deref().is_none_or(|only| only == track));
+        for effect in active {
+            effect.track = None;
+        }
+        vehicle
     }
 
     /// The vehicle with other lateral laws, for fits.

@@ -14,6 +14,7 @@
 use kufe_friction::{Braghin, longitudinal_force};
 
 use crate::aero;
+use crate::effects::{self, Forces};
 use crate::friction::{RunnerFriction, Vehicle};
 use crate::model::Sled;
 
@@ -56,6 +57,12 @@ pub struct State {
     pub ice_c: f64,
     /// Air temperature [degrees Celsius].
     pub air_c: f64,
+    /// Air pressure [Pa].
+    pub air_pa: f64,
+    /// Rates of the slip angles, front and rear [rad/s]; only effects ask for them.
+    pub slip_rate_radps: [f64; 2],
+    /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
+    pub accel_mps2: [f64; 3],
 }
 
 /// What accelerometers and differentiated gyroscopes tell about one instant, at the centre of gravity.
@@ -78,6 +85,8 @@ pub struct AxleForces {
     pub front_body: [f64; 3],
     /// On the rear runner; its frame is the body's [N].
     pub rear: [f64; 3],
+    /// On the body besides runners and base drag (x, y): what effects add, a headwind or a wall [N].
+    pub body: [f64; 2],
 }
 
 /// Sums of what acts in the plane of the sled.
@@ -168,11 +177,13 @@ pub fn inverse(vehicle: &Vehicle, state: &State, motion: &Motion) -> AxleForces 
         front: body_to_front(front_body, state.delta_rad, state.gamma_rad),
         front_body,
         rear: [fx_r, fy_r, fz_r],
+        body: [0.0; 2],
     }
 }
 
 fn longitudinal(runner: &RunnerFriction, fz: f64, alpha: f64, curvature: f64) -> f64 {
-    longitudinal_force(fz, alpha, runner.mu(fz, curvature))
+    // A lifted runner does not push.
+    longitudinal_force(fz.max(0.0), alpha, runner.mu(fz, curvature))
 }
 
 /// Forces on the runners as the friction laws give them at the state's slip angles and normal forces.
@@ -187,7 +198,8 @@ pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
         let law = runner.lateral.derivatives(state.alpha_f_rad, fz_f);
         let fx_f = longitudinal(runner, fz_f, state.alpha_f_rad, state.curvature_1pm);
         let residual = cg * fz_f + sg * (sd * fx_f + cd * law.fy) - state.fz_f0_n;
-        fz_f -= residual / (cg + sg * (sd * fx_f / fz_f + cd * law.fz));
+        let by_load = if fz_f > 0.0 { fx_f / fz_f } else { 0.0 };
+        fz_f -= residual / (cg + sg * (sd * by_load + cd * law.fz));
     }
     let front = [
         longitudinal(runner, fz_f, state.alpha_f_rad, state.curvature_1pm),
@@ -196,7 +208,7 @@ pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
     ];
     let (x, y) = (cd * front[0] - sd * front[1], sd * front[0] + cd * front[1]);
     let fz_r = state.fz_r_n;
-    AxleForces {
+    let base = AxleForces {
         front,
         front_body: [x, cg * y - sg * fz_f, sg * y + cg * fz_f],
         rear: [
@@ -204,6 +216,62 @@ pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
             vehicle.rear.lateral.force(state.alpha_r_rad, fz_r),
             fz_r,
         ],
+        body: [0.0; 2],
+    };
+    if vehicle.effects.is_empty() {
+        return base;
+    }
+    with_effects(vehicle, state, &base)
+}
+
+/// The base law's forces as the vehicle's effects change them; the front runner's `F_z,f` follows its changed force.
+fn with_effects(vehicle: &Vehicle, state: &State, base: &AxleForces) -> AxleForces {
+    let stiffness = |law: &kufe_friction::MagicFormula, alpha, fz| law.derivatives(alpha, fz).alpha;
+    let mut forces = Forces {
+        along: [base.front[0], base.rear[0]],
+        across: [base.front[1], base.rear[1]],
+        stiffness: [
+            stiffness(&vehicle.front.lateral, state.alpha_f_rad, base.front[2]),
+            stiffness(&vehicle.rear.lateral, state.alpha_r_rad, base.rear[2]),
+        ],
+        body_along: 0.0,
+        body_across: 0.0,
+    };
+    let seen = effects::State {
+        conditions: effects::Conditions {
+            t: state.t_s,
+            s: state.s_m,
+            v: state.v_mps,
+            fz: f64::NAN,
+            ice_c: state.ice_c,
+            air_c: state.air_c,
+            air_pa: state.air_pa,
+            humidity_pct: f64::NAN,
+            distance: 0.0,
+            air_density: state.air_density_kgpm3,
+            drag_area: vehicle.sled.cda_m2,
+        },
+        slip: [state.alpha_f_rad, state.alpha_r_rad],
+        slip_rate: state.slip_rate_radps,
+        load: [base.front[2], base.rear[2]],
+        chassis_slip: state.alpha_cog_rad,
+        steering: state.delta_rad,
+        roll_split: state.gamma_rad,
+        roll_rate: state.roll_rate_radps,
+        roll_acceleration: state.roll_accel_radps2,
+        yaw_rate: state.yaw_rate_radps,
+        acceleration: state.accel_mps2,
+        mass: vehicle.sled.mass_kg,
+    };
+    vehicle.effects.act("", &seen, &mut forces);
+    let ((sd, cd), (sg, cg)) = (state.delta_rad.sin_cos(), state.gamma_rad.sin_cos());
+    let (fx, fy) = (forces.along[0], forces.across[0]);
+    let front = [fx, fy, (state.fz_f0_n - sg * (sd * fx + cd * fy)) / cg];
+    AxleForces {
+        front,
+        front_body: front_to_body(front, state.delta_rad, state.gamma_rad),
+        rear: [forces.along[1], forces.across[1], state.fz_r_n],
+        body: [forces.body_along, forces.body_across],
     }
 }
 
@@ -235,6 +303,7 @@ pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleF
             law.force(state.alpha_r_rad, state.fz_r_n),
             state.fz_r_n,
         ],
+        body: [0.0; 2],
     }
 }
 
@@ -243,8 +312,8 @@ pub fn resultant(sled: &Sled, state: &State, forces: &AxleForces) -> Resultant {
     let aero = aero_force(sled, state);
     let (f, r) = (&forces.front_body, &forces.rear);
     Resultant {
-        fx_n: f[0] + r[0] + aero[0],
-        fy_n: f[1] + r[1] + aero[1],
+        fx_n: f[0] + r[0] + aero[0] + forces.body[0],
+        fy_n: f[1] + r[1] + aero[1] + forces.body[1],
         mz_nm: sled.l_f_m * f[1] - sled.l_r_m * r[1],
     }
 }

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::check::LEAST_SAMPLES;
 use crate::derivative::derivative;
+use crate::effects::Measured;
 use crate::filter::{low_pass, noise_gain, resample, resampled_length};
 use crate::friction::Vehicle;
-use crate::model::{Noise, Sled};
+use crate::model::Noise;
 use crate::noise::{estimate_noise, slip_noise};
 use crate::one_track::{AxleForces, Motion, State, inverse, normal_forces};
 use crate::run::{Entry, Run};
@@ -61,17 +62,19 @@ impl Prepared {
 ///
 /// In this order: low pass and down-sampling to `rate_hz`, low pass at `cutoff_hz`, angular accelerations by
 /// [`derivative`], accelerations to the centre of gravity, slips at the axles, normal forces. `s_m` is taken from the
-/// recording where it has one, else integrated from the speed. `noise` states the sensors' noise; where absent it is
+/// recording where it has one, else integrated from the speed. Effects of the vehicle that stand between the truth and
+/// its sensors are taken out. `noise` states the sensors' noise; where absent it is
 /// estimated from the recording.
 ///
 /// # Errors
 /// [`Error::MissingColumn`], [`Error::TooShort`] where too little is left at the lower rate.
 pub fn prepare(
     run: &Run,
-    sled: &Sled,
+    vehicle: &Vehicle,
     noise: Option<&Noise>,
     options: &PrepareOptions,
 ) -> Result<Prepared, Error> {
+    let sled = &vehicle.sled;
     let from = run.rate_hz();
     let lower = options.rate_hz < from * (1.0 - 1e-3);
     let rate = if lower { options.rate_hz } else { from };
@@ -97,9 +100,25 @@ pub fn prepare(
         channel("pitch_rate_radps")?,
         channel("yaw_rate_radps")?,
     );
-    let (v, alpha) = (channel("v_mps")?, channel("alpha_rad")?);
-    let (delta, gamma) = (channel("delta_rad")?, channel("gamma_rad")?);
+    let (v, mut alpha) = (channel("v_mps")?, channel("alpha_rad")?);
+    let (mut delta, gamma) = (channel("delta_rad")?, channel("gamma_rad")?);
     let dt = 1.0 / rate;
+    let (mut ax, mut ay, mut az) = (ax, ay, az);
+    if !vehicle.effects.is_empty() {
+        let slip_rate = derivative(&alpha, dt);
+        for i in 0..v.len() {
+            let mut measured = Measured {
+                acceleration: [ax[i], ay[i], az[i]],
+                slip: alpha[i],
+                slip_rate: slip_rate[i],
+                steering: delta[i],
+                ..Measured::default()
+            };
+            vehicle.effects.correct(&mut measured);
+            [ax[i], ay[i], az[i]] = measured.acceleration;
+            (alpha[i], delta[i]) = (measured.slip, measured.steering);
+        }
+    }
     let (roll_accel, pitch_accel, yaw_accel) = (
         derivative(&roll, dt),
         derivative(&pitch, dt),
@@ -142,12 +161,23 @@ pub fn prepare(
             air_density_kgpm3: density,
             ice_c: run.entry.conditions.ice_c,
             air_c: run.entry.conditions.air_c,
+            air_pa: run.entry.conditions.air_pa,
+            slip_rate_radps: [0.0; 2],
+            accel_mps2: accel,
         });
         motions.push(Motion {
             accel_mps2: accel,
             pitch_accel_radps2: pitch_accel[i],
             yaw_accel_radps2: yaw_accel[i],
         });
+    }
+
+    let slip_of = |pick: fn(&State) -> f64| -> Vec<f64> {
+        derivative(&states.iter().map(pick).collect::<Vec<_>>(), dt)
+    };
+    let (front_rate, rear_rate) = (slip_of(|s| s.alpha_f_rad), slip_of(|s| s.alpha_r_rad));
+    for (i, state) in states.iter_mut().enumerate() {
+        state.slip_rate_radps = [front_rate[i], rear_rate[i]];
     }
 
     let noise = match noise {
@@ -178,12 +208,12 @@ pub fn prepare(
 /// The first run's error in order.
 pub fn prepare_all(
     runs: &[Run],
-    sled: &Sled,
+    vehicle: &Vehicle,
     noise: Option<&Noise>,
     options: &PrepareOptions,
 ) -> Result<Vec<Prepared>, Error> {
     runs.par_iter()
-        .map(|run| prepare(run, sled, noise, options))
+        .map(|run| prepare(run, vehicle, noise, options))
         .collect::<Vec<_>>()
         .into_iter()
         .collect()

@@ -256,7 +256,7 @@ pub fn drive_planned(
     entry.session.clone_from(&planned.session);
     Ok(record(
         &simulated,
-        &model.sled,
+        vehicle,
         model.noise.as_ref(),
         entry,
         planned.options.seed,
@@ -268,7 +268,7 @@ pub fn drive_planned(
 /// # Errors
 /// The first run's error in order.
 pub fn drive_sample(plan: &[Planned], model: &Model) -> Result<Vec<Run>, Error> {
-    let vehicle = Vehicle::new(model)?;
+    let vehicle = Vehicle::with_effects(model)?;
     let tracks = ["east", "west"].map(sample_track);
     let shapes = [0, 1].map(|i| TrackShape::new(&tracks[i]));
     plan.par_iter()

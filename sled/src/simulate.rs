@@ -9,9 +9,10 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::Error;
 use crate::driver::Driver;
-use crate::dynamics::{Instant, Unknowns, WallContact, World};
+use crate::dynamics::{Before, COUNT, Instant, Unknowns, WallContact, World};
+use crate::effects::Measured;
 use crate::friction::Vehicle;
-use crate::model::{Noise, Sled};
+use crate::model::Noise;
 use crate::run::{Conditions, Entry, Run};
 use crate::track::{Track, TrackShape};
 use crate::transfer::lever_acceleration;
@@ -117,6 +118,7 @@ pub fn simulate(
     options: &SimulateOptions,
 ) -> Result<Simulated, Error> {
     let every = check(options)?;
+    let vehicle = &vehicle.on_track(&track.name);
     let dt_s = 1.0 / options.rate_hz;
     let h = dt_s / every as f64;
     let world = World {
@@ -129,27 +131,29 @@ pub fn simulate(
         contacts: &options.contacts,
         cross_curvature: options.cross_curvature_1pm,
     };
-    let mut y: Unknowns = [0.0; 11];
+    let mut y: Unknowns = [0.0; COUNT];
     y[0] = track.start_m;
     y[3] = options.start_speed_mps;
     let kinetic_start_j = world.kinetic_energy(&y);
-    let mut growth = 0.0;
+    let mut before = Before::default();
     // The first instant's growth of speed is not known yet; a few rounds settle it.
     for _ in 0..4 {
-        growth = world.rates(&y, growth).1.speed_growth;
+        before = World::before(&world.rates(&y, &before).1);
     }
-    let mut growth_before = growth;
+    let mut growth_then = before.growth;
     let expected = ((track.finish_m - track.start_m) / options.start_speed_mps / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
     // Rates of the last steps, newest first.
-    let mut past = [[0.0; 11]; 4];
+    let mut past = [[0.0; COUNT]; 4];
     let mut steps = 0;
     let most = (options.most_s / h).ceil() as usize;
     let finished = loop {
-        let guess = 2.0 * growth - growth_before;
-        let (rates, mut instant) = world.rates(&y, guess);
-        (growth_before, growth) = (growth, instant.speed_growth);
+        let growth_now = before.growth;
+        before.growth = 2.0 * growth_now - growth_then;
+        growth_then = growth_now;
+        let (rates, mut instant) = world.rates(&y, &before);
+        before = World::before(&instant);
         past.rotate_right(1);
         past[0] = rates;
         if steps % every == 0 {
@@ -171,7 +175,7 @@ pub fn simulate(
             break false;
         }
         y = if steps < 3 {
-            runge_kutta(&world, &y, &rates, growth, h)
+            runge_kutta(&world, &y, &rates, &before, h)
         } else {
             adams_bashforth(&y, &past, h)
         };
@@ -229,10 +233,10 @@ fn adams_bashforth(y: &Unknowns, past: &[Unknowns; 4], h: f64) -> Unknowns {
 }
 
 /// The classical Runge-Kutta step of fourth order, which starts the multistep method.
-fn runge_kutta(world: &World, y: &Unknowns, k1: &Unknowns, growth: f64, h: f64) -> Unknowns {
-    let k2 = world.rates(&ahead(y, k1, 0.5 * h), growth).0;
-    let k3 = world.rates(&ahead(y, &k2, 0.5 * h), growth).0;
-    let k4 = world.rates(&ahead(y, &k3, h), growth).0;
+fn runge_kutta(world: &World, y: &Unknowns, k1: &Unknowns, before: &Before, h: f64) -> Unknowns {
+    let k2 = world.rates(&ahead(y, k1, 0.5 * h), before).0;
+    let k3 = world.rates(&ahead(y, &k2, 0.5 * h), before).0;
+    let k4 = world.rates(&ahead(y, &k3, h), before).0;
     std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
 }
 
@@ -243,24 +247,36 @@ fn ahead(y: &Unknowns, rates: &Unknowns, h: f64) -> Unknowns {
 /// What the sensors of the sled record of a simulated run, in the format of a measured one.
 ///
 /// The accelerometer at its place feels `f + dw/dt x r + w x (w x r)`, f being the specific force at the centre of
-/// gravity; the slip sensor sees speed and slip angle at its own place. White noise of the stated deviations is added
-/// to each channel with `seed`; none where `noise` is absent. `s_m` is the true distance along the track.
+/// gravity; the slip sensor sees speed and slip angle at its own place. Effects of the vehicle that stand between the
+/// truth and its sensors act. White noise of the stated deviations is added to each channel with `seed`; none where
+/// `noise` is absent. `s_m` is the true distance along the track.
 pub fn record(
     simulated: &Simulated,
-    sled: &Sled,
+    vehicle: &Vehicle,
     noise: Option<&Noise>,
     entry: Entry,
     seed: u64,
 ) -> Run {
+    let vehicle = vehicle.on_track(&entry.track);
+    let sled = &vehicle.sled;
     let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
-    let felt: Vec<[f64; 3]> = simulated
+    let felt: Vec<Measured> = simulated
         .instants
         .iter()
         .map(|instant| {
             let s = &instant.state;
             let rates = [s.roll_rate_radps, s.pitch_rate_radps, s.yaw_rate_radps];
             let lever = lever_acceleration(rates, instant.angular_accel_radps2, place);
-            std::array::from_fn(|i| instant.motion.accel_mps2[i] + lever[i])
+            let mut measured = Measured {
+                acceleration: std::array::from_fn(|i| instant.motion.accel_mps2[i] + lever[i]),
+                slip: instant.alpha_sensor_rad,
+                slip_rate: instant.alpha_sensor_rate_radps,
+                steering: s.delta_rad,
+                accelerometer: place,
+                mass: sled.mass_kg,
+            };
+            vehicle.effects.disturb(&mut measured);
+            measured
         })
         .collect();
     let of = |value: &dyn Fn(&Instant) -> f64| simulated.instants.iter().map(value).collect();
@@ -269,17 +285,17 @@ pub fn record(
     let mut channels: Vec<(&str, Vec<f64>, f64)> = vec![
         (
             "ax_mps2",
-            felt.iter().map(|f| f[0]).collect(),
+            felt.iter().map(|f| f.acceleration[0]).collect(),
             noise.accel_mps2,
         ),
         (
             "ay_mps2",
-            felt.iter().map(|f| f[1]).collect(),
+            felt.iter().map(|f| f.acceleration[1]).collect(),
             noise.accel_mps2,
         ),
         (
             "az_mps2",
-            felt.iter().map(|f| f[2]).collect(),
+            felt.iter().map(|f| f.acceleration[2]).collect(),
             noise.accel_mps2,
         ),
         (
@@ -298,8 +314,16 @@ pub fn record(
             noise.rate_radps,
         ),
         ("v_mps", of(&|i| i.state.v_mps), noise.speed_mps),
-        ("alpha_rad", of(&|i| i.alpha_sensor_rad), noise.slip_rad),
-        ("delta_rad", of(&|i| i.state.delta_rad), noise.steer_rad),
+        (
+            "alpha_rad",
+            felt.iter().map(|f| f.slip).collect(),
+            noise.slip_rad,
+        ),
+        (
+            "delta_rad",
+            felt.iter().map(|f| f.steering).collect(),
+            noise.steer_rad,
+        ),
         (
             "gamma_rad",
             of(&|i| i.state.gamma_rad),

@@ -180,6 +180,8 @@ fn cell(file: &str, row: usize, column: &str, found: f64, expected: &str) -> Err
 /// A track made smooth: natural cubic splines through the table.
 #[derive(Clone, Debug)]
 pub struct TrackShape {
+    /// Name of the track.
+    pub name: String,
     /// Slope [rad].
     pub slope: Spline,
     /// Vertical curvature [1/m].
@@ -197,6 +199,7 @@ impl TrackShape {
     pub fn new(track: &Track) -> TrackShape {
         let through = |values: &[f64]| Spline::natural(&track.s_m, values);
         TrackShape {
+            name: track.name.clone(),
             slope: through(&track.slope_rad),
             curvature: through(&track.curvature_1pm),
             bank: through(&track.bank_rad),
