@@ -26,31 +26,39 @@ pub fn squared_pressure(field: &SurfaceField) -> Vec<f64> {
     extended
 }
 
-/// Values that lines propose for nodes at the rim; a node takes their mean.
+/// Values that lines propose for nodes at the rim; a node takes their weighted mean.
 struct Ghosts {
     sum: Vec<f64>,
-    count: Vec<u32>,
+    weight: Vec<f64>,
 }
 
 impl Ghosts {
     fn new(nodes: usize) -> Ghosts {
         Ghosts {
             sum: vec![0.0; nodes],
-            count: vec![0; nodes],
+            weight: vec![0.0; nodes],
         }
     }
 
-    fn propose(&mut self, node: usize, value: f64) {
-        self.sum[node] += value;
-        self.count[node] += 1;
+    fn propose(&mut self, node: usize, value: f64, weight: f64) {
+        self.sum[node] += weight * value;
+        self.weight[node] += weight;
+    }
+
+    fn has(&self, node: usize) -> bool {
+        self.weight[node] > 0.0
     }
 
     fn applied(&self, square: &[f64]) -> Vec<f64> {
         (0..square.len())
-            .map(|n| match self.count[n] {
-                0 if square[n] > 0.0 => square[n],
-                0 => f64::NAN,
-                count => self.sum[n] / f64::from(count),
+            .map(|n| {
+                if self.has(n) {
+                    self.sum[n] / self.weight[n]
+                } else if square[n] > 0.0 {
+                    square[n]
+                } else {
+                    f64::NAN
+                }
             })
             .collect()
     }
@@ -69,18 +77,19 @@ impl Ghosts {
             }
             let last = k;
             if first > 0 {
-                let inwards: Vec<usize> = (first..=last).take(4).collect();
+                let inwards: Vec<usize> = (first..=last).collect();
                 self.continue_end(at, line, square, first - 1, &inwards);
             }
             if last + 1 < line.len() {
-                let inwards: Vec<usize> = (first..=last).rev().take(4).collect();
+                let inwards: Vec<usize> = (first..=last).rev().collect();
                 self.continue_end(at, line, square, last + 1, &inwards);
             }
             k += 1;
         }
     }
 
-    /// `inwards` counts from the outermost node in contact.
+    /// `inwards` counts from the outermost node in contact. Long stretches follow their parabola best, so they
+    /// weigh more; a half-way rim only counts where nothing better is proposed.
     fn continue_end(
         &mut self,
         at: &[f64],
@@ -91,16 +100,17 @@ impl Ghosts {
     ) {
         let value = |k: usize| square[line[k]];
         let outermost = inwards[0];
-        if let [_, a, b, c] = *inwards {
+        if let [_, a, b, c, ..] = *inwards {
             let parabola = Parabola::through([a, b, c].map(|k| (at[k], value(k))));
             let [rim, beyond] = [parabola.at(at[outermost]), parabola.at(at[outside])];
-            if rim < value(a) && beyond < 0.0 && beyond < rim {
-                self.propose(line[outermost], rim);
-                self.propose(line[outside], beyond);
+            if rim < value(a) && beyond < rim {
+                let weight = (inwards.len() as f64).powi(2);
+                self.propose(line[outermost], rim, weight);
+                self.propose(line[outside], beyond.min(0.0), weight);
                 return;
             }
         }
-        self.propose(line[outside], -value(outermost));
+        self.propose(line[outside], -value(outermost), 1e-6);
     }
 }
 
@@ -140,15 +150,15 @@ fn fill_corners(extended: &mut [f64], square: &[f64], ghosts: &Ghosts, nx: usize
             let inside: Vec<usize> = (0..4).filter(|&k| square[cell[k]] > 0.0).collect();
             let [corner] = inside[..] else { continue };
             let [one, far, other] = [1, 2, 3].map(|step| cell[(corner + step) % 4]);
-            if ghosts.count[far] == 0 {
+            if !ghosts.has(far) {
                 let value = extended[one] + extended[other] - extended[cell[corner]];
-                corners.propose(far, value.min(0.0));
+                corners.propose(far, value.min(0.0), 1.0);
             }
         }
     }
     for (n, value) in extended.iter_mut().enumerate() {
-        if corners.count[n] > 0 {
-            *value = corners.sum[n] / f64::from(corners.count[n]);
+        if corners.has(n) {
+            *value = corners.sum[n] / corners.weight[n];
         }
     }
 }
