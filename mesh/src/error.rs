@@ -179,4 +179,122 @@ pub enum MeshError {
         "the hull's underside determines no smooth surface; expected vertices spread along and across it"
     )]
     NoFit,
+    /// A mesh without cells.
+    #[error("the mesh has no hexahedra")]
+    NoCells,
+    /// A cell's corner that does not exist.
+    #[error("cell {cell} refers to node {node}, counted from 0; the mesh has {points} nodes")]
+    CellNode {
+        /// The cell's number, from 1.
+        cell: usize,
+        /// The node it refers to, from 0.
+        node: usize,
+        /// Nodes there are.
+        points: usize,
+    },
+    /// A cell that is no hexahedron.
+    #[error("cell {cell} has {found}; expected eight-node hexahedra only")]
+    CellType {
+        /// The cell's number, from 1.
+        cell: usize,
+        /// Its type.
+        found: String,
+    },
+    /// Coordinates that do not increase.
+    #[error(
+        "{name}: {count} values, the one at index {index} out of order; expected two or more increasing numbers"
+    )]
+    NotIncreasing {
+        /// Which coordinates.
+        name: &'static str,
+        /// Index of the value that does not increase.
+        index: usize,
+        /// Number of values.
+        count: usize,
+    },
+    /// A column of hexahedra with no hull over it.
+    #[error(
+        "the column at x = {x} m, y = {y} m has the underside at {height} m; expected a height below the top at {top} m"
+    )]
+    OutsideHull {
+        /// The column's x [m].
+        x: f64,
+        /// The column's y [m].
+        y: f64,
+        /// Height of the underside there [m]; infinite where there is no hull.
+        height: f64,
+        /// Height of the top [m].
+        top: f64,
+    },
+    /// A field that does not fit its mesh.
+    #[error("field {name:?} has {found} numbers; expected {expected}")]
+    FieldLength {
+        /// The field's name.
+        name: String,
+        /// Numbers found.
+        found: usize,
+        /// Numbers expected.
+        expected: usize,
+    },
+    /// A VTU file that cannot be written.
+    #[error("the VTU file cannot be written: {0}")]
+    Vtu(String),
+    /// A VTU file that cannot be read.
+    #[error("not a readable VTU file: {array}: {problem}")]
+    VtuRead {
+        /// Which array or element.
+        array: String,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// A Gmsh file that cannot be read.
+    #[error("not a readable Gmsh file: line {line}: found {found}; expected {expected}")]
+    Gmsh {
+        /// The line, from 1.
+        line: usize,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A height map with the wrong number of heights.
+    #[error(
+        "height map of {shape:?} points with {found} heights; expected two or more points along each axis, one height each"
+    )]
+    MapShape {
+        /// Points along x and y.
+        shape: [usize; 2],
+        /// Heights found.
+        found: usize,
+    },
+    /// A height that is no number.
+    #[error("height map, column {column}, row {row}: found {value}; expected a finite number")]
+    MapHeight {
+        /// Index along x.
+        column: usize,
+        /// Index along y.
+        row: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A height map's row that cannot be read.
+    #[error("height map, row {row}, column {column}: found {found}; expected a number in [m]")]
+    MapRow {
+        /// The row in the file, from 1.
+        row: usize,
+        /// The column.
+        column: &'static str,
+        /// What was found.
+        found: String,
+    },
+    /// Points that fill no regular grid.
+    #[error("height map: {points} points at {} different x and {} different y: {problem}", shape[0], shape[1])]
+    MapGrid {
+        /// Different x and y.
+        shape: [usize; 2],
+        /// Number of points.
+        points: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
 }

@@ -18,9 +18,23 @@ const MOST_VERTICES: f64 = 2e7;
 /// [`MeshError::Parameter`] where the edge length is not positive, [`MeshError::TooMany`] where it
 /// is so small that the hull has more than 20 million vertices.
 pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
+    tessellate_turning(runner, edge_length, LARGEST_TURN)
+}
+
+/// As [`tessellate`] with facets across that turn by at most `largest_turn` [rad]: smaller for an edge
+/// so sharp that its radius is of the size of the contact.
+///
+/// # Errors
+/// As [`tessellate`], and [`MeshError::Parameter`] where the turn is not positive.
+pub fn tessellate_turning(
+    runner: &Swept,
+    edge_length: f64,
+    largest_turn: f64,
+) -> Result<Hull, MeshError> {
     positive_finite("edge length [m]", edge_length)?;
+    positive_finite("largest turn [rad]", largest_turn)?;
     let [x0, x1, y0, y1] = runner.extent();
-    let ys = across(runner, edge_length)?;
+    let ys = across(runner, edge_length, largest_turn)?;
     let steps = ((x1 - x0) / edge_length).ceil().max(2.0);
     if steps * ys.len() as f64 > MOST_VERTICES {
         return Err(MeshError::TooMany {
@@ -71,8 +85,8 @@ pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     Ok(hull)
 }
 
-/// Positions across: steps of at most `edge_length` along the section and of [`LARGEST_TURN`].
-fn across(runner: &Swept, edge_length: f64) -> Result<Vec<f64>, MeshError> {
+/// Positions across: steps of at most `edge_length` along the section and turns of at most `largest_turn`.
+fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64>, MeshError> {
     let section = runner.section();
     let [y0, y1] = section.extent();
     // Denser towards the sides, where a half circle stands upright.
@@ -90,7 +104,7 @@ fn across(runner: &Swept, edge_length: f64) -> Result<Vec<f64>, MeshError> {
         let turned = dz.atan2(dy);
         let turn = direction.map_or(0.0, |before| (turned - before).abs());
         direction = Some(turned);
-        measure.push(measure[i] + (dy.hypot(dz) / edge_length).max(turn / LARGEST_TURN));
+        measure.push(measure[i] + (dy.hypot(dz) / edge_length).max(turn / largest_turn));
     }
     let total = measure[SAMPLES];
     if total > MOST_VERTICES {
@@ -171,7 +185,7 @@ mod tests {
         for [x, y, z] in &hull.positions {
             assert!(*z == runner.height(*x, *y) || *z == runner.top());
         }
-        let ys = across(&runner, 1e-3).unwrap();
+        let ys = across(&runner, 1e-3, LARGEST_TURN).unwrap();
         assert_eq!(ys.len(), 17);
         let arc = |y: f64| 0.005 * (y / 0.005).clamp(-1.0, 1.0).asin();
         for pair in ys.windows(2) {
@@ -183,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_sharp_edge_gets_facets_of_its_own_size() {
-        let ys = across(&LugeSteel::default().swept().unwrap(), 1e-3).unwrap();
+        let ys = across(&LugeSteel::default().swept().unwrap(), 1e-3, LARGEST_TURN).unwrap();
         assert!(ys.iter().filter(|y| y.abs() < 0.31e-3).count() > 6);
     }
 
