@@ -80,6 +80,21 @@ impl Axes {
         (i * self.curvature.len() + j) * self.rockers() + k
     }
 
+    /// The corners of the cell that holds a point; a corner may come more than once.
+    pub(crate) fn around(&self, point: &Point) -> impl Iterator<Item = usize> + use<'_> {
+        let cell = |axis: &[f64], value: f64| {
+            let high = axis.partition_point(|&v| v < value).min(axis.len() - 1);
+            [high.saturating_sub(1), high]
+        };
+        let i = cell(&self.fz, point.fz);
+        let j = cell(&self.curvature, point.curvature);
+        let k = match (&self.rocker_radius, point.rocker_radius) {
+            (Some(radii), Some(radius)) => cell(radii, radius),
+            _ => [0, 0],
+        };
+        (0..8usize).map(move |n| self.node(i[n & 1], j[(n >> 1) & 1], k[n >> 2]))
+    }
+
     /// All nodes in their order.
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::with_capacity(self.node_count());

@@ -3,7 +3,7 @@
 //! Each round solves the nodes and, on every interval of an axis to be refined, its middle on every other grid
 //! line. An interval whose error there is above [`MARGIN`] of what was asked is halved; the solves just made become nodes.
 //! When no interval is, points spread evenly over the table (Roberts' R2 sequence) are solved and measured: a miss halves
-//! the interval around it. The sweep ends when every solve that is no node is met within what was asked. Axes given by
+//! the interval around it, unless the solver's own error is as large as the miss. The sweep ends when every solve that is no node is met within what was asked. Axes given by
 //! their values stay as they are, and what the interpolation misses between those values is measured but not mended.
 
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ use crate::{Axes, Check, Error, Lookup, MAX_AXIS, Mode, Point, Quantity, Solved,
 /// Part of the asked error that an interval's middle may have: between the checks it may be larger.
 const MARGIN: f64 = 0.8;
 /// Smallest interval, as a part of its axis.
-const SMALLEST: f64 = 1.0 / 4096.0;
+const SMALLEST: f64 = 1.0 / 65536.0;
 
 pub(crate) struct Refinement {
     pub axes: Axes,
@@ -61,11 +61,14 @@ pub(crate) fn refine<E: From<Error>>(
         };
         let ended = match halved {
             Halved::Some => None,
-            Halved::Nothing if !spread => {
+            Halved::Nothing | Halved::Noise if !spread => {
                 spread = true;
                 continue;
             }
             Halved::Nothing => Some(None),
+            Halved::Noise => Some(Some(shortfall(
+                "where it is missed the solver's own error is as large: ask more of the solver (accuracy.p_max)",
+            ))),
             Halved::Limit(reason) => Some(Some(shortfall(reason))),
         };
         if let Some(shortfall) = ended {
@@ -141,6 +144,8 @@ fn key(point: &Point) -> Key {
 struct Miss {
     point: [f64; 3],
     error: f64,
+    /// The solver's own relative error: of the check and the worst of the nodes around it.
+    noise: f64,
 }
 
 fn measure(
@@ -152,7 +157,11 @@ fn measure(
     let table = Table::new(axes.clone(), nodes.to_vec(), Vec::new())?;
     let mut lookups: HashMap<(u64, Mode), Lookup> = HashMap::new();
     let mut misses = Vec::with_capacity(checks.len());
+    let relative = |solved: &Solved| solved.p_max_error.abs() / solved.p_max.abs();
     for check in checks {
+        let around = axes.around(&check.point);
+        let at_nodes = around.map(|node| relative(&nodes[node]));
+        let noise = relative(&check.solved) + at_nodes.fold(0.0, f64::max);
         let radius = check.point.rocker_radius;
         let mut error = 0.0f64;
         for &mode in &plan.modes {
@@ -165,6 +174,7 @@ fn measure(
         misses.push(Miss {
             point: [check.point.fz, check.point.curvature, radius.unwrap_or(0.0)],
             error,
+            noise,
         });
     }
     Ok(misses)
@@ -173,6 +183,7 @@ fn measure(
 enum Halved {
     Some,
     Nothing,
+    Noise,
     Limit(&'static str),
 }
 
@@ -315,10 +326,16 @@ impl Grid {
         }
         let mut marked: [Vec<usize>; 3] = Default::default();
         let mut too_small = false;
-        for miss in misses
-            .iter()
-            .filter(|miss| miss.error > limit && self.mendable(miss))
-        {
+        let mut too_noisy = false;
+        for miss in misses {
+            if miss.error <= limit || !self.mendable(miss) {
+                continue;
+            }
+            // Halving on account of the solver's error would never end.
+            if miss.error <= miss.noise {
+                too_noisy = true;
+                continue;
+            }
             let mut best: Option<(f64, usize, usize)> = None;
             for axis in (0..3).filter(|&axis| self.refined[axis]) {
                 let k = self.interval(axis, miss.point[axis]);
@@ -346,7 +363,9 @@ impl Grid {
             grown[axis].sort_by(f64::total_cmp);
         }
         if marked.iter().all(Vec::is_empty) {
-            return if too_small {
+            return if too_noisy {
+                Halved::Noise
+            } else if too_small {
                 Halved::Limit("where it is missed the intervals are as small as they may be")
             } else {
                 Halved::Nothing

@@ -249,3 +249,28 @@ fn a_figure_that_is_not_finite_is_refused() {
     });
     assert!(failed.unwrap_err().to_string().contains("approach_m"));
 }
+
+#[test]
+fn the_solvers_own_error_is_not_chased() {
+    // Half a percent of scatter that no interpolation can follow, told as such.
+    let noisy = |point: &Point| {
+        let truth = runner(point);
+        let scatter = 0.005 * (1e3 * point.fz + 1e7 * point.curvature).sin();
+        let p_max = truth.p_max * (1.0 + scatter);
+        Ok::<_, Infallible>(Solved {
+            p_max,
+            p_max_error: 0.005 * p_max,
+            ..truth
+        })
+    };
+    let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 0.03));
+    plan.interpolation = 0.005;
+    let swept = sweep(&plan, noisy).unwrap();
+    assert!(
+        swept.table.nodes().len() < 1500,
+        "{}",
+        swept.table.nodes().len()
+    );
+    let text = swept.shortfall.unwrap().to_string();
+    assert!(text.contains("the solver's own error"), "{text}");
+}
