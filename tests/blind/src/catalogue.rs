@@ -42,6 +42,14 @@ impl Spec {
         }
     }
 
+    /// Its name as a folder.
+    pub fn folder(&self, seed: u64) -> String {
+        format!(
+            "{}-{seed}",
+            self.id().replace(['/', '@', '~', '+', ':'], "_")
+        )
+    }
+
     /// Builds the case for a seed.
     pub fn build(&self, seed: u64) -> Result<Case, CaseError> {
         match self.recipe {

@@ -9,7 +9,6 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use clap::{Parser, Subcommand};
-use kufe_blind::answer::CaseError;
 use kufe_blind::score::{Options, Outcome, score};
 use kufe_blind::{catalogue, ci, table};
 
@@ -24,18 +23,21 @@ struct Arguments {
 enum Task {
     /// Lists the cases.
     List,
-    /// Writes a case: data in one folder, its answer in another.
+    /// Writes cases: data in one folder, answers in another, a name for each case in both.
     Write {
-        /// Case, as `blind list` prints it.
+        /// Comma-separated beginnings of case names, `@0.02` for a size, or `all`.
         #[arg(long)]
-        case: String,
-        /// Seed.
+        families: String,
+        /// Seeds a case.
         #[arg(long, default_value_t = 1)]
-        seed: u64,
+        seeds: u64,
+        /// First seed.
+        #[arg(long, default_value_t = 1)]
+        first_seed: u64,
         /// Folder for the data.
         #[arg(long)]
         data: PathBuf,
-        /// Folder for the answer.
+        /// Folder for the answers.
         #[arg(long)]
         answers: PathBuf,
     },
@@ -123,20 +125,21 @@ fn run(task: Task) -> Result<bool, String> {
             Ok(true)
         }
         Task::Write {
-            case,
-            seed,
+            families,
+            seeds,
+            first_seed,
             data,
             answers,
         } => {
-            let spec = catalogue::all()
-                .into_iter()
-                .find(|spec| spec.id() == case)
-                .ok_or_else(|| CaseError::Unknown(case).to_string())?;
-            let name = format!("{}-{seed}.json", spec.id().replace('/', "_"));
-            let built = spec.build(seed).map_err(|error| error.to_string())?;
-            built
-                .write(&data, &answers.join(name))
-                .map_err(|error| error.to_string())?;
+            let specs = catalogue::chosen(&families).map_err(|error| error.to_string())?;
+            for seed in first_seed..first_seed + seeds {
+                for spec in &specs {
+                    let case = spec.build(seed).map_err(|error| error.to_string())?;
+                    let name = spec.folder(seed);
+                    case.write(&data.join(&name), &answers.join(format!("{name}.json")))
+                        .map_err(|error| error.to_string())?;
+                }
+            }
             Ok(true)
         }
         Task::Score {

@@ -63,11 +63,12 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
         }
         Recipe::TwoSessions(kind) => {
             layout.sessions = vec![0, 0];
+            layout.runs_a_session = 6;
             kinds.push(kind);
         }
         Recipe::NewTrack(kind) => {
             layout.tracks[2] = ("dorn", 560.0, 0.135);
-            layout.sessions = vec![0, 1, 0, 1, 0, 1, 2, 0];
+            layout.sessions = vec![0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 2, 2];
             kinds.push(kind);
         }
     }

@@ -136,7 +136,7 @@ pub fn score(
 /// Writes a case, runs the finder on it, and judges its report.
 fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
     let id = spec.id();
-    let folder = format!("{}-{seed}", id.replace(['/', '@', '~', '+', ':'], "_"));
+    let folder = spec.folder(seed);
     let data = root.join("data").join(&folder);
     let out = root.join("out").join(&folder);
     let mut outcome = Outcome {

@@ -25,7 +25,7 @@ pub enum Channels {
     Lateral,
 }
 
-/// The undisturbed campaign (a run of each session) and its noise, ready to compare effects in.
+/// The undisturbed campaign (one run of each session) and its noise, ready to compare effects in.
 #[derive(Debug)]
 pub struct Gauge {
     campaign: Campaign,
@@ -40,18 +40,21 @@ pub struct Gauge {
 impl Gauge {
     /// Drives the undisturbed runs and measures what the noise alone leaves in the residuals.
     pub fn new(campaign: &Campaign, sled: &Sled, noise: &Noise, seed: u64) -> Self {
-        let mut runs: Vec<usize> = Vec::new();
-        for (index, run) in campaign.runs.iter().enumerate() {
-            // two runs a session, so that a change from run to run shows
-            if runs
-                .iter()
-                .filter(|&&k| campaign.runs[k].session == run.session)
-                .count()
-                < 2
-            {
-                runs.push(index);
-            }
-        }
+        // one run a session, the first, the second, and so on, so that what changes from run to run shows
+        let sessions = campaign
+            .runs
+            .iter()
+            .map(|run| run.session)
+            .max()
+            .unwrap_or(0);
+        let runs: Vec<usize> = (1..=sessions)
+            .filter_map(|session| {
+                let of: Vec<usize> = (0..campaign.runs.len())
+                    .filter(|&k| campaign.runs[k].session == session)
+                    .collect();
+                of.get(session % of.len().max(1)).copied()
+            })
+            .collect();
         let mut still = campaign.clone();
         for run in &mut still.runs {
             run.at.session_mu = 1.0;
