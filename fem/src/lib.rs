@@ -1,4 +1,38 @@
 //! Linear elasticity on hexahedra.
+//!
+//! | type or function | what it is |
+//! |---|---|
+//! | [`Material`], [`Section`], [`Body`] | what a mesh is made of, checked once |
+//! | [`hex8`], [`hex8_incompatible`] | the trilinear hexahedron, and the one that bends without locking |
+//! | [`Constraints`], [`add_pressure`], [`add_traction`], [`add_body_force`] | supports and loads |
+//! | [`equilibrium`] | loads in, displacements and reactions out |
+//! | [`nodal_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
+//! | [`assemble`], [`BlockMatrix`], [`MatrixFree`] | the stiffness, stored and not |
+//! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
+//! | [`TensorOperator`], [`FastDiagonal`] | stiffness and preconditioner on a tensor grid |
+//! | [`MappedPreconditioner`], [`BeamModes`] | the same for bent grids and slender bodies |
+//! | [`boussinesq`], [`love_rectangle`], [`ThickCylinder`], [`Beam`] | closed forms |
+//!
+//! Vectors of a [`Body`] hold three numbers a node, node by node; those of a [`TensorOperator`] component by component.
+//!
+//! ```
+//! use kufe_fem::{Body, Constraints, ElementKind, Material, Solver, equilibrium, nodal_stresses, von_mises};
+//! use kufe_mesh::TensorGrid;
+//!
+//! // A steel bar of 10 x 10 x 100 mm, held at its lower end and pulled by 1 kN at the upper.
+//! let grid = TensorGrid { x: vec![0.0, 0.01], y: vec![0.0, 0.01], z: vec![0.0, 0.05, 0.1] };
+//! let body = Body::uniform(grid.hex_mesh(), Material::new(210e9, 0.3)?, ElementKind::Hex8)?;
+//! let mut constraints = Constraints::new(body.node_count());
+//! constraints.symmetry([0, 1, 2, 3], 2)?;
+//! constraints.symmetry([0, 2], 0)?;
+//! constraints.prescribe(0, 1, 0.0)?;
+//! let mut loads = vec![0.0; body.dofs()];
+//! (8..12).for_each(|node| loads[3 * node + 2] = 250.0);
+//! let state = equilibrium(&body, &constraints, &loads, Solver::Cholesky)?;
+//! let stress = nodal_stresses(&body, &state.displacement);
+//! assert!((von_mises(stress[5]) / 10.0e6 - 1.0).abs() < 1e-9);
+//! # Ok::<(), kufe_fem::Error>(())
+//! ```
 
 // Formulas read as they are written on paper, with indices.
 #![allow(clippy::needless_range_loop)]

@@ -154,6 +154,7 @@ impl TensorOperator {
     /// Row j of the x equations:
     /// K_x[(l+2m) M_y a_x] + M_x[m K_y a_x + m M_y b_x]
     /// + D_x[l D_y^T a_y + l M_y t_z] + D_x^T[m D_y a_y + m M_y d_z],
+    ///
     /// where a, b, d, t are M_z u, K_z u, D_z u, D_z^T u.
     #[inline(always)]
     fn row_x(&self, j: usize, scratch: &mut Scratch, out: &mut [f64]) {
