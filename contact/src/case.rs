@@ -26,6 +26,7 @@ mod error;
 mod problem;
 mod thickness;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,9 @@ pub struct Case {
     /// The accuracy asked; one per cent of the peak pressure where the table is absent.
     #[serde(default)]
     pub accuracy: AccuracyTable,
+    /// Effects that are switched on, by name ([`crate::effects`]); an absent one is off.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub effects: BTreeMap<String, toml::Table>,
 }
 
 /// The pressing body: a hull's file or a parametric shape.

@@ -1,15 +1,17 @@
 //! From a patch and a resolution to a mesh.
 
 use kufe_fem::{HeldFaces, Material, TensorOperator};
-use kufe_mesh::TensorGrid;
+use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::gap::Gap;
 use crate::grading::{Start, Zone, graded_axis};
-use crate::level::{Body, Level};
+use crate::body::{Body, Columns, Side};
+use crate::level::Level;
 use crate::motion::Motion;
+use crate::runner_body::runner_body;
 use crate::stretch::Stretch;
 use crate::window::Patch;
-use crate::{Foundation, Load, Problem};
+use crate::{Error, Foundation, Load, Problem};
 
 /// How fine a mesh is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +40,8 @@ pub(crate) struct Discretisation {
     pub level: Level,
     /// Mirror planes x = 0 and y = 0 that were used.
     pub symmetry: [bool; 2],
+    /// Hexahedra of an elastic runner.
+    pub runner_mesh: Option<HexMesh>,
 }
 
 /// Distance from the patch to the outer faces over the patch's largest half-length, on a half-space.
@@ -59,7 +63,7 @@ pub(crate) fn discretise(
     patch: &Patch,
     resolution: Resolution,
     under: Reach,
-) -> Discretisation {
+) -> Result<Discretisation, Error> {
     let symmetry = gap.symmetry();
     let [x_low, x_high] = patch.span_x();
     let largest = 0.5 * (x_high - x_low).max(2.0 * patch.y.half());
@@ -68,6 +72,8 @@ pub(crate) fn discretise(
         Foundation::RigidBed { thickness } => (LAYER_REACH * thickness, thickness),
     };
     let extent = problem.runner.underside.extent();
+    // An elastic hull is meshed whole, with nodes at its ends and sides.
+    let meshed = problem.runner.elastic.is_some() && extent.iter().all(|end| end.is_finite());
     let axis = |stretches: &[Stretch], axis: usize| {
         let zones: Vec<Zone> = stretches
             .iter()
@@ -76,7 +82,7 @@ pub(crate) fn discretise(
         let mut low = stretches[0].low - reach;
         let mut high = stretches[stretches.len() - 1].high + reach;
         let hull = [extent[2 * axis], extent[2 * axis + 1]];
-        if under == Reach::WholeHull && hull.iter().all(|end| end.is_finite()) {
+        if (meshed || under == Reach::WholeHull) && hull.iter().all(|end| end.is_finite()) {
             let beyond = 0.05 * (hull[1] - hull[0]);
             low = low.min(hull[0] - beyond);
             high = high.max(hull[1] + beyond);
@@ -86,7 +92,11 @@ pub(crate) fn discretise(
         } else {
             Start::Beyond(low)
         };
-        graded_axis(start, high, &zones, resolution.growth)
+        let mut nodes = graded_axis(start, high, &zones, resolution.growth);
+        if meshed {
+            hull.iter().for_each(|&end| put_node(&mut nodes, end));
+        }
+        nodes
     };
     let narrowest = patch
         .x
@@ -107,11 +117,31 @@ pub(crate) fn discretise(
         y: axis(std::slice::from_ref(&patch.y), 1),
         z,
     };
-    let level = level(problem, gap, material, patch, &grid, symmetry, under);
-    Discretisation {
-        grid,
-        level,
-        symmetry,
+    let mut level = level(problem, gap, material, patch, &grid, symmetry, under);
+    let mut runner_mesh = None;
+    if let Some(elastic) = problem.runner.elastic {
+        let fineness = (narrowest / resolution.cells, resolution.growth);
+        let for_solving = under == Reach::Patch;
+        let (body, mesh) = runner_body(problem, elastic, &grid, symmetry, fineness, for_solving)?;
+        level.bodies.push(body);
+        runner_mesh = Some(mesh);
+    }
+    Ok(Discretisation { grid, level, symmetry, runner_mesh })
+}
+
+/// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the axis.
+fn put_node(nodes: &mut Vec<f64>, place: f64) {
+    let next = nodes.partition_point(|&v| v < place);
+    if next == 0 || next == nodes.len() {
+        return;
+    }
+    let cell = nodes[next] - nodes[next - 1];
+    if next + 1 < nodes.len() && nodes[next] - place < 0.35 * cell {
+        nodes[next] = place;
+    } else if next > 1 && place - nodes[next - 1] < 0.35 * cell {
+        nodes[next - 1] = place;
+    } else {
+        nodes.insert(next, place);
     }
 }
 
@@ -166,7 +196,7 @@ fn level(
         material.shear_modulus(),
         held_faces(symmetry),
     );
-    let [nx, ny, nz] = grid.shape();
+    let [nx, ny, _] = grid.shape();
     let mut gaps = Vec::with_capacity(nx * ny);
     let mut rows = Vec::with_capacity(nx * ny);
     let mut bound = Vec::with_capacity(nx * ny);
@@ -204,7 +234,8 @@ fn level(
         gap.free_motion[1] && !symmetry[0],
         gap.free_motion[2] && !symmetry[1],
     ];
-    let ice = Body::new(operator, nz - 1, 1.0, material.poissons_ratio());
+    let columns = Columns { first: [0, 0], count: [nx, ny] };
+    let ice = Body::new(operator, material, Side::Below, columns);
     Level {
         bodies: vec![ice],
         nx,

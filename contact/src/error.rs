@@ -39,6 +39,12 @@ pub enum Error {
         /// Farthest point of the hull [m].
         reach: f64,
     },
+    /// The runner cannot be meshed on the ice's columns.
+    #[error("the elastic runner cannot be meshed: {reason}")]
+    RunnerMesh {
+        /// The mesher's own words, with their numbers.
+        reason: String,
+    },
     /// The load exceeds what the whole surface bears at the stated hardness.
     #[error(
         "a load of {fz} N needs more than the {capacity} N that the hull's whole underside bears at the stated hardness"

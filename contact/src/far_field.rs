@@ -4,6 +4,8 @@ use kufe_fem::{Material, boussinesq};
 use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
+use crate::body::Side;
+
 /// A vertical force on the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lump {
@@ -55,19 +57,24 @@ fn mirror(symmetric: bool) -> impl Iterator<Item = f64> + Clone {
 
 /// Writes the half-space's displacements under `lumps` onto the outer faces of the grid.
 ///
-/// Outer faces: z at its low end, and the ends of x and y that are no mirror planes. `displacement` holds
-/// component after component.
+/// Outer faces: the end of z away from the contact, and the ends of x and y that are no mirror planes.
+/// `displacement` holds component after component. A half-space above the plane is the mirror image of one below.
 pub(crate) fn prescribe(
     grid: &TensorGrid,
     symmetry: [bool; 2],
     material: Material,
     lumps: &[Lump],
+    side: Side,
     displacement: &mut [f64],
 ) {
     let [nx, ny, nz] = grid.shape();
     let nodes = grid.node_count();
+    let (far, mirror) = match side {
+        Side::Below => (0, 1.0),
+        Side::Above => (nz - 1, -1.0),
+    };
     let outer = |i: usize, j: usize, k: usize| {
-        k == 0 || i == nx - 1 || j == ny - 1 || (i == 0 && !symmetry[0]) || (j == 0 && !symmetry[1])
+        k == far || i == nx - 1 || j == ny - 1 || (i == 0 && !symmetry[0]) || (j == 0 && !symmetry[1])
     };
     let faces: Vec<[usize; 3]> = (0..nz)
         .flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
@@ -78,11 +85,11 @@ pub(crate) fn prescribe(
         .map(|&[i, j, k]| {
             let mut sum = [0.0; 3];
             for lump in lumps {
-                let point = [grid.x[i] - lump.at[0], grid.y[j] - lump.at[1], grid.z[k]];
+                let point = [grid.x[i] - lump.at[0], grid.y[j] - lump.at[1], mirror * grid.z[k]];
                 let u = boussinesq(point, lump.force, material);
                 sum = [sum[0] + u[0], sum[1] + u[1], sum[2] + u[2]];
             }
-            sum
+            [sum[0], sum[1], mirror * sum[2]]
         })
         .collect();
     for (&[i, j, k], value) in faces.iter().zip(&values) {

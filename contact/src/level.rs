@@ -2,61 +2,12 @@
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};
-use kufe_fem::{FastDiagonal, TensorOperator};
 use rayon::prelude::*;
 
+use crate::body::Body;
 use crate::motion::{Motion, dot_rows, solve_motion};
 use crate::psor::{PlaneProblem, PlaneState, Sets, dot};
-use crate::surface::SurfaceModes;
 use crate::vector;
-
-/// One elastic body, its preconditioner, and the plane with which it touches.
-pub(crate) struct Body {
-    /// Stiffness K.
-    pub operator: TensorOperator,
-    /// P, spectrally equivalent to K.
-    pub preconditioner: FastDiagonal,
-    /// Surface response of P.
-    pub modes: SurfaceModes,
-    /// Index of the contact plane along z.
-    pub plane: usize,
-    /// +1 for the ice, -1 for the runner: the gap shrinks by sign times the vertical displacement.
-    pub sign: f64,
-    /// Factor by which the true surface response exceeds that of P on a half-space.
-    pub response: f64,
-}
-
-impl Body {
-    /// Sets up the preconditioner and the surface response of a body whose contact plane is `plane`.
-    ///
-    /// On a half-space both responses are 1 / |k| in the wave number: (1 - nu) / mu for elasticity,
-    /// 1 / sqrt(mu (lambda + 2 mu)) for P; `response` is their ratio.
-    pub fn new(operator: TensorOperator, plane: usize, sign: f64, poissons_ratio: f64) -> Self {
-        let preconditioner = FastDiagonal::new(&operator);
-        let modes = SurfaceModes::new(&preconditioner, plane);
-        let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
-        let response = (1.0 - poissons_ratio) * stiffness_ratio.sqrt();
-        Body {
-            operator,
-            preconditioner,
-            modes,
-            plane,
-            sign,
-            response,
-        }
-    }
-
-    fn len(&self) -> usize {
-        3 * self.operator.node_count()
-    }
-
-    /// Where the vertical displacements of the contact plane stand in this body's vector.
-    fn plane_range(&self) -> std::ops::Range<usize> {
-        let [nx, ny, nz] = self.operator.shape();
-        let start = (2 * nz + self.plane) * nx * ny;
-        start..start + nx * ny
-    }
-}
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct Level {
@@ -146,15 +97,16 @@ impl Level {
 
     /// The dense Green's matrix of the candidates: that of P, and that scaled to elasticity's.
     pub fn greens(&self) -> [Mat<f64>; 2] {
-        let nodes: Vec<[usize; 2]> = self
-            .candidates
-            .iter()
-            .map(|&n| [n % self.nx, n / self.nx])
-            .collect();
-        let n = nodes.len();
+        let n = self.candidates.len();
         let mut plain = Mat::zeros(n, n);
         let mut scaled = Mat::zeros(n, n);
         for body in &self.bodies {
+            let [first_x, first_y] = body.columns.first;
+            let nodes: Vec<[usize; 2]> = self
+                .candidates
+                .iter()
+                .map(|&n| [n % self.nx - first_x, n / self.nx - first_y])
+                .collect();
             let mut green = Mat::zeros(n, n);
             body.modes.add_green(&nodes, 1.0, &mut green);
             plain += &green;
@@ -163,21 +115,30 @@ impl Level {
         [plain, scaled]
     }
 
+    /// Place of a plane node in a body's vector.
+    fn entry(&self, body: &Body, node: usize) -> Option<usize> {
+        body.columns.local([node % self.nx, node / self.nx]).map(|local| body.plane_start() + local)
+    }
+
     /// Vertical closing of the gap by the displacements: sum of sign times u_z on the plane.
     pub fn closing(&self, displacement: &[f64]) -> Vec<f64> {
         let mut closing = vec![0.0; self.gap.len()];
         let mut start = 0;
         for body in &self.bodies {
-            let range = body.plane_range();
-            for (c, u) in closing
-                .iter_mut()
-                .zip(&displacement[start + range.start..start + range.end])
-            {
-                *c += body.sign * u;
+            for (node, c) in closing.iter_mut().enumerate() {
+                if let Some(entry) = self.entry(body, node) {
+                    *c += body.sign * displacement[start + entry];
+                }
             }
             start += body.len();
         }
         closing
+    }
+
+    /// Vertical displacement of the lowest body's plane, the ice surface.
+    pub fn ice_surface(&self, displacement: &[f64]) -> Vec<f64> {
+        let ice = &self.bodies[0];
+        (0..self.gap.len()).map(|node| self.entry(ice, node).map_or(0.0, |entry| displacement[entry])).collect()
     }
 
     /// Gap of every plane node in a state.
@@ -493,9 +454,10 @@ impl Level {
     fn subtract_forces(&self, constraint: &Constraint, force: &[f64], residual: &mut [f64]) {
         let mut start = 0;
         for body in &self.bodies {
-            let plane = start + body.plane_range().start;
             for (&node, f) in constraint.inside.iter().zip(force) {
-                residual[plane + node] -= body.sign * f;
+                if let Some(entry) = self.entry(body, node) {
+                    residual[start + entry] -= body.sign * f;
+                }
             }
             start += body.len();
         }
@@ -513,7 +475,7 @@ impl Level {
         let mut start = 0;
         for body in &self.bodies {
             let range = start..start + body.len();
-            body.operator.apply(&u[range.clone()], &mut out[range]);
+            body.apply(&u[range.clone()], &mut out[range]);
             start += body.len();
         }
     }
@@ -523,12 +485,10 @@ impl Level {
         self.apply(&state.displacement, out);
         let mut start = 0;
         for body in &self.bodies {
-            let range = body.plane_range();
-            for (r, f) in out[start + range.start..start + range.end]
-                .iter_mut()
-                .zip(&state.force)
-            {
-                *r += body.sign * f;
+            for (node, f) in state.force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
+                if let Some(entry) = self.entry(body, node) {
+                    out[start + entry] += body.sign * f;
+                }
             }
             start += body.len();
         }
@@ -557,9 +517,12 @@ impl Level {
                 &mut work.scratch,
             );
             p.divide(modal);
-            let trace = body.modes.to_nodes(trace_modes(body, modal).as_ref());
+            let trace = body.modes.to_nodes(body.trace_modes(modal).as_ref());
             for (i, &node) in constraint.inside.iter().enumerate() {
-                side[(i, 0)] -= body.sign * trace[(node % self.nx, node / self.nx)];
+                if let Some(local) = body.columns.local([node % self.nx, node / self.nx]) {
+                    let rows = body.columns.count[0];
+                    side[(i, 0)] -= body.sign * trace[(local % rows, local / rows)];
+                }
             }
             start += body.len();
             modal_start += p.mode_count();
@@ -576,15 +539,17 @@ impl Level {
         let multipliers: Vec<f64> = (0..n)
             .map(|i| (1..4).map(|j| solved[(i, j)] * turn[j - 1]).sum::<f64>() - solved[(i, 0)])
             .collect();
-        let ny = self.gap.len() / self.nx;
-        let mut plane = Mat::<f64>::zeros(self.nx, ny);
-        for (&node, m) in constraint.inside.iter().zip(&multipliers) {
-            plane[(node % self.nx, node / self.nx)] = *m;
-        }
         let (mut start, mut modal_start) = (0, 0);
         for body in &self.bodies {
             let p = &body.preconditioner;
             let modal = &mut work.modal[modal_start..modal_start + p.mode_count()];
+            let [rows, cols] = body.columns.count;
+            let mut plane = Mat::<f64>::zeros(rows, cols);
+            for (&node, m) in constraint.inside.iter().zip(&multipliers) {
+                if let Some(local) = body.columns.local([node % self.nx, node / self.nx]) {
+                    plane[(local % rows, local / rows)] = *m;
+                }
+            }
             subtract_plane_load(body, body.modes.to_modes(plane.as_ref()).as_ref(), modal);
             p.from_modes(
                 modal,
@@ -602,19 +567,6 @@ impl Level {
         let force = Mat::from_fn(state.force.len(), 1, |i, _| state.force[i]);
         [0, 1, 2].map(|a| dot_rows(&self.rows, a, &force, 0))
     }
-}
-
-/// Modal values of the vertical displacement on the contact plane: the z modes summed with their values there.
-fn trace_modes(body: &Body, modal: &[f64]) -> Mat<f64> {
-    let vertical = &modal[body.preconditioner.component_range(2)];
-    let (mx, my) = (body.modes.table.nrows(), body.modes.table.ncols());
-    let mut trace = vec![0.0; mx * my];
-    for (layer, value) in vertical.chunks_exact(mx * my).zip(&body.modes.z) {
-        for (t, m) in trace.iter_mut().zip(layer) {
-            *t += value * m;
-        }
-    }
-    MatRef::from_column_major_slice(&trace, mx, my).to_owned()
 }
 
 /// Subtracts what P^-1 answers to vertical forces on the contact plane, given by their modes.

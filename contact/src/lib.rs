@@ -8,6 +8,8 @@
 //! | [`Solution`] | pressure field, figures, history |
 
 pub mod case;
+pub mod effects;
+mod body;
 mod discretise;
 mod error;
 mod far_field;
@@ -21,6 +23,7 @@ mod options;
 mod plain;
 mod problem;
 mod psor;
+mod runner_body;
 mod solution;
 mod solve;
 mod stretch;
@@ -31,6 +34,6 @@ mod window;
 pub use error::Error;
 pub use hertz::{Hertz, hertz};
 pub use options::{Method, Options};
-pub use problem::{Foundation, Ice, Load, Problem, Runner, Tilt};
-pub use solution::{Iterate, Solution, SurfaceField, VolumeField};
+pub use problem::{ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt};
+pub use solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
 pub use solve::solve;

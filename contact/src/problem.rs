@@ -22,6 +22,29 @@ pub struct Problem {
 pub struct Runner {
     /// Its lower surface.
     pub underside: Arc<dyn Underside>,
+    /// Its elasticity; rigid where absent.
+    pub elastic: Option<ElasticRunner>,
+}
+
+impl Runner {
+    /// A rigid runner.
+    pub fn rigid(underside: Arc<dyn Underside>) -> Self {
+        Runner { underside, elastic: None }
+    }
+}
+
+/// The elasticity of a runner and what holds it.
+///
+/// A bounded hull is meshed between its underside and its flat top, which its mount holds and moves. An unbounded
+/// one (the paraboloid) is a half-space above the contact plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElasticRunner {
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Height of the clamped top over the contact plane [m]; not used by an unbounded hull.
+    pub top: f64,
 }
 
 /// The pressed body.

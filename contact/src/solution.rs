@@ -1,6 +1,6 @@
 //! What a solve returns.
 
-use kufe_mesh::TensorGrid;
+use kufe_mesh::{HexMesh, TensorGrid};
 
 /// The solved contact.
 #[derive(Clone, Debug)]
@@ -39,6 +39,8 @@ pub struct Solution {
     pub surface: SurfaceField,
     /// Displacements in the ice on the grid that was solved (one part of it where symmetry was used).
     pub volume: VolumeField,
+    /// Displacements in an elastic runner.
+    pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.
     pub symmetry: [bool; 2],
 }
@@ -86,4 +88,13 @@ pub struct VolumeField {
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poissons_ratio: f64,
+}
+
+/// Displacements of an elastic runner on its hexahedra, against the motion of its mount.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunnerField {
+    /// The mesh, undeformed and before the approach.
+    pub mesh: HexMesh,
+    /// Displacement at the nodes [m].
+    pub displacement: Vec<[f64; 3]>,
 }

@@ -2,7 +2,9 @@
 
 use faer::Mat;
 use kufe_fem::Material;
+use kufe_mesh::TensorGrid;
 
+use crate::body::Side;
 use crate::discretise::{Discretisation, Reach, Resolution, discretise};
 use crate::far_field::{lumps, prescribe};
 use crate::gap::Gap;
@@ -13,7 +15,7 @@ use crate::psor::PlaneState;
 use crate::stretch::Stretch;
 use crate::window::{Patch, first_guess};
 use crate::{
-    Error, Foundation, Iterate, Load, Method, Options, Problem, Solution, SurfaceField, VolumeField,
+    Error, Foundation, Iterate, Load, Method, Options, Problem, RunnerField, Solution, SurfaceField, VolumeField,
 };
 
 /// Cells over half the patch while it is being found.
@@ -52,7 +54,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             cells,
             growth: growth(cells),
         };
-        let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch);
+        let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
         let dofs = mesh
             .level
             .bodies
@@ -203,6 +205,9 @@ fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
         }
         _ => {}
     }
+    if problem.runner.elastic.is_some() && options.method != Method::Accelerated {
+        return out("elastic bodies under a checking method", 2.0, "1, the ice alone");
+    }
     if !(options.p_max_tolerance > 0.0 && options.p_max_tolerance.is_finite()) {
         return out(
             "accuracy of the peak pressure",
@@ -229,7 +234,7 @@ struct Forces {
 fn scout(problem: &Problem, gap: &Gap, material: Material) -> Result<(Patch, Forces), Error> {
     let mut patch = first_guess(problem, gap);
     for _ in 0..20 {
-        let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull);
+        let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull)?;
         let level = &mesh.level;
         capacity(problem, level)?;
         let [_, scaled] = level.greens();
@@ -439,15 +444,16 @@ fn hold_outer_faces(
     forces: &Forces,
     state: &mut State,
 ) {
+    let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
+    let grid = &mesh.grid;
+    let (ice, runner) = state.displacement.split_at_mut(3 * grid.node_count());
     if problem.ice.foundation == Foundation::HalfSpace {
-        let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
-        prescribe(
-            &mesh.grid,
-            mesh.symmetry,
-            material,
-            &lumps,
-            &mut state.displacement,
-        );
+        prescribe(grid, mesh.symmetry, material, &lumps, Side::Below, ice);
+    }
+    // An unbounded runner stands on all columns: a half-space too.
+    if let Some(body) = mesh.level.bodies.get(1).filter(|b| b.columns == mesh.level.bodies[0].columns) {
+        let grid = TensorGrid { x: grid.x.clone(), y: grid.y.clone(), z: body.operator.axes[2].nodes.clone() };
+        prescribe(&grid, mesh.symmetry, body.material, &lumps, Side::Above, runner);
     }
 }
 
@@ -605,20 +611,18 @@ fn solution(
     let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
     let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
     let gaps = mesh.level.gaps(&state);
-    let closing = mesh.level.closing(&state.displacement);
+    let ice_surface = mesh.level.ice_surface(&state.displacement);
     let surface = unfold(
         &mesh.grid.x,
         &mesh.grid.y,
         mesh.symmetry,
-        [values, gaps, closing],
+        [values, gaps, ice_surface],
     );
     let depth = mesh.level.depth(&state);
     let kkt_residual = kkt(&mesh.level, &state, &progress, depth);
     let nodes = mesh.grid.node_count();
     let u = &state.displacement;
-    let displacement = (0..nodes)
-        .map(|n| [u[n], u[nodes + n], u[2 * nodes + n]])
-        .collect();
+    let displacement = by_node(&u[..3 * nodes]);
     Solution {
         p_max: limit.p_max,
         p_max_error: limit.error,
@@ -642,8 +646,18 @@ fn solution(
             youngs_modulus: problem.ice.youngs_modulus,
             poissons_ratio: problem.ice.poissons_ratio,
         },
+        runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
+            displacement: by_node(&u[3 * nodes..]),
+            mesh,
+        }),
         symmetry: mesh.symmetry,
     }
+}
+
+/// From component after component to node by node.
+fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
+    let nodes = u.len() / 3;
+    (0..nodes).map(|n| [u[n], u[nodes + n], u[2 * nodes + n]]).collect()
 }
 
 /// Largest relative violation: equilibrium, balance, tension, penetration.

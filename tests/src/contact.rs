@@ -18,9 +18,7 @@ pub fn contact_modulus() -> f64 {
 /// A hull on a half-space of reference ice under a central load, free to tilt, on a flat track.
 pub fn on_half_space(underside: impl Underside + 'static, fz: f64) -> Problem {
     Problem {
-        runner: Runner {
-            underside: Arc::new(underside),
-        },
+        runner: Runner::rigid(Arc::new(underside)),
         ice: Ice {
             youngs_modulus: ICE_E,
             poissons_ratio: ICE_NU,

@@ -100,9 +100,7 @@ fn tables() {
 
 fn on_half_space(underside: impl Underside + 'static, track_curvature: f64) -> Problem {
     Problem {
-        runner: Runner {
-            underside: Arc::new(underside),
-        },
+        runner: Runner::rigid(Arc::new(underside)),
         ice: Ice {
             youngs_modulus: ICE_E,
             poissons_ratio: ICE_NU,

@@ -37,6 +37,16 @@ pub enum CaseError {
         /// What was expected.
         expected: &'static str,
     },
+    /// An `[effects.NAME]` table is not what it must be.
+    #[error("[effects.{name}]: found {found}, expected {expected}")]
+    Effect {
+        /// The effect.
+        name: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
     /// The shape's dimensions do not fit together.
     #[error("runner.shape: {0}")]
     Shape(#[from] kufe_mesh::MeshError),
@@ -84,6 +94,7 @@ impl CaseError {
                 *line = line_of(text, key).unwrap_or(0);
             }
             CaseError::Syntax { .. }
+            | CaseError::Effect { .. }
             | CaseError::Shape(_)
             | CaseError::Hull(_)
             | CaseError::Unwritable { .. } => {}

@@ -10,7 +10,7 @@ use kufe_mesh::{
 
 use super::check::combination;
 use super::{Case, CaseError, ForwardAxis, RunnerTable, Shape, Thickness, TiltWord, UpAxis};
-use crate::{Foundation, Ice, Load, Problem, Runner, Tilt};
+use crate::{ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt};
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
@@ -45,15 +45,10 @@ impl Case {
     /// As [`problem`](Self::problem).
     pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
         self.check()?;
-        if self.runner.elastic {
-            return Err(combination(
-                "runner.elastic",
-                "expected false: runners are rigid so far",
-            ));
-        }
         let (underside, hull) = underside(&self.runner, base)?;
-        let problem = Problem {
-            runner: Runner { underside },
+        let elastic = self.runner.elastic.then(|| self.elastic_runner()).transpose()?;
+        let mut problem = Problem {
+            runner: Runner { underside, elastic },
             ice: self.ice(),
             track_curvature: self.track.curvature(),
             load: Load::Force {
@@ -69,7 +64,27 @@ impl Case {
                 },
             },
         };
+        crate::effects::switch_on(&self.effects, &mut problem)?;
         Ok(StatedProblem { problem, hull })
+    }
+
+    /// The runner's elasticity; its mount holds the flat top.
+    fn elastic_runner(&self) -> Result<ElasticRunner, CaseError> {
+        let top = match &self.runner.shape {
+            Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. }) => *height_m,
+            Some(Shape::Paraboloid { .. }) => f64::INFINITY,
+            None => {
+                return Err(combination(
+                    "runner.elastic",
+                    "expected a shape whose top is known: hulls from files are rigid so far",
+                ));
+            }
+        };
+        Ok(ElasticRunner {
+            youngs_modulus: self.runner.youngs_modulus_pa,
+            poissons_ratio: self.runner.poissons_ratio,
+            top,
+        })
     }
 
     fn ice(&self) -> Ice {

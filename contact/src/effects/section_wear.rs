@@ -1,0 +1,39 @@
+//! z' = max(z, z_keel(x) + d): the section is worn to a flat of depth d [m]. Signature: two ridges of pressure at the edges of the flat.
+//! Confounders: hardness (a plateau without ridges). Source: K.L. Johnson, Contact Mechanics (1985), ch. 2.8 (flat punch with rounded edges).
+
+use std::sync::Arc;
+
+use super::shaped::Shaped;
+use super::{Effect, Info};
+use crate::Problem;
+
+/// See the module.
+pub struct SectionWear;
+
+static INFO: Info = Info {
+    name: "section-wear",
+    key: "depth_m",
+    unit: "m",
+    low: 0.0,
+    high: 5.0e-4,
+    typical: 5.0e-6,
+    decides: "a profile of the section",
+};
+
+impl Effect for SectionWear {
+    fn info(&self) -> &'static Info {
+        &INFO
+    }
+
+    fn alter(&self, value: f64, problem: &mut Problem) {
+        if value == 0.0 {
+            return;
+        }
+        let keel = problem.runner.underside.clone();
+        problem.runner.underside = Arc::new(Shaped {
+            inner: problem.runner.underside.clone(),
+            change: move |x, _, height: f64| height.max(keel.height(x, 0.0) + value),
+            keeps: [true, true],
+        });
+    }
+}
