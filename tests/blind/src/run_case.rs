@@ -154,7 +154,8 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
             model: "model.toml".to_owned(),
             hides,
             tolerated,
-            too_little_to_name: matches!(recipe, Recipe::TwoSessions(_)),
+            // a twin's name alone says more than the data can
+            too_little_to_name: matches!(recipe, Recipe::TwoSessions(_)) || spec.family == "twin",
             base: base.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
         },
     }
