@@ -3,6 +3,8 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`runs`] | runs on a track against the one-track model |
+//! | [`pressures`] | pressure maps against contact solves |
+//! | [`experiments`] | friction over pressure and conditions |
 //! | [`Report`], [`Verdict`] | what is found |
 //! | [`Options`] | seed, number of twins and sign-flips, channels |
 //!
@@ -15,8 +17,13 @@
 //! # Ok::<(), kufe_discover::Error>(())
 //! ```
 
+mod dispatch;
 mod error;
+pub mod experiments;
+mod exr_map;
 mod flips;
+mod html;
+pub mod pressures;
 mod random;
 mod report;
 pub mod runs;
@@ -25,8 +32,10 @@ mod sentence;
 mod smooth;
 mod table;
 
+pub use dispatch::discover;
 pub use error::Error;
 pub use flips::{MaxT, by_session_permutation, gumbel_tail};
+pub use html::page;
 pub use report::{
     Bin, ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict,
 };

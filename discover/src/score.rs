@@ -229,7 +229,7 @@ mod tests {
             .iter()
             .map(|x| {
                 // A window that is the first candidate itself must score like it.
-                let w = x.column(levels + base).transpose() * x;
+                let w = DMatrix::from_fn(1, m, |_, k| x.column(levels + base).dot(&x.column(k)));
                 let norm = x.column(levels + base).norm_squared();
                 Gram::new(x, levels, &w, &[norm])
             })

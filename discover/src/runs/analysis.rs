@@ -33,8 +33,6 @@ pub struct Seen {
     pub left: f64,
     /// Size in its own unit, corrected for the twins' bias.
     pub size: f64,
-    /// Standard error of the size, over runs.
-    pub error: f64,
     /// T, corrected.
     pub t: f64,
     /// T of the twins' mean: what noisy inputs alone produce.
@@ -153,7 +151,6 @@ pub fn look(
             Seen {
                 left: scores.left(c),
                 size: size * scale,
-                error: error * scale,
                 t: t[c],
                 bias_t: bias[c],
                 robust_t,

@@ -44,6 +44,8 @@ pub struct Chain {
     pub base: [f64; BASE],
     /// Effects.
     pub effects: Effects,
+    /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
+    pub frozen: Vec<String>,
 }
 
 /// Residuals by channel; an unused channel is empty.
@@ -217,6 +219,9 @@ impl Chain {
     pub fn free(&self) -> Vec<(usize, usize)> {
         let mut free = Vec::new();
         for (e, effect) in self.effects.active.iter().enumerate() {
+            if self.frozen.contains(&effect.name) {
+                continue;
+            }
             match &effect.kind {
                 Kind::Custom(_) => free.push((e, 0)),
                 Kind::Catalogue(kind) => {

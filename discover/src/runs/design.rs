@@ -182,7 +182,7 @@ impl Design<'_> {
                 if c == 0.0 {
                     continue;
                 }
-                let s = frame.s[row % per_channel + 2];
+                let s = frame.s[row % per_channel];
                 let bin = ((s - start) / BIN_M) as usize;
                 if bin >= bins {
                     continue;

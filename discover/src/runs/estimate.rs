@@ -7,7 +7,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::chain::Chain;
 use super::data::Frame;
 use super::design::{Design, LEVELS};
-use super::fit::{residuals, without_levels};
+use super::fit::residuals;
 use super::twins::TwinMaker;
 use super::whiten::Whitener;
 use crate::score::ridge_inverse;
@@ -59,16 +59,9 @@ pub fn estimate(
     let rows = residuals(chain, frames);
     let steps: Vec<Vec<f64>> = (0..twins)
         .into_par_iter()
-        .map(|k| {
-            step(
-                &full(&maker.make(frames, chain, &rows, 4_000_037 + k)),
-                p,
-                free.len(),
-            )
-            .0
-        })
+        .map(|k| step(&full(&maker.make(frames, chain, &rows, 4_000_037 + k)), p).0)
         .collect();
-    let (_, errors) = step(&real, p, free.len());
+    let (_, errors) = step(&real, p);
     let scales: Vec<f64> = vec![1.0; free.len()]
         .into_iter()
         .chain(chain.free().iter().map(|(e, q)| design.scale(*e, *q)))
@@ -105,25 +98,13 @@ pub fn estimate(
         .collect()
 }
 
-/// One step and its sandwich errors; effects beside the runs' levels unless the levels take them whole.
-fn step(grams: &[DMatrix<f64>], p: usize, base: usize) -> (Vec<f64>, Vec<f64>) {
-    let raw: Vec<DMatrix<f64>> = grams
+/// One step and its sandwich errors.
+fn step(grams: &[DMatrix<f64>], p: usize) -> (Vec<f64>, Vec<f64>) {
+    let own: Vec<DMatrix<f64>> = grams
         .iter()
         .map(|g| g.view((LEVELS, LEVELS), (p + 1, p + 1)).into_owned())
         .collect();
-    let free: Vec<DMatrix<f64>> = grams.iter().map(without_levels).collect();
-    let (raw_step, raw_error) = solve(&raw, p);
-    let (free_step, free_error) = solve(&free, p);
-    let within = |k: usize| -> bool {
-        let of = |g: &[DMatrix<f64>]| g.iter().map(|g| g[(k, k)]).sum::<f64>();
-        k >= base && of(&free) > 0.02 * of(&raw)
-    };
-    let pick = |a: &[f64], b: &[f64]| {
-        (0..p)
-            .map(|k| if within(k) { a[k] } else { b[k] })
-            .collect()
-    };
-    (pick(&free_step, &raw_step), pick(&free_error, &raw_error))
+    solve(&own, p)
 }
 
 fn solve(grams: &[DMatrix<f64>], p: usize) -> (Vec<f64>, Vec<f64>) {

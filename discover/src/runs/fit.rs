@@ -53,8 +53,7 @@ pub fn free_base(chain: &Chain, frames: &[Frame], used: [bool; CHANNELS]) -> Vec
 
 /// Fits base and effects by Gauss-Newton on whitened rows.
 ///
-/// Effects are estimated beside each run's own level of friction and grip, the base without. The whitening is renewed
-/// in each of the first rounds. Steps are halved until the sum of squares falls; amplitudes stay in their bounds.
+/// The whitening is renewed in each of the first rounds. Steps are halved until the sum of squares falls; amplitudes stay in their bounds.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -87,7 +86,7 @@ pub fn fit(
                 reason: "a residual is not a finite number".to_owned(),
             });
         }
-        let step = joint_step(&with_levels, &total, p, free_base.len());
+        let step = joint_step(&total, p);
         let before = total[(LEVELS + p, LEVELS + p)];
         let scales: Vec<f64> = chain
             .free()
@@ -102,8 +101,7 @@ pub fn fit(
                 .iter()
                 .map(|rows| whitener.apply(rows).iter().map(|x| x * x).sum::<f64>())
                 .sum();
-            // Levels of single runs may gain what the sum loses: a rise of a millionth is none.
-            if after <= before * (1.0 + 1e-6) {
+            if after <= before {
                 moved = (before - after).abs() / before;
                 chain = trial;
                 break;
@@ -124,30 +122,11 @@ fn full_gram(design: &Design, frame: &Frame) -> DMatrix<f64> {
     columns.tr_mul(&columns)
 }
 
-/// Effects from the sums without each run's levels, then the base given the effects.
-fn joint_step(grams: &[DMatrix<f64>], total: &DMatrix<f64>, p: usize, base: usize) -> DVector<f64> {
-    let mut step = DVector::zeros(p);
-    if p > base {
-        let mut free = DMatrix::zeros(p + 1, p + 1);
-        for gram in grams {
-            free += without_levels(gram);
-        }
-        let inverse = ridge_inverse(free.view((0, 0), (p, p)).into_owned());
-        let all = inverse * free.view((0, p), (p, 1));
-        for k in base..p {
-            step[k] = all[k];
-        }
-    }
-    let jj = total.view((LEVELS, LEVELS), (base, base)).into_owned();
-    let mut jr = total.view((LEVELS, LEVELS + p), (base, 1)).into_owned();
-    for k in base..p {
-        jr -= total.view((LEVELS, LEVELS + k), (base, 1)) * step[k];
-    }
-    let own = ridge_inverse(jj) * jr;
-    for k in 0..base {
-        step[k] = own[k];
-    }
-    step
+/// The Gauss-Newton step of base and effects together.
+fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
+    let jj = total.view((LEVELS, LEVELS), (p, p)).into_owned();
+    let jr = total.view((LEVELS, LEVELS + p), (p, 1));
+    (ridge_inverse(jj) * jr).column(0).into_owned()
 }
 
 /// Takes each run's levels out of its sums of products.

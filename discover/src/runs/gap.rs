@@ -189,9 +189,9 @@ pub fn stand_out(
                         let x = of(frame);
                         let per = white[i].len() / whitener.count();
                         for j in 0..per {
-                            if x[j + 2] >= pair[0] && x[j + 2] < pair[1] {
+                            if x[j] >= pair[0] && x[j] < pair[1] {
                                 u[i] += white[i][k * per + j];
-                                sums[i].0 += rows[i][channel][j + 2];
+                                sums[i].0 += rows[i][channel][j];
                                 sums[i].1 += 1.0;
                             }
                         }

@@ -121,6 +121,13 @@ impl TrackChannel {
         })
     }
 
+    /// Root mean square of the bins' means as a slope [rad], their own scatter taken off: how well the channel closes.
+    pub fn closure(&self) -> f64 {
+        let n = self.bins.len() as f64;
+        let square = self.bins.iter().map(|b| b.2 * b.2 - b.3).sum::<f64>() / n;
+        square.max(0.0).sqrt() / GRAVITY
+    }
+
     fn weights(&self, slope_sd: f64) -> Vec<f64> {
         let survey = (GRAVITY * slope_sd).powi(2);
         self.bins

@@ -1,0 +1,93 @@
+//! Effects hidden in simulated runs, with noise on every sensor, are found; noise alone is not.
+
+use std::collections::BTreeMap;
+
+use kufe_discover::{Options, Report, Verdict, runs};
+use kufe_sled::Model;
+use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
+
+/// Runs driven with the effects of `hidden` (TOML), searched with the published model that lacks them.
+fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
+    let base = Model::published();
+    let truth = Model::from_toml(&(base.to_toml() + hidden), "truth").unwrap();
+    let mut plan = sample_plan(seed);
+    let step = plan.len() / runs_kept;
+    plan = plan
+        .into_iter()
+        .step_by(step.max(1))
+        .take(runs_kept)
+        .collect();
+    let mut count = BTreeMap::new();
+    for planned in &mut plan {
+        // Speed of the test: a quarter of the steps, the recorded rate of the paper.
+        planned.options.rate_hz = 100.0;
+        planned.options.step_s = 2.5e-3;
+        planned.options.contacts.clear();
+        *count.entry(planned.session.clone()).or_insert(0) += 1;
+    }
+    let recorded = drive_sample(&plan, &truth).unwrap();
+    let mut surveys = BTreeMap::new();
+    for name in ["east", "west"] {
+        let track = sample_track(name);
+        surveys.insert(
+            name.to_owned(),
+            track
+                .s_m
+                .iter()
+                .copied()
+                .zip(track.slope_rad.iter().copied())
+                .collect(),
+        );
+    }
+    let data = runs::prepare(&recorded, &base, &surveys).unwrap();
+    let options = Options {
+        twins: 24,
+        flips: 999,
+        seed,
+        ..Options::default()
+    };
+    runs::search(&data, &base, &options, &|_| {})
+        .unwrap()
+        .report
+}
+
+fn told(report: &Report) -> String {
+    let steps: Vec<String> = report
+        .steps
+        .iter()
+        .map(|s| {
+            format!(
+                "{} {:?} p={:.4} {:?} closed {:.2}",
+                s.effect, s.class, s.p_value, s.parameters, s.explainable_gap_closed.value
+            )
+        })
+        .collect();
+    format!("{:?}: {}", report.verdict, steps.join(" | "))
+}
+
+#[test]
+fn nothing_is_found_in_runs_without_a_hidden_effect() {
+    let report = searched("", 1, 24);
+    assert_eq!(report.verdict, Verdict::None, "{}", told(&report));
+}
+
+#[test]
+fn a_hidden_effect_is_in_the_class_that_is_named() {
+    for (effect, text) in [
+        ("speed-grip", "[effects.speed-grip]\nslope_s_per_m = 0.015"),
+        ("slip-offset", "[effects.slip-offset]\noffset_rad = 0.001"),
+        ("drag-area", "[effects.drag-area]\ncda_m2 = 0.05"),
+    ] {
+        let report = searched(text, 2, 24);
+        println!("{effect}: {}", told(&report));
+        let first = report
+            .steps
+            .first()
+            .unwrap_or_else(|| panic!("{effect}: nothing found"));
+        assert!(
+            first.class.iter().any(|name| name == effect),
+            "{effect}: {}",
+            told(&report)
+        );
+    }
+}
