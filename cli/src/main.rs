@@ -14,6 +14,7 @@ mod icehouse;
 mod info;
 mod init;
 mod lut;
+mod mesh;
 mod outline;
 mod output;
 mod press;
@@ -25,6 +26,7 @@ mod simulate;
 mod sled_runs;
 mod staging;
 mod validate;
+mod volume_vtu;
 
 use std::process::ExitCode;
 
@@ -57,6 +59,8 @@ enum Command {
     Press(press::Args),
     /// Write a parametric runner as a hull file
     Hull(hull::Args),
+    /// Write the hexahedra of ice and runner, with their quality
+    Mesh(mesh::Args),
     /// Say what a file holds
     Info(info::Args),
     /// Make, draw, query and export lookup tables
@@ -91,6 +95,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     match command {
         Command::Press(args) => press::run(&args, &global),
         Command::Hull(args) => hull::run(&args, &global),
+        Command::Mesh(args) => mesh::run(&args, &global),
         Command::Info(args) => info::run(&args, &global),
         Command::Lut(args) => lut::run(&args, &global),
         Command::Init(args) => init::run(&args, &global),

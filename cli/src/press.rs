@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::output::{Global, say};
 use crate::pressure_map::PressureMap;
 use crate::staging::Staging;
-use crate::{pressure_exr, pressure_png};
+use crate::{pressure_exr, pressure_png, volume_vtu};
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]
@@ -127,5 +127,8 @@ fn write_files(
     })?;
     let title = summary::title(&pressed.solution);
     pressure_png::write(&staging.path("pressure.png"), &map, &title)
-        .map_err(|error| staging.failure("pressure.png", &error))
+        .map_err(|error| staging.failure("pressure.png", &error))?;
+    staging.write("field.vtu", |file| {
+        volume_vtu::write(file, &pressed.solution.volume)
+    })
 }

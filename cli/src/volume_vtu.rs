@@ -1,0 +1,41 @@
+//! `field.vtu`: displacement and stress in the ice on its hexahedra.
+
+use std::io::Write;
+
+use kufe_contact::VolumeField;
+use kufe_fem::{Body, ElementKind, Material, nodal_stresses, von_mises};
+use kufe_mesh::{VtuField, write_vtu};
+
+use crate::failure::Failure;
+
+/// Displacement [m], stress tensor and von Mises stress [Pa] at the nodes.
+///
+/// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node. Where the
+/// solver used mirror planes the file holds the part that it solved.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the writer's words.
+pub fn write(writer: impl Write, volume: &VolumeField) -> Result<(), Failure> {
+    let material =
+        Material::new(volume.youngs_modulus, volume.poissons_ratio).map_err(Failure::bad_input)?;
+    let body = Body::uniform(volume.grid.hex_mesh(), material, ElementKind::Hex8)
+        .map_err(Failure::bad_input)?;
+    let displacement: Vec<f64> = volume.displacement.iter().flatten().copied().collect();
+    let stresses = nodal_stresses(&body, &displacement);
+    let mises: Vec<f64> = stresses.iter().map(|&stress| von_mises(stress)).collect();
+    let tensors: Vec<f64> = stresses
+        .iter()
+        .flat_map(|&[xx, yy, zz, yz, zx, xy]| [xx, xy, zx, xy, yy, yz, zx, yz, zz])
+        .collect();
+    let field = |name, components, values| VtuField {
+        name,
+        components,
+        values,
+    };
+    let fields = [
+        field("displacement_m", 3, &displacement),
+        field("stress_pa", 9, &tensors),
+        field("von_mises_pa", 1, &mises),
+    ];
+    write_vtu(body.mesh(), &fields, &[], writer).map_err(Failure::bad_input)
+}
