@@ -10,7 +10,7 @@ use crate::Error;
 use crate::smooth::Kernel;
 
 /// Corner of the common low pass [Hz].
-pub const CUTOFF_HZ: f64 = 6.0;
+pub const CUTOFF_HZ: f64 = 4.0;
 /// Samples a second that are kept [1/s].
 pub const RATE_HZ: f64 = 20.0;
 

@@ -31,7 +31,7 @@ const ALPHA: f64 = 0.025;
 const ALPHA_LEVELS: f64 = 0.015;
 const ALPHA_TRACK: f64 = 0.0005;
 /// The track channel is used where it closes within this many survey deviations.
-const CLOSES_WITHIN: f64 = 3.0;
+const CLOSES_WITHIN: f64 = 0.5;
 const MOST_STEPS: usize = 4;
 
 /// Searches runs for what the model lacks.
@@ -705,7 +705,8 @@ impl Searcher<'_> {
         whitener: &Whitener,
         free: &[usize],
     ) -> Option<Pick> {
-        if whitener.count() == 0 {
+        // After a named effect a leftover is told as bins that are not clean, not as another column.
+        if whitener.count() == 0 || !self.steps.is_empty() {
             return None;
         }
         (self.progress)("looking beyond the catalogue");
