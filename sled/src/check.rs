@@ -143,10 +143,15 @@ fn check_unit(column: &str, values: &[f64], file: &str) -> Result<(), Error> {
     };
     let most = format!("largest magnitude {largest:.4}");
     match column {
-        "alpha_rad" | "delta_rad" | "gamma_rad" if largest > 0.8 => told(
+        "alpha_rad" | "gamma_rad" if largest > 0.4 => told(
             most,
             "degrees",
-            "radians, magnitudes below 0.8 (46 degrees)",
+            "radians, magnitudes below 0.4 (23 degrees)",
+        ),
+        "delta_rad" if largest > 0.6 => told(
+            most,
+            "degrees",
+            "radians, magnitudes below 0.6 (34 degrees)",
         ),
         "roll_rate_radps" | "pitch_rate_radps" | "yaw_rate_radps" if largest > 12.0 => told(
             most,

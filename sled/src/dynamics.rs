@@ -251,10 +251,16 @@ impl World<'_> {
     }
 
     /// What the next moment needs of this one.
-    pub(crate) fn before(instant: &Instant) -> Before {
+    ///
+    /// The slip rate is smoothed over ten steps: a force that follows it, as with a relaxation length, would otherwise
+    /// answer itself from step to step and grow.
+    pub(crate) fn before(instant: &Instant, then: &Before) -> Before {
+        let now = instant.state.slip_rate_radps;
         Before {
             growth: instant.speed_growth,
-            slip_rate: instant.state.slip_rate_radps,
+            slip_rate: std::array::from_fn(|i| {
+                then.slip_rate[i] + 0.1 * (now[i] - then.slip_rate[i])
+            }),
             accel: instant.state.accel_mps2,
             roll_accel: instant.state.roll_accel_radps2,
         }

@@ -138,7 +138,7 @@ pub fn simulate(
     let mut before = Before::default();
     // The first instant's growth of speed is not known yet; a few rounds settle it.
     for _ in 0..4 {
-        before = World::before(&world.rates(&y, &before).1);
+        before = World::before(&world.rates(&y, &before).1, &before);
     }
     let mut growth_then = before.growth;
     let expected = ((track.finish_m - track.start_m) / options.start_speed_mps / dt_s) as usize;
@@ -153,7 +153,7 @@ pub fn simulate(
         before.growth = 2.0 * growth_now - growth_then;
         growth_then = growth_now;
         let (rates, mut instant) = world.rates(&y, &before);
-        before = World::before(&instant);
+        before = World::before(&instant, &before);
         past.rotate_right(1);
         past[0] = rates;
         if steps % every == 0 {

@@ -1,0 +1,314 @@
+//! Faulty files are refused with the file, the place, what was found and what was expected.
+
+use std::path::{Path, PathBuf};
+
+use kufe_sled::{COLUMNS, Error, read_good_runs, read_runs};
+
+/// A plausible run of `samples` samples at 100 Hz; `spoil` may change any cell of it.
+fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) {
+    let mut text = format!("t_s,{}\n", COLUMNS.join(","));
+    for i in 0..samples {
+        let t = i as f64 * 0.01;
+        let wave = (3.0 * t).sin();
+        let shift = name.len() as f64 * 1e-3;
+        let values = [
+            -0.3,
+            0.5 * wave + shift,
+            9.7 + 5.0 * wave * wave,
+            0.2 * wave,
+            -0.3 * wave * wave,
+            0.1 * wave,
+            20.0 + 0.1 * t,
+            0.01 * wave,
+            0.02 * wave,
+            0.01 * wave,
+        ];
+        let mut cells = vec![spoil(i, "t_s", t)];
+        for (column, value) in COLUMNS.iter().zip(values) {
+            cells.push(spoil(i, column, value));
+        }
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    std::fs::write(folder.join(format!("{name}.csv")), text).unwrap();
+}
+
+fn plain(_: usize, _: &str, value: f64) -> String {
+    value.to_string()
+}
+
+fn index(folder: &Path, rows: &[(&str, &str)]) -> PathBuf {
+    let mut text = String::from("run,file,track,driver,driver_class,session,ice_c,air_c,air_pa\n");
+    for (run, file) in rows {
+        text += &format!("{run},{file},east,A1,A,d1,-8,-2,95000\n");
+    }
+    let path = folder.join("runs.csv");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// The message about one spoilt run.
+fn told(samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    run_file(folder.path(), "bad", samples, spoil);
+    let index = index(folder.path(), &[("K1", "bad.csv")]);
+    match read_runs(&index) {
+        Ok(_) => panic!("accepted"),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn has(message: &str, parts: &[&str]) {
+    println!("{message}");
+    for part in parts {
+        assert!(message.contains(part), "{part:?} is not in: {message}");
+    }
+    assert_eq!(message.lines().count(), 1);
+}
+
+#[test]
+fn a_good_file_is_accepted_and_extra_columns_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    run_file(folder.path(), "good", 200, &plain);
+    let path = folder.path().join("good.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let with: Vec<String> = text
+        .lines()
+        .enumerate()
+        .map(|(i, line)| {
+            if i == 0 {
+                format!("{line},lap,mood")
+            } else {
+                format!("{line},{i},fine")
+            }
+        })
+        .collect();
+    std::fs::write(&path, with.join("\n")).unwrap();
+    let runs = read_runs(&index(folder.path(), &[("K1", "good.csv")])).unwrap();
+    assert_eq!(runs[0].len(), 200);
+    assert!((runs[0].rate_hz() - 100.0).abs() < 1e-6);
+    assert_eq!(runs[0].column("lap").unwrap()[3], 4.0);
+    assert!(runs[0].column("mood").is_err());
+}
+
+#[test]
+fn a_missing_column_is_named_with_those_that_are_there() {
+    let folder = tempfile::tempdir().unwrap();
+    run_file(folder.path(), "bad", 200, &plain);
+    let path = folder.path().join("bad.csv");
+    let text = std::fs::read_to_string(&path)
+        .unwrap()
+        .replace("gamma_rad", "gamma");
+    std::fs::write(&path, text).unwrap();
+    let error = read_runs(&index(folder.path(), &[("K1", "bad.csv")])).unwrap_err();
+    has(
+        &error.to_string(),
+        &["bad.csv", "gamma_rad is missing", "delta_rad"],
+    );
+}
+
+#[test]
+fn wrong_units_are_told_by_their_range() {
+    for (column, factor, parts) in [
+        (
+            "alpha_rad",
+            180.0 / std::f64::consts::PI,
+            ["alpha_rad", "degrees", "radians"],
+        ),
+        (
+            "delta_rad",
+            180.0 / std::f64::consts::PI,
+            ["delta_rad", "degrees", "radians"],
+        ),
+        (
+            "pitch_rate_radps",
+            180.0 / std::f64::consts::PI,
+            ["pitch_rate_radps", "degrees per second", "radians"],
+        ),
+        ("az_mps2", 1.0 / 9.81, ["az_mps2", "multiples of g", "9.81"]),
+        ("v_mps", 3.6, ["v_mps", "km/h", "metres per second"]),
+    ] {
+        let message = told(400, &|_, name, value| {
+            (if name == column {
+                factor * value
+            } else {
+                value
+            })
+            .to_string()
+        });
+        has(&message, &["bad.csv"]);
+        has(&message, &parts);
+    }
+}
+
+#[test]
+fn irregular_time_and_clock_jumps_are_placed() {
+    let message = told(200, &|i, name, value| {
+        (if name == "t_s" && i == 57 {
+            value + 0.002
+        } else {
+            value
+        })
+        .to_string()
+    });
+    has(&message, &["row 59", "irregular time", "0.012", "0.010000"]);
+    let message = told(200, &|i, name, value| {
+        (if name == "t_s" && i >= 100 {
+            value + 5.0
+        } else {
+            value
+        })
+        .to_string()
+    });
+    has(&message, &["row 102", "clock jump", "5.01"]);
+    let message = told(200, &|i, name, value| {
+        (if name == "t_s" && i >= 100 {
+            value - 0.5
+        } else {
+            value
+        })
+        .to_string()
+    });
+    has(&message, &["row 102", "backwards"]);
+}
+
+#[test]
+fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
+    let message = told(300, &|i, name, value| {
+        let gone = name == "az_mps2" && ((40..75).contains(&i) || i == 200);
+        if gone {
+            "NaN".to_string()
+        } else {
+            value.to_string()
+        }
+    });
+    has(
+        &message,
+        &[
+            "az_mps2",
+            "35 values",
+            "row 42",
+            "0.400 s",
+            "2 such bursts",
+            "36 values",
+        ],
+    );
+    let message = told(300, &|i, name, value| {
+        if name == "v_mps" && i == 3 {
+            String::new()
+        } else {
+            value.to_string()
+        }
+    });
+    has(&message, &["v_mps", "1 values", "row 5"]);
+    let message = told(300, &|i, name, value| {
+        if name == "v_mps" && i == 3 {
+            "fast".to_string()
+        } else {
+            value.to_string()
+        }
+    });
+    has(&message, &["v_mps", "row 5", "\"fast\"", "a number"]);
+}
+
+#[test]
+fn three_samples_and_standstill_are_refused() {
+    has(&told(3, &plain), &["3 samples", "at least 64"]);
+    let message = told(200, &|i, name, value| {
+        (if name == "v_mps" && i < 20 {
+            0.0
+        } else {
+            value
+        })
+        .to_string()
+    });
+    has(&message, &["row 2", "v_mps = 0", "standstill"]);
+}
+
+#[test]
+fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    run_file(folder.path(), "one", 200, &plain);
+    run_file(folder.path(), "other", 200, &plain);
+    std::fs::copy(
+        folder.path().join("one.csv"),
+        folder.path().join("copy.csv"),
+    )
+    .unwrap();
+    let twice = index(folder.path(), &[("K1", "one.csv"), ("K1", "other.csv")]);
+    has(
+        &read_runs(&twice).unwrap_err().to_string(),
+        &["row 3", "\"K1\"", "row 2"],
+    );
+    let copied = index(
+        folder.path(),
+        &[("K1", "one.csv"), ("K2", "other.csv"), ("K3", "copy.csv")],
+    );
+    has(
+        &read_runs(&copied).unwrap_err().to_string(),
+        &["\"K1\"", "\"K3\"", "same samples"],
+    );
+    let (good, bad) = read_good_runs(&copied).unwrap();
+    assert_eq!(good.len(), 2);
+    assert!(matches!(bad[..], [Error::DuplicateContent { .. }]));
+}
+
+#[test]
+fn an_index_with_other_columns_or_values_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.csv");
+    let header = "run,file,track,driver,driver_class,session,ice_c,air_c,air_pa";
+    for (text, parts) in [
+        (
+            format!("{header},weather\nK1,a.csv,e,A1,A,d1,-8,-2,95000,dry\n"),
+            ["weather", "unknown", "air_pa"],
+        ),
+        (
+            format!(
+                "{}\nK1,a.csv,e,A1,A,d1,-8,-2\n",
+                &header[..header.len() - 7]
+            ),
+            ["air_pa", "missing", "air_c"],
+        ),
+        (
+            format!("{header}\nK1,a.csv,e,A1,A,d1,-8,-2,950\n"),
+            ["row 2", "air_pa", "50000"],
+        ),
+        (
+            format!("{header}\nK1,a.csv,e,A1,A,d1,265,-2,95000\n"),
+            ["row 2", "ice_c", "265"],
+        ),
+        (
+            format!("{header}\nK1,absent.csv,e,A1,A,d1,-8,-2,95000\n"),
+            ["absent.csv", "No such file", ""],
+        ),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        has(&read_runs(&path).unwrap_err().to_string(), &parts);
+    }
+}
+
+#[test]
+fn damaged_parquet_and_matlab_files_are_errors_and_no_panics() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut whole = Vec::new();
+    let values: Vec<f64> = (0..300).map(f64::from).collect();
+    kufe_sled::write_parquet(&mut whole, &[("t_s", &values)]).unwrap();
+    for name in ["cut.parquet", "flipped.parquet", "noise.mat", "empty.mat"] {
+        let bytes = match name {
+            "cut.parquet" => whole[..whole.len() / 2].to_vec(),
+            "flipped.parquet" => whole
+                .iter()
+                .enumerate()
+                .map(|(i, b)| if i % 7 == 5 { !b } else { *b })
+                .collect(),
+            "noise.mat" => (0..4096_u32)
+                .map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8)
+                .collect(),
+            _ => Vec::new(),
+        };
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+        let error = read_runs(&index(folder.path(), &[("K1", name)])).unwrap_err();
+        has(&error.to_string(), &[name]);
+    }
+}

@@ -1,0 +1,96 @@
+//! Effects of a model act in the simulation, and the same model explains the run that it drove.
+
+use kufe_sled::sample_data::sample_track;
+use kufe_sled::{
+    Driver, Model, PrepareOptions, Run, SimulateOptions, Simulated, TrackShape, Vehicle,
+    prepare_all, record, simulate, simulated_entry, validate,
+};
+
+fn driven(vehicle: &Vehicle) -> (Simulated, Run) {
+    let track = sample_track("west");
+    let options = SimulateOptions::default();
+    let driver = Driver::of_skill(0.5);
+    let simulated = simulate(vehicle, &TrackShape::new(&track), &driver, &options).unwrap();
+    let entry = simulated_entry("r", &track, "d", options.conditions);
+    let run = record(&simulated, vehicle, None, entry, 1);
+    (simulated, run)
+}
+
+#[test]
+fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
+    for (name, keys) in [
+        ("temperature-grip", "slope_per_k = -0.05"),
+        ("camber-thrust", "coefficient_per_rad = 0.5"),
+        ("relaxation-length", "length_m = 0.5"),
+        ("lever-arm", "x_m = 0.3\nz_m = -0.2"),
+        ("slip-offset", "offset_rad = 0.004"),
+        ("slip-lag", "time_s = 0.03"),
+        ("mass", "excess_kg = 40.0"),
+    ] {
+        let text = format!(
+            "{}\n[effects.{name}]\n{keys}\n",
+            Model::published().to_toml()
+        );
+        let model = Model::from_toml(&text, "m.toml").unwrap();
+        let with = Vehicle::with_effects(&model).unwrap();
+        let without = Vehicle::new(&model).unwrap();
+        let (simulated, run) = driven(&with);
+        assert!(simulated.energy.relative_error() < 1e-6);
+        let rmse = |vehicle: &Vehicle| {
+            let prepared = prepare_all(
+                std::slice::from_ref(&run),
+                vehicle,
+                model.noise.as_ref(),
+                &PrepareOptions::default(),
+            )
+            .unwrap();
+            validate(&prepared, vehicle)[0].rmse_n
+        };
+        let (explained, unexplained) = (rmse(&with), rmse(&without));
+        println!("{name}: {explained:.2} N with it, {unexplained:.2} N without");
+        assert!(
+            explained < 0.25 * unexplained,
+            "{name}: {explained} against {unexplained}"
+        );
+        assert!(unexplained > 2.0, "{name} does nothing: {unexplained}");
+    }
+}
+
+#[test]
+fn longitudinal_effects_and_the_slope_change_the_speed() {
+    let end = |table: &str| {
+        let text = format!("{}\n{table}\n", Model::published().to_toml());
+        let model = Model::from_toml(&text, "m.toml").unwrap();
+        let (simulated, _) = driven(&Vehicle::with_effects(&model).unwrap());
+        simulated.instants.last().unwrap().state.v_mps
+    };
+    let base = end("");
+    for table in [
+        "[effects.drag-area]\ncda_m2 = 0.05",
+        "[effects.headwind]\nspeed_mps = 3.0",
+        "[effects.slope]\noffset_rad = -0.005",
+    ] {
+        assert!(
+            end(table) < base - 0.2,
+            "{table}: {} against {base}",
+            end(table)
+        );
+    }
+    // An effect bound to another track does nothing here.
+    let elsewhere = end("[effects.slope]\noffset_rad = -0.005\ntrack = \"east\"");
+    assert_eq!(elsewhere.to_bits(), base.to_bits());
+}
+
+#[test]
+fn an_unknown_effect_is_refused_by_name() {
+    let text = format!(
+        "{}\n[effects.magic]\nsize = 1.0\n",
+        Model::published().to_toml()
+    );
+    let model = Model::from_toml(&text, "m.toml").unwrap();
+    let message = Vehicle::with_effects(&model).unwrap_err().to_string();
+    assert!(
+        message.contains("effects.magic") && message.contains("temperature-grip"),
+        "{message}"
+    );
+}
