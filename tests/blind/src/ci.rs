@@ -59,13 +59,13 @@ pub fn missed(outcomes: &[Outcome]) -> Vec<String> {
     check(
         "false claims on nulls",
         null.false_claims,
-        &|v| v <= one_in(nulls.len()),
+        &|v| v <= one_in(null.cases),
         "at most one case",
     );
     check(
         "wrong firm names",
         effect.wrong_firm,
-        &|v| v <= one_in(effects.len()),
+        &|v| v <= one_in(effect.cases),
         "at most one case",
     );
     check(
