@@ -77,7 +77,17 @@ impl Body {
         let modes = SurfaceModes::new(&preconditioner, plane);
         let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
         let response = (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt();
-        Body { operator, mapped: None, preconditioner, modes, plane, columns, sign, response, material }
+        Body {
+            operator,
+            mapped: None,
+            preconditioner,
+            modes,
+            plane,
+            columns,
+            sign,
+            response,
+            material,
+        }
     }
 
     /// The same body on hexahedra in the same columns and layers, but of other heights.
@@ -104,10 +114,18 @@ impl Body {
 
     /// `out` = K `u`, with 0 on held entries.
     pub fn apply(&self, u: &[f64], out: &mut [f64]) {
-        let Some(mapped) = &self.mapped else { return self.operator.apply(u, out) };
+        let Some(mapped) = &self.mapped else {
+            return self.operator.apply(u, out);
+        };
         // The lock is never contended: one iteration runs at a time.
-        let mut mapped = mapped.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let Mapped { stiffness, displacement, force } = &mut *mapped;
+        let mut mapped = mapped
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let Mapped {
+            stiffness,
+            displacement,
+            force,
+        } = &mut *mapped;
         let nodes = u.len() / 3;
         for (node, values) in displacement.chunks_exact_mut(3).enumerate() {
             values.copy_from_slice(&[u[node], u[nodes + node], u[2 * nodes + node]]);

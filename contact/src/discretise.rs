@@ -3,9 +3,9 @@
 use kufe_fem::{HeldFaces, Material, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
+use crate::body::{Body, Columns, Side};
 use crate::gap::Gap;
 use crate::grading::{Start, Zone, graded_axis};
-use crate::body::{Body, Columns, Side};
 use crate::level::Level;
 use crate::motion::Motion;
 use crate::runner_body::runner_body;
@@ -75,10 +75,11 @@ pub(crate) fn discretise(
     // An elastic hull is meshed whole, with nodes at its ends and sides.
     let meshed = problem.runner.elastic.is_some() && extent.iter().all(|end| end.is_finite());
     let axis = |stretches: &[Stretch], axis: usize| {
-        let zones: Vec<Zone> = stretches
+        let mut zones: Vec<Zone> = stretches
             .iter()
             .filter_map(|s| widened(s, symmetry[axis], resolution))
             .collect();
+        part(&mut zones);
         let mut low = stretches[0].low - reach;
         let mut high = stretches[stretches.len() - 1].high + reach;
         let hull = [extent[2 * axis], extent[2 * axis + 1]];
@@ -126,7 +127,12 @@ pub(crate) fn discretise(
         level.bodies.push(body);
         runner_mesh = Some(mesh);
     }
-    Ok(Discretisation { grid, level, symmetry, runner_mesh })
+    Ok(Discretisation {
+        grid,
+        level,
+        symmetry,
+        runner_mesh,
+    })
 }
 
 /// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the axis.
@@ -155,7 +161,7 @@ fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option
     if symmetric && high <= 0.0 {
         return None;
     }
-    let cut = symmetric && stretch.low <= 0.0;
+    let cut = symmetric && low <= 0.0;
     let (from, length) = (if cut { 0.0 } else { low }, stretch.high - stretch.low);
     // Places are relative to the stretch: carry them over to the zone.
     let place = |t: f64| (stretch.low + t * length - from) / (high - from);
@@ -168,6 +174,18 @@ fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option
         },
         spacing,
     })
+}
+
+/// Lets zones that their margins made overlap meet half-way.
+fn part(zones: &mut [Zone]) {
+    for i in 1..zones.len() {
+        let (low, high) = (zones[i].stretch.low, zones[i - 1].stretch.high);
+        if low < high {
+            let middle = 0.5 * (low + high);
+            zones[i - 1].stretch.high = middle;
+            zones[i].stretch.low = middle;
+        }
+    }
 }
 
 /// Outer faces held in all components, mirror planes in their normal one.
@@ -234,7 +252,10 @@ fn level(
         gap.free_motion[1] && !symmetry[0],
         gap.free_motion[2] && !symmetry[1],
     ];
-    let columns = Columns { first: [0, 0], count: [nx, ny] };
+    let columns = Columns {
+        first: [0, 0],
+        count: [nx, ny],
+    };
     let ice = Body::new(operator, material, Side::Below, columns);
     Level {
         bodies: vec![ice],

@@ -74,7 +74,11 @@ pub(crate) fn prescribe(
         Side::Above => (nz - 1, -1.0),
     };
     let outer = |i: usize, j: usize, k: usize| {
-        k == far || i == nx - 1 || j == ny - 1 || (i == 0 && !symmetry[0]) || (j == 0 && !symmetry[1])
+        k == far
+            || i == nx - 1
+            || j == ny - 1
+            || (i == 0 && !symmetry[0])
+            || (j == 0 && !symmetry[1])
     };
     let faces: Vec<[usize; 3]> = (0..nz)
         .flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
@@ -85,7 +89,11 @@ pub(crate) fn prescribe(
         .map(|&[i, j, k]| {
             let mut sum = [0.0; 3];
             for lump in lumps {
-                let point = [grid.x[i] - lump.at[0], grid.y[j] - lump.at[1], mirror * grid.z[k]];
+                let point = [
+                    grid.x[i] - lump.at[0],
+                    grid.y[j] - lump.at[1],
+                    mirror * grid.z[k],
+                ];
                 let u = boussinesq(point, lump.force, material);
                 sum = [sum[0] + u[0], sum[1] + u[1], sum[2] + u[2]];
             }

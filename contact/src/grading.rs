@@ -64,7 +64,8 @@ pub(crate) fn graded_axis(start: Start, high: f64, zones: &[Zone], growth: f64) 
         if index > 0 {
             nodes.extend(between(&zones[index - 1], zone, growth));
         }
-        nodes.extend(zone.nodes());
+        let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
+        nodes.extend(zone.nodes().into_iter().filter(|&x| x > from));
     }
     nodes.extend(
         outward(last.spacing_at(end), high - end, growth)

@@ -117,7 +117,9 @@ impl Level {
 
     /// Place of a plane node in a body's vector.
     fn entry(&self, body: &Body, node: usize) -> Option<usize> {
-        body.columns.local([node % self.nx, node / self.nx]).map(|local| body.plane_start() + local)
+        body.columns
+            .local([node % self.nx, node / self.nx])
+            .map(|local| body.plane_start() + local)
     }
 
     /// Vertical closing of the gap by the displacements: sum of sign times u_z on the plane.
@@ -138,7 +140,12 @@ impl Level {
     /// Vertical displacement of the lowest body's plane, the ice surface.
     pub fn ice_surface(&self, displacement: &[f64]) -> Vec<f64> {
         let ice = &self.bodies[0];
-        (0..self.gap.len()).map(|node| self.entry(ice, node).map_or(0.0, |entry| displacement[entry])).collect()
+        (0..self.gap.len())
+            .map(|node| {
+                self.entry(ice, node)
+                    .map_or(0.0, |entry| displacement[entry])
+            })
+            .collect()
     }
 
     /// Gap of every plane node in a state.

@@ -7,10 +7,10 @@
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
 
-pub mod case;
-pub mod effects;
 mod body;
+pub mod case;
 mod discretise;
+pub mod effects;
 mod error;
 mod far_field;
 mod gap;

@@ -29,7 +29,10 @@ pub struct Runner {
 impl Runner {
     /// A rigid runner.
     pub fn rigid(underside: Arc<dyn Underside>) -> Self {
-        Runner { underside, elastic: None }
+        Runner {
+            underside,
+            elastic: None,
+        }
     }
 }
 

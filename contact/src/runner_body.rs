@@ -24,15 +24,30 @@ pub(crate) fn runner_body(
     (spacing, growth): (f64, f64),
     for_solving: bool,
 ) -> Result<(Body, HexMesh), Error> {
-    let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio)
-        .map_err(|_| Error::OutOfRange { name: "runner Young's modulus", value: elastic.youngs_modulus, expected: "an elastic solid" })?;
+    let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio).map_err(|_| {
+        Error::OutOfRange {
+            name: "runner Young's modulus",
+            value: elastic.youngs_modulus,
+            expected: "an elastic solid",
+        }
+    })?;
     let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
     let extent = problem.runner.underside.extent();
     if extent.iter().any(|end| end.is_infinite()) {
-        let grid = TensorGrid { x: ice.x.clone(), y: ice.y.clone(), z: ice.z.iter().rev().map(|z| -z).collect() };
-        let columns = Columns { first: [0, 0], count: [grid.x.len(), grid.y.len()] };
+        let grid = TensorGrid {
+            x: ice.x.clone(),
+            y: ice.y.clone(),
+            z: ice.z.iter().rev().map(|z| -z).collect(),
+        };
+        let columns = Columns {
+            first: [0, 0],
+            count: [grid.x.len(), grid.y.len()],
+        };
         let operator = TensorOperator::new(&grid, lambda, mu, held(symmetry, true));
-        return Ok((Body::new(operator, material, Side::Above, columns), grid.hex_mesh()));
+        return Ok((
+            Body::new(operator, material, Side::Above, columns),
+            grid.hex_mesh(),
+        ));
     }
     let range = |nodes: &[f64], low: f64, high: f64| {
         let slack = 1e-9 * (high - low);
@@ -41,28 +56,55 @@ pub(crate) fn runner_body(
     };
     let (first_x, count_x) = range(&ice.x, extent[0], extent[1]);
     let (first_y, count_y) = range(&ice.y, extent[2], extent[3]);
-    let columns = Columns { first: [first_x, first_y], count: [count_x, count_y] };
-    let (x, y) = (&ice.x[first_x..first_x + count_x], &ice.y[first_y..first_y + count_y]);
+    let columns = Columns {
+        first: [first_x, first_y],
+        count: [count_x, count_y],
+    };
+    let (x, y) = (
+        &ice.x[first_x..first_x + count_x],
+        &ice.y[first_y..first_y + count_y],
+    );
     let lowest = x
         .iter()
-        .flat_map(|&x| y.iter().map(move |&y| problem.runner.underside.height(x, y)))
+        .flat_map(|&x| {
+            y.iter()
+                .map(move |&y| problem.runner.underside.height(x, y))
+        })
         .fold(f64::INFINITY, f64::min);
     let height = elastic.top - lowest;
-    let zone = Zone { stretch: Stretch::even(0.0, (COARSER * spacing).min(0.25 * height)), spacing: (COARSER * spacing).min(0.25 * height) };
+    let zone = Zone {
+        stretch: Stretch::even(0.0, (COARSER * spacing).min(0.25 * height)),
+        spacing: (COARSER * spacing).min(0.25 * height),
+    };
     let mut z = graded_axis(Start::At(0.0), height, &[zone], growth.min(1.0));
     let top = z[z.len() - 1];
     z.iter_mut().for_each(|z| *z *= height / top);
     let levels: Vec<f64> = z.iter().map(|z| z / height).collect();
-    let mesh = mapped_runner_mesh(x, y, problem.runner.underside.as_ref(), elastic.top, &levels)
-        .map_err(|error| Error::RunnerMesh { reason: error.to_string() })?;
-    let box_grid = TensorGrid { x: x.to_vec(), y: y.to_vec(), z };
+    let mesh = mapped_runner_mesh(
+        x,
+        y,
+        problem.runner.underside.as_ref(),
+        elastic.top,
+        &levels,
+    )
+    .map_err(|error| Error::RunnerMesh {
+        reason: error.to_string(),
+    })?;
+    let box_grid = TensorGrid {
+        x: x.to_vec(),
+        y: y.to_vec(),
+        z,
+    };
     let operator = TensorOperator::new(&box_grid, lambda, mu, held(symmetry, false));
     let body = Body::new(operator, material, Side::Above, columns);
     if !for_solving {
         return Ok((body, mesh));
     }
-    let solid = Solid::uniform(mesh.clone(), material, ElementKind::Hex8Incompatible)
-        .map_err(|error| Error::RunnerMesh { reason: error.to_string() })?;
+    let solid = Solid::uniform(mesh.clone(), material, ElementKind::Hex8).map_err(|error| {
+        Error::RunnerMesh {
+            reason: error.to_string(),
+        }
+    })?;
     Ok((body.on_mapped(&solid), mesh))
 }
 
@@ -70,7 +112,11 @@ pub(crate) fn runner_body(
 fn held(symmetry: [bool; 2], all_round: bool) -> HeldFaces {
     std::array::from_fn(|c| {
         let ends = |axis: usize| {
-            if symmetry[axis] { [c == axis, all_round] } else { [all_round, all_round] }
+            if symmetry[axis] {
+                [c == axis, all_round]
+            } else {
+                [all_round, all_round]
+            }
         };
         [ends(0), ends(1), [false, true]]
     })

@@ -15,7 +15,8 @@ use crate::psor::PlaneState;
 use crate::stretch::Stretch;
 use crate::window::{Patch, first_guess};
 use crate::{
-    Error, Foundation, Iterate, Load, Method, Options, Problem, RunnerField, Solution, SurfaceField, VolumeField,
+    Error, Foundation, Iterate, Load, Method, Options, Problem, RunnerField, Solution,
+    SurfaceField, VolumeField,
 };
 
 /// Cells over half the patch while it is being found.
@@ -48,7 +49,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
         .cells
         .map_or_else(|| first_resolution(options.p_max_tolerance), |c| c as f64);
     let mut history = Vec::new();
-    let mut previous: Option<Raw> = None;
+    let (mut earlier, mut previous): (Option<Raw>, Option<Raw>) = (None, None);
     for level in 0.. {
         let resolution = Resolution {
             cells,
@@ -80,12 +81,19 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             ));
         }
         let smooth = patch.x.iter().chain([&patch.y]).all(|s| s.finest() == 1.0);
-        let limit = previous.map(|before| Extrapolation::new(before, raw, smooth));
+        let limit = previous.map(|before| {
+            let limit = Extrapolation::new(before, raw, smooth);
+            earlier
+                .filter(|_| !smooth)
+                .and_then(|first| Extrapolation::geometric(first, before, raw))
+                .unwrap_or(limit)
+        });
         if let Some(limit) = limit.filter(|l| l.error <= options.p_max_tolerance * l.p_max) {
             return Ok(solution(
                 problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
             ));
         }
+        earlier = previous;
         previous = Some(raw);
         if dofs as f64 * REFINEMENT.powi(3) > options.max_dofs as f64 {
             let estimate = limit.map_or(f64::INFINITY, |l| l.error / l.p_max);
@@ -150,6 +158,25 @@ impl Extrapolation {
     }
 }
 
+impl Extrapolation {
+    /// The limit of three meshes whose steps shrink steadily, as a geometric series (A. C. Aitken, 1926); half of what
+    /// is added is the error. `None` where the steps do not shrink by at least 0.6 in one direction.
+    fn geometric(first: Raw, second: Raw, third: Raw) -> Option<Self> {
+        let steps = [second.p_max - first.p_max, third.p_max - second.p_max];
+        let ratio = steps[1] / steps[0];
+        if !(0.0..0.6).contains(&ratio) {
+            return None;
+        }
+        let rest = steps[1] * ratio / (1.0 - ratio);
+        let scatter = Self::SCATTER / (third.cells * third.cells) * third.p_max;
+        Some(Extrapolation {
+            p_max: third.p_max + rest,
+            error: 0.5 * rest.abs() + 0.1 * steps[1].abs() + scatter,
+            approach: third.approach,
+        })
+    }
+}
+
 /// Cells of the first of two meshes whose extrapolation should meet the tolerance on a smooth contact.
 fn first_resolution(tolerance: f64) -> f64 {
     (0.21 / tolerance.sqrt()).ceil().clamp(4.0, 16.0)
@@ -206,7 +233,11 @@ fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
         _ => {}
     }
     if problem.runner.elastic.is_some() && options.method != Method::Accelerated {
-        return out("elastic bodies under a checking method", 2.0, "1, the ice alone");
+        return out(
+            "elastic bodies under a checking method",
+            2.0,
+            "1, the ice alone",
+        );
     }
     if !(options.p_max_tolerance > 0.0 && options.p_max_tolerance.is_finite()) {
         return out(
@@ -451,9 +482,25 @@ fn hold_outer_faces(
         prescribe(grid, mesh.symmetry, material, &lumps, Side::Below, ice);
     }
     // An unbounded runner stands on all columns: a half-space too.
-    if let Some(body) = mesh.level.bodies.get(1).filter(|b| b.columns == mesh.level.bodies[0].columns) {
-        let grid = TensorGrid { x: grid.x.clone(), y: grid.y.clone(), z: body.operator.axes[2].nodes.clone() };
-        prescribe(&grid, mesh.symmetry, body.material, &lumps, Side::Above, runner);
+    if let Some(body) = mesh
+        .level
+        .bodies
+        .get(1)
+        .filter(|b| b.columns == mesh.level.bodies[0].columns)
+    {
+        let grid = TensorGrid {
+            x: grid.x.clone(),
+            y: grid.y.clone(),
+            z: body.operator.axes[2].nodes.clone(),
+        };
+        prescribe(
+            &grid,
+            mesh.symmetry,
+            body.material,
+            &lumps,
+            Side::Above,
+            runner,
+        );
     }
 }
 
@@ -657,7 +704,9 @@ fn solution(
 /// From component after component to node by node.
 fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
     let nodes = u.len() / 3;
-    (0..nodes).map(|n| [u[n], u[nodes + n], u[2 * nodes + n]]).collect()
+    (0..nodes)
+        .map(|n| [u[n], u[nodes + n], u[2 * nodes + n]])
+        .collect()
 }
 
 /// Largest relative violation: equilibrium, balance, tension, penetration.

@@ -46,7 +46,11 @@ impl Case {
     pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
         self.check()?;
         let (underside, hull) = underside(&self.runner, base)?;
-        let elastic = self.runner.elastic.then(|| self.elastic_runner()).transpose()?;
+        let elastic = self
+            .runner
+            .elastic
+            .then(|| self.elastic_runner())
+            .transpose()?;
         let mut problem = Problem {
             runner: Runner { underside, elastic },
             ice: self.ice(),

@@ -86,14 +86,20 @@ pub static CATALOGUE: &[&dyn Effect] = &[
 
 /// The effect of this name.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {
-    CATALOGUE.iter().copied().find(|effect| effect.info().name == name)
+    CATALOGUE
+        .iter()
+        .copied()
+        .find(|effect| effect.info().name == name)
 }
 
 /// Changes a problem by the effects of a case's `[effects]` tables; those of the sensor leave it as it is.
 ///
 /// # Errors
 /// [`CaseError::Effect`] with the effect, what was found and what was expected.
-pub fn switch_on(tables: &BTreeMap<String, toml::Table>, problem: &mut Problem) -> Result<(), CaseError> {
+pub fn switch_on(
+    tables: &BTreeMap<String, toml::Table>,
+    problem: &mut Problem,
+) -> Result<(), CaseError> {
     for (name, table) in tables {
         let told = |found: String, expected: String| CaseError::Effect {
             name: name.clone(),
@@ -115,7 +121,9 @@ pub fn switch_on(tables: &BTreeMap<String, toml::Table>, problem: &mut Problem) 
             Some(_) => f64::NAN,
         };
         if !(value >= info.low && value <= info.high) {
-            let found = table.get(info.key).map_or(String::new(), ToString::to_string);
+            let found = table
+                .get(info.key)
+                .map_or(String::new(), ToString::to_string);
             return Err(told(
                 format!("`{}` = {found}", info.key),
                 format!("a number from {} to {} {}", info.low, info.high, info.unit),
@@ -150,7 +158,10 @@ mod tests {
         assert!((sum / 1e6 - 1.0).abs() < 1e-9, "{sum}");
         // A Gaussian of two pixels: peak 1/(2 pi 4).
         let peak = map.pressure.iter().copied().fold(0.0, f64::max);
-        assert!((peak / 1e6 * std::f64::consts::TAU * 4.0 - 1.0).abs() < 0.01, "{peak}");
+        assert!(
+            (peak / 1e6 * std::f64::consts::TAU * 4.0 - 1.0).abs() < 0.01,
+            "{peak}"
+        );
     }
 
     #[test]

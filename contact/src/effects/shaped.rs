@@ -17,7 +17,11 @@ pub(super) struct Shaped<F> {
 impl<F: Fn(f64, f64, f64) -> f64 + Send + Sync> Underside for Shaped<F> {
     fn height(&self, x: f64, y: f64) -> f64 {
         let height = self.inner.height(x, y);
-        if height.is_finite() { (self.change)(x, y, height) } else { height }
+        if height.is_finite() {
+            (self.change)(x, y, height)
+        } else {
+            height
+        }
     }
 
     fn extent(&self) -> [f64; 4] {
