@@ -253,7 +253,7 @@ impl World<'_> {
     /// What the next moment needs of this one.
     ///
     /// The slip rate is smoothed over ten steps: a force that follows it, as with a relaxation length, would otherwise
-    /// answer itself from step to step and grow.
+    /// answer itself from step to step and grow. The price is a lag of ten steps in such a force.
     pub(crate) fn before(instant: &Instant, then: &Before) -> Before {
         let now = instant.state.slip_rate_radps;
         Before {

@@ -21,7 +21,6 @@ fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
     for (name, keys) in [
         ("temperature-grip", "slope_per_k = -0.05"),
         ("camber-thrust", "coefficient_per_rad = 0.5"),
-        ("relaxation-length", "length_m = 0.5"),
         ("lever-arm", "x_m = 0.3\nz_m = -0.2"),
         ("slip-offset", "offset_rad = 0.004"),
         ("slip-lag", "time_s = 0.03"),
@@ -48,8 +47,10 @@ fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
         };
         let (explained, unexplained) = (rmse(&with), rmse(&without));
         println!("{name}: {explained:.2} N with it, {unexplained:.2} N without");
+        // A lag is taken out to first order in its time only; everything else far better.
+        let share = if name == "slip-lag" { 0.25 } else { 0.02 };
         assert!(
-            explained < 0.25 * unexplained,
+            explained < share * unexplained,
             "{name}: {explained} against {unexplained}"
         );
         assert!(unexplained > 2.0, "{name} does nothing: {unexplained}");
