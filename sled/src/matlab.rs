@@ -7,6 +7,8 @@ use crate::read::{Columns, collect};
 
 /// Reads every real vector (1 x n or n x 1) with more than one element; other variables are left out.
 ///
+/// Vectors of double and single precision are safe; the parser refuses some files with integer arrays as a whole.
+///
 /// # Errors
 /// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5 and not read).
 pub fn read_matlab(reader: impl std::io::Read, file: &str) -> Result<Columns, Error> {
