@@ -1,7 +1,7 @@
 //! a_measured = a + b along x and along y. Unit: m/s2. Signature: a constant. Confounders: tilt, slope, the level of friction (x); slip and steering offsets (y).
 //! Source: IEEE Std 1293-2018, linear single-axis accelerometers.
 
-use super::{Measured, Effect, Info, Level, Parameter};
+use super::{Effect, Info, Level, Measured, Parameter};
 
 /// See the module.
 pub struct AccelerometerBias;
@@ -10,7 +10,10 @@ static INFO: Info = Info {
     name: "accelerometer-bias",
     summary: "the accelerometer reads a constant too much",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("x_mps2", "m/s2", -3.0, 3.0, 0.01), Parameter::amplitude("y_mps2", "m/s2", -3.0, 3.0, 0.05)],
+    parameters: &[
+        Parameter::amplitude("x_mps2", "m/s2", -3.0, 3.0, 0.01),
+        Parameter::amplitude("y_mps2", "m/s2", -3.0, 3.0, 0.05),
+    ],
     needs: &[],
     decides: "the sled at rest on level ice, turned round once",
 };

@@ -2,7 +2,7 @@
 //! Signature: the vertical acceleration. Confounders: load, bias, slope (exactly opposite on a level track).
 //! Source: IEEE Std 1293-2018, misalignment of the input axis.
 
-use super::{Measured, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Info, Level, Measured, Parameter};
 
 /// See the module.
 pub struct AccelerometerTilt;
@@ -11,7 +11,10 @@ static INFO: Info = Info {
     name: "accelerometer-tilt",
     summary: "the accelerometer sits askew",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("pitch_rad", "rad", -0.3, 0.3, 0.001), Parameter::amplitude("roll_rad", "rad", -0.3, 0.3, 0.003)],
+    parameters: &[
+        Parameter::amplitude("pitch_rad", "rad", -0.3, 0.3, 0.001),
+        Parameter::amplitude("roll_rad", "rad", -0.3, 0.3, 0.003),
+    ],
     needs: &[Column::VerticalAcceleration],
     decides: "the sled at rest on level ice; a curve with known load",
 };

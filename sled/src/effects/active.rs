@@ -11,7 +11,9 @@ use super::{CATALOGUE, Effect, Forces, Measured, Parameter, State, find};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EffectError {
     /// The name is neither in the catalogue nor an expression.
-    #[error("[effects.{name}]: unknown effect; expected one of {known}, or a table with `expression`")]
+    #[error(
+        "[effects.{name}]: unknown effect; expected one of {known}, or a table with `expression`"
+    )]
     UnknownEffect {
         /// The name found.
         name: String,
@@ -147,7 +149,7 @@ impl Effects {
         }
     }
 
-    /// What is added to the track's slope at `s` [m], uphill positive [rad].
+    /// What is added to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, track: &str, s: f64) -> f64 {
         self.active
             .iter()
@@ -164,7 +166,14 @@ fn read_one(name: &str, table: &toml::Table) -> Result<Active, EffectError> {
     let track = match table.get("track") {
         None => None,
         Some(toml::Value::String(track)) => Some(track.clone()),
-        Some(other) => return Err(wrong(name, "track", other, "the name of a track".to_owned())),
+        Some(other) => {
+            return Err(wrong(
+                name,
+                "track",
+                other,
+                "the name of a track".to_owned(),
+            ));
+        }
     };
     let bare = name.split('@').next().unwrap_or(name);
     if table.contains_key("expression") {
@@ -223,7 +232,12 @@ fn number(
     if value >= low && value <= high {
         Ok(value)
     } else {
-        Err(wrong(name, key, found, format!("a number from {low} to {high}")))
+        Err(wrong(
+            name,
+            key,
+            found,
+            format!("a number from {low} to {high}"),
+        ))
     }
 }
 
@@ -236,8 +250,20 @@ fn wrong(name: &str, key: &str, found: &toml::Value, expected: String) -> Effect
     }
 }
 
-fn read_custom(name: &str, table: &toml::Table, track: Option<String>) -> Result<Active, EffectError> {
-    const KEYS: [&str; 7] = ["expression", "channel", "unit", "value", "low", "high", "track"];
+fn read_custom(
+    name: &str,
+    table: &toml::Table,
+    track: Option<String>,
+) -> Result<Active, EffectError> {
+    const KEYS: [&str; 7] = [
+        "expression",
+        "channel",
+        "unit",
+        "value",
+        "low",
+        "high",
+        "track",
+    ];
     if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
         return Err(EffectError::UnknownKey {
             name: name.to_owned(),
@@ -247,13 +273,24 @@ fn read_custom(name: &str, table: &toml::Table, track: Option<String>) -> Result
     }
     let text = match &table["expression"] {
         toml::Value::String(text) => text.clone(),
-        other => return Err(wrong(name, "expression", other, "a formula in quotes".to_owned())),
+        other => {
+            return Err(wrong(
+                name,
+                "expression",
+                other,
+                "a formula in quotes".to_owned(),
+            ));
+        }
     };
     let expression = Expression::parse(&text).map_err(|source| EffectError::Expression {
         name: name.to_owned(),
         source,
     })?;
-    if let Some(unknown) = expression.names().iter().find(|n| !COLUMNS.contains(&n.as_str())) {
+    if let Some(unknown) = expression
+        .names()
+        .iter()
+        .find(|n| !COLUMNS.contains(&n.as_str()))
+    {
         return Err(EffectError::Value {
             name: name.to_owned(),
             key: "expression".to_owned(),

@@ -2,7 +2,7 @@
 //! Confounders: slip drag. Source: G. Bello-Millan, T. Makela, L. Parras, C. del Pino, C. Ferrera, Experimental study on Ahmed body drag coefficient
 //! for different yaw angles, J. Wind Eng. Ind. Aerodyn. 157 (2016) 140-144.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct AeroYaw;

@@ -1,7 +1,7 @@
 //! F_x += -k rho A v^2 / 2: a relative error k of the air density. Signature: v^2, that of the drag area within one session. Confounders: drag area.
 //! Source: ideal gas law with the specific gas constant of air, 287.05 J/(kg K).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct AirDensity;

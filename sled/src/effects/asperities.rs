@@ -2,7 +2,7 @@
 //! k and k_y are pure numbers. Signature: one place, the same in every run; the lateral part grows with the slip there. Confounders: wall contact.
 //! Source: the asperity factors zeta_x and zeta_y of the bobsled friction model.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct Asperities;
@@ -11,7 +11,12 @@ static INFO: Info = Info {
     name: "asperities",
     summary: "a rough stretch of ice",
     level: Level::Track,
-    parameters: &[Parameter::amplitude("excess", "", -0.9, 20.0, 0.2), Parameter::amplitude("grip_excess", "", -0.9, 5.0, 0.05), Parameter::setting("from_m", "m", -1.0e5, 1.0e6, 0.0), Parameter::setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6)],
+    parameters: &[
+        Parameter::amplitude("excess", "", -0.9, 20.0, 0.2),
+        Parameter::amplitude("grip_excess", "", -0.9, 5.0, 0.05),
+        Parameter::setting("from_m", "m", -1.0e5, 1.0e6, 0.0),
+        Parameter::setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6),
+    ],
     needs: &[Column::Distance],
     decides: "the ice surface looked at, there, and the stretch scraped",
 };

@@ -1,7 +1,7 @@
 //! F_y,f += k gamma F_z,f. Unit of k: 1/rad. The runner leaning by the roll split cuts sideways. Signature: roll-split angle times load, front only.
 //! Confounders: lever arm, noise of the roll-split sensor. Source: H.B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), ch. 4.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct CamberThrust;
@@ -10,7 +10,13 @@ static INFO: Info = Info {
     name: "camber-thrust",
     summary: "the turned front runner pushes sideways",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("coefficient_per_rad", "1/rad", -10.0, 10.0, 0.02)],
+    parameters: &[Parameter::amplitude(
+        "coefficient_per_rad",
+        "1/rad",
+        -10.0,
+        10.0,
+        0.02,
+    )],
     needs: &[Column::RollSplit],
     decides: "runs with the roll split locked",
 };

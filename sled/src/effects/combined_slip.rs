@@ -1,7 +1,7 @@
 //! F_y' = F_y / (1 + k (F_x / F_z)^2) with F_x/F_z from the accelerometer, a_x / a_z. k is a pure number. Signature: longitudinal acceleration squared,
 //! in curves. Confounders: saturation. Source: H.B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), ch. 4 (friction ellipse).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct CombinedSlip;

@@ -1,7 +1,7 @@
 //! F_x += -rho dA v^2 / 2: an error dA [m2] of the drag area C_x A_x. Signature: v^2. Confounders: speed, warm-up, air density, headwind.
 //! Source: S.F. Hoerner, Fluid-Dynamic Drag (1965).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct DragArea;

@@ -1,7 +1,7 @@
 //! F_x += -rho A ((v + w)^2 - v^2) / 2, w [m/s] against the motion. Signature: v. Confounders: drag area, speed.
 //! Source: S.F. Hoerner, Fluid-Dynamic Drag (1965).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct Headwind;

@@ -10,7 +10,10 @@ static INFO: Info = Info {
     name: "lever-arm",
     summary: "the accelerometer is not where it is said to be",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("x_m", "m", -1.5, 1.5, 0.02), Parameter::amplitude("z_m", "m", -1.5, 1.5, 0.02)],
+    parameters: &[
+        Parameter::amplitude("x_m", "m", -1.5, 1.5, 0.02),
+        Parameter::amplitude("z_m", "m", -1.5, 1.5, 0.02),
+    ],
     needs: &[Column::RollRate],
     decides: "the sensor's place measured with a tape",
 };

@@ -1,7 +1,7 @@
 //! F_y' = F_y (F_z / F_ref)^n at each runner. n is a pure number. Signature: over load. Confounders: saturation, speed grip.
 //! Source: H.B. Pacejka, E. Bakker, The magic formula tyre model, Vehicle System Dynamics 21 (1992) sup. 1, 1-18.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct LoadSensitivity;
@@ -10,7 +10,10 @@ static INFO: Info = Info {
     name: "load-sensitivity",
     summary: "lateral grip changes with the load",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("exponent", "", -1.5, 1.5, 0.03), Parameter::setting("reference_n", "N", 1.0, 20000.0, 2000.0)],
+    parameters: &[
+        Parameter::amplitude("exponent", "", -1.5, 1.5, 0.03),
+        Parameter::setting("reference_n", "N", 1.0, 20000.0, 2000.0),
+    ],
     needs: &[Column::Load],
     decides: "the same runs with ballast",
 };

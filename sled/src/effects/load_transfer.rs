@@ -2,7 +2,7 @@
 //! grip by the square of the shift. Signature: roll acceleration, at the ends of curves. Confounders: camber thrust, lever arm.
 //! Source: W.F. Milliken, D.L. Milliken, Race Car Vehicle Dynamics (1995), ch. 7 and 18.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct LoadTransfer;
@@ -11,7 +11,13 @@ static INFO: Info = Info {
     name: "load-transfer",
     summary: "roll acceleration shifts load from runner to runner",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("per_radps2_squared", "s4/rad2", -1.0, 10.0, 0.02)],
+    parameters: &[Parameter::amplitude(
+        "per_radps2_squared",
+        "s4/rad2",
+        -1.0,
+        10.0,
+        0.02,
+    )],
     needs: &[Column::RollRate],
     decides: "runs with the roll excited on a straight",
 };
@@ -22,7 +28,8 @@ impl Effect for LoadTransfer {
     }
 
     fn act(&self, parameters: &[f64], at: &State, forces: &mut Forces) {
-        let factor = 1.0 / (1.0 + parameters[0] * at.roll_acceleration * at.roll_acceleration).max(0.05);
+        let factor =
+            1.0 / (1.0 + parameters[0] * at.roll_acceleration * at.roll_acceleration).max(0.05);
         for across in &mut forces.across {
             *across *= factor;
         }

@@ -58,7 +58,7 @@ pub trait Effect: Sync {
     fn disturb(&self, _parameters: &[f64], _measured: &mut Measured) {}
     /// Changes the forces of the base law.
     fn act(&self, _parameters: &[f64], _at: &State, _forces: &mut Forces) {}
-    /// What is added to the track's slope, uphill positive [rad].
+    /// What is added to the track's slope, downhill positive [rad].
     fn slope(&self, _parameters: &[f64], _s: f64) -> f64 {
         0.0
     }

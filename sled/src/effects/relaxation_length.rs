@@ -2,7 +2,7 @@
 //! Signature: slip rate over speed. Confounders: lag of the slip sensor (which does not depend on speed).
 //! Source: H.B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), ch. 7.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct RelaxationLength;

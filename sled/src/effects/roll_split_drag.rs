@@ -2,7 +2,7 @@
 //! Signature: roll-split angle times v^2. Confounders: load and slip drag, in curves.
 //! Source: A. Sciacchitano, D. Faleo and others on the aerodynamics of bobsleds with a roll split (2018), as cited by the bobsled friction model.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct RollSplitDrag;
@@ -11,7 +11,13 @@ static INFO: Info = Info {
     name: "roll-split-drag",
     summary: "the twisted hull brakes",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("coefficient_per_rad", "1/rad", -5.0, 50.0, 0.02)],
+    parameters: &[Parameter::amplitude(
+        "coefficient_per_rad",
+        "1/rad",
+        -5.0,
+        50.0,
+        0.02,
+    )],
     needs: &[Column::RollSplit],
     decides: "pressure taps or a tunnel with the front turned",
 };
@@ -23,6 +29,7 @@ impl Effect for RollSplitDrag {
 
     fn act(&self, parameters: &[f64], at: &State, forces: &mut Forces) {
         let c = &at.conditions;
-        forces.body_along -= 0.5 * parameters[0] * c.air_density * c.drag_area * c.v * c.v * at.roll_split.abs();
+        forces.body_along -=
+            0.5 * parameters[0] * c.air_density * c.drag_area * c.v * c.v * at.roll_split.abs();
     }
 }

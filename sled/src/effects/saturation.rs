@@ -2,7 +2,7 @@
 //! kappa is a pure number. Signature: the cube of the side force. Confounders: load sensitivity, a scale error of the slip angle.
 //! Source: E. Fiala, Seitenkraefte am rollenden Luftreifen, VDI-Z 96 (1954); H.B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct Saturation;
@@ -11,7 +11,11 @@ static INFO: Info = Info {
     name: "saturation",
     summary: "the side force saturates",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("front", "", -20.0, 2.0e3, 0.2), Parameter::amplitude("rear", "", -20.0, 2.0e3, 0.2), Parameter::amplitude("both", "", -20.0, 2.0e3, 0.2)],
+    parameters: &[
+        Parameter::amplitude("front", "", -20.0, 2.0e3, 0.2),
+        Parameter::amplitude("rear", "", -20.0, 2.0e3, 0.2),
+        Parameter::amplitude("both", "", -20.0, 2.0e3, 0.2),
+    ],
     needs: &[Column::Slip],
     decides: "drifts at large slip",
 };

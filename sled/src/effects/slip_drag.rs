@@ -2,7 +2,7 @@
 //! (ploughing sideways). Signature: slip squared. Confounders: yawed drag, load, since slip, side force and load rise in the same curves.
 //! Source: driver evaluation of the bobsled friction model; F. Braghin, F. Cheli, S. Melzi, E. Sabbioni, N. Poerio, The Engineering Approach to Winter Sports (2016).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct SlipDrag;

@@ -1,4 +1,4 @@
-//! slope' = slope + k, uphill positive. Unit of k: rad. An accelerometer does not feel it; the speed does.
+//! slope' = slope + k, downhill positive. Unit of k: rad. An accelerometer does not feel it; the speed does.
 //! Signature: a constant in the difference of the speed's derivative and the accelerometer. Confounders: accelerometer bias and tilt (of opposite sign).
 //! Source: the paired uphill and downhill glides of the ice-house experiments.
 
@@ -11,7 +11,13 @@ static INFO: Info = Info {
     name: "slope",
     summary: "the track is steeper or flatter than stated",
     level: Level::Track,
-    parameters: &[Parameter::amplitude("offset_rad", "rad", -0.05, 0.05, 0.0005)],
+    parameters: &[Parameter::amplitude(
+        "offset_rad",
+        "rad",
+        -0.05,
+        0.05,
+        0.0005,
+    )],
     needs: &[Column::Slope],
     decides: "a levelled track, or runs in both directions",
 };

@@ -1,7 +1,7 @@
 //! F_y' = F_y (1 + k (v - v_ref)). Unit of k: s/m. Signature: over speed. Confounders: load sensitivity, saturation.
 //! Source: F. Braghin and others, The Engineering Approach to Winter Sports (2016), lateral friction of bobsled runners.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct SpeedGrip;
@@ -10,7 +10,10 @@ static INFO: Info = Info {
     name: "speed-grip",
     summary: "lateral grip changes with speed",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("slope_s_per_m", "s/m", -0.02, 0.2, 0.002), Parameter::setting("reference_mps", "m/s", 0.0, 60.0, 25.0)],
+    parameters: &[
+        Parameter::amplitude("slope_s_per_m", "s/m", -0.02, 0.2, 0.002),
+        Parameter::setting("reference_mps", "m/s", 0.0, 60.0, 25.0),
+    ],
     needs: &[Column::Speed],
     decides: "the same curve driven from a lower start",
 };

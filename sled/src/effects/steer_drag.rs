@@ -1,7 +1,7 @@
 //! F_x += -k F_z,f |delta| at the front runner. Unit of k: 1/rad. Scrubbing of the steered runner beyond the rotation of its side force.
 //! Signature: the steering angle. Confounders: slip drag. Source: L. Poirier, Ice Friction in the Sport of Bobsleigh, PhD thesis, University of Calgary (2011).
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct SteerDrag;
@@ -10,7 +10,13 @@ static INFO: Info = Info {
     name: "steer-drag",
     summary: "steering brakes",
     level: Level::Sample,
-    parameters: &[Parameter::amplitude("coefficient_per_rad", "1/rad", -5.0, 50.0, 0.05)],
+    parameters: &[Parameter::amplitude(
+        "coefficient_per_rad",
+        "1/rad",
+        -5.0,
+        50.0,
+        0.05,
+    )],
     needs: &[Column::Steering],
     decides: "steering pulses on a straight",
 };

@@ -2,7 +2,7 @@
 //! Confounders: anything that drifts with the sessions. Source: L. Poirier, E.P. Lozowski, R.I. Thompson, Ice hardness in winter sports,
 //! Cold Reg. Sci. Technol. 67 (2011) 129-134.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct TemperatureGrip;
@@ -11,7 +11,10 @@ static INFO: Info = Info {
     name: "temperature-grip",
     summary: "lateral grip changes with the ice temperature",
     level: Level::Session,
-    parameters: &[Parameter::amplitude("slope_per_k", "1/K", -0.2, 0.2, 0.01), Parameter::setting("reference_c", "deg C", -40.0, 0.0, -5.0)],
+    parameters: &[
+        Parameter::amplitude("slope_per_k", "1/K", -0.2, 0.2, 0.01),
+        Parameter::setting("reference_c", "deg C", -40.0, 0.0, -5.0),
+    ],
     needs: &[Column::IceTemperature],
     decides: "sessions at other ice temperatures",
 };

@@ -66,7 +66,13 @@ fn every_effect_is_off_at_default_and_acts_at_each_amplitude() {
             if parameter.is_amplitude() {
                 let mut on = off.clone();
                 on[index] = parameter.typical;
-                assert_ne!(outcome(&on), outcome(&off), "{} {}", info.name, parameter.name);
+                assert_ne!(
+                    outcome(&on),
+                    outcome(&off),
+                    "{} {}",
+                    info.name,
+                    parameter.name
+                );
                 assert!(parameter.low < 0.0 || parameter.low == 0.0, "{}", info.name);
                 assert!(parameter.typical < parameter.high, "{}", info.name);
             }
@@ -81,11 +87,17 @@ fn what_disturb_does_correct_undoes() {
         if ["lever-arm", "mass"].contains(&info.name) {
             continue; // these change what is known of the sled, not a signal
         }
-        let on: Vec<f64> = info.parameters.iter().map(|p| p.default + p.typical).collect();
+        let on: Vec<f64> = info
+            .parameters
+            .iter()
+            .map(|p| p.default + p.typical)
+            .collect();
         let mut m = measured();
         effect.disturb(&on, &mut m);
         effect.correct(&on, &mut m);
-        let error = (0..3).map(|i| (m.acceleration[i] - measured().acceleration[i]).abs()).sum::<f64>()
+        let error = (0..3)
+            .map(|i| (m.acceleration[i] - measured().acceleration[i]).abs())
+            .sum::<f64>()
             + (m.slip - measured().slip).abs()
             + (m.steering - measured().steering).abs();
         assert!(error < 1e-12, "{}: {error}", info.name);
@@ -95,13 +107,16 @@ fn what_disturb_does_correct_undoes() {
 fn tables(text: &str) -> std::collections::BTreeMap<String, toml::Table> {
     let table: toml::Table = text.parse().unwrap();
     let effects = table["effects"].as_table().unwrap();
-    let pairs = effects.iter().map(|(k, v)| (k.clone(), v.as_table().unwrap().clone()));
+    let pairs = effects
+        .iter()
+        .map(|(k, v)| (k.clone(), v.as_table().unwrap().clone()));
     pairs.collect()
 }
 
 #[test]
 fn local_effects_act_in_their_window_on_their_track() {
-    let text = "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\ntrack = \"a\"";
+    let text =
+        "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\ntrack = \"a\"";
     let effects = Effects::from_tables(&tables(text)).unwrap();
     assert_eq!(effects.active[0].effect_name(), "wall-contact");
     let mut f = forces();
@@ -128,15 +143,39 @@ fn effects_of_ones_own_are_expressions_of_columns() {
 #[test]
 fn mistakes_are_named_with_effect_key_and_bounds() {
     for (text, words) in [
-        ("[effects.nonsense]\nx = 1", &["nonsense", "temperature-grip"][..]),
-        ("[effects.speed-grip]\nslope = 1", &["speed-grip", "slope", "slope_s_per_m"]),
-        ("[effects.speed-grip]\nslope_s_per_m = 7.0", &["slope_s_per_m", "7.0", "0.2"]),
-        ("[effects.speed-grip]\nslope_s_per_m = \"a\"", &["slope_s_per_m", "a number"]),
-        ("[effects.x]\nexpression = \"v_mps +\"\nchannel = \"grip\"", &["[effects.x]", "character 8"]),
-        ("[effects.x]\nexpression = \"velocity\"\nchannel = \"grip\"", &["velocity", "v_mps"]),
-        ("[effects.x]\nexpression = \"v_mps\"", &["channel", "absent"]),
+        (
+            "[effects.nonsense]\nx = 1",
+            &["nonsense", "temperature-grip"][..],
+        ),
+        (
+            "[effects.speed-grip]\nslope = 1",
+            &["speed-grip", "slope", "slope_s_per_m"],
+        ),
+        (
+            "[effects.speed-grip]\nslope_s_per_m = 7.0",
+            &["slope_s_per_m", "7.0", "0.2"],
+        ),
+        (
+            "[effects.speed-grip]\nslope_s_per_m = \"a\"",
+            &["slope_s_per_m", "a number"],
+        ),
+        (
+            "[effects.x]\nexpression = \"v_mps +\"\nchannel = \"grip\"",
+            &["[effects.x]", "character 8"],
+        ),
+        (
+            "[effects.x]\nexpression = \"velocity\"\nchannel = \"grip\"",
+            &["velocity", "v_mps"],
+        ),
+        (
+            "[effects.x]\nexpression = \"v_mps\"",
+            &["channel", "absent"],
+        ),
     ] {
-        let message = Effects::from_tables(&tables(text)).err().unwrap().to_string();
+        let message = Effects::from_tables(&tables(text))
+            .err()
+            .unwrap()
+            .to_string();
         for word in words {
             assert!(message.contains(word), "{message:?} lacks {word:?}");
         }

@@ -2,7 +2,7 @@
 //! Signature: one place. Confounders: a rough stretch at that place.
 //! Source: the wall contacts near 500 m and 800 m in the validation of the bobsled friction model.
 
-use super::{Forces, State, Column, Effect, Info, Level, Parameter};
+use super::{Column, Effect, Forces, Info, Level, Parameter, State};
 
 /// See the module.
 pub struct WallContact;
@@ -11,7 +11,12 @@ static INFO: Info = Info {
     name: "wall-contact",
     summary: "the sled touches the wall",
     level: Level::Track,
-    parameters: &[Parameter::amplitude("force_n", "N", -20000.0, 20000.0, 100.0), Parameter::setting("from_m", "m", -1.0e5, 1.0e6, 0.0), Parameter::setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6), Parameter::setting("friction", "", 0.0, 1.0, 0.0)],
+    parameters: &[
+        Parameter::amplitude("force_n", "N", -20000.0, 20000.0, 100.0),
+        Parameter::setting("from_m", "m", -1.0e5, 1.0e6, 0.0),
+        Parameter::setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6),
+        Parameter::setting("friction", "", 0.0, 1.0, 0.0),
+    ],
     needs: &[Column::Distance],
     decides: "a camera, or marks on the wall, at that place",
 };
