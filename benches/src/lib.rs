@@ -3,6 +3,10 @@
 //! | program | what it measures |
 //! |---|---|
 //! | `solver` | contact and linear solves: time, memory, unknowns, iterations |
+//! | `limits` | the solver's kernels beside the machine's bandwidth and faer's matrix products |
+//! | `fields` | one field, 64 fields, and fields for other programs to compare with |
+//! | `lookup` | one evaluation of a table |
+//! | `guard` | three fixed small cases whose instructions are counted |
 //!
 //! ```
 //! let (seconds, sum) = kufe_benches::best_of(3, || (0..1000u64).sum::<u64>());
@@ -10,5 +14,7 @@
 //! ```
 
 mod measured;
+mod needle;
 
 pub use measured::{Cost, again, best_of, peak_bytes};
+pub use needle::{ICE, NeedleBlock, needle_block};

@@ -1,0 +1,74 @@
+"""kufe beside the programs people would use instead, in one run: whole process, work alone, true error, ratio.
+
+    python benches/peers/compare.py target/release/fields
+
+Every figure is the fastest of three processes. A peer gets the coarsest of its grids from which on every finer one
+is at least as good as what is asked, in a window sized by Hertz' formulas: its user has to know the patch already.
+"""
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).parent
+ROUNDS = 3
+GRIDS = [16, 24, 32, 48]
+
+
+def measured(command, rounds=ROUNDS):
+    """Whole seconds and the numbers printed, of the fastest of several processes."""
+    best = None
+    for _ in range(rounds):
+        begun = time.perf_counter()
+        said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        whole = time.perf_counter() - begun
+        if best is None or whole < best[0]:
+            best = (whole, [float(word) for word in said.split()])
+    return best
+
+
+def script(name, *arguments):
+    return [sys.executable, str(HERE / name), *map(str, arguments)]
+
+
+def coarsest(name, mode, asked):
+    """The peer's grid: the coarsest with every finer one within `asked`."""
+    chosen = None
+    for n in reversed(GRIDS):
+        if measured(script(name, mode, n), 1)[1][0] > asked:
+            break
+        chosen = n
+    return chosen
+
+
+def row(label, error, whole, work, base):
+    ratio = "1" if base is None else f"{whole / base[0]:.2f} / {work / base[1]:.2f}"
+    print(f"| {label} | {100 * error:.3f} % | {whole:.3f} s | {work:.3f} s | {ratio} |", flush=True)
+
+
+def table(title, asked, mine, mode):
+    print(f"\n### {title}, asked {100 * asked:g} %\n")
+    print("| program | true error | whole process | work alone | times kufe's: process / work |")
+    print("|---|---|---|---|---|")
+    whole, numbers = mine
+    base = (whole, numbers[1])
+    row("kufe", numbers[-1] if mode == "one" else numbers[0], whole, numbers[1], None)
+    for label, name in [("Tamaas", "tamaas_hertz.py"), ("ContactMechanics", "contactmechanics_hertz.py")]:
+        n = coarsest(name, mode, asked)
+        if n is None:
+            print(f"| {label} | over what was asked up to {GRIDS[-1]} x {GRIDS[-1]} points | | | |")
+            continue
+        whole, (error, work) = measured(script(name, mode, n))
+        row(f"{label}, {n} x {n}, window sized by hand", error, whole, work, base)
+
+
+def main():
+    fields = sys.argv[1]
+    os.environ.setdefault("OMP_NUM_THREADS", str(os.cpu_count()))
+    for asked in (0.005, 0.001):
+        table("One contact: rocker 30 m, section 5 mm, 1 kN", asked, measured([fields, "one", str(asked)]), "one")
+    table("64 contacts: 8 loads by 8 radii", 0.005, measured([fields, "all", "0.005"]), "hand")
+
+
+main()

@@ -1,0 +1,91 @@
+//! Three small pieces of work whose instructions `benches/guard` counts; always the same work, on one thread.
+//!
+//! ```sh
+//! guard contact   # one contact on one small mesh
+//! guard lookup    # a table evaluated at a hundred thousand points
+//! guard linear    # a linear solve's two kernels, ten times
+//! ```
+
+use std::path::Path;
+
+use kufe_benches::needle_block;
+use kufe_contact::case::Case;
+use kufe_contact::{Options, solve};
+use kufe_lut::{Axes, Lookup, Mode, Quantity, Solved, Table};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let word = std::env::args().nth(1).unwrap_or_default();
+    match word.as_str() {
+        "contact" => contact(),
+        "lookup" => lookup(),
+        "linear" => linear(),
+        _ => {
+            println!("usage: guard contact | lookup | linear");
+            Ok(())
+        }
+    }
+}
+
+fn contact() -> Result<(), Box<dyn std::error::Error>> {
+    let case = Case::parse(
+        "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }\n\
+         [ice]\nyoungs_modulus_pa = 9e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n\
+         [load]\nfz_n = 1000.0\n",
+    )?;
+    let options = Options {
+        cells: Some(6),
+        ..Options::default()
+    };
+    println!("{}", solve(&case.problem(Path::new("."))?, &options)?.p_max);
+    Ok(())
+}
+
+fn lookup() -> Result<(), Box<dyn std::error::Error>> {
+    let fz: Vec<f64> = (0..16).map(|i| 200.0 * 1.28f64.powi(i)).collect();
+    let curvature: Vec<f64> = (0..16).map(|j| 0.001 * f64::from(j * j)).collect();
+    let axes = Axes::new(fz, curvature, None)?;
+    let nodes = axes.points().into_iter().map(|point| {
+        let p_max = 1e7 * point.fz.cbrt() * (1.0 - 2.0 * point.curvature);
+        Solved {
+            p_max,
+            p_max_error: 0.0,
+            p_mean: p_max / 1.5,
+            area: 1e-5,
+            length: 0.05,
+            width: 3e-4,
+            approach: 1e-5,
+        }
+    });
+    let nodes = nodes.collect();
+    let table = Table::new(axes, nodes, Vec::new())?;
+    for mode in Mode::ALL {
+        let lookup = Lookup::new(&table, Quantity::PMax, mode)?;
+        let sum: f64 = (0..100_000)
+            .map(|i| {
+                let i = f64::from(i);
+                lookup
+                    .at(200.0 + (i * 7.31) % 7000.0, (i * 3.7e-4) % 0.2)
+                    .value
+            })
+            .sum();
+        println!("{sum}");
+    }
+    Ok(())
+}
+
+fn linear() -> Result<(), Box<dyn std::error::Error>> {
+    let block = needle_block(20);
+    let nodes = block.operator.node_count();
+    let mut u: Vec<f64> = (0..3 * nodes).map(|i| (0.37 * i as f64).sin()).collect();
+    let mut out = vec![0.0; 3 * nodes];
+    let mut modal = vec![0.0; block.preconditioner.mode_count()];
+    let mut scratch = vec![0.0; block.preconditioner.scratch_len()];
+    for _ in 0..10 {
+        block.operator.apply(&u, &mut out);
+        block
+            .preconditioner
+            .apply(&out, &mut u, &mut modal, &mut scratch);
+    }
+    println!("{}", u.iter().map(|u| u * u).sum::<f64>());
+    Ok(())
+}

@@ -1,0 +1,156 @@
+//! The solver's kernels beside what this machine can do: memory bandwidth and matrix products.
+//!
+//! `cargo run --release -p kufe-benches --bin limits`
+//!
+//! | kernel | bound by | its limit here |
+//! |---|---|---|
+//! | operator | reading u and writing K u, 48 bytes a node | a stream triad on every thread |
+//! | preconditioner | six matrix products a component | faer's product of the same shapes on every thread |
+
+use std::hint::black_box;
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
+use kufe_benches::{again, best_of, needle_block};
+use rayon::prelude::*;
+
+/// Numbers in each of the triad's three arrays: far more than any cache holds.
+const STREAM: usize = 1 << 26;
+/// Numbers a task of the triad works on.
+const CHUNK: usize = 1 << 16;
+const ROUNDS: usize = 7;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.first() {
+        Some(cells) => kernels(
+            cells
+                .parse()
+                .unwrap_or_else(|_| panic!("{cells}: expected a number of cells")),
+        ),
+        None => tables(),
+    }
+}
+
+fn tables() {
+    let triad = triad();
+    println!("### Kernels beside this machine's limits\n");
+    println!(
+        "{} threads. Stream triad: {:.1} GB/s. faer, product of 512 x 512 matrices on every thread at once: {:.1} Gflop/s.\n",
+        rayon::current_num_threads(),
+        triad / 1e9,
+        plane_products(512, 512, 512) / 1e9
+    );
+    println!(
+        "| unknowns | operator | of the bandwidth | preconditioner | its rate | faer, same shapes | share |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for cells in ["32", "69", "100"] {
+        let words = again(&[cells]);
+        let n: Vec<f64> = words
+            .iter()
+            .map(|w| w.parse().unwrap_or(f64::NAN))
+            .collect();
+        println!(
+            "| {:.0} | {:.2} ms | {:.0} % | {:.2} ms | {:.1} Gflop/s | {:.1} Gflop/s | {:.0} % |",
+            n[0],
+            1e3 * n[1],
+            100.0 * n[2] / n[1] / triad,
+            1e3 * n[3],
+            n[4] / n[3] / 1e9,
+            n[4] / n[5] / 1e9,
+            100.0 * n[5] / n[3]
+        );
+    }
+}
+
+/// Bytes a second of a = b + s c, counting one write and two reads a number.
+fn triad() -> f64 {
+    let (b, c) = (vec![1.0f64; STREAM], vec![2.0f64; STREAM]);
+    let mut a = vec![0.0f64; STREAM];
+    let scale = black_box(3.0);
+    let (seconds, ()) = best_of(ROUNDS, || {
+        a.par_chunks_mut(CHUNK)
+            .zip(b.par_chunks(CHUNK))
+            .zip(c.par_chunks(CHUNK))
+            .for_each(|((a, b), c)| {
+                for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+                    *a = b + scale * c;
+                }
+            });
+    });
+    assert!(a.iter().all(|&a| a == 7.0));
+    24.0 * STREAM as f64 / seconds
+}
+
+/// Operations a second of rows x inner by inner x cols products, each thread at its own.
+fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
+    let left = Mat::<f64>::from_fn(rows, inner, |i, j| (i + 2 * j) as f64);
+    let right = Mat::<f64>::from_fn(inner, cols, |i, j| (i as f64 - j as f64).sin());
+    let flops = 2.0 * (rows * inner * cols) as f64;
+    let threads = rayon::current_num_threads();
+    let repeats = ((4e9 / flops) as usize).max(1) * threads;
+    let mut targets = vec![Mat::<f64>::zeros(rows, cols); threads];
+    let (seconds, ()) = best_of(ROUNDS, || {
+        targets.par_iter_mut().for_each(|target| {
+            for _ in 0..repeats / threads {
+                matmul(
+                    target.as_mut(),
+                    Accum::Replace,
+                    black_box(left.as_ref()),
+                    right.as_ref(),
+                    1.0,
+                    Par::Seq,
+                );
+            }
+        });
+    });
+    flops * repeats as f64 / seconds
+}
+
+/// Operations a second of one tall product, rows x inner by inner x cols, all threads on it.
+fn tall_product(rows: usize, inner: usize, cols: usize) -> f64 {
+    let left = Mat::<f64>::from_fn(rows, inner, |i, j| (i + 2 * j) as f64);
+    let right = Mat::<f64>::from_fn(inner, cols, |i, j| (i as f64 - j as f64).sin());
+    let mut target = Mat::<f64>::zeros(rows, cols);
+    let (seconds, ()) = best_of(ROUNDS, || {
+        matmul(
+            target.as_mut(),
+            Accum::Replace,
+            black_box(left.as_ref()),
+            right.as_ref(),
+            1.0,
+            Par::rayon(0),
+        );
+    });
+    2.0 * (rows * inner * cols) as f64 / seconds
+}
+
+/// Prints unknowns, the operator's time and bytes, the preconditioner's time and operations, and faer's time for those.
+fn kernels(cells: usize) {
+    let block = needle_block(cells);
+    let (operator, preconditioner) = (&block.operator, &block.preconditioner);
+    let [nx, ny, nz] = operator.shape();
+    let nodes = operator.node_count();
+    let u: Vec<f64> = (0..3 * nodes).map(|i| (0.37 * i as f64).sin()).collect();
+    let mut out = vec![0.0; 3 * nodes];
+    let (apply, ()) = best_of(3 * ROUNDS, || operator.apply(black_box(&u), &mut out));
+    let mut modal = vec![0.0; preconditioner.mode_count()];
+    let mut scratch = vec![0.0; preconditioner.scratch_len()];
+    let (precondition, ()) = best_of(ROUNDS, || {
+        preconditioner.apply(black_box(&u), &mut out, &mut modal, &mut scratch)
+    });
+    let (mut planes, mut tall) = (0.0, 0.0);
+    for c in 0..3 {
+        let [mx, my, mz] = [0, 1, 2].map(|axis| preconditioner.axis_modes(c, axis).values.len());
+        planes += 4.0 * (mx * nx * ny * nz + mx * ny * my * nz) as f64;
+        tall += 4.0 * (mx * my * nz * mz) as f64;
+    }
+    let ideal = planes / plane_products(nx, nx, ny) + tall / tall_product(nx * ny, nz, nz);
+    println!(
+        "{} {apply} {} {precondition} {} {ideal}",
+        operator.free_dofs(),
+        48 * nodes,
+        planes + tall
+    );
+}

@@ -1,0 +1,48 @@
+//! The equations of ice under a needle-shaped patch, as a runner of 30 m rocker and 5 mm section leaves it.
+
+use kufe_fem::{FastDiagonal, Material, TensorOperator};
+use kufe_mesh::TensorGrid;
+
+/// Young's modulus [Pa] and Poisson's ratio of the ice in every benchmark.
+pub const ICE: (f64, f64) = (9.0e9, 0.33);
+
+/// A quarter of a block of ice, graded around a patch with aspect ratio 183.
+#[derive(Clone, Debug)]
+pub struct NeedleBlock {
+    /// The grid.
+    pub grid: TensorGrid,
+    /// Half length and half width of the patch [m].
+    pub patch: [f64; 2],
+    /// The stiffness.
+    pub operator: TensorOperator,
+    /// Its preconditioner.
+    pub preconditioner: FastDiagonal,
+}
+
+/// A block of `cells` cells along each axis: even to the patch's half width, then in geometric progression to 0.3 m.
+pub fn needle_block(cells: usize) -> NeedleBlock {
+    let patch = [0.0251, 0.000137];
+    let axis = |half: f64| -> Vec<f64> {
+        let even = cells / 3;
+        let mut nodes: Vec<f64> = (0..=even).map(|i| half * i as f64 / even as f64).collect();
+        let ratio = (0.3 / half).powf(1.0 / (cells - even) as f64);
+        nodes.extend((1..=cells - even).map(|i| half * ratio.powi(i as i32)));
+        nodes
+    };
+    let grid = TensorGrid {
+        x: axis(patch[0]),
+        y: axis(patch[1]),
+        z: axis(patch[1]).iter().rev().map(|d| -d).collect(),
+    };
+    let ice = Material::new(ICE.0, ICE.1).unwrap_or_else(|error| panic!("{error}"));
+    // Mirror planes at x = 0 and y = 0, the far faces held, the surface free.
+    let held = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
+    let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held);
+    let preconditioner = FastDiagonal::new(&operator);
+    NeedleBlock {
+        grid,
+        patch,
+        operator,
+        preconditioner,
+    }
+}
