@@ -142,30 +142,23 @@ fn even_steps(
 mod tests {
     use super::*;
 
+    fn zone(low: f64, high: f64, spacing: f64) -> Zone {
+        Zone {
+            stretch: Stretch::even(low, high),
+            spacing,
+        }
+    }
+
     #[test]
     fn axis_is_even_in_its_zones_and_grows_outside() {
-        let zones = [
-            Zone {
-                low: 0.0,
-                high: 1.0,
-                spacing: 0.1,
-            },
-            Zone {
-                low: 5.0,
-                high: 6.0,
-                spacing: 0.2,
-            },
-        ];
+        let zones = [zone(0.0, 1.0, 0.1), zone(5.0, 6.0, 0.2)];
         let nodes = graded_axis(Start::At(0.0), 100.0, &zones, 0.4);
         assert!(nodes[0] == 0.0 && nodes[nodes.len() - 1] >= 100.0);
         for pair in nodes.windows(2) {
             let (step, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
             let wish = |zone: &Zone| {
-                zone.spacing
-                    + 0.4
-                        * (zone.stretch.low - middle)
-                            .max(middle - zone.stretch.high)
-                            .max(0.0)
+                let (low, high) = (zone.stretch.low, zone.stretch.high);
+                zone.spacing + 0.4 * (low - middle).max(middle - high).max(0.0)
             };
             let asked = zones.iter().map(wish).fold(f64::INFINITY, f64::min);
             assert!(
@@ -173,25 +166,19 @@ mod tests {
                 "{step} at {middle}, asked {asked}"
             );
         }
-        let inside: Vec<f64> = nodes
-            .iter()
-            .copied()
-            .filter(|x| (0.0..=1.0).contains(x))
-            .collect();
-        assert_eq!(inside.len(), 11);
+        assert_eq!(
+            nodes.iter().filter(|x| (0.0..=1.0).contains(*x)).count(),
+            11
+        );
     }
 
     #[test]
     fn finer_axis_of_the_same_zone_has_its_zone_nodes_in_the_same_proportion() {
         let nodes = |cells: f64| {
             graded_axis(
-                0.0,
+                Start::At(0.0),
                 50.0,
-                &[Zone {
-                    low: 0.0,
-                    high: 1.0,
-                    spacing: 1.0 / cells,
-                }],
+                &[zone(0.0, 1.0, 1.0 / cells)],
                 2.0 / cells,
             )
         };
@@ -203,5 +190,12 @@ mod tests {
                 .zip(fine.iter().step_by(2))
                 .all(|(a, b)| (a - b).abs() < 1e-12)
         );
+    }
+
+    #[test]
+    fn axis_beyond_a_mirror_plane_begins_exactly_there() {
+        let nodes = graded_axis(Start::At(0.0), 3.0, &[zone(1.0, 2.0, 0.1)], 0.3);
+        assert_eq!(nodes[0], 0.0);
+        assert!(nodes.windows(2).all(|w| w[1] > w[0]));
     }
 }

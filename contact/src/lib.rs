@@ -6,24 +6,64 @@
 //! | [`Options`] | accuracy and limits |
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
+//! | [`hertz`] | closed form for smooth point contacts |
+//! | [`case`] | the case file and the problem that it states |
+//!
+//! How a problem becomes a pressure:
+//!
+//! 1. `window` guesses the patch from the undeformed gap; `scout` finds it with contact problems on the contact plane
+//!    alone, whose matrix is the Green's matrix of the preconditioner (`surface`), and regrades until the grid fits.
+//! 2. `discretise` grades a tensor grid of hexahedra to the patch; on a half-space the outer faces carry the
+//!    half-space's own displacements (`far_field`).
+//! 3. `contact_set` predicts which nodes touch by projected SOR on the contact forces (`psor`); `constrained_cg` solves
+//!    in the subspace that keeps them closed, with a preconditioner that keeps the constraint and balances the load
+//!    (after L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x).
+//! 4. `field` turns nodal forces into pressures and figures, `extrapolation` two or three similar meshes into a peak
+//!    pressure with an error; `answer` puts the solution together.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Tilt, hertz, solve};
+//! use kufe_mesh::Paraboloid;
+//!
+//! let hull = Paraboloid::new(30.0, 0.005)?;
+//! let problem = Problem {
+//!     runner: Runner::rigid(Arc::new(hull)),
+//!     ice: Ice { youngs_modulus: 9.0e9, poissons_ratio: 0.33, foundation: Foundation::HalfSpace, hardness: None },
+//!     track_curvature: 0.0,
+//!     load: Load::Force { fz: 1000.0, offset_x: 0.0, offset_y: 0.0, tilt: Tilt::Free },
+//! };
+//! let solution = solve(&problem, &Options::default())?;
+//! let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0);
+//! assert!((solution.p_max / exact.p_max - 1.0).abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod answer;
 mod body;
 pub mod case;
+mod check;
+mod constrained_cg;
+mod contact_set;
 mod discretise;
 pub mod effects;
 mod error;
+mod extrapolation;
 mod far_field;
+mod field;
 mod gap;
 mod grading;
 mod hertz;
 mod level;
 mod measure;
+mod mesh_solve;
 mod motion;
 mod options;
 mod plain;
 mod problem;
 mod psor;
 mod runner_body;
+mod scout;
 mod solution;
 mod solve;
 mod stretch;
@@ -33,7 +73,7 @@ mod window;
 
 pub use error::Error;
 pub use hertz::{Hertz, hertz};
-pub use options::{Method, Options};
+pub use options::{Method, Options, Watcher};
 pub use problem::{ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt};
 pub use solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
 pub use solve::solve;

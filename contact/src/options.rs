@@ -17,6 +17,9 @@ pub enum Method {
     PlainSor,
 }
 
+/// Someone who is told of every update of the contact set.
+pub type Watcher = Arc<dyn Fn(&Iterate) + Send + Sync>;
+
 /// Accuracy and limits of a solve.
 #[derive(Clone)]
 pub struct Options {
@@ -32,7 +35,7 @@ pub struct Options {
     /// How the equations are solved.
     pub method: Method,
     /// Called after every update of the contact set.
-    pub progress: Option<Arc<dyn Fn(&Iterate) + Send + Sync>>,
+    pub progress: Option<Watcher>,
 }
 
 impl Default for Options {

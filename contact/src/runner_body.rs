@@ -100,6 +100,7 @@ pub(crate) fn runner_body(
     if !for_solving {
         return Ok((body, mesh));
     }
+    // The held top lets nothing bend, so plain hexahedra serve.
     let solid = Solid::uniform(mesh.clone(), material, ElementKind::Hex8).map_err(|error| {
         Error::RunnerMesh {
             reason: error.to_string(),

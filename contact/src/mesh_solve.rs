@@ -1,0 +1,159 @@
+//! The solve on one mesh.
+
+use faer::Mat;
+use kufe_fem::Material;
+use kufe_mesh::TensorGrid;
+
+use crate::body::Side;
+use crate::contact_set::Progress;
+use crate::discretise::Discretisation;
+use crate::far_field::{lumps, prescribe};
+use crate::level::State;
+use crate::plain::{active_set, projected_sor};
+use crate::psor::PlaneState;
+use crate::window::Patch;
+use crate::{Error, Foundation, Load, Method, Options, Problem};
+
+/// Contact forces as they are known so far, on the plane they were found on.
+pub(crate) struct Forces {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    force: Vec<f64>,
+    symmetry: [bool; 2],
+}
+
+/// Solves on one mesh, beginning with the contact on the plane alone.
+pub(crate) fn solve_level(
+    problem: &Problem,
+    material: Material,
+    mesh: &Discretisation,
+    patch: &Patch,
+    forces: &Forces,
+    options: &Options,
+) -> Result<(State, Progress), Error> {
+    let level = &mesh.level;
+    let greens = level.greens();
+    let base: Vec<f64> = level.candidates.iter().map(|&n| level.gap[n]).collect();
+    let start = PlaneState {
+        force: vec![0.0; level.candidates.len()],
+        motion: [patch.motion, 0.0, 0.0],
+        settled: false,
+    };
+    let found = level.plane_contact(&greens[1], &base, start);
+    let mut force = vec![0.0; level.gap.len()];
+    for (&node, f) in level.candidates.iter().zip(&found.force) {
+        force[node] = *f;
+    }
+    let mut state = State {
+        displacement: vec![0.0; level.len()],
+        force,
+        motion: found.motion,
+    };
+    hold_outer_faces(problem, material, mesh, forces, &mut state);
+    let mut progress = one_solve(mesh, material, &greens, &mut state, options);
+    if matches!(problem.load, Load::Approach { .. })
+        && problem.ice.foundation == Foundation::HalfSpace
+    {
+        // The force, and with it the far field, follows from the solution.
+        const ROUNDS: usize = 20;
+        for _ in 0..ROUNDS {
+            let before = level.resultant(&state)[0];
+            hold_outer_faces(
+                problem,
+                material,
+                mesh,
+                &lumped_forces(mesh, &state),
+                &mut state,
+            );
+            let again = one_solve(mesh, material, &greens, &mut state, options);
+            progress.iterations += again.iterations;
+            progress.converged &= again.converged;
+            progress.residual = again.residual;
+            progress.updates.extend(again.updates);
+            if (level.resultant(&state)[0] - before).abs() <= 1e-6 * before {
+                break;
+            }
+        }
+    }
+    if !progress.converged {
+        return Err(Error::NotConverged {
+            iterations: progress.iterations,
+            residual: progress.residual,
+            tolerance: options.residual,
+        });
+    }
+    Ok((state, progress))
+}
+
+/// Writes the far field of the contact forces onto the outer faces of a half-space.
+fn hold_outer_faces(
+    problem: &Problem,
+    material: Material,
+    mesh: &Discretisation,
+    forces: &Forces,
+    state: &mut State,
+) {
+    let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
+    let grid = &mesh.grid;
+    let (ice, runner) = state.displacement.split_at_mut(3 * grid.node_count());
+    if problem.ice.foundation == Foundation::HalfSpace {
+        prescribe(grid, mesh.symmetry, material, &lumps, Side::Below, ice);
+    }
+    // An unbounded runner stands on all columns: a half-space too.
+    if let Some(body) = mesh
+        .level
+        .bodies
+        .get(1)
+        .filter(|b| b.columns == mesh.level.bodies[0].columns)
+    {
+        let grid = TensorGrid {
+            x: grid.x.clone(),
+            y: grid.y.clone(),
+            z: body.operator.axes[2].nodes.clone(),
+        };
+        prescribe(
+            &grid,
+            mesh.symmetry,
+            body.material,
+            &lumps,
+            Side::Above,
+            runner,
+        );
+    }
+}
+
+/// Solves the equations of one mesh for held outer faces, from `state`.
+fn one_solve(
+    mesh: &Discretisation,
+    material: Material,
+    greens: &[Mat<f64>; 2],
+    state: &mut State,
+    options: &Options,
+) -> Progress {
+    const ITERATIONS: usize = 1000;
+    const SWEEPS: usize = 200_000;
+    let level = &mesh.level;
+    match options.method {
+        Method::Accelerated => level.solve(state, greens, options.residual, ITERATIONS),
+        Method::CholeskyActiveSet => Progress::direct(active_set(mesh, material, state)),
+        Method::PlainSor => {
+            let held = state.displacement.clone();
+            level.solve(state, greens, options.residual, ITERATIONS);
+            let tolerance = 1e-3 * options.residual;
+            let sweeps = projected_sor(mesh, material, &held, state, tolerance, SWEEPS);
+            Progress {
+                iterations: sweeps.unwrap_or(SWEEPS),
+                ..Progress::direct(sweeps.is_some())
+            }
+        }
+    }
+}
+
+pub(crate) fn lumped_forces(mesh: &Discretisation, state: &State) -> Forces {
+    Forces {
+        x: mesh.grid.x.clone(),
+        y: mesh.grid.y.clone(),
+        force: state.force.clone(),
+        symmetry: mesh.symmetry,
+    }
+}
