@@ -35,6 +35,13 @@ struct Row {
     conditions: Conditions,
 }
 
+/// Change of mu of a row at a size.
+type Change = Box<dyn Fn(&Row, f64) -> f64>;
+/// What can be tested, and names of what cannot with the reason.
+type Listed = (Vec<Candidate>, Vec<(String, String)>);
+/// Rows with their place in the file.
+type Placed = Vec<(usize, Row)>;
+
 /// A candidate: one effect, or a straight line in one column.
 struct Candidate {
     name: String,
@@ -45,7 +52,7 @@ struct Candidate {
     typical: f64,
     decides: String,
     /// Change of mu with the parameter, by row, in units of `typical`.
-    change: Box<dyn Fn(&Row, f64) -> f64>,
+    change: Change,
     /// Whether `model.toml` has it.
     in_catalogue: bool,
     by_session: bool,
@@ -79,7 +86,7 @@ pub fn search(
     let (candidates, untestable) = list(&rows, &table)?;
     // Every fifth row is locked away where there are rows enough to spare.
     let spare = rows.len() >= 20;
-    let (held, training): (Vec<(usize, Row)>, Vec<(usize, Row)>) = rows
+    let (held, training): (Placed, Placed) = rows
         .iter()
         .cloned()
         .enumerate()
@@ -358,7 +365,7 @@ fn read(table: &Table) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-fn list(rows: &[Row], table: &Table) -> Result<(Vec<Candidate>, Vec<(String, String)>), Error> {
+fn list(rows: &[Row], table: &Table) -> Result<Listed, Error> {
     let mut candidates = Vec::new();
     let mut untestable = Vec::new();
     let varies = |column: Column| {

@@ -39,7 +39,7 @@ pub fn read_map(path: &Path) -> Result<Map, Error> {
         .channel_data
         .list
         .iter()
-        .find(|channel| channel.name == Text::from("p"))
+        .find(|channel| channel.name == *"p")
         .ok_or_else(|| told("channel `p` is missing".to_owned()))?;
     let pressure: Vec<f64> = channel.sample_data.values_as_f32().map(f64::from).collect();
     if let Some(bad) = pressure.iter().position(|p| !p.is_finite()) {

@@ -247,7 +247,7 @@ mod tests {
         let stacked = DMatrix::from_fn(30 * runs, m - 1, |i, j| free[i / 30][(i % 30, j)]);
         let j = stacked.columns(0, base).into_owned();
         let hat = &j * (j.tr_mul(&j)).try_inverse().unwrap() * j.transpose();
-        let r = &stacked.column(m - 2) - &hat * stacked.column(m - 2);
+        let r = stacked.column(m - 2) - &hat * stacked.column(m - 2);
         for c in 0..q {
             let column = stacked.column(base + c);
             let left = column - &hat * column;

@@ -67,6 +67,10 @@ pub trait Effect: Sync {
     fn alter(&self, _value: f64, _problem: &mut Problem) {}
     /// Changes the map as the sensor would.
     fn sense(&self, _value: f64, _map: &mut Map) {}
+    /// Whether it leaves the problem as it is.
+    fn is_of_the_sensor(&self) -> bool {
+        false
+    }
 }
 
 /// All effects on pressure maps.

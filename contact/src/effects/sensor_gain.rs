@@ -21,6 +21,10 @@ impl Effect for SensorGain {
         &INFO
     }
 
+    fn is_of_the_sensor(&self) -> bool {
+        true
+    }
+
     fn sense(&self, value: f64, map: &mut Map) {
         if value == 0.0 {
             return;

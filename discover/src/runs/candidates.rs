@@ -233,7 +233,7 @@ fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidat
         low: custom.low,
         high: custom.high,
         // The expression is linear in its amplitude: any step gives the same direction.
-        typical: 1e-3 * custom.high.min(1.0).max(1e-6),
+        typical: 1e-3 * custom.high.clamp(1e-6, 1.0),
         level: Level::Sample,
         values: vec![0.0],
         track: track.clone(),

@@ -4,8 +4,11 @@
 //! along:  m a_x - (F_x,f0 + F_x,r + F_air)            [N]     specific force; gravity does not enter
 //! side:   m a_y - (F_y,f0 + F_y,r + F_air,y + F_ext)  [N]
 //! yaw:    J_zz dyaw/dt - (l_f F_y,f0 - l_r F_y,r)     [N m]
-//! track:  dv/dt - g sin(slope) - (a_x cos(alpha) - a_y sin(alpha))   [m/s2]   slope positive downhill; free of friction
+//! track:  d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y             [m/s2]   slope positive downhill; free of friction
 //! ```
+//!
+//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r to the centre of gravity. The balance along
+//! the sled's own axis holds at any bank, which runs on different lines feel differently.
 
 use kufe_friction::MagicFormula;
 use kufe_sled::effects::{Active, Conditions, Effects, Forces, Kind, Measured, State};
@@ -211,7 +214,10 @@ impl Chain {
         );
         if let Some(slope) = frame.slope.get(i) {
             let slope = slope + effects.slope("", frame.s[i]);
-            rows[3].push(frame.v_slope[i] - GRAVITY * slope.sin() - (a[0] * ca - a[1] * sa));
+            let (sin, cos) = m.slip.sin_cos();
+            let forward = frame.v_slope[i] * cos - frame.v[i] * sin * m.slip_rate;
+            let across = -frame.v[i] * sin - sled.slip_x_m * rate[2];
+            rows[3].push(forward - GRAVITY * slope.sin() - a[0] - rate[2] * across);
         }
     }
 

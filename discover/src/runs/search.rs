@@ -774,7 +774,7 @@ impl Searcher<'_> {
                 step += 1;
             }
         }
-        Ok(fit(&chain, self.training, free, self.used)?)
+        fit(&chain, self.training, free, self.used)
     }
 
     /// Base parameters (as multipliers) first, then the effects' amplitudes.

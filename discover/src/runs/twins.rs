@@ -152,11 +152,11 @@ fn scaled(noise: Noise, factor: f64) -> Noise {
 fn truth(frame: &Frame, chain: &Chain, rows: &Rows) -> Frame {
     let mut twin = frame.clone();
     let sled = &chain.vehicle.sled;
-    for i in 0..twin.len() {
-        let yaw = rows[2][i] / sled.j_zz_kgm2;
+    for (i, ((along, side), moment)) in rows[0].iter().zip(&rows[1]).zip(&rows[2]).enumerate() {
+        let yaw = moment / sled.j_zz_kgm2;
         twin.rate_slope[2][i] -= yaw;
-        twin.acceleration[0][i] += sled.accel_y_m * yaw - rows[0][i] / sled.mass_kg;
-        twin.acceleration[1][i] -= sled.accel_x_m * yaw + rows[1][i] / sled.mass_kg;
+        twin.acceleration[0][i] += sled.accel_y_m * yaw - along / sled.mass_kg;
+        twin.acceleration[1][i] -= sled.accel_x_m * yaw + side / sled.mass_kg;
     }
     if !rows[3].is_empty() {
         let left = chain.residuals(&twin);
