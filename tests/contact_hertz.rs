@@ -1,14 +1,22 @@
 //! Paraboloids on a half-space against Hertz's closed form.
 
-use kufe_contact::{Options, hertz, solve};
+use kufe_contact::{ElasticRunner, Options, hertz, solve};
 use kufe_mesh::Paraboloid;
 use kufe_tests::contact::{contact_modulus, on_half_space};
 
-/// Rigid rows of the reference table: rocker and section radius [m], force [N], a, b [m], peak [Pa], approach [m].
-fn reference_rows() -> Vec<[f64; 7]> {
+/// The reference table's runner; an unbounded hull has no top.
+const STEEL: ElasticRunner = ElasticRunner {
+    youngs_modulus: 210e9,
+    poissons_ratio: 0.30,
+    top: f64::INFINITY,
+};
+
+/// Rows of the reference table for one kind of runner: rocker and section radius [m], force [N], a, b [m], peak [Pa],
+/// approach [m].
+fn reference_rows(runner: &str) -> Vec<[f64; 7]> {
     include_str!("data/hertz.csv")
         .lines()
-        .filter(|line| line.starts_with("rigid,"))
+        .filter(|line| line.split(',').next() == Some(runner))
         .map(|line| {
             let numbers: Vec<f64> = line
                 .split(',')
@@ -22,7 +30,7 @@ fn reference_rows() -> Vec<[f64; 7]> {
 
 #[test]
 fn closed_form_agrees_with_every_rigid_reference_row() {
-    for [rocker, section, force, a, b, p_max, approach] in reference_rows() {
+    for [rocker, section, force, a, b, p_max, approach] in reference_rows("rigid") {
         let h = hertz(rocker, section, contact_modulus(), force);
         for (value, expected) in [(h.a, a), (h.b, b), (h.p_max, p_max), (h.approach, approach)] {
             assert!(
@@ -37,7 +45,7 @@ fn closed_form_agrees_with_every_rigid_reference_row() {
 /// reported error holds the true one in at least 95 % of the rows.
 #[test]
 fn every_rigid_reference_row_is_met_within_its_tolerances() {
-    let rows = reference_rows();
+    let rows = reference_rows("rigid");
     assert_eq!(rows.len(), 32);
     let mut held = 0;
     for [rocker, section, force, a, b, p_max, approach] in rows {
@@ -82,6 +90,34 @@ fn every_rigid_reference_row_is_met_within_its_tolerances() {
         held >= 31,
         "the reported error held the true one in {held} of 32 rows"
     );
+}
+
+/// Both bodies deform: the contact modulus is that of ice and steel in series.
+#[test]
+fn every_steel_reference_row_is_met_within_its_tolerances() {
+    let rows = reference_rows("steel");
+    assert_eq!(rows.len(), 32);
+    for [rocker, section, force, a, b, p_max, approach] in rows {
+        let hull = Paraboloid::new(rocker, section).unwrap();
+        let mut problem = on_half_space(hull, force);
+        problem.runner.elastic = Some(STEEL);
+        let options = Options {
+            p_max_tolerance: 0.005,
+            ..Options::default()
+        };
+        let s = solve(&problem, &options).unwrap();
+        let row = format!("rocker {rocker} section {section} force {force}");
+        let off = |value: f64, expected: f64| (value / expected - 1.0).abs();
+        assert!(off(s.p_max, p_max) < 0.007, "{row}: p_max {:.4e}", s.p_max);
+        assert!(off(0.5 * s.length, a) < 0.015, "{row}: {:.4e}", s.length);
+        assert!(off(0.5 * s.width, b) < 0.015, "{row}: {:.4e}", s.width);
+        assert!(
+            off(s.approach, approach) < 0.01,
+            "{row}: {:.4e}",
+            s.approach
+        );
+        assert!(off(s.fz, force) < 1e-8, "{row}: force {}", s.fz);
+    }
 }
 
 #[test]
