@@ -92,11 +92,16 @@ impl LoadedCase {
             .collect()
     }
 
-    /// Refuses a hull whose fit is too uncertain for what was solved on it.
+    /// Refuses a hull whose fit is too uncertain for what was solved on it; a shape has no fit.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
-    pub fn fine_enough(&self, hull: &FittedHull, solution: &Solution) -> Result<(), Failure> {
+    pub fn fine_enough(
+        &self,
+        hull: Option<&FittedHull>,
+        solution: &Solution,
+    ) -> Result<(), Failure> {
+        let Some(hull) = hull else { return Ok(()) };
         let patch = patch(&solution.surface);
         match hull.underside.coarse_within(solution.approach, patch) {
             None => Ok(()),

@@ -9,11 +9,12 @@ use crate::output::{Global, say};
 
 mod exr_file;
 mod hull_file;
+mod lut_file;
 
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// A hull (.obj, .glb, .gltf, .stl) or a pressure map (.exr)
+    /// A hull (.obj, .glb, .gltf, .stl), a pressure map (.exr) or a lookup table (.lut)
     pub file: PathBuf,
 }
 
@@ -39,10 +40,11 @@ fn describe(path: &Path) -> Result<Value, Failure> {
     let mut facts = json!({ "file": path.display().to_string() });
     let more = match ending.as_str() {
         "exr" => exr_file::describe(path)?,
+        "lut" => lut_file::describe(path)?,
         "obj" | "glb" | "gltf" | "stl" => hull_file::describe(path)?,
         other => {
             return Err(Failure::BadInput(format!(
-                "{}: kind \".{other}\" is not known: expected .obj, .glb, .gltf, .stl or .exr",
+                "{}: kind \".{other}\" is not known: expected .obj, .glb, .gltf, .stl, .exr or .lut",
                 path.display()
             )));
         }

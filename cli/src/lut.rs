@@ -9,7 +9,7 @@ mod show;
 mod solver;
 mod table_file;
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use crate::failure::Failure;
 use crate::output::Global;
@@ -67,7 +67,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 /// Reads a `.lut` file.
-fn read_table(path: &PathBuf) -> Result<kufe_lut::Table, Failure> {
+pub fn read_table(path: &Path) -> Result<kufe_lut::Table, Failure> {
     let told =
         |reason: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {reason}", path.display()));
     let mut file =

@@ -17,6 +17,7 @@ mod lut;
 mod mesh;
 mod outline;
 mod output;
+mod patches;
 mod press;
 mod pressure_exr;
 mod pressure_map;

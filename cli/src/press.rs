@@ -15,14 +15,14 @@ use crate::failure::Failure;
 use crate::output::{Global, say};
 use crate::pressure_map::PressureMap;
 use crate::staging::Staging;
-use crate::{pressure_exr, pressure_png, volume_vtu};
+use crate::{patches, pressure_exr, pressure_png, volume_vtu};
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// The case; a built-in bobsled runner on flat ice where none is given
     pub case: Option<PathBuf>,
-    /// Folder for result.json, pressure.exr, pressure.png and field.vtu
+    /// Folder for result.json, pressure.exr, pressure.png and field.vtu (runner.vtu too where the runner deforms)
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
 }
@@ -63,9 +63,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let started = Instant::now();
     let solution = solve_with_progress(&loaded, &problem, global)?;
     let seconds = started.elapsed().as_secs_f64();
-    if let Some(hull) = &hull {
-        loaded.fine_enough(hull, &solution)?;
-    }
+    loaded.fine_enough(hull.as_ref(), &solution)?;
     if let Some(warning) = summary::beyond_ice(&problem, &solution) {
         warn(&mut warnings, warning);
     }
@@ -126,9 +124,19 @@ fn write_files(
         pressure_exr::write(file, &map, pressed.solution.fz, curvature)
     })?;
     let title = summary::title(&pressed.solution);
-    pressure_png::write(&staging.path("pressure.png"), &map, &title)
+    let maps = patches::maps(&pressed.solution);
+    pressure_png::write(&staging.path("pressure.png"), &maps, &title)
         .map_err(|error| staging.failure("pressure.png", &error))?;
     staging.write("field.vtu", |file| {
-        volume_vtu::write(file, &pressed.solution.volume)
-    })
+        volume_vtu::write_ice(file, &pressed.solution.volume)
+    })?;
+    if let (Some(field), Some(elastic)) = (
+        &pressed.solution.runner_volume,
+        &pressed.problem.runner.elastic,
+    ) {
+        staging.write("runner.vtu", |file| {
+            volume_vtu::write_runner(file, field, elastic)
+        })?;
+    }
+    Ok(())
 }

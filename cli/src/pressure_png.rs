@@ -14,15 +14,15 @@ const BACKGROUND: RGBColor = RGBColor(244, 244, 246);
 /// Below this part of the peak a point counts as outside, for the outline and the colouring.
 const EDGE: f64 = 0.01;
 
-/// Draws the map.
+/// Draws the maps of a contact's parts side by side, and cuts through the highest of them.
 ///
 /// # Errors
 /// [`Error`] where the picture cannot be drawn or written.
-pub fn write(path: &Path, map: &PressureMap, title: &str) -> Result<(), Error> {
-    png(path, WIDTH, HEIGHT, &|root| draw(&root, map, title))
+pub fn write(path: &Path, maps: &[PressureMap], title: &str) -> Result<(), Error> {
+    png(path, WIDTH, HEIGHT, &|root| draw(&root, maps, title))
 }
 
-fn draw(root: &PngRoot, map: &PressureMap, title: &str) -> Result<(), Error> {
+fn draw(root: &PngRoot, maps: &[PressureMap], title: &str) -> Result<(), Error> {
     let (header, body) = root.split_vertically(54);
     header.draw(&Text::new(
         title.to_string(),
@@ -31,11 +31,20 @@ fn draw(root: &PngRoot, map: &PressureMap, title: &str) -> Result<(), Error> {
     ))?;
     let (upper, lower) = body.split_vertically(580);
     let (map_area, bar_area) = upper.split_horizontally(1350);
-    let peak = map.pressure.iter().copied().fold(0.0, f64::max) / 1e6;
-    let scale = if peak > 0.0 { peak } else { 1.0 };
-    draw_map(&map_area, map, scale)?;
+    let highest = |map: &PressureMap| map.pressure.iter().copied().fold(0.0, f64::max) / 1e6;
+    let Some(main) = maps.iter().max_by(|a, b| highest(a).total_cmp(&highest(b))) else {
+        return Ok(());
+    };
+    let scale = if highest(main) > 0.0 {
+        highest(main)
+    } else {
+        1.0
+    };
+    for (map, area) in maps.iter().zip(map_area.split_evenly((1, maps.len()))) {
+        draw_map(&area, map, scale)?;
+    }
     draw_bar(&bar_area, scale)?;
-    draw_cuts(&lower, map, scale)
+    draw_cuts(&lower, main, scale)
 }
 
 /// The window in millimetres: x from, x to, y from, y to.
@@ -252,11 +261,8 @@ mod tests {
     fn a_needle_is_drawn_stretched_and_to_the_last_row() -> Result<(), Box<dyn std::error::Error>> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join("pressure.png");
-        write(
-            &path,
-            &PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6),
-            "test",
-        )?;
+        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6);
+        write(&path, &[map], "test")?;
         let bytes = std::fs::read(&path)?;
         assert_eq!(&bytes[1..4], b"PNG");
         assert_eq!(

@@ -169,6 +169,52 @@ fn a_disk_that_fills_up_leaves_nothing_half_written() {
     assert!(bench.names().is_empty(), "{:?}", bench.names());
 }
 
+/// A real disk of 64 KiB, where this process may mount one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_left_empty() {
+    let bench = Bench::new();
+    let disk = bench.path("disk");
+    std::fs::create_dir(&disk).expect("a folder");
+    let mount = |program: &str, words: &[&str]| {
+        std::process::Command::new(program)
+            .args(words)
+            .arg(&disk)
+            .output()
+            .is_ok_and(|output| output.status.success())
+    };
+    if !mount("mount", &["-t", "tmpfs", "-o", "size=64k", "kufe-test"]) {
+        println!("skipped: no tmpfs can be mounted here");
+        return;
+    }
+    let output = bench.kufe(&["press", "-o", "disk/out"]);
+    let left = names(&disk);
+    assert!(mount("umount", &[]), "the disk stays mounted");
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    let said = errors(&output);
+    assert!(
+        said.contains("disk/out/") && said.contains("cannot be written: No space left"),
+        "{said}"
+    );
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_no_one_may_write_is_refused_before_the_work() {
+    let bench = Bench::new();
+    for out in ["/proc/kufe", "/dev/full/out"] {
+        let output = bench.kufe(&["press", "-o", out]);
+        assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+        let said = errors(&output);
+        assert!(
+            said.contains(out) && said.contains("cannot be written"),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
 #[test]
 fn earlier_results_survive_a_failure_whole() {
     let bench = Bench::new();

@@ -91,6 +91,70 @@ fn pressures_beyond_ice_bring_a_warning_that_names_the_remedy() {
     assert!(number(&result(&bench, "bounded"), "p_max_pa") <= 30e6 * (1.0 + 1e-9));
 }
 
+/// Ice and steel in series give the reference table's 134.6221 MPa for this runner as a paraboloid.
+#[test]
+fn an_elastic_runner_meets_hertz_and_brings_its_own_field() {
+    let bench = Bench::new();
+    let elastic = CASE
+        .replace("[ice]", "elastic = true\n[ice]")
+        .replace("p_max = 0.02", "p_max = 0.005");
+    let shape = CASE.lines().nth(1).expect("the shape's line");
+    let paraboloid =
+        "shape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }";
+    let unbounded = elastic
+        .replace(shape, paraboloid)
+        .replace("thickness_m = 0.05", "thickness_m = \"half-space\"");
+    bench.write("unbounded.toml", unbounded);
+    bench.succeeds(&["press", "unbounded.toml", "-o", "unbounded"]);
+    let p_max = number(&result(&bench, "unbounded"), "p_max_pa");
+    assert!((p_max / 134.6221e6 - 1.0).abs() < 0.007, "{p_max}");
+    bench.write("bounded.toml", elastic);
+    bench.succeeds(&["press", "bounded.toml", "-o", "bounded"]);
+    let p_max = number(&result(&bench, "bounded"), "p_max_pa");
+    assert!((p_max / 134.6221e6 - 1.0).abs() < 0.015, "{p_max}");
+    for folder in ["unbounded", "bounded"] {
+        let expected = [
+            "field.vtu",
+            "pressure.exr",
+            "pressure.png",
+            "result.json",
+            "runner.vtu",
+        ];
+        assert_eq!(names(&bench.path(folder)), expected);
+        let file = std::fs::read(bench.path(folder).join("runner.vtu")).expect("runner.vtu");
+        let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
+        assert!(mesh.cells.len() > 1000, "{} cells", mesh.cells.len());
+    }
+}
+
+/// Under the runner's keel the steel bears what the ice bears: -p, within the averaging over one cell.
+#[test]
+fn the_runners_stress_at_the_contact_is_the_pressure() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE.replace("[ice]", "elastic = true\n[ice]"));
+    bench.succeeds(&["press", "case.toml"]);
+    let script = "import sys, meshio, numpy as np\n\
+        m = meshio.read(sys.argv[1])\n\
+        s, u = m.point_data['stress_pa'].reshape(-1, 9), m.point_data['displacement_m']\n\
+        z = m.points[:, 2]\n\
+        k = np.argmin(np.linalg.norm(m.points[:, :2], axis=1) + z)\n\
+        top = z > z.max() - 1e-9\n\
+        print(-s[k, 8], np.abs(u[top]).max(), u[k, 2], np.isfinite(s).all())\n";
+    let runner = bench.path("out/runner.vtu");
+    let Some(said) = python(script, &[&runner.to_string_lossy()]) else {
+        return;
+    };
+    let words: Vec<&str> = said.split_whitespace().collect();
+    let [normal, held, pressed] = [0, 1, 2].map(|k| words[k].parse::<f64>().expect("a number"));
+    let p_max = number(&result(&bench, "out"), "p_max_pa");
+    assert!(
+        (normal / p_max - 1.0).abs() < 0.1,
+        "{normal} against {p_max}"
+    );
+    assert_eq!((held, words[3]), (0.0, "True"));
+    assert!(pressed > 0.0 && pressed < 2e-6, "{pressed}");
+}
+
 #[test]
 fn json_on_standard_output_is_the_result_file() {
     let bench = Bench::new();

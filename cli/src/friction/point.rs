@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use kufe_contact::case::StatedProblem;
 use kufe_contact::{Options, solve};
 use kufe_friction::effects::{Column, Conditions, find};
 use kufe_friction::{Longitudinal, air_density, longitudinal_force};
@@ -65,7 +66,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     check(args, speed)?;
     let (law, effects, drag_area) = model(args)?;
     let loaded = LoadedCase::read(path)?;
-    let (problem, warnings) = loaded.problem()?;
+    let StatedProblem { problem, hull } = loaded.stated()?;
+    let warnings = loaded.hull_warnings(hull.as_ref());
     let bar = global.progress();
     bar.set_message("solving the contact");
     let started = Instant::now();
@@ -76,6 +78,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let solved = solve(&problem, &options);
     bar.finish_and_clear();
     let solution = solved.map_err(|error| loaded.failure(&error))?;
+    loaded.fine_enough(hull.as_ref(), &solution)?;
     for warning in &warnings {
         eprintln!("kufe: warning: {warning}");
     }

@@ -100,7 +100,8 @@ fn length(metres: f64) -> String {
 }
 
 fn force(newtons: f64) -> String {
-    if newtons >= 1e3 {
+    // 1 kN less a rounding error is 1 kN too.
+    if newtons >= 999.95 {
         format!("{:.3} kN", newtons / 1e3)
     } else {
         format!("{newtons:.1} N")

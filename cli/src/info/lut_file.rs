@@ -1,0 +1,60 @@
+//! What a lookup table holds.
+
+use std::path::Path;
+
+use kufe_lut::{Mode, Quantity, Table};
+use serde_json::{Map, Value, json};
+
+use crate::failure::Failure;
+use crate::lut::read_table;
+
+/// Axes, quantities with their ranges and interpolation errors, the solver's error, case and version.
+pub fn describe(path: &Path) -> Result<Value, Failure> {
+    let table = read_table(path)?;
+    let told = |error| Failure::BadInput(format!("{}: {error}", path.display()));
+    let mut quantities = Map::new();
+    for quantity in Quantity::ALL {
+        quantities.insert(
+            quantity.key().into(),
+            figures(&table, quantity).map_err(told)?,
+        );
+    }
+    let mut axes = Map::new();
+    axes.insert("fz_n".into(), axis(table.axes().fz()));
+    axes.insert("curvature_1pm".into(), axis(table.axes().curvature()));
+    if let Some(radii) = table.axes().rocker_radius() {
+        axes.insert("rocker_radius_m".into(), axis(radii));
+    }
+    Ok(json!({
+        "kind": "lookup table",
+        "axes": axes,
+        "quantities": quantities,
+        "nodes": table.nodes().len(),
+        "checks": table.checks().len(),
+        "solver_error_p_max": table.solver_error(),
+        "interpolation_asked": table.interpolation_asked,
+        "case_sha256": table.case_sha256,
+        "version": table.version,
+    }))
+}
+
+fn axis(values: &[f64]) -> Value {
+    json!({ "points": values.len(), "from": values.first(), "to": values.last() })
+}
+
+/// Smallest and largest value, and the largest relative error of each mode where there are checks.
+fn figures(table: &Table, quantity: Quantity) -> Result<Value, kufe_lut::Error> {
+    let values = || table.nodes().iter().map(|node| node.get(quantity));
+    let mut figures = Map::new();
+    figures.insert("min".into(), values().fold(f64::INFINITY, f64::min).into());
+    figures.insert(
+        "max".into(),
+        values().fold(f64::NEG_INFINITY, f64::max).into(),
+    );
+    for mode in Mode::ALL {
+        if let Some(measured) = table.interpolation_error(quantity, mode)? {
+            figures.insert(format!("{}_error", mode.name()), measured.max.into());
+        }
+    }
+    Ok(figures.into())
+}
