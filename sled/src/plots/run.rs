@@ -46,7 +46,9 @@ pub fn run_picture(path: &Path, run: &Prepared) -> Result<(), Error> {
     ];
     let title = format!("{} on {}", run.entry.run, run.entry.track);
     kufe_plot::png(path, 1500, 1300, &|root| {
-        let root = root.titled(&title, ("sans-serif", 26))?;
+        let root = root
+            .margin(10, 0, 0, 0)
+            .titled(&title, ("sans-serif", 26))?;
         for ((name, lines), area) in panels.iter().zip(root.split_evenly((4, 1))) {
             draw_strip(&area, "", "time [s]", name, lines, &[])?;
         }
