@@ -45,7 +45,7 @@ fn split(field: &SurfaceField) -> Option<[Range<usize>; 2]> {
     let middle = 0.5 * (field.x[widest[0]] + field.x[widest[1]]);
     let at = field.x.partition_point(|&x| x < middle);
     // Each part keeps an empty column on the inside.
-    (widest[1] > widest[0] + 2 && at > widest[0] + 1).then(|| [0..at, at..columns])
+    (widest[1] > widest[0] + 2 && at > widest[0] + 1).then_some([0..at, at..columns])
 }
 
 fn cropped(field: &SurfaceField, columns: Range<usize>) -> SurfaceField {
