@@ -14,8 +14,6 @@ use crate::{Axes, Check, Error, Lookup, MAX_AXIS, Mode, Point, Quantity, Solved,
 
 /// Part of the asked error that an interval's middle may have: between the checks it may be larger.
 const MARGIN: f64 = 0.8;
-/// Smallest interval, as a part of its axis.
-const SMALLEST: f64 = 1.0 / 65536.0;
 
 pub(crate) struct Refinement {
     pub axes: Axes,
@@ -52,7 +50,7 @@ pub(crate) fn refine<E: From<Error>>(
         let mendable = misses.iter().filter(|miss| grid.mendable(miss));
         let worst = mendable.map(|miss| miss.error).fold(0.0, f64::max);
         let limit = if spread { 1.0 } else { MARGIN };
-        let halved = grid.halve(&misses, limit * plan.interpolation, plan.max_nodes);
+        let halved = grid.halve(&misses, limit * plan.interpolation, plan);
         let shortfall = |reason| Error::ToleranceNotReached {
             measured: worst,
             asked: plan.interpolation,
@@ -311,7 +309,7 @@ impl Grid {
     }
 
     /// Halves the interval around every miss above `limit`, along the axis whose middles are missed most.
-    fn halve(&mut self, misses: &[Miss], limit: f64, max_nodes: usize) -> Halved {
+    fn halve(&mut self, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
         // Largest error at the middle of each interval of each axis.
         let mut at_middle: [Vec<f64>; 3] =
             std::array::from_fn(|axis| vec![0.0; self.values[axis].len().saturating_sub(1)]);
@@ -340,7 +338,7 @@ impl Grid {
             for axis in (0..3).filter(|&axis| self.refined[axis]) {
                 let k = self.interval(axis, miss.point[axis]);
                 let inside = !self.values[axis].contains(&miss.point[axis]);
-                if inside && self.divisible(axis, k) {
+                if inside && self.divisible(axis, k, plan.smallest_interval) {
                     let error = at_middle[axis][k];
                     if best.is_none_or(|(most, _, _)| error > most) {
                         best = Some((error, axis, k));
@@ -372,7 +370,7 @@ impl Grid {
             };
         }
         let nodes: usize = grown.iter().map(Vec::len).product();
-        if nodes > max_nodes || grown.iter().any(|axis| axis.len() > MAX_AXIS) {
+        if nodes > plan.max_nodes || grown.iter().any(|axis| axis.len() > MAX_AXIS) {
             return Halved::Limit("more nodes than the table may have");
         }
         self.values = grown;
@@ -387,11 +385,12 @@ impl Grid {
             - 1
     }
 
-    fn divisible(&self, axis: usize, k: usize) -> bool {
+    /// Whether halves of interval `k` are no smaller than `smallest`, a part of the axis.
+    fn divisible(&self, axis: usize, k: usize, smallest: f64) -> bool {
         let values = &self.values[axis];
         let at = |i: usize| scaled(axis, values[i]);
         let part = (at(k + 1) - at(k)) / (at(values.len() - 1) - at(0));
-        part > 1.5 * SMALLEST
+        part > 1.5 * smallest
     }
 }
 

@@ -34,12 +34,15 @@ pub struct Plan {
     pub modes: Vec<Mode>,
     /// Most nodes that refinement may place.
     pub max_nodes: usize,
+    /// Smallest interval, as a part of its axis: what a kink of the data is narrowed down to.
+    pub smallest_interval: f64,
     /// Solves spread over the table that measure the interpolation besides those that refinement makes.
     pub checks: usize,
 }
 
 impl Plan {
-    /// A plan that asks 1 % of both modes, measured at 200 spread points, and places at most 20 000 nodes.
+    /// A plan that asks 1 % of both modes, measured at 200 spread points, and places at most 20 000 nodes, none closer than
+    /// 1/65536 of an axis.
     ///
     /// Where both axes are given by their values, as many checks as an eighth of the nodes, at least 4.
     pub fn new(fz: Spacing, curvature: Spacing) -> Self {
@@ -57,6 +60,7 @@ impl Plan {
             interpolation: 0.01,
             modes: Mode::ALL.to_vec(),
             max_nodes: 20_000,
+            smallest_interval: 1.0 / 65536.0,
         }
     }
 

@@ -65,7 +65,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .clear(&all_points(&swept.table))
         .map_err(Failure::bad_input)?;
     let seconds = started.elapsed().as_secs_f64();
-    finish(&swept, &out, &args.forms, solves, seconds, global)
+    finish(
+        &swept,
+        solver.tolerance(),
+        &out,
+        &args.forms,
+        Spent { solves, seconds },
+        global,
+    )
 }
 
 /// Results in hand stand beside the table to be until it is there.
@@ -81,20 +88,28 @@ fn all_points(table: &Table) -> Vec<Point> {
     points
 }
 
+/// What a table cost.
+pub struct Spent {
+    /// Contacts solved.
+    pub solves: usize,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
 /// Writes the further forms, tells what the table is worth, and fails where it is less than was asked.
 ///
 /// # Errors
-/// [`Failure::NotConverged`] where the interpolation stayed short of what was asked.
+/// [`Failure::NotConverged`] where the interpolation or a solve stayed short of what was asked.
 pub fn finish(
     swept: &Swept,
+    solver_tolerance: f64,
     out: &Path,
     forms: &Forms,
-    solves: usize,
-    seconds: f64,
+    spent: Spent,
     global: &Global,
 ) -> Result<(), Failure> {
     let written = forms.write(&swept.table, out)?;
-    let summary = summary(&swept.table, solves, seconds)?;
+    let summary = summary(&swept.table, &spent)?;
     if global.json {
         println!("{summary:#}");
     } else if !global.quiet {
@@ -104,16 +119,45 @@ pub fn finish(
         }
         println!("{}", in_words(&summary));
     }
-    match &swept.shortfall {
-        None => Ok(()),
-        Some(error) => Err(Failure::NotConverged(format!(
-            "{}: {error}; the table was written with its measured errors",
-            out.display()
-        ))),
+    let interpolation = swept.shortfall.as_ref().map(ToString::to_string);
+    let reasons: Vec<String> = interpolation
+        .into_iter()
+        .chain(short_of(&swept.table, solver_tolerance))
+        .collect();
+    if reasons.is_empty() {
+        return Ok(());
     }
+    Err(Failure::NotConverged(format!(
+        "{}: {}; the table was written with its measured errors",
+        out.display(),
+        reasons.join("; ")
+    )))
 }
 
-fn summary(table: &Table, solves: usize, seconds: f64) -> Result<Value, Failure> {
+/// How many solves stayed short of the solver's tolerance, and the worst.
+fn short_of(table: &Table, tolerance: f64) -> Option<String> {
+    let nodes = table.axes().points();
+    let nodes = nodes.iter().zip(table.nodes());
+    let checks = table
+        .checks()
+        .iter()
+        .map(|check| (&check.point, &check.solved));
+    let short: Vec<(&Point, f64)> = nodes
+        .chain(checks)
+        .map(|(point, solved)| (point, solved.p_max_error.abs() / solved.p_max.abs()))
+        .filter(|(_, error)| *error > tolerance)
+        .collect();
+    let worst = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!(
+        "{} solves stayed short of the peak pressure's tolerance of {tolerance:.2e}, the worst with an estimated error of \
+         {:.2e} at {}",
+        short.len(),
+        worst.1,
+        worst.0
+    ))
+}
+
+fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
     let error = |mode| {
         let measured = table.interpolation_error(Quantity::PMax, mode);
         let measured = measured.map_err(Failure::bad_input)?;
@@ -129,8 +173,8 @@ fn summary(table: &Table, solves: usize, seconds: f64) -> Result<Value, Failure>
         "interpolation_smooth": error(Mode::Smooth)?,
         "interpolation_bilinear": error(Mode::Bilinear)?,
         "solver_p_max": table.solver_error(),
-        "solves": solves,
-        "seconds": seconds,
+        "solves": spent.solves,
+        "seconds": spent.seconds,
         "version": table.version,
     }))
 }

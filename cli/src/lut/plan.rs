@@ -6,7 +6,7 @@ use std::time::Instant;
 use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script, slurm_script};
 
 use super::export::{Forms, write_table};
-use super::fill::finish;
+use super::fill::{Spent, finish};
 use super::solver::Solver;
 use super::table_file::Wanted;
 use crate::failure::Failure;
@@ -133,7 +133,14 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
             swept.table.case = solver.case();
             write_table(&swept.table, &args.out)?;
             let seconds = started.elapsed().as_secs_f64();
-            finish(&swept, &args.out, &args.forms, 0, seconds, global)
+            finish(
+                &swept,
+                solver.tolerance(),
+                &args.out,
+                &args.forms,
+                Spent { solves: 0, seconds },
+                global,
+            )
         }
         Next::Points {
             points,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use kufe_contact::case::{Case, CaseError, Shape};
-use kufe_contact::{Load, Options, Problem};
+use kufe_contact::{Load, Options, Problem, Solution};
 use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
 
 use super::case_json::case_json;
@@ -13,6 +13,8 @@ use crate::case_file::LoadedCase;
 use crate::failure::Failure;
 use crate::output::Global;
 
+/// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
+const LARGEST_ERROR: f64 = 0.2;
 /// A hull's file counts towards the case up to this size [bytes].
 const LARGEST_HULL: u64 = 1 << 31;
 
@@ -71,6 +73,11 @@ impl Solver {
         })
     }
 
+    /// Relative error of the peak pressure that every point is asked for.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     /// The case.
     pub fn case(&self) -> serde_json::Value {
         case_json(&self.loaded.case)
@@ -109,11 +116,7 @@ impl Solver {
         if let Load::Force { fz, .. } = &mut problem.load {
             *fz = point.fz;
         }
-        let options = Options {
-            p_max_tolerance: self.tolerance,
-            ..Options::default()
-        };
-        let solution = kufe_contact::solve(&problem, &options)?;
+        let solution = best(&problem, self.tolerance)?;
         Ok(Solved {
             p_max: solution.p_max,
             p_max_error: solution.p_max_error,
@@ -172,6 +175,28 @@ impl Solver {
                 other => other,
             },
             other => Failure::bad_input(other),
+        }
+    }
+}
+
+/// The solution at this tolerance or, where the largest mesh does not reach it, at the one that it does reach.
+///
+/// Its `p_max_error` tells which of the two it is. Where rounded ends begin to carry the load the peak is known to a
+/// per cent or two only; a table without those points would be no table.
+fn best(problem: &Problem, mut tolerance: f64) -> Result<Solution, kufe_contact::Error> {
+    loop {
+        let options = Options {
+            p_max_tolerance: tolerance,
+            ..Options::default()
+        };
+        match kufe_contact::solve(problem, &options) {
+            // The meshes depend on the tolerance, so a solve at the estimate need not reach it: ask for a little less.
+            Err(kufe_contact::Error::AccuracyNotReached { estimate, .. })
+                if estimate.max(tolerance) < LARGEST_ERROR / 1.1 =>
+            {
+                tolerance = 1.1 * estimate.max(tolerance);
+            }
+            other => return other,
         }
     }
 }

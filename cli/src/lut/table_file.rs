@@ -45,6 +45,7 @@ struct AccuracyToml {
     p_max: Option<f64>,
     checks: Option<usize>,
     max_nodes: Option<usize>,
+    smallest_interval: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -130,6 +131,14 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         plan.max_nodes,
         kufe_lut::MAX_NODES,
     )?;
+    if let Some(smallest) = accuracy.smallest_interval {
+        if !(1e-6..=0.25).contains(&smallest) {
+            return Err(format!(
+                "accuracy.smallest_interval = {smallest}: expected a part of an axis between 1e-6 and 0.25"
+            ));
+        }
+        plan.smallest_interval = smallest;
+    }
     Ok(plan)
 }
 

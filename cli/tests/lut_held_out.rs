@@ -1,0 +1,97 @@
+//! A table on disk beside contacts that it has never seen.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use kufe_contact::case::Case;
+use kufe_contact::{Error, Load, Options, Problem, Solution, solve};
+use kufe_lut::{Lookup, Mode, Quantity, Table};
+
+const POINTS: usize = 200;
+const SOLVER: f64 = 0.004;
+const ASKED: f64 = 0.01;
+
+/// `KUFE_TABLE=front.lut KUFE_CASE=assets/tables/front-case.toml cargo test --release -p kufe --test lut_held_out
+/// -- --ignored --nocapture`
+#[test]
+#[ignore = "minutes: 200 solves beside the table that KUFE_TABLE and KUFE_CASE name"]
+fn random_contacts_are_looked_up_within_a_per_cent() {
+    let named = |name: &str| {
+        let path = std::env::var_os(name).unwrap_or_else(|| panic!("{name} names no file"));
+        // Tests run in the package's folder, people type paths from the workspace's.
+        Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("..")
+            .join(PathBuf::from(path))
+    };
+    let file = std::fs::read(named("KUFE_TABLE")).expect("a table");
+    let table = Table::read(&mut &file[..]).expect("a table");
+    let smooth = Lookup::new(&table, Quantity::PMax, Mode::Smooth).expect("a lookup");
+    let case = named("KUFE_CASE");
+    let text = std::fs::read_to_string(&case).expect("a case");
+    let problem = Case::parse(&text)
+        .and_then(|parsed| parsed.problem(case.parent().expect("a folder")))
+        .expect("a case");
+
+    let (fz, curvature) = (table.axes().fz(), table.axes().curvature());
+    let mut random = SplitMix(20_261_121);
+    let mut misses: Vec<[f64; 4]> = Vec::new();
+    let started = Instant::now();
+    for _ in 0..POINTS {
+        let force = fz[0] * (fz[fz.len() - 1] / fz[0]).powf(random.unit());
+        let bend = curvature[0] + (curvature[curvature.len() - 1] - curvature[0]) * random.unit();
+        let solved = contact(&problem, force, bend);
+        let looked = smooth.at(force, bend).value;
+        misses.push([
+            (looked / solved.p_max - 1.0).abs(),
+            force,
+            bend,
+            solved.p_max_error / solved.p_max,
+        ]);
+    }
+    misses.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    let rms = (misses.iter().map(|miss| miss[0] * miss[0]).sum::<f64>() / POINTS as f64).sqrt();
+    let above = misses.iter().filter(|miss| miss[0] > ASKED).count();
+    println!(
+        "{POINTS} solves in {:.0} s: rms {rms:.2e}, median {:.2e}, {above} above {ASKED}",
+        started.elapsed().as_secs_f64(),
+        misses[POINTS / 2][0]
+    );
+    for [miss, force, bend, solver] in &misses[..5] {
+        println!("  {miss:.2e} at {force:.1} N, {bend:.6} 1/m; solver {solver:.1e}");
+    }
+    assert!(misses[0][0] <= ASKED, "worst {:?}", misses[0]);
+}
+
+fn contact(problem: &Problem, force: f64, curvature: f64) -> Solution {
+    let mut problem = problem.clone();
+    problem.track_curvature = curvature;
+    if let Load::Force { fz, .. } = &mut problem.load {
+        *fz = force;
+    }
+    let at = |p_max_tolerance| {
+        let options = Options {
+            p_max_tolerance,
+            ..Options::default()
+        };
+        solve(&problem, &options)
+    };
+    match at(SOLVER) {
+        Err(Error::AccuracyNotReached { estimate, .. }) => at(1.1 * estimate.max(SOLVER)),
+        other => other,
+    }
+    .unwrap_or_else(|error| panic!("{force} N, {curvature} 1/m: {error}"))
+}
+
+/// Steele, Lea and Flood's generator (2014): the same points on every machine.
+struct SplitMix(u64);
+
+impl SplitMix {
+    /// Uniform between 0 and 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
+    }
+}
