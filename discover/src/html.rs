@@ -30,8 +30,11 @@ pub fn page(report: &Report) -> String {
     for (number, step) in report.steps.iter().enumerate() {
         step_section(&mut out, number + 1, step);
     }
-    bins_section(&mut out, "Where it disagrees, before", &report.bins);
-    if !report.steps.is_empty() {
+    let binned = report.data.starts_with("run");
+    if binned {
+        bins_section(&mut out, "Where it disagrees, before", &report.bins);
+    }
+    if binned && !report.steps.is_empty() {
         bins_section(&mut out, "What is left after", &report.bins_after);
     }
     let _ = write!(
@@ -251,7 +254,7 @@ fn bins_picture(bins: &[Bin]) -> String {
 }
 
 /// Four significant digits.
-fn number4(x: f64) -> String {
+pub fn number4(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
     }

@@ -1,5 +1,6 @@
 //! The verdict in words.
 
+use crate::html::number4;
 use crate::report::{HeldOut, Step, Verdict};
 
 /// One sentence for the top of the report.
@@ -18,8 +19,12 @@ pub fn sentence(
                 .iter()
                 .map(|p| {
                     format!(
-                        "{} = {:.4} {} ({:.4} to {:.4})",
-                        p.name, p.value, p.unit, p.low, p.high
+                        "{} = {} {} ({} to {})",
+                        p.name,
+                        number4(p.value),
+                        p.unit,
+                        number4(p.low),
+                        number4(p.high)
                     )
                 })
                 .collect();
@@ -35,10 +40,10 @@ pub fn sentence(
         String::new()
     } else {
         format!(
-            " On {} locked-away runs the gap went from {:.4} to {:.4} {}.",
+            " On locked-away data ({} in number) the gap went from {} to {} {}.",
             held.runs.len(),
-            held.gap_before,
-            held.gap_after,
+            number4(held.gap_before),
+            number4(held.gap_after),
             held.unit
         )
     };

@@ -7,9 +7,9 @@
 //! chi2 = sum over pixels (p_measured - p_simulated)^2 / sd^2 / (pixels for one independent value)  +  peaks
 //! ```
 //!
-//! sd is the larger of the sensor's noise (from pixels far from contact) and 1.5 per cent of the peak, for the two
-//! discretisations differ. A claim must lower chi2 by more than 30 and by a fifth; its class is every effect whose own best fit
-//! is worse by less than 9 in units of the best fit's mean square.
+//! sd is the larger of the sensor's noise (from pixels far from contact) and 1.5 per cent of the peak, and with it in squares
+//! what a finer mesh changes at that pixel. A claim must lower chi2 by more than 30 and by a fifth; its class is every effect whose own best fit
+//! is worse by less than 9 in units of the best fit's mean square. A size within three of its errors of 0 is no claim.
 
 use std::path::Path;
 
@@ -69,15 +69,15 @@ pub fn search(
     let mut active: Active = Vec::new();
     let mut steps: Vec<Step> = Vec::new();
     let mut remarks = vec![
-        "the tests use the sensor's noise and 1.5 % of the peak for differing discretisations; neighbouring pixels count in patches".to_owned(),
+        "the tests use the sensor's noise and 1.5 % of the peak, and what a finer mesh changes at each pixel; neighbouring pixels count in patches".to_owned(),
     ];
     if rows.iter().any(|r| r.map.is_none()) {
         remarks.push("rows without a map contribute their peak pressure alone".to_owned());
     }
     let mut detectable = Vec::new();
     let names: Vec<String> = held.iter().map(|r| r.name.clone()).collect();
-    let bench = Bench::new(training.clone());
-    let locked = Bench::new(held);
+    let bench = Bench::new(training.clone())?;
+    let locked = Bench::new(held)?;
     let start = bench.misfit(&active)?;
     let mut chi2 = start.chi2;
     for number in 0..MOST_STEPS {
@@ -139,6 +139,9 @@ pub fn search(
         let info = CATALOGUE[best.0].info();
         let count = bench.misfit(&active)?.count;
         let unit_square = (best.2 / (count - 1.0).max(1.0)).max(1.0);
+        if best.1.abs() < 3.0 * best.3 * unit_square.sqrt() {
+            break;
+        }
         let mut class = vec![info.name.to_owned()];
         let mut rivals = Vec::new();
         for fit in fits.iter().filter(|f| f.0 != best.0) {

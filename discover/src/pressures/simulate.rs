@@ -13,6 +13,8 @@ use crate::Error;
 
 /// Cells over half the patch of the solves.
 const CELLS: usize = 12;
+/// Cells of the solves that show what the mesh alone does.
+const FINER: usize = 18;
 /// Pixels that count as one independent value along each direction.
 const PATCH: f64 = 4.0;
 
@@ -32,6 +34,8 @@ type Key = Vec<(&'static str, u64)>;
 pub struct Bench<'a> {
     /// The rows.
     pub rows: Vec<&'a Row>,
+    /// Difference of the solves from finer ones, by row and pixel [Pa].
+    mesh_error: Vec<Vec<f64>>,
     solved: RefCell<BTreeMap<Key, Arc<Vec<Seen>>>>,
 }
 
@@ -48,12 +52,30 @@ pub struct Misfit {
 }
 
 impl<'a> Bench<'a> {
-    /// Nothing solved yet.
-    pub fn new(rows: Vec<&'a Row>) -> Self {
-        Bench {
+    /// Solves each row on two meshes, whose difference counts as an error of every later comparison.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn new(rows: Vec<&'a Row>) -> Result<Self, Error> {
+        let mesh_error = rows
+            .par_iter()
+            .map(|row| {
+                let coarse = simulate(row, &Vec::new(), CELLS)?;
+                let fine = simulate(row, &Vec::new(), FINER)?;
+                Ok(match (coarse, fine) {
+                    (Seen::Map(a), Seen::Map(b)) => {
+                        let pairs = a.pressure.iter().zip(&b.pressure);
+                        pairs.map(|(a, b)| a - b).collect()
+                    }
+                    _ => Vec::new(),
+                })
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(Bench {
             rows,
+            mesh_error,
             solved: RefCell::default(),
-        }
+        })
     }
 
     /// Simulates every row with the effects.
@@ -73,7 +95,7 @@ impl<'a> Bench<'a> {
                 let seen: Vec<Seen> = self
                     .rows
                     .par_iter()
-                    .map(|row| simulate(row, active))
+                    .map(|row| simulate(row, active, CELLS))
                     .collect::<Result<_, _>>()?;
                 let seen = Arc::new(seen);
                 self.solved.borrow_mut().insert(key, seen.clone());
@@ -87,8 +109,8 @@ impl<'a> Bench<'a> {
             rest: Vec::new(),
         };
         let mut values = 0.0;
-        for (row, seen) in self.rows.iter().zip(seen.iter()) {
-            values += compare(row, seen, active, &mut out);
+        for ((row, seen), error) in self.rows.iter().zip(seen.iter()).zip(&self.mesh_error) {
+            values += compare(row, seen, error, active, &mut out);
         }
         out.chi2 = out.rest.iter().map(|r| r * r).sum();
         out.rms = (out.rms / f64::max(values, 1.0)).sqrt();
@@ -96,13 +118,13 @@ impl<'a> Bench<'a> {
     }
 }
 
-fn simulate(row: &Row, active: &Active) -> Result<Seen, Error> {
+fn simulate(row: &Row, active: &Active, cells: usize) -> Result<Seen, Error> {
     let mut problem = row.problem.clone();
     for (effect, size) in active {
         effect.alter(*size, &mut problem);
     }
     let options = kufe_contact::Options {
-        cells: Some(CELLS),
+        cells: Some(cells),
         residual: 1e-6,
         ..kufe_contact::Options::default()
     };
@@ -114,7 +136,7 @@ fn simulate(row: &Row, active: &Active) -> Result<Seen, Error> {
 }
 
 /// Adds a row's weighted residuals, its independent values and its squares [Pa2]; the number of its values comes back.
-fn compare(row: &Row, seen: &Seen, active: &Active, out: &mut Misfit) -> f64 {
+fn compare(row: &Row, seen: &Seen, mesh_error: &[f64], active: &Active, out: &mut Misfit) -> f64 {
     let (map, measured) = match (seen, &row.map) {
         (Seen::Map(map), Some(measured)) => (map, measured),
         (Seen::Map(_), None) => unreachable!("a map is simulated where one was measured"),
@@ -138,11 +160,12 @@ fn compare(row: &Row, seen: &Seen, active: &Active, out: &mut Misfit) -> f64 {
     let patch = (PATCH * PATCH)
         .min((map.nx * map.ny) as f64 / 64.0)
         .max(1.0);
-    let weight = 1.0 / (row.noise * patch.sqrt());
     let mut touched = 0.0;
-    for (m, s) in measured.pressure.iter().zip(&map.pressure) {
+    let pairs = measured.pressure.iter().zip(&map.pressure);
+    for ((m, s), error) in pairs.zip(mesh_error) {
         out.rms += (m - s).powi(2);
-        out.rest.push((m - s) * weight);
+        let variance = row.noise.powi(2) + error.powi(2);
+        out.rest.push((m - s) / (variance * patch).sqrt());
         if *s > 0.0 {
             touched += 1.0;
         }

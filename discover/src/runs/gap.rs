@@ -53,7 +53,8 @@ pub fn channels(
 ///
 /// On the training runs everything that any candidate direction explains of the residual before is fitted, f. On other
 /// runs, whose noise is independent of f, `f . r_before` measures what is explainable there and `f . r_after` what of it
-/// is left; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs.
+/// is left; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs; it is
+/// -1 to 1 where the runs hold too little that is explainable.
 pub fn explainable_closed(
     before: &Design,
     after: &Chain,
@@ -104,11 +105,16 @@ pub fn explainable_closed(
             pair.1 -= bias.1 / count as f64;
         }
     }
+    // No more than all can be closed; less than -1 says no more than "worse". Without anything explainable there: NaN.
     let closed = |picked: &mut dyn Iterator<Item = usize>| -> f64 {
         let (b, a) = picked.fold((0.0, 0.0), |(b, a), i| {
             (b + measured[i].0, a + measured[i].1)
         });
-        1.0 - a / if b.abs() > 1e-300 { b } else { 1e-300 }
+        if b > 0.0 {
+            (1.0 - a / b).clamp(-1.0, 1.0)
+        } else {
+            f64::NAN
+        }
     };
     let n = measured.len();
     let value = closed(&mut (0..n));
@@ -119,11 +125,20 @@ pub fn explainable_closed(
             closed(&mut picks.into_iter())
         })
         .collect();
+    // Where one draw in forty explains nothing the share has no bounds: these runs cannot tell.
+    if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 24 {
+        return Interval {
+            value: if value.is_nan() { 0.0 } else { value },
+            low: -1.0,
+            high: 1.0,
+        };
+    }
+    values.retain(|v| !v.is_nan());
     values.sort_by(f64::total_cmp);
     Interval {
         value,
-        low: values[24],
-        high: values[974],
+        low: values[values.len() / 40],
+        high: values[values.len() - 1 - values.len() / 40],
     }
 }
 
