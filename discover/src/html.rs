@@ -30,7 +30,7 @@ pub fn page(report: &Report) -> String {
     for (number, step) in report.steps.iter().enumerate() {
         step_section(&mut out, number + 1, step);
     }
-    let binned = report.data.starts_with("run");
+    let binned = report.data.contains("run");
     if binned {
         bins_section(&mut out, "Where it disagrees, before", &report.bins);
     }
