@@ -87,7 +87,15 @@ fn killed_twenty_times_nothing_is_lost_and_nothing_solved_twice() {
             &["lut", "run", "plan", "--shard", "1/1", "--threads", "1"],
         );
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-        std::thread::sleep(Duration::from_millis(5 + (state >> 33) % 120));
+        // A random moment by progress, not by the clock alone: a busy machine must not make every kill too early.
+        let wanted = before.len() + (state >> 33) as usize % 7;
+        for _ in 0..3000 {
+            if finished(&points).len() >= wanted || child.try_wait().unwrap().is_some() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_millis((state >> 45) % 40));
         child.kill().unwrap();
         let status = child.wait().unwrap();
         let after = finished(&points);
