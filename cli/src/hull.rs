@@ -1,9 +1,9 @@
 //! `kufe hull`: parametric runners as hull files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use kufe_mesh::{BobRunner, HullFormat, LugeSteel, MeshError, Swept, tessellate};
+use kufe_mesh::{BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, tessellate};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -33,6 +33,9 @@ struct Bob {
     /// Radius of the rocker [m], or inf
     #[arg(long, default_value_t = BobRunner::default().rocker_radius)]
     rocker_radius_m: f64,
+    /// Rocker of several radii instead: a CSV file with the columns x_m and z_m, x increasing
+    #[arg(long, value_name = "CSV", conflicts_with = "rocker_radius_m")]
+    rocker_points: Option<PathBuf>,
     /// Radius of the section [m]
     #[arg(long, default_value_t = BobRunner::default().section_radius)]
     section_radius_m: f64,
@@ -86,7 +89,7 @@ struct File {
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (name, swept, file) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file),
+        Kind::Bob(bob) => ("bob", bob.swept(bob.rocker()?), &bob.file),
         Kind::Luge(luge) => ("luge", luge.swept(), &luge.file),
     };
     let path = file.out.display();
@@ -108,16 +111,24 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 impl Bob {
-    fn swept(&self) -> Result<Swept, MeshError> {
-        BobRunner {
+    /// The measured rocker, where one is given.
+    fn rocker(&self) -> Result<Option<Vec<[f64; 2]>>, Failure> {
+        self.rocker_points.as_deref().map(read_points).transpose()
+    }
+
+    fn swept(&self, rocker: Option<Vec<[f64; 2]>>) -> Result<Swept, MeshError> {
+        let bob = BobRunner {
             length: self.length_m,
             rocker_radius: self.rocker_radius_m,
             section_radius: self.section_radius_m,
             width: self.width_m,
             height: self.height_m,
             ..BobRunner::default()
+        };
+        match rocker {
+            Some(points) => bob.swept_along(Rocker::points(&points)?),
+            None => bob.swept(),
         }
-        .swept()
     }
 }
 
@@ -134,4 +145,37 @@ impl Luge {
         }
         .swept()
     }
+}
+
+/// Points x, z [m] from a CSV file with exactly the columns x_m and z_m.
+fn read_points(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
+    let told = |what: String| Failure::BadInput(format!("{}: {what}", path.display()));
+    let mut reader = csv::Reader::from_path(path).map_err(|error| told(error.to_string()))?;
+    let header = reader.headers().map_err(|error| told(error.to_string()))?;
+    if header != vec!["x_m", "z_m"] {
+        let found: Vec<&str> = header.iter().collect();
+        return Err(told(format!(
+            "columns {}: expected x_m,z_m",
+            found.join(",")
+        )));
+    }
+    reader
+        .records()
+        .enumerate()
+        .map(|(row, record)| {
+            let record = record.map_err(|error| told(error.to_string()))?;
+            let number = |column: usize| -> Result<f64, Failure> {
+                let text = record.get(column).unwrap_or_default().trim();
+                let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+                value.ok_or_else(|| {
+                    told(format!(
+                        "row {}, column {}: {text:?}: expected a number of m",
+                        row + 1,
+                        ["x_m", "z_m"][column]
+                    ))
+                })
+            };
+            Ok([number(0)?, number(1)?])
+        })
+        .collect()
 }

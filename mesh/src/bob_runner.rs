@@ -41,8 +41,15 @@ impl BobRunner {
     /// # Errors
     /// [`MeshError::Parameter`] where the numbers make no runner.
     pub fn swept(&self) -> Result<Swept, MeshError> {
+        self.swept_along(Rocker::arc(self.rocker_radius)?)
+    }
+
+    /// The runner swept along another rocker, as one of several radii given by points; `rocker_radius` is not used.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no runner.
+    pub fn swept_along(&self, rocker: Rocker) -> Result<Swept, MeshError> {
         let section = Section::arc(self.section_radius, self.width)?;
-        let rocker = Rocker::arc(self.rocker_radius)?;
         let ends = rounded_ends(&rocker, &section, self.length, self.height, self.end_radius);
         Swept::new(rocker, section, Some(ends), self.length, self.height)
     }
