@@ -1,15 +1,13 @@
 //! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
 
-mod case_json;
 mod export;
 mod fill;
 mod plan;
 mod query;
 mod show;
-mod solver;
-mod table_file;
+mod watched;
 
-use std::path::Path;
+pub use kufe_jobs::table::read_table;
 
 use crate::failure::Failure;
 use crate::output::Global;
@@ -64,13 +62,4 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(Command::Run(args)) => plan::run(args, global),
         Some(Command::Merge(args)) => plan::merge(args, global),
     }
-}
-
-/// Reads a `.lut` file.
-pub fn read_table(path: &Path) -> Result<kufe_lut::Table, Failure> {
-    let told =
-        |reason: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let mut file =
-        std::fs::File::open(path).map_err(|error| told(&format!("cannot be read: {error}")))?;
-    kufe_lut::Table::read(&mut file).map_err(|error| told(&error))
 }

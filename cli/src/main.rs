@@ -1,11 +1,9 @@
 //! The `kufe` command: `main` -> `run` -> one module a command.
 
-mod case_file;
 mod completions;
 mod discover;
 mod doctor;
 mod evaluate;
-mod failure;
 mod fit;
 mod friction;
 mod hermite;
@@ -32,7 +30,7 @@ mod volume_vtu;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use failure::Failure;
+use kufe_jobs::{Failure, case_file, failure};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,14 +1,12 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
-mod result;
 mod summary;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
-use kufe_contact::case::{FittedHull, StatedProblem};
-use kufe_contact::{Iterate, Options, Problem, Solution, solve};
+use kufe_contact::{Iterate, Watcher};
+use kufe_jobs::{Pressed, Watch};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
@@ -27,22 +25,6 @@ pub struct Args {
     pub out: PathBuf,
 }
 
-/// A solved case with what there is to say about it.
-pub struct Pressed {
-    /// The case.
-    pub loaded: LoadedCase,
-    /// The problem that it stated.
-    pub problem: Problem,
-    /// The hull, where the case names one.
-    pub hull: Option<FittedHull>,
-    /// Its solution.
-    pub solution: Solution,
-    /// Wall time of the solve [s].
-    pub seconds: f64,
-    /// What the reader of the result should know.
-    pub warnings: Vec<String>,
-}
-
 /// Solves the case and writes its files, all or none.
 ///
 /// # Errors
@@ -53,29 +35,21 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(path) => LoadedCase::read(path)?,
         None => LoadedCase::example()?,
     };
-    let StatedProblem { problem, hull } = loaded.stated()?;
-    let mut warnings = Vec::new();
-    for warning in loaded.hull_warnings(hull.as_ref()) {
-        warn(&mut warnings, warning);
-    }
     let staging = Staging::begin(&args.out)?;
     staging.remove_on_interrupt();
-    let started = Instant::now();
-    let solution = solve_with_progress(&loaded, &problem, global)?;
-    let seconds = started.elapsed().as_secs_f64();
-    loaded.fine_enough(hull.as_ref(), &solution)?;
-    if let Some(warning) = summary::beyond_ice(&problem, &solution) {
-        warn(&mut warnings, warning);
-    }
-    let pressed = Pressed {
-        loaded,
-        problem,
-        hull,
-        solution,
-        seconds,
-        warnings,
+    let bar = global.progress();
+    let shown = bar.clone();
+    let watcher: Watcher = Arc::new(move |state: &Iterate| {
+        shown.set_message(summary::progress_line(state));
+    });
+    let watch = Watch {
+        warn: Some(&|warning| eprintln!("kufe: warning: {warning}")),
+        ..Watch::default()
     };
-    let document = result::document(&pressed);
+    let pressed = kufe_jobs::press(loaded, &watch, Some(watcher));
+    bar.finish_and_clear();
+    let pressed = pressed?;
+    let document = pressed.document();
     write_files(&staging, &pressed, &document)?;
     staging.commit()?;
     if global.json {
@@ -84,31 +58,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&summary::text(&pressed, &args.out));
     }
     Ok(())
-}
-
-/// Says a warning at once, and keeps it for the result.
-fn warn(warnings: &mut Vec<String>, warning: String) {
-    eprintln!("kufe: warning: {warning}");
-    warnings.push(warning);
-}
-
-fn solve_with_progress(
-    loaded: &LoadedCase,
-    problem: &Problem,
-    global: &Global,
-) -> Result<Solution, Failure> {
-    let bar = global.progress();
-    let shown = bar.clone();
-    let options = Options {
-        p_max_tolerance: loaded.case.accuracy.p_max,
-        progress: Some(Arc::new(move |state: &Iterate| {
-            shown.set_message(summary::progress_line(state));
-        })),
-        ..Options::default()
-    };
-    let solved = solve(problem, &options);
-    bar.finish_and_clear();
-    solved.map_err(|error| loaded.failure(&error))
 }
 
 fn write_files(

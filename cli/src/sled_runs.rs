@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use kufe_sled::{Error, Model, PrepareOptions, Prepared, Run, Vehicle, prepare_all};
+use kufe_jobs::runs::RunSelection;
+pub use kufe_jobs::runs::{Loaded, failure};
+use kufe_jobs::{Failure, Watch};
+use kufe_sled::Run;
 
-use crate::failure::Failure;
 use crate::output::Global;
 
 /// Arguments that every command on runs takes.
@@ -32,104 +34,35 @@ pub struct RunArgs {
     pub cutoff: f64,
 }
 
-/// Runs ready for use, and what they are used with.
-pub struct Loaded {
-    pub model: Model,
-    pub vehicle: Vehicle,
-    pub prepared: Vec<Prepared>,
-    /// Runs left out and why.
-    pub left_out: Vec<String>,
-}
-
-/// The failure that a sled error is.
-pub fn failure(error: &Error) -> Failure {
-    match error {
-        Error::Friction(kufe_friction::Error::NotConverged { .. }) => {
-            Failure::NotConverged(error.to_string())
-        }
-        _ => Failure::BadInput(error.to_string()),
-    }
-}
-
 impl RunArgs {
     /// Reads model and runs, keeps those that `wanted` and the options name, and prepares them.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
     pub fn load(&self, global: &Global, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
-        if !(self.cutoff > 0.0 && self.cutoff <= 1e4) {
-            return Err(Failure::Usage(format!(
-                "--cutoff {}: expected above 0, up to 10000 Hz",
-                self.cutoff
-            )));
-        }
-        let model = Model::load(&self.model).map_err(|error| failure(&error))?;
-        let vehicle = Vehicle::with_effects(&model).map_err(|error| failure(&error))?;
-        let bar = global.progress();
-        bar.set_message(format!("reading {}", self.runs.display()));
-        let (mut runs, left_out) = if self.leave_out_bad_runs {
-            let (runs, bad) =
-                kufe_sled::read_good_runs(&self.runs).map_err(|error| failure(&error))?;
-            (runs, bad.iter().map(ToString::to_string).collect())
-        } else {
-            let runs = kufe_sled::read_runs(&self.runs).map_err(|error| failure(&error))?;
-            (runs, Vec::new())
-        };
-        self.known("session", &self.session, &runs, |run| &run.entry.session)?;
-        self.known("track", &self.track, &runs, |run| &run.entry.track)?;
-        let among = |names: &[String], name: &String| names.is_empty() || names.contains(name);
-        runs.retain(|run| {
-            among(&self.session, &run.entry.session)
-                && among(&self.track, &run.entry.track)
-                && wanted(run)
-        });
-        if runs.is_empty() {
-            return Err(Failure::BadInput(format!(
-                "{}: no run is left of those asked for",
-                self.runs.display()
-            )));
-        }
-        if !global.quiet {
-            for text in runs.iter().flat_map(|run| &run.remarks).chain(&left_out) {
-                eprintln!("kufe: note: {text}");
-            }
-        }
-        bar.set_message(format!("preparing {} runs", runs.len()));
-        let options = PrepareOptions {
+        let selection = RunSelection {
+            runs: self.runs.clone(),
+            model: self.model.clone(),
+            session: self.session.clone(),
+            track: self.track.clone(),
+            leave_out_bad_runs: self.leave_out_bad_runs,
             cutoff_hz: self.cutoff,
-            ..PrepareOptions::default()
         };
-        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
-            .map_err(|error| failure(&error))?;
+        let bar = global.progress();
+        let loaded = selection.load(
+            &Watch {
+                progress: Some(&|text| bar.set_message(text.to_owned())),
+                warn: Some(&|text| {
+                    if !global.quiet {
+                        bar.suspend(|| eprintln!("kufe: note: {text}"));
+                    }
+                }),
+                ..Watch::default()
+            },
+            wanted,
+        );
         bar.finish_and_clear();
-        Ok(Loaded {
-            model,
-            vehicle,
-            prepared,
-            left_out,
-        })
-    }
-
-    fn known(
-        &self,
-        option: &str,
-        asked: &[String],
-        runs: &[Run],
-        of: fn(&Run) -> &String,
-    ) -> Result<(), Failure> {
-        for name in asked {
-            if !runs.iter().any(|run| of(run) == name) {
-                let mut there: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
-                there.sort_unstable();
-                there.dedup();
-                return Err(Failure::BadInput(format!(
-                    "--{option} {name}: {} has only {}",
-                    self.runs.display(),
-                    there.join(", ")
-                )));
-            }
-        }
-        Ok(())
+        loaded
     }
 }
 

@@ -8,7 +8,7 @@ use kufe_mesh::{
     BobRunner, HullFormat, HullOptions, check_hull, read_gltf, read_obj, read_stl, tessellate,
 };
 
-const EXAMPLE: &str = include_str!("../assets/example.toml");
+const EXAMPLE: &str = include_str!("../../jobs/assets/example.toml");
 
 /// A small generator of its own, so that a failing round can be repeated: xorshift64* (S. Vigna, 2016).
 struct Random(u64);

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use kufe_lut::{Mode, Next, Point, Quantity, Store, Swept, Table, next_batch};
+use kufe_jobs::table::{Solver, Wanted};
+use kufe_lut::{Mode, Point, Quantity, Swept, Table};
 use serde_json::{Value, json};
 
 use super::export::{Forms, write_table};
-use super::solver::Solver;
-use super::table_file::Wanted;
+use super::watched::watched;
 use crate::failure::Failure;
 use crate::output::Global;
 
@@ -38,54 +38,24 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| path.with_extension("lut"));
-    let solver = Solver::new(&wanted)?;
     let started = Instant::now();
-    let store = open_store(&out, &solver)?;
-    let mut solves = 0;
-    let mut swept = loop {
-        match next_batch(&wanted.plan, &store) {
-            Ok(Next::Finished(swept)) => break *swept,
-            Ok(Next::Points { points, round, .. }) => {
-                let label = format!("round {round}");
-                solves += solver.solve_missing(&store, &points, &label, global)?;
-            }
-            // A damaged point among finished ones: solved again with the others of its batch.
-            Err(kufe_lut::Error::Corrupt { path, reason }) => {
-                eprintln!("kufe: warning: {path}: damaged: {reason}; it will be solved again");
-                std::fs::remove_file(&path).map_err(|error| {
-                    Failure::BadInput(format!("{path}: cannot be removed: {error}"))
-                })?;
-            }
-            Err(error) => return Err(Failure::bad_input(error)),
-        }
-    };
-    swept.table.case = solver.case();
-    write_table(&swept.table, &out)?;
-    store
-        .clear(&all_points(&swept.table))
-        .map_err(Failure::bad_input)?;
+    let (solver, filled) = watched(global, |watch| {
+        let solver = Solver::new(&wanted, watch)?;
+        let filled = kufe_jobs::table::fill(&wanted, &solver, &out, watch)?;
+        Ok::<_, Failure>((solver, filled))
+    })?;
+    write_table(&filled.swept.table, &out)?;
+    filled.clear()?;
     let seconds = started.elapsed().as_secs_f64();
+    let solves = filled.solves;
     finish(
-        &swept,
+        &filled.swept,
         solver.tolerance(),
         &out,
         &args.forms,
         Spent { solves, seconds },
         global,
     )
-}
-
-/// Results in hand stand beside the table to be until it is there.
-fn open_store(out: &Path, solver: &Solver) -> Result<Store, Failure> {
-    let mut folder = out.as_os_str().to_owned();
-    folder.push(".points");
-    Store::open(Path::new(&folder), solver.origin()?).map_err(Failure::bad_input)
-}
-
-fn all_points(table: &Table) -> Vec<Point> {
-    let mut points = table.axes().points();
-    points.extend(table.checks().iter().map(|check| check.point));
-    points
 }
 
 /// What a table cost.

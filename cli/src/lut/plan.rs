@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use kufe_jobs::Watch;
+use kufe_jobs::table::{Solver, Wanted};
 use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script, slurm_script};
 
 use super::export::{Forms, write_table};
 use super::fill::{Spent, finish};
-use super::solver::Solver;
-use super::table_file::Wanted;
+use super::watched::{warn, watched};
 use crate::failure::Failure;
 use crate::output::{Global, write_whole};
 
@@ -64,7 +65,7 @@ fn shard_word(word: &str) -> Result<(usize, usize), String> {
 /// [`Failure::BadInput`] for files, and where the folder holds results of another version or case.
 pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let wanted = Wanted::read(&args.table)?;
-    let origin = Solver::new(&wanted)?.origin()?;
+    let origin = solver(&wanted)?.origin()?;
     let file = args.out.join("plan.json");
     if file.exists() {
         let old = Manifest::read(&file).map_err(Failure::bad_input)?;
@@ -108,7 +109,9 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
     let (index, count) = args.shard;
     let points = manifest.shard(index, count).map_err(Failure::bad_input)?;
     let label = format!("round {}, shard {index}/{count}", manifest.round);
-    let solved = solver.solve_missing(&store, points, &label, global)?;
+    let solved = watched(global, |watch| {
+        solver.solve_missing(&store, points, &label, watch)
+    })?;
     let kept = points.len() - solved;
     if global.json {
         let report =
@@ -179,11 +182,19 @@ fn open_plan(folder: &Path) -> Result<(Manifest, Solver, Store, Wanted), Failure
     let file = folder.join("plan.json");
     let manifest = Manifest::read(&file).map_err(Failure::bad_input)?;
     let wanted = Wanted::read(Path::new(&manifest.table))?;
-    let solver = Solver::new(&wanted)?;
+    let solver = solver(&wanted)?;
     let origin = solver.origin()?;
     same_origin(&file, &manifest.origin, &origin)?;
     let store = open_store(folder, origin)?;
     Ok((manifest, solver, store, wanted))
+}
+
+fn solver(wanted: &Wanted) -> Result<Solver, Failure> {
+    let watch = Watch {
+        warn: Some(&warn),
+        ..Watch::default()
+    };
+    Solver::new(wanted, &watch)
 }
 
 fn same_origin(file: &Path, planned: &Origin, now: &Origin) -> Result<(), Failure> {

@@ -2,23 +2,8 @@
 
 use std::path::Path;
 
-use kufe_contact::{Iterate, Problem, Solution};
-
-use super::Pressed;
-
-/// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
-const ICE_GIVES_WAY: f64 = 10e6;
-
-/// A warning where the elastic answer is beyond what ice bears.
-pub fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
-    (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
-        format!(
-            "the peak of {:.1} MPa is beyond the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
-             as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
-            solution.p_max / 1e6
-        )
-    })
-}
+use kufe_contact::{Iterate, Solution};
+use kufe_jobs::Pressed;
 
 /// One line while the solver works.
 pub fn progress_line(state: &Iterate) -> String {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use kufe_contact::case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, Problem, Solution, SurfaceField};
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// The case that is solved where none is given.
 pub const EXAMPLE: &str = include_str!("../assets/example.toml");

@@ -1,12 +1,12 @@
-//! How a command ends when it does not end well.
+//! How a job ends when it does not end well.
 
 use std::fmt;
 use std::process::ExitCode;
 
-/// A failed command: what to say and which exit code to leave with.
-#[derive(Debug)]
+/// A failed job: what to say, and of which kind it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// A combination of arguments that clap cannot see is wrong (exit code 2).
+    /// A combination of arguments is wrong (exit code 2).
     Usage(String),
     /// A file or a value in it is not what it must be, or a file cannot be written (exit code 3).
     BadInput(String),
@@ -43,3 +43,5 @@ impl fmt::Display for Failure {
         }
     }
 }
+
+impl std::error::Error for Failure {}

@@ -1,17 +1,16 @@
 //! The contact solver as a sweep sees it.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kufe_contact::case::{Case, CaseError, Shape};
 use kufe_contact::{Load, Options, Problem, Solution};
 use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
 
-use super::case_json::case_json;
-use super::table_file::Wanted;
+use super::Wanted;
 use crate::case_file::LoadedCase;
-use crate::failure::Failure;
-use crate::output::Global;
+use crate::case_json::case_json;
+use crate::{Failure, Watch};
 
 /// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
 const LARGEST_ERROR: f64 = 0.2;
@@ -47,7 +46,7 @@ impl Solver {
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the case cannot be had or has no rocker radius to sweep.
-    pub fn new(wanted: &Wanted) -> Result<Solver, Failure> {
+    pub fn new(wanted: &Wanted, watch: &Watch) -> Result<Solver, Failure> {
         let loaded = LoadedCase::read(&wanted.case)?;
         if wanted.plan.rocker_radius.is_some() && loaded.case.runner.shape.is_none() {
             return Err(Failure::BadInput(format!(
@@ -58,7 +57,7 @@ impl Solver {
         }
         let (base, warnings) = loaded.problem()?;
         for warning in warnings {
-            eprintln!("kufe: warning: {warning}");
+            watch.warn(&warning);
         }
         let own = loaded.case.accuracy.p_max;
         let asked = if wanted.plan.is_fixed() {
@@ -104,8 +103,8 @@ impl Solver {
         })
     }
 
-    fn solve(&self, point: &Point) -> Result<Solved, SolveError> {
-        if INTERRUPTED.load(Ordering::Relaxed) {
+    fn solve(&self, point: &Point, watch: &Watch) -> Result<Solved, SolveError> {
+        if watch.stopped() {
             return Err(SolveError::Interrupted);
         }
         let mut problem = match point.rocker_radius {
@@ -131,28 +130,25 @@ impl Solver {
     /// Solves what a store lacks of these points, telling how far it is; returns how many were solved.
     ///
     /// # Errors
-    /// [`Failure::Partial`] after Ctrl-C, [`Failure::NotConverged`] and [`Failure::BadInput`] with the point.
+    /// [`Failure::Partial`] where the watch stops it, [`Failure::NotConverged`] and [`Failure::BadInput`] with the point.
     pub fn solve_missing(
         &self,
         store: &Store,
         points: &[Point],
         label: &str,
-        global: &Global,
+        watch: &Watch,
     ) -> Result<usize, Failure> {
-        stop_on_interrupt();
-        let bar = global.progress();
         let solved = AtomicUsize::new(0);
-        let show = |n: usize| bar.set_message(format!("{label}: {n} of {} points", points.len()));
+        let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
         show(0);
         let done = kufe_lut::solve_missing(store, points, |point| {
-            let result = self.solve(point)?;
+            let result = self.solve(point, watch)?;
             show(solved.fetch_add(1, Ordering::Relaxed) + 1);
             Ok(result)
         });
-        bar.finish_and_clear();
         let done = done.map_err(|error| self.failure(store, error))?;
         for damage in &done.repaired {
-            eprintln!("kufe: warning: {damage}; solved again");
+            watch.warn(&format!("{damage}; solved again"));
         }
         Ok(done.solved)
     }
@@ -231,16 +227,4 @@ fn read_hull(path: &Path) -> Result<Vec<u8>, Failure> {
         )));
     }
     std::fs::read(path).map_err(|error| told(format!("cannot be read: {error}")))
-}
-
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// From now on Ctrl-C lets the points in hand finish and begins no others; a second one leaves at once.
-fn stop_on_interrupt() {
-    // A handler is set once a process: that one is there already is no error.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(5);
-        }
-    });
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use kufe_lut::{Mode, Plan, Spacing};
 use serde::Deserialize;
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// A table file is a page of text; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 20;

@@ -1,4 +1,4 @@
-//! A case as a table keeps it.
+//! A case as results and tables keep it.
 
 use kufe_contact::case::Case;
 use serde_json::{Value, json};

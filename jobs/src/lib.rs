@@ -1,0 +1,31 @@
+//! Jobs: what the command and the Python package do alike, from files to results.
+//!
+//! A job takes the paths that a user gives, calls the libraries, and fails with the one sentence that the user reads.
+//! It prints nothing and writes no results: progress and warnings go to closures, files are the caller's.
+//!
+//! | item | the job |
+//! |---|---|
+//! | [`case_file::LoadedCase`], [`press()`] | a case and its solution, with what there is to say about it |
+//! | [`table`] | a table file and the lookup table that it asks for |
+//! | [`runs`] | recorded runs, chosen and prepared |
+//! | [`Failure`] | how a job fails: in a sentence, of one of four kinds |
+//! | [`Watch`] | who is told of progress and warnings, and may stop the job |
+//!
+//! ```
+//! use kufe_jobs::{Watch, case_file::LoadedCase, press};
+//! let pressed = press(LoadedCase::example()?, &Watch::default(), None)?;
+//! assert!((pressed.solution.p_max / 138.5e6 - 1.0).abs() < 0.01);
+//! # Ok::<(), kufe_jobs::Failure>(())
+//! ```
+
+pub mod case_file;
+mod case_json;
+pub mod failure;
+mod press;
+pub mod runs;
+pub mod table;
+mod watch;
+
+pub use failure::Failure;
+pub use press::{Pressed, press};
+pub use watch::Watch;

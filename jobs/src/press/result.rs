@@ -1,0 +1,67 @@
+//! `result.json`.
+
+use serde_json::{Value, json};
+
+use super::Pressed;
+use crate::case_json::case_json;
+
+impl Pressed {
+    /// The figures of a solve, the case that they belong to, and how they came about.
+    pub fn document(&self) -> Value {
+        let solution = &self.solution;
+        let history: Vec<Value> = solution
+            .history
+            .iter()
+            .map(|state| {
+                json!({
+                    "level": state.level,
+                    "dofs": state.dofs,
+                    "contact_nodes": state.contact_nodes,
+                    "iterations": state.iterations,
+                    "residual": state.residual,
+                    "p_max_pa": state.p_max,
+                })
+            })
+            .collect();
+        let fit = self.hull.as_ref().map(|hull| {
+            let quality = hull.underside.quality();
+            json!({
+                "residual_rms_m": quality.residual_rms,
+                "residual_max_m": quality.residual_max,
+                "resolution_error_m": quality.resolution_error,
+                "residual_over_approach": quality.residual_rms / solution.approach,
+                "vertices": quality.vertices,
+            })
+        });
+        json!({
+            "p_max_pa": solution.p_max,
+            "p_max_error_pa": solution.p_max_error,
+            "p_mean_pa": solution.p_mean,
+            "area_m2": solution.area,
+            "length_m": solution.length,
+            "width_m": solution.width,
+            "approach_m": solution.approach,
+            "pitch_rad": solution.pitch,
+            "roll_rad": solution.roll,
+            "fz_n": solution.fz,
+            "kkt_residual": solution.kkt_residual,
+            "dofs": solution.dofs,
+            "iterations": solution.iterations,
+            "seconds": self.seconds,
+            "peak_memory_bytes": peak_memory(),
+            "version": env!("CARGO_PKG_VERSION"),
+            "hull_fit": fit,
+            "warnings": self.warnings,
+            "history": history,
+            "case": case_json(&self.loaded.case),
+        })
+    }
+}
+
+/// Largest resident memory of this process so far, where the system tells [bytes].
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
+}

@@ -1,0 +1,136 @@
+//! Recorded runs: read, chosen and prepared.
+
+use std::path::PathBuf;
+
+use kufe_sled::{Error, Model, PrepareOptions, Prepared, Run, Vehicle, prepare_all};
+
+use crate::{Failure, Watch};
+
+/// Which runs, and what they are used with.
+#[derive(Clone, Debug)]
+pub struct RunSelection {
+    /// Index of the runs.
+    pub runs: PathBuf,
+    /// Sled and friction.
+    pub model: PathBuf,
+    /// Only runs of these sessions; all where empty.
+    pub session: Vec<String>,
+    /// Only runs on these tracks; all where empty.
+    pub track: Vec<String>,
+    /// Leave runs with faulty files out instead of stopping at the first.
+    pub leave_out_bad_runs: bool,
+    /// Corner of the zero-phase low pass [Hz].
+    pub cutoff_hz: f64,
+}
+
+/// Runs ready for use, and what they are used with.
+pub struct Loaded {
+    /// Sled and friction.
+    pub model: Model,
+    /// The same with its tables opened.
+    pub vehicle: Vehicle,
+    /// The runs.
+    pub prepared: Vec<Prepared>,
+    /// Runs left out and why.
+    pub left_out: Vec<String>,
+}
+
+/// The failure that a sled error is.
+pub fn failure(error: &Error) -> Failure {
+    match error {
+        Error::Friction(kufe_friction::Error::NotConverged { .. }) => {
+            Failure::NotConverged(error.to_string())
+        }
+        _ => Failure::BadInput(error.to_string()),
+    }
+}
+
+impl RunSelection {
+    /// Every run of an index, with the model's file and a corner of 20 Hz.
+    pub fn all(runs: PathBuf, model: PathBuf) -> RunSelection {
+        RunSelection {
+            runs,
+            model,
+            session: Vec::new(),
+            track: Vec::new(),
+            leave_out_bad_runs: false,
+            cutoff_hz: 20.0,
+        }
+    }
+
+    /// Reads model and runs, keeps those selected and `wanted`, and prepares them; remarks on runs are told as warnings.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
+    pub fn load(&self, watch: &Watch, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+        if !(self.cutoff_hz > 0.0 && self.cutoff_hz <= 1e4) {
+            return Err(Failure::Usage(format!(
+                "--cutoff {}: expected above 0, up to 10000 Hz",
+                self.cutoff_hz
+            )));
+        }
+        let model = Model::load(&self.model).map_err(|error| failure(&error))?;
+        let vehicle = Vehicle::with_effects(&model).map_err(|error| failure(&error))?;
+        watch.progress(&format!("reading {}", self.runs.display()));
+        let (mut runs, left_out) = if self.leave_out_bad_runs {
+            let (runs, bad) =
+                kufe_sled::read_good_runs(&self.runs).map_err(|error| failure(&error))?;
+            (runs, bad.iter().map(ToString::to_string).collect())
+        } else {
+            let runs = kufe_sled::read_runs(&self.runs).map_err(|error| failure(&error))?;
+            (runs, Vec::new())
+        };
+        self.known("session", &self.session, &runs, |run| &run.entry.session)?;
+        self.known("track", &self.track, &runs, |run| &run.entry.track)?;
+        let among = |names: &[String], name: &String| names.is_empty() || names.contains(name);
+        runs.retain(|run| {
+            among(&self.session, &run.entry.session)
+                && among(&self.track, &run.entry.track)
+                && wanted(run)
+        });
+        if runs.is_empty() {
+            return Err(Failure::BadInput(format!(
+                "{}: no run is left of those asked for",
+                self.runs.display()
+            )));
+        }
+        for text in runs.iter().flat_map(|run| &run.remarks).chain(&left_out) {
+            watch.warn(text);
+        }
+        watch.progress(&format!("preparing {} runs", runs.len()));
+        let options = PrepareOptions {
+            cutoff_hz: self.cutoff_hz,
+            ..PrepareOptions::default()
+        };
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
+            .map_err(|error| failure(&error))?;
+        Ok(Loaded {
+            model,
+            vehicle,
+            prepared,
+            left_out,
+        })
+    }
+
+    fn known(
+        &self,
+        option: &str,
+        asked: &[String],
+        runs: &[Run],
+        of: fn(&Run) -> &String,
+    ) -> Result<(), Failure> {
+        for name in asked {
+            if !runs.iter().any(|run| of(run) == name) {
+                let mut there: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+                there.sort_unstable();
+                there.dedup();
+                return Err(Failure::BadInput(format!(
+                    "--{option} {name}: {} has only {}",
+                    self.runs.display(),
+                    there.join(", ")
+                )));
+            }
+        }
+        Ok(())
+    }
+}

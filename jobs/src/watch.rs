@@ -1,0 +1,37 @@
+//! Who watches a job.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Someone who is told of progress and warnings, and may stop the job.
+///
+/// The default hears nothing and never stops.
+#[derive(Clone, Copy, Default)]
+pub struct Watch<'a> {
+    /// Told how far the job is.
+    pub progress: Option<&'a (dyn Fn(&str) + Sync)>,
+    /// Told what the user should know; the job goes on.
+    pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
+    /// Once true, the job finishes what it has in hand and begins nothing else.
+    pub stop: Option<&'a AtomicBool>,
+}
+
+impl Watch<'_> {
+    /// Tells how far the job is.
+    pub fn progress(&self, text: &str) {
+        if let Some(progress) = self.progress {
+            progress(text);
+        }
+    }
+
+    /// Tells what the user should know.
+    pub fn warn(&self, text: &str) {
+        if let Some(warn) = self.warn {
+            warn(text);
+        }
+    }
+
+    /// Whether the job is to stop.
+    pub fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+}
