@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_plot::{Error, PALETTE, PngRoot, png, viridis};
+use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text, viridis};
 use plotters::prelude::*;
 
 use crate::outline::outline;
@@ -229,33 +229,10 @@ fn stretch_text(stretch: f64) -> String {
     }
 }
 
-/// A tick's number with as many digits as the axis needs to tell its ticks apart.
-fn tick_text(value: f64, span: f64) -> String {
-    let digits = (2.0 - span.abs().log10().floor()).clamp(0.0, 6.0) as usize;
-    let digits = digits.saturating_sub(1);
-    let text = format!("{value:.digits$}");
-    if text
-        .trim_start_matches('-')
-        .chars()
-        .all(|c| c == '0' || c == '.')
-    {
-        return "0".to_string();
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::pressure_map::tests::ellipse;
-
-    #[test]
-    fn ticks_carry_the_digits_their_axis_needs() {
-        assert_eq!(tick_text(20.0, 60.0), "20");
-        assert_eq!(tick_text(0.05, 0.4), "0.05");
-        assert_eq!(tick_text(-0.0, 0.4), "0");
-        assert_eq!(tick_text(1.5, 4.0), "1.5");
-    }
 
     #[test]
     fn a_needle_is_drawn_stretched_and_to_the_last_row() -> Result<(), Box<dyn std::error::Error>> {

@@ -10,7 +10,7 @@
 //! | [`svg_string`] | the same picture as text, for an HTML page |
 //! | [`viridis`] | colour map on `0..=1` |
 //! | [`PALETTE`] | eight line colours that colour-blind readers can tell apart |
-//! | [`axis_ticks`] | round tick positions |
+//! | [`axis_ticks`], [`tick_text`] | round tick positions and their text |
 //!
 //! ```
 //! use plotters::prelude::*;
@@ -37,4 +37,4 @@ mod ticks;
 
 pub use colour::{PALETTE, viridis};
 pub use file::{Error, PngRoot, SvgRoot, png, svg, svg_string};
-pub use ticks::axis_ticks;
+pub use ticks::{axis_ticks, tick_text};

@@ -1,4 +1,4 @@
-//! Round tick positions.
+//! Round tick positions and the text beside them.
 
 /// Ticks at 1, 2 or 5 times a power of ten inside `low..=high`, about `count` of them.
 ///
@@ -22,4 +22,26 @@ pub fn axis_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;
     (first..=last).map(|i| i as f64 * step).collect()
+}
+
+/// A tick's number with as many digits as an axis of this span needs to tell its ticks apart.
+///
+/// ```
+/// assert_eq!(kufe_plot::tick_text(20.0, 60.0), "20");
+/// assert_eq!(kufe_plot::tick_text(0.05, 0.4), "0.05");
+/// assert_eq!(kufe_plot::tick_text(1.5, 4.0), "1.5");
+/// assert_eq!(kufe_plot::tick_text(-0.0, 0.4), "0");
+/// ```
+pub fn tick_text(value: f64, span: f64) -> String {
+    let digits = (2.0 - span.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    let digits = digits.saturating_sub(1);
+    let text = format!("{value:.digits$}");
+    if text
+        .trim_start_matches('-')
+        .chars()
+        .all(|c| c == '0' || c == '.')
+    {
+        return "0".to_string();
+    }
+    text
 }

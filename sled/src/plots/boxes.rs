@@ -1,6 +1,6 @@
 //! Box plots over named categories.
 
-use kufe_plot::{Error, PALETTE, PngRoot};
+use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
 use plotters::prelude::*;
 
 use crate::bootstrap::quantile;
@@ -52,7 +52,9 @@ pub(super) fn draw_boxes(
     let (low, high) = reach.fold((0.0_f64, 0.0_f64), |(low, high), (a, b)| {
         (low.min(a), high.max(b))
     });
-    let margin = 0.06 * (high - low).max(1e-9);
+    // Values that are all zero still get an axis.
+    let high = if high > low { high } else { low + 1.0 };
+    let margin = 0.06 * (high - low);
     let count = boxes.len() as f64;
     let mut chart = ChartBuilder::on(root)
         .caption(title, ("sans-serif", 22))
@@ -75,6 +77,7 @@ pub(super) fn draw_boxes(
         .disable_x_mesh()
         .x_labels(2 * boxes.len() + 1)
         .x_label_formatter(&names)
+        .y_label_formatter(&|y| tick_text(*y, high - low))
         .y_desc(unit)
         .label_style(("sans-serif", 17))
         .light_line_style(WHITE)

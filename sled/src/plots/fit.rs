@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_friction::{LateralSample, MagicFormula};
-use kufe_plot::PALETTE;
+use kufe_plot::{PALETTE, tick_text};
 use plotters::prelude::*;
 
 use crate::Error;
@@ -62,6 +62,8 @@ pub fn fit_picture(
                 .configure_mesh()
                 .x_desc("slip angle [degrees]")
                 .y_desc("lateral force [N]")
+                .x_label_formatter(&|x| tick_text(*x, 2.0 * reach))
+                .y_label_formatter(&|y| tick_text(*y, 2.0 * most))
                 .label_style(("sans-serif", 16))
                 .light_line_style(WHITE)
                 .draw()?;

@@ -1,6 +1,6 @@
 //! Lines over time or distance, one panel below the other.
 
-use kufe_plot::{Error, PALETTE, PngRoot};
+use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
 use plotters::prelude::*;
 
 /// One line of a panel.
@@ -50,6 +50,8 @@ pub(super) fn draw_strip(
         .configure_mesh()
         .x_desc(x_name)
         .y_desc(y_name)
+        .x_label_formatter(&|x| tick_text(*x, x_high - x_low))
+        .y_label_formatter(&|y| tick_text(*y, y_high - y_low))
         .x_labels(12)
         .y_labels(6)
         .label_style(("sans-serif", 16))
