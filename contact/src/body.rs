@@ -2,8 +2,7 @@
 
 use std::sync::Mutex;
 
-use faer::Mat;
-use kufe_fem::{Body as Solid, FastDiagonal, Material, MatrixFree, TensorOperator};
+use kufe_fem::{Body as Solid, End, LayeredDiagonal, Material, MatrixFree, TensorOperator};
 
 use crate::surface::SurfaceModes;
 
@@ -40,7 +39,7 @@ pub(crate) struct Body {
     /// The stiffness on mapped hexahedra, where the body is none of tensor shape.
     mapped: Option<Mutex<Mapped>>,
     /// P, spectrally equivalent to the stiffness.
-    pub preconditioner: FastDiagonal,
+    pub preconditioner: LayeredDiagonal,
     /// Surface response of P.
     pub modes: SurfaceModes,
     /// Index of the contact plane along z.
@@ -69,12 +68,12 @@ impl Body {
     /// 1 / sqrt(mu (lambda + 2 mu)) for P; `response` is their ratio.
     pub fn new(operator: TensorOperator, material: Material, side: Side, columns: Columns) -> Self {
         let [_, _, nz] = operator.shape();
-        let (plane, sign) = match side {
-            Side::Below => (nz - 1, 1.0),
-            Side::Above => (0, -1.0),
+        let (plane, end, sign) = match side {
+            Side::Below => (nz - 1, End::High, 1.0),
+            Side::Above => (0, End::Low, -1.0),
         };
-        let preconditioner = FastDiagonal::new(&operator);
-        let modes = SurfaceModes::new(&preconditioner, plane);
+        let preconditioner = LayeredDiagonal::new(&operator, end);
+        let modes = SurfaceModes::new(&preconditioner);
         let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
         let response = (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt();
         Body {
@@ -137,18 +136,5 @@ impl Body {
             }
         }
         self.operator.mask(out);
-    }
-
-    /// Modal values of the vertical displacement on the contact plane: the z modes summed with their values there.
-    pub fn trace_modes(&self, modal: &[f64]) -> Mat<f64> {
-        let vertical = &modal[self.preconditioner.component_range(2)];
-        let (mx, my) = (self.modes.table.nrows(), self.modes.table.ncols());
-        let mut trace = vec![0.0; mx * my];
-        for (layer, value) in vertical.chunks_exact(mx * my).zip(&self.modes.z) {
-            for (t, m) in trace.iter_mut().zip(layer) {
-                *t += value * m;
-            }
-        }
-        faer::MatRef::from_column_major_slice(&trace, mx, my).to_owned()
     }
 }

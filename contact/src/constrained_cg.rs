@@ -1,10 +1,8 @@
 //! Conjugate gradients that keep the contact closed.
 
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, MatRef, Side};
-use rayon::prelude::*;
+use faer::{Mat, Side};
 
-use crate::body::Body;
 use crate::contact_set::Progress;
 use crate::level::{Level, State};
 use crate::motion::solve_motion;
@@ -26,7 +24,6 @@ pub(crate) struct Workspace {
     direction: Vec<f64>,
     image: Vec<f64>,
     modal: Vec<f64>,
-    scratch: Vec<f64>,
 }
 
 impl Level {
@@ -57,19 +54,12 @@ impl Level {
             .iter()
             .map(|b| b.preconditioner.mode_count())
             .sum();
-        let scratch = self
-            .bodies
-            .iter()
-            .map(|b| b.preconditioner.scratch_len())
-            .max()
-            .unwrap_or(0);
         Workspace {
             residual: vec![0.0; n],
             step: vec![0.0; n],
             direction: vec![0.0; n],
             image: vec![0.0; n],
             modal: vec![0.0; modal],
-            scratch: vec![0.0; scratch],
         }
     }
 
@@ -165,8 +155,11 @@ impl Level {
             for (q, t) in state.motion.iter_mut().zip(turn_direction) {
                 *q += alpha * t;
             }
-            vector::add(&mut state.displacement, alpha, &work.direction);
-            vector::add(&mut work.residual, -alpha, &work.image);
+            vector::add_two(
+                alpha,
+                [&mut state.displacement, &mut work.residual],
+                [&work.direction, &work.image],
+            );
             progress.iterations += 1;
         }
     }
@@ -211,13 +204,12 @@ impl Level {
         for body in &self.bodies {
             let p = &body.preconditioner;
             let modal = &mut work.modal[modal_start..modal_start + p.mode_count()];
-            p.to_modes(
-                &work.residual[start..start + body.len()],
-                modal,
-                &mut work.scratch,
-            );
-            p.divide(modal);
-            let trace = body.modes.to_nodes(body.trace_modes(modal).as_ref());
+            p.gather(&work.residual[start..start + body.len()], modal);
+            let gathered = p.gathered(modal);
+            let trace = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
+                gathered[(a, b)] * body.modes.table[(a, b)]
+            });
+            let trace = body.modes.to_nodes(trace.as_ref());
             for (i, &node) in constraint.inside.iter().enumerate() {
                 if let Some(local) = body.columns.local([node % self.nx, node / self.nx]) {
                     let rows = body.columns.count[0];
@@ -250,33 +242,13 @@ impl Level {
                     plane[(local % rows, local / rows)] = *m;
                 }
             }
-            subtract_plane_load(body, body.modes.to_modes(plane.as_ref()).as_ref(), modal);
-            p.from_modes(
-                modal,
-                &mut work.step[start..start + body.len()],
-                &mut work.scratch,
-            );
+            let load = body.modes.to_modes(plane.as_ref());
+            let mut gathered = p.gathered_mut(modal);
+            gathered -= faer::Scale(body.sign) * load;
+            p.spread(modal, &mut work.step[start..start + body.len()]);
             start += body.len();
             modal_start += p.mode_count();
         }
         (turn, multipliers)
     }
-}
-
-/// Subtracts what P^-1 answers to vertical forces on the contact plane, given by their modes.
-fn subtract_plane_load(body: &Body, load: MatRef<'_, f64>, modal: &mut [f64]) {
-    let range = body.preconditioner.component_range(2);
-    let inverse = body.preconditioner.inverse(2);
-    let (mx, my) = (load.nrows(), load.ncols());
-    let flat: Vec<f64> = (0..mx * my).map(|i| load[(i % mx, i / mx)]).collect();
-    modal[range]
-        .par_chunks_mut(mx * my)
-        .zip(inverse.par_chunks(mx * my))
-        .zip(&body.modes.z)
-        .for_each(|((layer, inverse), value)| {
-            let factor = body.sign * value;
-            for ((m, i), l) in layer.iter_mut().zip(inverse).zip(&flat) {
-                *m -= factor * i * l;
-            }
-        });
 }

@@ -22,6 +22,17 @@ pub(crate) struct Resolution {
     pub growth: f64,
 }
 
+impl Resolution {
+    /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see [`widened`].
+    pub fn real_cells(self, symmetry: [bool; 2]) -> f64 {
+        self.cells
+            + symmetry
+                .iter()
+                .map(|&s| if s { 0.25 } else { 0.0 })
+                .sum::<f64>()
+    }
+}
+
 /// How far the mesh reaches and which of its nodes may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reach {
@@ -104,9 +115,11 @@ pub(crate) fn discretise(
         .iter()
         .map(Stretch::half)
         .fold(patch.y.half(), f64::min);
+    let spacing = (narrowest / resolution.cells).min(depth / 4.0);
+    let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
     let z_zone = Zone {
-        stretch: Stretch::even(-(EVEN_DEPTH * narrowest).min(depth), 0.0),
-        spacing: (narrowest / resolution.cells).min(depth / 4.0),
+        stretch: Stretch::even(-even_depth.min(depth), 0.0),
+        spacing,
     };
     let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[z_zone], resolution.growth);
     if matches!(problem.ice.foundation, Foundation::RigidBed { .. }) {
@@ -153,8 +166,12 @@ fn put_node(nodes: &mut Vec<f64>, place: f64) {
 
 /// The zone of a stretch: half a cell longer at its rims, so that all meshes cut them in the middle of a cell,
 /// and only its upper half where a mirror plane cuts it. Nothing of a stretch below a mirror plane.
+///
+/// Half an even stretch, from a node on the mirror plane to the middle of a cell, is an odd number of half cells: half a
+/// cell more than asked. A zone of no whole number of cells would leave their number to rounding errors.
 fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
-    let spacing = stretch.half() / resolution.cells;
+    let halved = symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0;
+    let spacing = stretch.half() / (resolution.cells + if halved { 0.5 } else { 0.0 });
     let margin = |x: f64| 0.5 * spacing * stretch.size(x);
     let low = stretch.low - margin(stretch.low);
     let high = stretch.high + margin(stretch.high);

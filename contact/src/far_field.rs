@@ -15,7 +15,11 @@ pub(crate) struct Lump {
     pub force: f64,
 }
 
-/// Gathers nodal forces into at most 8 x 4 lumps at their centres of force, mirrored where symmetry was used.
+/// Lumps along the longer side of the contact, or of the quarter or half of it that is solved for.
+const LUMPS: f64 = 8.0;
+
+/// Gathers nodal forces into lumps at their centres of force, mirrored where symmetry was used: 8 along the longer side,
+/// fewer along the shorter in proportion, since a lump's error falls with the square of its size over the distance.
 pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) -> Vec<Lump> {
     let touched = |i: usize, j: usize| force[j * x.len() + i] > 0.0;
     let columns: Vec<usize> = (0..x.len())
@@ -24,9 +28,20 @@ pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) ->
     let rows: Vec<usize> = (0..y.len())
         .filter(|&j| (0..x.len()).any(|i| touched(i, j)))
         .collect();
+    let extent = |nodes: &[f64], touched: &[usize]| match touched {
+        [first, .., last] => nodes[*last] - nodes[*first],
+        _ => 0.0,
+    };
+    let extents = [extent(x, &columns), extent(y, &rows)];
+    let chunk = |axis: usize, count: usize| {
+        let share = extents[axis] / extents[0].max(extents[1]).max(f64::MIN_POSITIVE);
+        count
+            .div_ceil((LUMPS * share).ceil().max(1.0) as usize)
+            .max(1)
+    };
     let mut lumps = Vec::new();
-    for is in columns.chunks(columns.len().div_ceil(8).max(1)) {
-        for js in rows.chunks(rows.len().div_ceil(4).max(1)) {
+    for is in columns.chunks(chunk(0, columns.len())) {
+        for js in rows.chunks(chunk(1, rows.len())) {
             let mut sums = [0.0; 3];
             for &j in js {
                 for &i in is {

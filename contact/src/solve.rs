@@ -30,6 +30,12 @@ const REFINEMENT: f64 = 1.5;
 /// problems without an answer; [`Error::NotConverged`] and [`Error::AccuracyNotReached`] where limits stop the
 /// solve.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
+    // Among the workers from the start: every parallel loop begun outside would wait for one to wake up.
+    rayon::scope(|_| refine(problem, options))
+}
+
+/// Solves on finer and finer meshes.
+fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     let material = check(problem, options)?;
     let gap = Gap::new(problem)?;
     let (mut patch, mut forces) = scout(problem, &gap, material)?;
@@ -53,7 +59,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
         let (state, progress) = solve_level(problem, material, &mesh, &patch, &forces, options)?;
         let pressure = field(&mesh, problem, &patch).of(&state);
         let raw = Raw {
-            cells,
+            cells: resolution.real_cells(mesh.symmetry),
             p_max: pressure.figures.p_max,
             approach: mesh.level.depth(&state),
         };

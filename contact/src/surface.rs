@@ -2,44 +2,30 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use kufe_fem::FastDiagonal;
+use kufe_fem::LayeredDiagonal;
 use rayon::prelude::*;
 
 /// The surface response of one body under the fast-diagonalisation operator P.
 ///
 /// With the modes of the vertical displacement, the Green's matrix of P on the contact plane is
-/// G_ij = sum over a, b of Qx[i,a] Qx[j,a] Qy[i,b] Qy[j,b] T_ab, T_ab = sum over c of Qz[plane,c]^2 / Lambda_abc.
+/// G_ij = sum over a, b of Qx[i,a] Qx[j,a] Qy[i,b] Qy[j,b] T_ab, T the response of each pair of modes.
 pub(crate) struct SurfaceModes {
     /// Modes of x, nodes by modes.
     pub x: Mat<f64>,
     /// Modes of y, nodes by modes.
     pub y: Mat<f64>,
-    /// Values of the z modes on the contact plane.
-    pub z: Vec<f64>,
     /// T, modes of x by modes of y [m/N].
     pub table: Mat<f64>,
 }
 
 impl SurfaceModes {
-    /// The modes of vertical displacement on plane `plane` of the z axis.
-    pub fn new(preconditioner: &FastDiagonal, plane: usize) -> Self {
-        let [x, y, z] = [0, 1, 2].map(|axis| preconditioner.axis_modes(2, axis));
-        let values: Vec<f64> = (0..z.values.len()).map(|m| z.vectors[(plane, m)]).collect();
-        let (mx, my) = (x.values.len(), y.values.len());
-        let inverse = preconditioner.inverse(2);
-        let mut table = Mat::<f64>::zeros(mx, my);
-        for (c, value) in values.iter().enumerate() {
-            for b in 0..my {
-                for a in 0..mx {
-                    table[(a, b)] += value * value * inverse[(c * my + b) * mx + a];
-                }
-            }
-        }
+    /// The modes of vertical displacement on the plane that elimination ends on.
+    pub fn new(preconditioner: &LayeredDiagonal) -> Self {
+        let [x, y] = preconditioner.plane_modes();
         SurfaceModes {
             x: x.vectors.clone(),
             y: y.vectors.clone(),
-            z: values,
-            table,
+            table: preconditioner.end_response().to_owned(),
         }
     }
 
@@ -55,83 +41,84 @@ impl SurfaceModes {
         product(half.as_ref(), self.y.as_ref())
     }
 
-    /// G between the nodes (i, j) of `nodes`, times `scale`, added to `green`.
+    /// G between the nodes (i, j) of `nodes`, which come row by row, times `scale`, added to `green`.
     ///
     /// The sum over the modes of y is done once for each pair of rows that occurs, the sum over the modes of
-    /// x once for each pair of nodes.
+    /// x as one product for that pair: X_p diag(sum over b of Qy[p,b] Qy[q,b] T_ab) X_q^T.
     pub fn add_green(&self, nodes: &[[usize; 2]], scale: f64, green: &mut Mat<f64>) {
-        let (mx, my) = (self.x.ncols(), self.y.ncols());
-        let mut rows: Vec<usize> = nodes.iter().map(|node| node[1]).collect();
-        rows.sort_unstable();
-        rows.dedup();
-        let row_of: Vec<usize> = nodes
-            .iter()
-            .map(|node| rows.partition_point(|&r| r < node[1]))
-            .collect();
-        // weights of the pair (p, q) of rows: sum over b of Qy[p,b] Qy[q,b] T_ab, for p <= q.
-        let pair = |p: usize, q: usize| {
-            if p <= q {
-                q * (q + 1) / 2 + p
-            } else {
-                p * (p + 1) / 2 + q
+        let mut rows: Vec<Row> = Vec::new();
+        for (place, &[i, j]) in nodes.iter().enumerate() {
+            match rows.last_mut().filter(|row| row.j == j) {
+                Some(row) => row.columns.push(i),
+                None => rows.push(Row {
+                    j,
+                    first: place,
+                    columns: vec![i],
+                }),
             }
-        };
-        let pairs: Vec<[usize; 2]> = (0..rows.len())
-            .flat_map(|q| (0..=q).map(move |p| [p, q]))
-            .collect();
-        let mut weights = vec![0.0; pairs.len() * mx];
-        weights
-            .par_chunks_mut(mx)
-            .zip(&pairs)
-            .for_each(|(weight, &[p, q])| {
-                for b in 0..my {
-                    let factor = self.y[(rows[p], b)] * self.y[(rows[q], b)];
-                    for (a, w) in weight.iter_mut().enumerate() {
-                        *w += factor * self.table[(a, b)];
-                    }
-                }
-            });
-        let modes_of: Vec<Vec<f64>> = nodes
-            .iter()
-            .map(|node| (0..mx).map(|a| self.x[(node[0], a)]).collect())
-            .collect();
-        let n = nodes.len();
-        let columns: Vec<Vec<f64>> = (0..n)
-            .into_par_iter()
-            .map(|j| {
-                let mut scaled = vec![0.0; mx];
-                let mut last = usize::MAX;
-                (0..=j)
-                    .map(|i| {
-                        if row_of[i] != last {
-                            last = row_of[i];
-                            let start = pair(row_of[i], row_of[j]) * mx;
-                            for ((s, w), q) in scaled
-                                .iter_mut()
-                                .zip(&weights[start..start + mx])
-                                .zip(&modes_of[j])
-                            {
-                                *s = w * q;
-                            }
-                        }
-                        modes_of[i]
-                            .iter()
-                            .zip(&scaled)
-                            .map(|(m, s)| m * s)
-                            .sum::<f64>()
-                    })
+        }
+        let blocks: Vec<Vec<Mat<f64>>> = rows
+            .par_iter()
+            .enumerate()
+            .map(|(q, to)| {
+                let right = self.rows_of_x(&to.columns);
+                rows[..=q]
+                    .iter()
+                    .map(|from| self.between(from, to, &right, scale))
                     .collect()
             })
             .collect();
-        for (j, column) in columns.iter().enumerate() {
-            for (i, value) in column.iter().enumerate() {
-                green[(i, j)] += scale * value;
-                if i != j {
-                    green[(j, i)] += scale * value;
+        for (to, blocks) in rows.iter().zip(&blocks) {
+            for (from, block) in rows.iter().zip(blocks) {
+                for (j, column) in block.col_iter().enumerate() {
+                    for (i, value) in column.iter().enumerate() {
+                        let (a, b) = (from.first + i, to.first + j);
+                        green[(a, b)] += value;
+                        if from.j != to.j {
+                            green[(b, a)] += value;
+                        }
+                    }
                 }
             }
         }
     }
+
+    /// G between two rows of nodes; `right` holds the modes of x at the second's.
+    fn between(&self, from: &Row, to: &Row, right: &Mat<f64>, scale: f64) -> Mat<f64> {
+        let (mx, my) = (self.x.ncols(), self.y.ncols());
+        let mut weights = vec![0.0; mx];
+        for b in 0..my {
+            let factor = scale * self.y[(from.j, b)] * self.y[(to.j, b)];
+            for (weight, t) in weights.iter_mut().zip(self.table.col(b).iter()) {
+                *weight += factor * t;
+            }
+        }
+        let mut left = self.rows_of_x(&from.columns);
+        for (a, weight) in weights.iter().enumerate() {
+            left.col_mut(a).iter_mut().for_each(|v| *v *= weight);
+        }
+        let block = product(left.as_ref(), right.transpose());
+        if from.j == to.j {
+            // Symmetric to the last bit.
+            return Mat::from_fn(block.nrows(), block.ncols(), |i, j| {
+                0.5 * (block[(i, j)] + block[(j, i)])
+            });
+        }
+        block
+    }
+
+    fn rows_of_x(&self, columns: &[usize]) -> Mat<f64> {
+        Mat::from_fn(columns.len(), self.x.ncols(), |i, a| {
+            self.x[(columns[i], a)]
+        })
+    }
+}
+
+/// Nodes that share their y, and the place of the first of them.
+struct Row {
+    j: usize,
+    first: usize,
+    columns: Vec<usize>,
 }
 
 fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {

@@ -9,7 +9,7 @@
 //! | [`nodal_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
 //! | [`assemble`], [`BlockMatrix`], [`MatrixFree`] | the stiffness, stored and not |
 //! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
-//! | [`TensorOperator`], [`FastDiagonal`] | stiffness and preconditioner on a tensor grid |
+//! | [`TensorOperator`], [`LayeredDiagonal`] | stiffness and preconditioner on a tensor grid ([`FastDiagonal`]: the plain one) |
 //! | [`MappedPreconditioner`], [`BeamModes`] | the same for bent grids and slender bodies |
 //! | [`boussinesq`], [`love_rectangle`], [`ThickCylinder`], [`Beam`] | closed forms |
 //!
@@ -55,6 +55,7 @@ mod face;
 mod fast_diagonal;
 mod hex8_lanes;
 mod lanes;
+mod layered_diagonal;
 mod mapped_preconditioner;
 mod material;
 mod matrix_free;
@@ -64,6 +65,7 @@ mod statics;
 mod stress;
 mod stress_measures;
 mod tensor_axis;
+mod tensor_kernel;
 mod tensor_operator;
 mod thick_cylinder;
 
@@ -79,6 +81,7 @@ pub use dissection::nested_dissection;
 pub use error::Error;
 pub use face::{FACES, add_pressure, add_traction, boundary_faces};
 pub use fast_diagonal::FastDiagonal;
+pub use layered_diagonal::{End, LayeredDiagonal};
 pub use mapped_preconditioner::MappedPreconditioner;
 pub use material::Material;
 pub use matrix_free::MatrixFree;

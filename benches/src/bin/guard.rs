@@ -79,12 +79,9 @@ fn linear() -> Result<(), Box<dyn std::error::Error>> {
     let mut u: Vec<f64> = (0..3 * nodes).map(|i| (0.37 * i as f64).sin()).collect();
     let mut out = vec![0.0; 3 * nodes];
     let mut modal = vec![0.0; block.preconditioner.mode_count()];
-    let mut scratch = vec![0.0; block.preconditioner.scratch_len()];
     for _ in 0..10 {
         block.operator.apply(&u, &mut out);
-        block
-            .preconditioner
-            .apply(&out, &mut u, &mut modal, &mut scratch);
+        block.preconditioner.apply(&out, &mut u, &mut modal);
     }
     println!("{}", u.iter().map(|u| u * u).sum::<f64>());
     Ok(())

@@ -1,0 +1,460 @@
+//! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by elimination.
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+use crate::tensor_axis::{Axis, AxisModes};
+use crate::tensor_operator::TensorOperator;
+
+/// Inverse of the block diagonal of elasticity on a tensor grid, plane by plane.
+///
+/// The operator is [`crate::FastDiagonal`]'s, and so is the result. In the modes of x and y a component's operator falls apart
+/// into one tridiagonal matrix a pair (a, b) of modes,
+///
+/// T = c_z K_z + (c_x theta_a + c_y theta_b) M_z,
+///
+/// which is eliminated towards one end of z: four small matrix products a component instead of six. What that end has
+/// gathered, y, tells the answer there before any other is known: z = T y with T one over the last pivot. A constraint on
+/// that plane acts between [`LayeredDiagonal::gather`] and [`LayeredDiagonal::spread`].
+#[derive(Clone, Debug)]
+pub struct LayeredDiagonal {
+    shape: [usize; 3],
+    components: [Component; 3],
+}
+
+/// The end of z that elimination goes towards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The plane of the lowest z.
+    Low,
+    /// The plane of the highest z.
+    High,
+}
+
+#[derive(Clone, Debug)]
+struct Component {
+    x: AxisModes,
+    y: AxisModes,
+    /// Planes that no held face takes away, in the order of elimination.
+    planes: Vec<usize>,
+    /// c_x theta_a + c_y theta_b, a fastest.
+    shift: Vec<f64>,
+    /// c_z K_z and M_z between a plane and the one before it in that order.
+    coupling: Vec<[f64; 2]>,
+    /// One over the pivots, plane by plane in that order.
+    inverse_pivots: Vec<f64>,
+    /// Where this component's modal values start.
+    start: usize,
+}
+
+/// Pairs of modes that one task eliminates: a column of them through all planes stays in a core's cache.
+const PAIRS: usize = 256;
+
+impl LayeredDiagonal {
+    /// Diagonalises x and y once for each pair of held ends that occurs, and eliminates z towards `end`.
+    ///
+    /// # Panics
+    /// Where the plane at `end` is held in z: nothing could act there.
+    pub fn new(operator: &TensorOperator, end: End) -> Self {
+        let mut wanted: Vec<(usize, [bool; 2])> = Vec::new();
+        for held in &operator.held {
+            for (axis, &held) in held.iter().enumerate().take(2) {
+                if !wanted.contains(&(axis, held)) {
+                    wanted.push((axis, held));
+                }
+            }
+        }
+        let solved: Vec<AxisModes> = wanted
+            .par_iter()
+            .map(|&(axis, held)| operator.axes[axis].modes(held))
+            .collect();
+        let modes = |axis: usize, held: [bool; 2]| {
+            let place = wanted.iter().position(|key| *key == (axis, held));
+            solved[place.unwrap_or_else(|| unreachable!("every pair was collected"))].clone()
+        };
+        let mut start = 0;
+        let components = std::array::from_fn(|c| {
+            let held = operator.held[c];
+            let coefficient = |axis: usize| {
+                operator.mu
+                    + if axis == c {
+                        operator.lambda + operator.mu
+                    } else {
+                        0.0
+                    }
+            };
+            let component = Component::new(
+                [modes(0, held[0]), modes(1, held[1])],
+                &operator.axes[2],
+                held[2],
+                [coefficient(0), coefficient(1), coefficient(2)],
+                end,
+                start,
+            );
+            start += component.inverse_pivots.len();
+            component
+        });
+        assert!(
+            !operator.held[2][2][usize::from(end == End::High)],
+            "the plane that elimination ends on is held"
+        );
+        LayeredDiagonal {
+            shape: operator.shape(),
+            components,
+        }
+    }
+
+    /// Length of a modal vector.
+    pub fn mode_count(&self) -> usize {
+        self.components.iter().map(|c| c.inverse_pivots.len()).sum()
+    }
+
+    /// Modes of the vertical displacement along x and along y.
+    pub fn plane_modes(&self) -> [&AxisModes; 2] {
+        [&self.components[2].x, &self.components[2].y]
+    }
+
+    /// What unit vertical forces on the end plane move there: modes of x by modes of y [m/N].
+    pub fn end_response(&self) -> MatRef<'_, f64> {
+        let vertical = &self.components[2];
+        let [mx, my] = vertical.pairs();
+        let last = vertical.inverse_pivots.len() - mx * my;
+        columns(&vertical.inverse_pivots[last..], mx, my)
+    }
+
+    /// What the end plane has gathered of the vertical component, modes of x by modes of y: times
+    /// [`LayeredDiagonal::end_response`] it is the displacement there.
+    pub fn gathered<'a>(&self, modal: &'a [f64]) -> MatRef<'a, f64> {
+        let [mx, my] = self.components[2].pairs();
+        columns(&modal[self.end_plane()], mx, my)
+    }
+
+    /// The same to be changed by forces on the end plane.
+    pub fn gathered_mut<'a>(&self, modal: &'a mut [f64]) -> MatMut<'a, f64> {
+        let [mx, my] = self.components[2].pairs();
+        columns_mut(&mut modal[self.end_plane()], mx, my)
+    }
+
+    fn end_plane(&self) -> std::ops::Range<usize> {
+        let vertical = &self.components[2];
+        let [mx, my] = vertical.pairs();
+        let end = vertical.start + vertical.inverse_pivots.len();
+        end - mx * my..end
+    }
+
+    /// The modal form of `r`, solved but for the vertical component, which is eliminated up to the end plane.
+    pub fn gather(&self, r: &[f64], modal: &mut [f64]) {
+        let nodes: usize = self.shape.iter().product();
+        assert_eq!((r.len(), modal.len()), (3 * nodes, self.mode_count()));
+        for (c, component) in self.components.iter().enumerate() {
+            let modal = &mut modal[component.range()];
+            component.to_modes(self.shape, &r[c * nodes..(c + 1) * nodes], modal);
+            component.by_columns(
+                modal,
+                #[inline(always)]
+                |first, column| {
+                    component.forward(first, column);
+                    if c < 2 {
+                        component.backward(first, column);
+                    }
+                },
+            );
+        }
+    }
+
+    /// `z` from what [`LayeredDiagonal::gather`] left, which it uses up.
+    pub fn spread(&self, modal: &mut [f64], z: &mut [f64]) {
+        let nodes: usize = self.shape.iter().product();
+        assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
+        let vertical = &self.components[2];
+        vertical.by_columns(
+            &mut modal[vertical.range()],
+            #[inline(always)]
+            |first, column| {
+                vertical.backward(first, column);
+            },
+        );
+        for (c, component) in self.components.iter().enumerate() {
+            let z = &mut z[c * nodes..(c + 1) * nodes];
+            component.leave_modes(self.shape, &modal[component.range()], z);
+        }
+    }
+
+    /// `z` = P^-1 `r`.
+    pub fn apply(&self, r: &[f64], z: &mut [f64], modal: &mut [f64]) {
+        self.gather(r, modal);
+        self.spread(modal, z);
+    }
+}
+
+impl Component {
+    fn new(
+        [x, y]: [AxisModes; 2],
+        z: &Axis,
+        held: [bool; 2],
+        coefficients: [f64; 3],
+        end: End,
+        start: usize,
+    ) -> Self {
+        let mut planes: Vec<usize> =
+            (usize::from(held[0])..z.len() - usize::from(held[1])).collect();
+        if end == End::Low {
+            planes.reverse();
+        }
+        let mut shift = Vec::with_capacity(x.values.len() * y.values.len());
+        for theta_y in &y.values {
+            let y = coefficients[1] * theta_y;
+            shift.extend(x.values.iter().map(|theta| coefficients[0] * theta + y));
+        }
+        let entry = |k: usize, other: usize| {
+            let place = 1 + other - k;
+            [coefficients[2] * z.stiffness[k][place], z.mass[k][place]]
+        };
+        let coupling: Vec<[f64; 2]> = std::iter::once([0.0; 2])
+            .chain(planes.windows(2).map(|w| entry(w[1], w[0])))
+            .collect();
+        let pairs = shift.len();
+        let mut inverse_pivots = vec![0.0; pairs * planes.len()];
+        for (step, &plane) in planes.iter().enumerate() {
+            let (before, rest) = inverse_pivots.split_at_mut(step * pairs);
+            let before = &before[step.saturating_sub(1) * pairs..];
+            let [k, m] = entry(plane, plane);
+            let [k_off, m_off] = coupling[step];
+            for (i, pivot) in rest[..pairs].iter_mut().enumerate() {
+                let off = k_off + shift[i] * m_off;
+                let taken = before.get(i).map_or(0.0, |inverse| off * off * inverse);
+                *pivot = (k + shift[i] * m - taken).recip();
+            }
+        }
+        Component {
+            x,
+            y,
+            planes,
+            shift,
+            coupling,
+            inverse_pivots,
+            start,
+        }
+    }
+
+    fn pairs(&self) -> [usize; 2] {
+        [self.x.values.len(), self.y.values.len()]
+    }
+
+    fn range(&self) -> std::ops::Range<usize> {
+        self.start..self.start + self.inverse_pivots.len()
+    }
+
+    /// `modal` = (Qx x Qy)^T `r`, plane by plane in the order of elimination.
+    fn to_modes(&self, [nx, ny, _]: [usize; 3], r: &[f64], modal: &mut [f64]) {
+        let [mx, my] = self.pairs();
+        modal
+            .par_chunks_mut(mx * my)
+            .zip(&self.planes)
+            .for_each_init(
+                || vec![0.0; mx * ny],
+                |half, (modal, &k)| {
+                    let source = columns(&r[k * nx * ny..(k + 1) * nx * ny], nx, ny);
+                    product(
+                        columns_mut(half, mx, ny),
+                        self.x.vectors.transpose(),
+                        source,
+                    );
+                    product(
+                        columns_mut(modal, mx, my),
+                        columns(half, mx, ny),
+                        self.y.vectors.as_ref(),
+                    );
+                },
+            );
+    }
+
+    /// `z` = (Qx x Qy) `modal`, plane by plane; 0 on held planes.
+    fn leave_modes(&self, [nx, ny, _]: [usize; 3], modal: &[f64], z: &mut [f64]) {
+        let [mx, my] = self.pairs();
+        let upwards = self.planes.first() < self.planes.last();
+        let step_of = |k: usize| {
+            let (low, high) = match upwards {
+                true => (self.planes[0], self.planes[self.planes.len() - 1]),
+                false => (self.planes[self.planes.len() - 1], self.planes[0]),
+            };
+            (low..=high)
+                .contains(&k)
+                .then(|| if upwards { k - low } else { high - k })
+        };
+        z.par_chunks_mut(nx * ny).enumerate().for_each_init(
+            || vec![0.0; nx * my],
+            |half, (k, plane)| {
+                let Some(step) = step_of(k) else {
+                    plane.fill(0.0);
+                    return;
+                };
+                let source = columns(&modal[step * mx * my..(step + 1) * mx * my], mx, my);
+                product(columns_mut(half, nx, my), self.x.vectors.as_ref(), source);
+                product(
+                    columns_mut(plane, nx, ny),
+                    columns(half, nx, my),
+                    self.y.vectors.transpose(),
+                );
+            },
+        );
+    }
+
+    /// Work on blocks of pairs, each through all planes: the first pair and the block's slice of every plane.
+    fn by_columns(&self, modal: &mut [f64], work: impl Fn(usize, &mut [&mut [f64]]) + Sync) {
+        let pairs = self.shift.len();
+        let mut blocks: Vec<Vec<&mut [f64]>> = (0..pairs.div_ceil(PAIRS))
+            .map(|_| Vec::with_capacity(self.planes.len()))
+            .collect();
+        for plane in modal.chunks_exact_mut(pairs) {
+            for (block, part) in blocks.iter_mut().zip(plane.chunks_mut(PAIRS)) {
+                block.push(part);
+            }
+        }
+        blocks
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(block, column)| {
+                pulp::Arch::new().dispatch(
+                    #[inline(always)]
+                    || work(block * PAIRS, column),
+                );
+            });
+    }
+
+    /// The block's inverse pivots at one step, and its shifts.
+    #[inline(always)]
+    fn block(&self, step: usize, first: usize, length: usize) -> (&[f64], &[f64]) {
+        let at = step * self.shift.len() + first;
+        (
+            &self.inverse_pivots[at..at + length],
+            &self.shift[first..first + length],
+        )
+    }
+
+    /// y_i = r_i - T_(i,i-1) y_(i-1) / pivot_(i-1).
+    #[inline(always)]
+    fn forward(&self, first: usize, column: &mut [&mut [f64]]) {
+        for step in 1..column.len() {
+            let (before, rest) = column.split_at_mut(step);
+            let (before, here) = (&before[step - 1], &mut rest[0]);
+            let (inverse, shift) = self.block(step - 1, first, here.len());
+            let [k, m] = self.coupling[step];
+            for (((y, before), inverse), shift) in
+                here.iter_mut().zip(before.iter()).zip(inverse).zip(shift)
+            {
+                *y -= (k + shift * m) * (before * inverse);
+            }
+        }
+    }
+
+    /// z_i = (y_i - T_(i,i+1) z_(i+1)) / pivot_i.
+    #[inline(always)]
+    fn backward(&self, first: usize, column: &mut [&mut [f64]]) {
+        let last = column.len() - 1;
+        let (inverse, _) = self.block(last, first, column[last].len());
+        column[last]
+            .iter_mut()
+            .zip(inverse)
+            .for_each(|(y, i)| *y *= i);
+        for step in (0..last).rev() {
+            let (here, after) = column.split_at_mut(step + 1);
+            let (here, after) = (&mut here[step], &after[0]);
+            let (inverse, shift) = self.block(step, first, here.len());
+            let [k, m] = self.coupling[step + 1];
+            for (((y, after), inverse), shift) in
+                here.iter_mut().zip(after.iter()).zip(inverse).zip(shift)
+            {
+                *y = (*y - (k + shift * m) * after) * inverse;
+            }
+        }
+    }
+}
+
+fn columns(data: &[f64], rows: usize, cols: usize) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(data, rows, cols)
+}
+
+fn columns_mut(data: &mut [f64], rows: usize, cols: usize) -> MatMut<'_, f64> {
+    MatMut::from_column_major_slice_mut(data, rows, cols)
+}
+
+fn product(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
+    matmul(target, Accum::Replace, left, right, 1.0, Par::Seq);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FastDiagonal, Material};
+    use faer::Mat;
+    use kufe_mesh::TensorGrid;
+
+    fn operator(held_high: bool) -> TensorOperator {
+        let graded = |n: usize, growth: f64| -> Vec<f64> {
+            (0..n).map(|i| growth.powi(i as i32) - 1.0).collect()
+        };
+        let grid = TensorGrid {
+            x: graded(19, 1.3),
+            y: graded(21, 1.4),
+            z: graded(11, 1.2),
+        };
+        let ice = Material::new(9e9, 0.33).unwrap();
+        let held =
+            std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [!held_high, held_high]]);
+        TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held)
+    }
+
+    #[test]
+    fn elimination_and_eigenvectors_invert_the_same_operator() {
+        for (end, held_high) in [(End::High, false), (End::Low, true)] {
+            let operator = operator(held_high);
+            let plain = FastDiagonal::new(&operator);
+            let layered = LayeredDiagonal::new(&operator, end);
+            let n = 3 * operator.node_count();
+            let r: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
+            let (mut expected, mut found) = (vec![0.0; n], vec![f64::NAN; n]);
+            let mut modal = vec![0.0; plain.mode_count()];
+            plain.apply(
+                &r,
+                &mut expected,
+                &mut modal,
+                &mut vec![0.0; plain.scratch_len()],
+            );
+            assert_eq!(layered.mode_count(), plain.mode_count());
+            layered.apply(&r, &mut found, &mut modal);
+            let size = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            for (expected, found) in expected.iter().zip(&found) {
+                assert!(
+                    (expected - found).abs() < 1e-12 * size,
+                    "{expected} {found}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn response_times_what_the_end_has_gathered_is_the_displacement_there() {
+        let operator = operator(false);
+        let layered = LayeredDiagonal::new(&operator, End::High);
+        let n = 3 * operator.node_count();
+        let r: Vec<f64> = (0..n).map(|i| (0.3 * i as f64).cos()).collect();
+        let mut modal = vec![0.0; layered.mode_count()];
+        layered.gather(&r, &mut modal);
+        let gathered = layered.gathered(&modal);
+        let response = layered.end_response();
+        let told = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
+            gathered[(a, b)] * response[(a, b)]
+        });
+        let [x, y] = layered.plane_modes();
+        let told = &x.vectors * told * y.vectors.transpose();
+        let mut z = vec![0.0; n];
+        layered.spread(&mut modal, &mut z);
+        let [nx, ny, _] = operator.shape();
+        let size = z.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        for (place, z) in z[n - nx * ny..].iter().enumerate() {
+            assert!((z - told[(place % nx, place / nx)]).abs() < 1e-13 * size);
+        }
+    }
+}
