@@ -6,7 +6,8 @@ use clap::Command;
 use clap_complete::Shell;
 
 use crate::failure::Failure;
-use crate::output::{Global, say};
+use crate::output::{Global, say, write_whole};
+use crate::reference;
 use crate::staging::Staging;
 
 /// Arguments of `kufe completions`.
@@ -33,6 +34,9 @@ pub struct ManArgs {
     /// Folder for the manual pages
     #[arg(long, short, value_name = "FOLDER", default_value = "man")]
     pub out: PathBuf,
+    /// Write the whole reference as one page of Markdown instead
+    #[arg(long, value_name = "FILE", conflicts_with = "out")]
+    pub markdown: Option<PathBuf>,
 }
 
 /// Writes kufe.1 and one page for each command.
@@ -40,6 +44,10 @@ pub struct ManArgs {
 /// # Errors
 /// [`Failure::BadInput`] where the folder cannot be written.
 pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
+    if let Some(path) = &args.markdown {
+        let page = reference::page(&command);
+        return write_whole(path, |writer| writer.write_all(page.as_bytes()));
+    }
     command.build();
     let staging = Staging::begin(&args.out)?;
     let mut pages = vec![("kufe.1".to_string(), command.clone())];

@@ -1,40 +1,73 @@
-//! `kufe init`: a commented case to start from.
+//! `kufe init`: a commented file to start from, and the schema by which editors complete it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::case_file::EXAMPLE;
+use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
+
 use crate::failure::Failure;
 use crate::output::{Global, say, write_whole};
+use crate::schema::Kind;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe init                       case.toml: one contact problem
+  kufe init --kind table          table.toml: a lookup table of case.toml
+  kufe init bob.toml --kind model a sled and its friction
+
+Beside the file stands its schema, case.schema.json, which the file's first line names: editors that read such schemas
+complete the keys and show what they mean.";
 
 /// Arguments of `kufe init`.
 #[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The file to write
-    #[arg(default_value = "case.toml")]
-    pub file: PathBuf,
+    /// The file to write [default: case.toml, table.toml or model.toml]
+    pub file: Option<PathBuf>,
+    /// What to start
+    #[arg(long, value_enum, default_value_t = Kind::Case)]
+    pub kind: Kind,
     /// Replace a file that exists
     #[arg(long)]
     pub force: bool,
 }
 
-/// Writes the built-in example with its comments.
+/// Writes the example with its comments, and its schema.
 ///
 /// # Errors
 /// [`Failure::BadInput`] where the file exists or cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let path = args.file.display();
-    if args.file.exists() && !args.force {
+    let kind = args.kind.name();
+    let file = match &args.file {
+        Some(file) => file.clone(),
+        None => PathBuf::from(format!("{kind}.toml")),
+    };
+    let path = file.display();
+    if file.exists() && !args.force {
         return Err(Failure::BadInput(format!(
             "{path}: exists already; --force replaces it"
         )));
     }
-    write_whole(&args.file, |writer| writer.write_all(EXAMPLE.as_bytes()))?;
+    let name = format!("{kind}.schema.json");
+    let schema = file.parent().unwrap_or(Path::new("")).join(&name);
+    let (example, next) = match args.kind {
+        Kind::Case => (EXAMPLE, format!("solve it with: kufe press {path} -o out/")),
+        Kind::Table => (TABLE_EXAMPLE, format!("fill it with: kufe lut {path}")),
+        Kind::Model => (
+            MODEL_EXAMPLE,
+            format!("use it with: kufe evaluate runs.csv --model {path} -o evaluation/"),
+        ),
+    };
+    write_whole(&schema, |writer| {
+        writer.write_all(args.kind.schema().as_bytes())
+    })?;
+    write_whole(&file, |writer| {
+        write!(writer, "#:schema ./{name}\n{example}")
+    })?;
     if global.json {
-        say(&format!("{}\n", serde_json::json!({ "file": args.file })));
+        let written = serde_json::json!({ "file": file, "schema": schema });
+        say(&format!("{written}\n"));
     } else if !global.quiet {
-        say(&format!(
-            "{path} written; solve it with: kufe press {path} -o out/\n"
-        ));
+        say(&format!("{path} written; {next}\n"));
     }
     Ok(())
 }

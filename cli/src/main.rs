@@ -20,7 +20,9 @@ mod press;
 mod pressure_exr;
 mod pressure_map;
 mod pressure_png;
+mod reference;
 mod rim;
+mod schema;
 mod simulate;
 mod sled_runs;
 mod staging;
@@ -64,7 +66,7 @@ enum Command {
     Info(info::Args),
     /// Make, draw, query and export lookup tables
     Lut(lut::Args),
-    /// Write a commented case to start from
+    /// Write a commented case, table or model file to start from
     Init(init::Args),
     /// Friction of a case, or the fit of friction over pressure
     Friction(friction::Args),
@@ -80,6 +82,8 @@ enum Command {
     Simulate(simulate::Args),
     /// Find the effect that a model lacks, name it and add it
     Discover(discover::Args),
+    /// Print the keys of case, table or model files as a JSON schema
+    Schema(schema::Args),
     /// Say what this machine offers
     Doctor(doctor::Args),
     /// Print a shell's completion script
@@ -105,6 +109,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Evaluate(args) => evaluate::run(&args, &global),
         Command::Simulate(args) => simulate::run(&args, &global),
         Command::Discover(args) => discover::run(&args, &global),
+        Command::Schema(args) => schema::run(&args, &global),
         Command::Doctor(args) => doctor::run(&args, &global),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, &global, Cli::command()),

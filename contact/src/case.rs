@@ -29,6 +29,7 @@ mod thickness;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use error::CaseError;
@@ -36,8 +37,9 @@ pub use problem::{FittedHull, StatedProblem};
 pub use thickness::Thickness;
 
 /// One contact problem as a file states it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "case.toml")]
 pub struct Case {
     /// The runner.
     pub runner: RunnerTable,
@@ -53,11 +55,12 @@ pub struct Case {
     pub accuracy: AccuracyTable,
     /// Effects that are switched on, by name ([`crate::effects`]); an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(schema_with = "crate::effects::schema::schema")]
     pub effects: BTreeMap<String, toml::Table>,
 }
 
 /// The pressing body: a hull's file or a parametric shape.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunnerTable {
     /// Hull file (OBJ, glTF/GLB or STL), relative to the case's folder.
@@ -90,7 +93,7 @@ pub struct RunnerTable {
 }
 
 /// The axis of a hull's file that points upwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum UpAxis {
     /// z, this project's own.
@@ -100,7 +103,7 @@ pub enum UpAxis {
 }
 
 /// The axis of a hull's file that points forwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum ForwardAxis {
     /// +x.
     #[serde(rename = "x")]
@@ -123,7 +126,7 @@ pub enum ForwardAxis {
 }
 
 /// Parametric runners.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Shape {
     /// A bobsled runner: a round section swept along a rocker, with rounded ends.
@@ -164,7 +167,7 @@ pub enum Shape {
 }
 
 /// The pressed body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IceTable {
     /// Young's modulus [Pa].
@@ -179,7 +182,7 @@ pub struct IceTable {
 }
 
 /// The track under the runner: a radius or a curvature in the vertical plane, flat where neither is given.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackTable {
     /// Radius, positive in a valley, `inf` on a straight [m].
@@ -202,7 +205,7 @@ impl TrackTable {
 }
 
 /// The load and what may tilt.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadTable {
     /// Normal force [N].
@@ -225,7 +228,7 @@ pub struct LoadTable {
 }
 
 /// Whether the runner may turn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TiltWord {
     /// Pitch and roll settle where the moments balance.
@@ -236,7 +239,7 @@ pub enum TiltWord {
 }
 
 /// How accurate the answer must be.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AccuracyTable {
     /// Relative discretisation error asked of the peak pressure.

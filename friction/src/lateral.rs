@@ -1,5 +1,6 @@
 //! Lateral friction: the paper's magic formula and Braghin's model.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -13,7 +14,7 @@ use crate::longitudinal::in_range;
 ///
 /// The slope at zero slip is K whatever the load; the force saturates at `D sin(C pi/2)`. Since C is small for a
 /// runner, C and mu_zeta act almost only through their product.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MagicFormula {
     /// Lateral friction coefficient times asperity factor, dimensionless.

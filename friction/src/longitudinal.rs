@@ -1,5 +1,6 @@
 //! Longitudinal friction: a fixed coefficient, or a quadratic in the contact pressure.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -8,7 +9,7 @@ use crate::Error;
 ///
 /// The paper's text says that asperities raise the pressure, its formula scales the coefficient;
 /// both readings are kept, the formula is the default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ZetaActsOn {
     /// `mu = 1e-3 zeta (b p^2 - c p + d)`, the paper's formula.
@@ -164,7 +165,7 @@ pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
 ///
 /// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`. The paths of the pressure
 /// tables are carried along and left to who opens them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LongitudinalKeys {
     /// Fixed coefficient, dimensionless.

@@ -54,7 +54,11 @@ impl LoadedCase {
         LoadedCase::parse(&name, base, &text)
     }
 
-    fn parse(name: &str, base: &Path, text: &str) -> Result<LoadedCase, Failure> {
+    /// Parses a case's text; `name` stands for it in messages, a hull's path starts from `base`.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] naming the line, the key, the value and what was expected.
+    pub fn parse(name: &str, base: &Path, text: &str) -> Result<LoadedCase, Failure> {
         let case =
             Case::parse(text).map_err(|error| Failure::BadInput(format!("{name}: {error}")))?;
         Ok(LoadedCase {

@@ -1,7 +1,7 @@
 //! Jobs: what the command and the Python package do alike, from files to results.
 //!
 //! A job takes the paths that a user gives, calls the libraries, and fails with the one sentence that the user reads.
-//! It prints nothing and writes no results: progress and warnings go to closures, files are the caller's.
+//! It prints nothing: progress and warnings go to closures. Which files are written is the caller's to say.
 //!
 //! | item | the job |
 //! |---|---|
@@ -25,7 +25,14 @@ mod press;
 pub mod runs;
 pub mod table;
 mod watch;
+mod write_whole;
 
 pub use failure::Failure;
 pub use press::{Pressed, press};
 pub use watch::Watch;
+pub use write_whole::write_whole;
+
+/// A commented `table.toml` to start from; its case is `case.toml` beside it.
+pub const TABLE_EXAMPLE: &str = include_str!("../assets/table.toml");
+/// A commented `model.toml` to start from: the published sled.
+pub const MODEL_EXAMPLE: &str = include_str!("../assets/model.toml");

@@ -8,7 +8,7 @@ use std::path::Path;
 
 pub use fill::{Filled, fill};
 pub use solver::{SolveError, Solver};
-pub use wanted::Wanted;
+pub use wanted::{Wanted, schema};
 
 use crate::Failure;
 

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use kufe_friction::{LongitudinalKeys, MagicFormula};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 
 /// A whole model file: what simulations, fits and evaluations are made with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "model.toml")]
 pub struct Model {
     /// Masses, lengths, sensor places and drag.
     pub sled: Sled,
@@ -24,6 +26,7 @@ pub struct Model {
     pub noise: Option<Noise>,
     /// Effects beyond the base model, by name; an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(schema_with = "crate::effects::schema::schema")]
     pub effects: BTreeMap<String, toml::Table>,
     /// Folder that paths in the file are relative to.
     #[serde(skip)]
@@ -31,7 +34,7 @@ pub struct Model {
 }
 
 /// `[sled]`: a rigid one-track sled in vehicle axes (x forward, y left, z up).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sled {
     /// Mass with crew [kg].
@@ -76,7 +79,7 @@ impl Sled {
 }
 
 /// `[friction]`: longitudinal for both runners, lateral for each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Fixed coefficient, or a quadratic in the pressure with its tables.
@@ -88,7 +91,7 @@ pub struct Friction {
 }
 
 /// `[survey]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
     /// Standard deviation of the track's slope [rad].
@@ -96,7 +99,7 @@ pub struct Survey {
 }
 
 /// `[noise]`: standard deviation of each sensor, a sample, white; 0 where absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
     /// Accelerometer, each axis [m/s2].

@@ -1,7 +1,9 @@
 //! `thickness_m`: a number or the word "half-space".
 
+use std::borrow::Cow;
 use std::fmt;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -28,6 +30,19 @@ impl Serialize for Thickness {
 impl<'de> Deserialize<'de> for Thickness {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(ThicknessVisitor)
+    }
+}
+
+impl JsonSchema for Thickness {
+    fn schema_name() -> Cow<'static, str> {
+        "Thickness".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "Thickness on a rigid bed [m], or ice without end.",
+            "anyOf": [{ "type": "number" }, { "const": WORD }],
+        })
     }
 }
 

@@ -10,6 +10,7 @@ mod pitch_offset;
 mod rocker_radius;
 mod roll_tilt;
 mod runner_compliance;
+pub(crate) mod schema;
 mod section_wear;
 mod sensor_blur;
 mod sensor_gain;

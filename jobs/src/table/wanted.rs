@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe_lut::{Mode, Plan, Spacing};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
 use crate::Failure;
@@ -11,49 +12,74 @@ use crate::Failure;
 const LONGEST: u64 = 1 << 20;
 
 /// A table file, key by key.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "table.toml")]
 struct TableToml {
+    /// The case's file; its load and track are replaced by the axes.
     case: PathBuf,
+    /// The axes.
     axes: AxesToml,
+    /// The accuracy.
     #[serde(default)]
     accuracy: AccuracyToml,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// Normal force, and the track as a curvature or as a radius.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxesToml {
+    /// Normal force [N].
     fz_n: AxisToml,
+    /// Track curvature, positive in a valley, 0 on a straight [1/m].
     curvature_1pm: Option<AxisToml>,
+    /// Track radius instead, positive in a valley, inf on a straight [m].
     radius_m: Option<AxisToml>,
+    /// Rocker radius of a parametric runner [m].
     rocker_radius_m: Option<AxisToml>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// Given values, or a range that the sweep fills.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxisToml {
+    /// The values, and no others.
     values: Option<Vec<f64>>,
+    /// Where the range begins.
     from: Option<f64>,
+    /// Where it ends.
     to: Option<f64>,
 }
 
-#[derive(Clone, Debug, Default, Deserialize)]
+/// How accurate the table must be.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AccuracyToml {
+    /// Relative error asked of the peak pressure between nodes of axes given as ranges.
     interpolation: Option<f64>,
+    /// Which modes must be that good; both where absent.
     evaluation: Option<Evaluation>,
+    /// Tolerance of the solver; the case's, and at most half of `interpolation`, where absent.
     p_max: Option<f64>,
+    /// Solves spread over the table that measure the interpolation.
     checks: Option<usize>,
+    /// Where refinement gives up.
     max_nodes: Option<usize>,
+    /// Part of an axis below which nothing is halved.
     smallest_interval: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 enum Evaluation {
     Both,
     Smooth,
     Bilinear,
+}
+
+/// The table file as a JSON schema.
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    generator.root_schema_for::<TableToml>()
 }
 
 /// What a table file asks for.

@@ -30,6 +30,7 @@ mod on_ice;
 mod relaxation_length;
 mod roll_split_drag;
 mod saturation;
+pub(crate) mod schema;
 mod slip_drag;
 mod slip_lag;
 mod slip_offset;

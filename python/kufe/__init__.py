@@ -1,0 +1,45 @@
+"""Contact pressure, lookup tables, evaluation and discovery for bobsled and luge runners on ice.
+
+Units are SI, and every name carries its unit: ``fz_n``, ``p_max_pa``, ``curvature_1pm``. Axes: x forward, y left, z up.
+
+    >>> import kufe
+    >>> contact = kufe.press(kufe.Case.example())
+    >>> 137e6 < contact.p_max_pa < 140e6
+    True
+
+The number of threads is that of the cores, or ``RAYON_NUM_THREADS``.
+"""
+
+from ._kufe import (
+    Case,
+    Contact,
+    Discovery,
+    Error,
+    Evaluation,
+    Hull,
+    InputError,
+    NotConvergedError,
+    Table,
+    __version__,
+    discover,
+    evaluate,
+    fill_table,
+    press,
+)
+
+__all__ = [
+    "Case",
+    "Contact",
+    "Discovery",
+    "Error",
+    "Evaluation",
+    "Hull",
+    "InputError",
+    "NotConvergedError",
+    "Table",
+    "__version__",
+    "discover",
+    "evaluate",
+    "fill_table",
+    "press",
+]

@@ -1,0 +1,284 @@
+//! Cases and their solutions.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use kufe_contact::{Iterate, Watcher};
+use kufe_jobs::{Pressed, case_file::LoadedCase};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
+
+use crate::error::{InputError, bad_input, raised};
+use crate::json::to_python;
+use crate::work::work;
+
+/// One contact problem: runner, ice, track and load.
+#[pyclass(frozen, module = "kufe")]
+pub struct Case {
+    loaded: LoadedCase,
+}
+
+#[pymethods]
+impl Case {
+    /// A case from TOML; a hull's path starts from `folder`.
+    #[new]
+    #[pyo3(signature = (text, folder = PathBuf::new()))]
+    fn new(text: &str, folder: PathBuf) -> PyResult<Case> {
+        parse("the case", &folder, text)
+    }
+
+    /// A case from its file.
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Case> {
+        let loaded = LoadedCase::read(&path).map_err(raised)?;
+        Ok(Case { loaded })
+    }
+
+    /// The case that the command solves where none is given: a bobsled runner on flat ice under 1 kN.
+    #[staticmethod]
+    fn example() -> PyResult<Case> {
+        let loaded = LoadedCase::example().map_err(raised)?;
+        Ok(Case { loaded })
+    }
+
+    /// The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`.
+    fn replace(&self, values: &Bound<'_, PyDict>) -> PyResult<Case> {
+        let mut table = toml::Table::try_from(&self.loaded.case).map_err(bad_input)?;
+        for (key, value) in values {
+            let key: String = key.extract()?;
+            set(&mut table, &key, toml_value(&key, &value)?)?;
+        }
+        let text = toml::to_string(&table).map_err(bad_input)?;
+        parse(&self.loaded.name, &self.loaded.base, &text)
+    }
+
+    /// The case as TOML.
+    fn to_toml(&self) -> PyResult<String> {
+        self.loaded.case.to_toml().map_err(bad_input)
+    }
+
+    /// What messages call it: its file.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.loaded.name
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<kufe.Case {}>", self.loaded.name)
+    }
+}
+
+fn parse(name: &str, folder: &Path, text: &str) -> PyResult<Case> {
+    let loaded = LoadedCase::parse(name, folder, text).map_err(raised)?;
+    Ok(Case { loaded })
+}
+
+fn toml_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+    if value.is_instance_of::<PyBool>() {
+        Ok(toml::Value::Boolean(value.extract()?))
+    } else if value.is_instance_of::<PyInt>() || value.is_instance_of::<PyFloat>() {
+        Ok(toml::Value::Float(value.extract()?))
+    } else if let Ok(text) = value.extract::<String>() {
+        Ok(toml::Value::String(text))
+    } else if let Ok(number) = value.extract::<f64>() {
+        // NumPy's scalars.
+        Ok(toml::Value::Float(number))
+    } else {
+        Err(InputError::new_err(format!(
+            "{key}: found {}, expected a number, a truth value or a text",
+            value.get_type().name()?
+        )))
+    }
+}
+
+fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
+    let (mut table, mut last) = (table, key);
+    while let Some((first, rest)) = last.split_once('.') {
+        let inner = table
+            .entry(first)
+            .or_insert_with(|| toml::Table::new().into());
+        table = inner.as_table_mut().ok_or_else(|| {
+            InputError::new_err(format!("{key}: {first} is a value, expected a table"))
+        })?;
+        last = rest;
+    }
+    table.insert(last.to_owned(), value);
+    Ok(())
+}
+
+/// A solved case.
+#[pyclass(frozen, module = "kufe")]
+pub struct Contact {
+    pressed: Pressed,
+}
+
+/// Solves one contact problem.
+///
+/// `case` is a `Case` or the path of one; `accuracy` replaces its `accuracy.p_max`, the relative discretisation
+/// error asked of the peak pressure; `progress` is called with a line of text on every update of the contact set.
+#[pyfunction]
+#[pyo3(signature = (case, *, accuracy = None, progress = None))]
+pub fn press(
+    py: Python<'_>,
+    case: &Bound<'_, PyAny>,
+    accuracy: Option<f64>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Contact> {
+    let mut loaded = match case.cast::<Case>() {
+        Ok(case) => case.get().loaded.clone(),
+        Err(_) => LoadedCase::read(&case.extract::<PathBuf>()?).map_err(raised)?,
+    };
+    if let Some(accuracy) = accuracy {
+        let mut table = toml::Table::try_from(&loaded.case).map_err(bad_input)?;
+        set(&mut table, "accuracy.p_max", accuracy.into())?;
+        let text = toml::to_string(&table).map_err(bad_input)?;
+        loaded = LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)?;
+    }
+    let watched = progress.is_some();
+    let worked = work(py, progress, |watch, teller| {
+        let watcher: Option<Watcher> = watched
+            .then(|| -> Watcher { Arc::new(move |state: &Iterate| teller.progress(line(state))) });
+        kufe_jobs::press(loaded, watch, watcher)
+    })?;
+    let pressed = worked.value.map_err(raised)?;
+    Ok(Contact { pressed })
+}
+
+fn line(state: &Iterate) -> String {
+    format!(
+        "mesh {}: {} unknowns, {} nodes touch, p_max {:.1} MPa, residual {:.0e}",
+        state.level + 1,
+        state.dofs,
+        state.contact_nodes,
+        state.p_max / 1e6,
+        state.residual
+    )
+}
+
+#[pymethods]
+impl Contact {
+    /// Peak pressure [Pa].
+    #[getter]
+    fn p_max_pa(&self) -> f64 {
+        self.pressed.solution.p_max
+    }
+
+    /// Estimated discretisation error of the peak pressure [Pa].
+    #[getter]
+    fn p_max_error_pa(&self) -> f64 {
+        self.pressed.solution.p_max_error
+    }
+
+    /// Force over contact area [Pa].
+    #[getter]
+    fn p_mean_pa(&self) -> f64 {
+        self.pressed.solution.p_mean
+    }
+
+    /// Contact area [m2].
+    #[getter]
+    fn area_m2(&self) -> f64 {
+        self.pressed.solution.area
+    }
+
+    /// Extent of the contact along the runner [m].
+    #[getter]
+    fn length_m(&self) -> f64 {
+        self.pressed.solution.length
+    }
+
+    /// Extent of the contact across the runner [m].
+    #[getter]
+    fn width_m(&self) -> f64 {
+        self.pressed.solution.width
+    }
+
+    /// Rigid approach at the origin, from first touch [m].
+    #[getter]
+    fn approach_m(&self) -> f64 {
+        self.pressed.solution.approach
+    }
+
+    /// Pitch about y, positive lowers the nose [rad].
+    #[getter]
+    fn pitch_rad(&self) -> f64 {
+        self.pressed.solution.pitch
+    }
+
+    /// Roll about x [rad].
+    #[getter]
+    fn roll_rad(&self) -> f64 {
+        self.pressed.solution.roll
+    }
+
+    /// Integrated normal force [N].
+    #[getter]
+    fn fz_n(&self) -> f64 {
+        self.pressed.solution.fz
+    }
+
+    /// Node coordinates along the runner, increasing [m].
+    #[getter]
+    fn x_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.pressed.solution.surface.x.clone().into_pyarray(py)
+    }
+
+    /// Node coordinates across the runner, increasing [m].
+    #[getter]
+    fn y_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.pressed.solution.surface.y.clone().into_pyarray(py)
+    }
+
+    /// Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa].
+    #[getter]
+    fn pressure_pa<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.on_surface(py, &self.pressed.solution.surface.pressure)
+    }
+
+    /// Gap at the nodes, 0 in contact, infinite where there is no hull [m].
+    #[getter]
+    fn gap_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.on_surface(py, &self.pressed.solution.surface.gap)
+    }
+
+    /// Vertical displacement of the ice's surface at the nodes, upwards positive [m].
+    #[getter]
+    fn uz_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.on_surface(py, &self.pressed.solution.surface.uz)
+    }
+
+    /// What the reader of the result should know.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.pressed.warnings.clone()
+    }
+
+    /// What the command writes to `result.json`, the case and the history included.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.pressed.document())
+    }
+
+    fn __repr__(&self) -> String {
+        let solution = &self.pressed.solution;
+        format!(
+            "<kufe.Contact p_max {:.2} MPa +- {:.2}, {:.3} mm x {:.4} mm>",
+            solution.p_max / 1e6,
+            solution.p_max_error / 1e6,
+            solution.length * 1e3,
+            solution.width * 1e3
+        )
+    }
+}
+
+impl Contact {
+    fn on_surface<'py>(
+        &self,
+        py: Python<'py>,
+        values: &[f64],
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let surface = &self.pressed.solution.surface;
+        PyArray1::from_slice(py, values).reshape([surface.y.len(), surface.x.len()])
+    }
+}

@@ -1,0 +1,96 @@
+//! The search for missing effects.
+
+use std::path::PathBuf;
+
+use kufe_discover::{Error, Options, Report, page};
+use pyo3::prelude::*;
+
+use crate::error::{InputError, NotConvergedError, bad_input};
+use crate::json::to_python;
+use crate::work::work;
+
+/// What the model lacks, by data.
+#[pyclass(frozen, module = "kufe")]
+pub struct Discovery {
+    report: Report,
+    next_model: String,
+}
+
+/// Finds where simulation and measurement part, and names the effect that closes the gap.
+///
+/// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or for pressures the
+/// `case.toml`.
+#[pyfunction]
+#[pyo3(signature = (data, model, *, seed = 1, twins = 40, channels = "all", progress = None))]
+pub fn discover(
+    py: Python<'_>,
+    data: PathBuf,
+    model: PathBuf,
+    seed: u64,
+    twins: u64,
+    channels: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Discovery> {
+    if !(10..=1000).contains(&twins) {
+        return Err(InputError::new_err(format!(
+            "twins {twins}: expected 10 to 1000"
+        )));
+    }
+    if !["all", "lateral", "longitudinal"].contains(&channels) {
+        return Err(InputError::new_err(format!(
+            "channels {channels:?}: expected all, lateral or longitudinal"
+        )));
+    }
+    let options = Options {
+        seed,
+        twins,
+        longitudinal: channels != "lateral",
+        lateral: channels != "longitudinal",
+        ..Options::default()
+    };
+    let worked = work(py, progress, |watch, _| {
+        kufe_discover::discover(&data, &model, &options, &|text| watch.progress(text))
+    })?;
+    let (report, next_model) = worked.value.map_err(|error| match error {
+        Error::BaseFit { .. } => NotConvergedError::new_err(error.to_string()),
+        other => bad_input(other),
+    })?;
+    Ok(Discovery { report, next_model })
+}
+
+#[pymethods]
+impl Discovery {
+    /// The outcome in one word: named, one-of, depends-on, located, none or not-identifiable.
+    #[getter]
+    fn verdict(&self, py: Python<'_>) -> PyResult<String> {
+        to_python(py, &self.report.verdict)?.extract()
+    }
+
+    /// The outcome in a sentence.
+    #[getter]
+    fn sentence(&self) -> &str {
+        &self.report.sentence
+    }
+
+    /// What the command writes to `report.json`.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.report)
+    }
+
+    /// The model with what was found: TOML that every command accepts.
+    #[getter]
+    fn next_model(&self) -> &str {
+        &self.next_model
+    }
+
+    /// The report as a page.
+    #[getter]
+    fn html(&self) -> String {
+        page(&self.report)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<kufe.Discovery {}>", self.report.sentence)
+    }
+}

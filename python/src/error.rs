@@ -1,0 +1,39 @@
+//! Failures as exceptions, with the texts of the command.
+
+use kufe_jobs::Failure;
+use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
+use pyo3::{PyErr, create_exception};
+
+create_exception!(
+    kufe,
+    Error,
+    PyException,
+    "What every failure of this package is; the text is the one that the command prints."
+);
+create_exception!(
+    kufe,
+    InputError,
+    Error,
+    "A file, or a value in it, is wrong, or a file cannot be written."
+);
+create_exception!(
+    kufe,
+    NotConvergedError,
+    Error,
+    "An iteration stopped short of the accuracy asked."
+);
+
+/// The exception that a failure is.
+pub fn raised(failure: Failure) -> PyErr {
+    let text = failure.to_string();
+    match failure {
+        Failure::Usage(_) | Failure::BadInput(_) => InputError::new_err(text),
+        Failure::NotConverged(_) => NotConvergedError::new_err(text),
+        Failure::Partial(_) => PyKeyboardInterrupt::new_err(text),
+    }
+}
+
+/// Bad input as told by a library's error.
+pub fn bad_input(error: impl std::fmt::Display) -> PyErr {
+    InputError::new_err(error.to_string())
+}

@@ -1,0 +1,129 @@
+//! Evaluation of drivers.
+
+use std::path::PathBuf;
+
+use kufe_jobs::runs::RunSelection;
+use kufe_sled::{DrivingForce, RunEvaluation, groups};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{InputError, raised};
+use crate::json::to_python;
+use crate::work::work;
+
+/// What drivers lose beyond a straight glide.
+#[pyclass(frozen, module = "kufe")]
+pub struct Evaluation {
+    runs: Vec<RunEvaluation>,
+    groups: Vec<kufe_sled::Group>,
+    left_out: Vec<String>,
+    remarks: Vec<String>,
+}
+
+/// Evaluates recorded runs: `runs` is the index `runs.csv`, `model` the `model.toml`.
+#[pyfunction]
+#[pyo3(signature = (
+    runs,
+    model,
+    *,
+    session = Vec::new(),
+    track = Vec::new(),
+    leave_out_bad_runs = false,
+    cutoff_hz = 20.0,
+    seed = 1,
+    progress = None,
+))]
+#[allow(clippy::too_many_arguments)] // keywords in Python
+pub fn evaluate(
+    py: Python<'_>,
+    runs: PathBuf,
+    model: PathBuf,
+    session: Vec<String>,
+    track: Vec<String>,
+    leave_out_bad_runs: bool,
+    cutoff_hz: f64,
+    seed: u64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Evaluation> {
+    let selection = RunSelection {
+        runs,
+        model,
+        session,
+        track,
+        leave_out_bad_runs,
+        cutoff_hz,
+    };
+    let worked = work(py, progress, |watch, _| {
+        let loaded = selection.load(watch, |_| true)?;
+        let runs = kufe_sled::evaluate(&loaded.prepared, &loaded.vehicle);
+        let groups = groups(&runs, seed);
+        Ok((runs, groups, loaded.left_out))
+    })?;
+    let (runs, groups, left_out) = worked.value.map_err(raised)?;
+    Ok(Evaluation {
+        runs,
+        groups,
+        left_out,
+        remarks: worked.warnings,
+    })
+}
+
+#[pymethods]
+impl Evaluation {
+    /// One dictionary a run, as in `evaluation.json`.
+    #[getter]
+    fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.runs)
+    }
+
+    /// Means by driver and by track, each with its 95 % interval over runs, as in `evaluation.json`.
+    #[getter]
+    fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.groups)
+    }
+
+    /// Runs left out, and why.
+    #[getter]
+    fn left_out(&self) -> Vec<String> {
+        self.left_out.clone()
+    }
+
+    /// What the reader of the runs should know.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
+    /// One run's samples as arrays: time, place, force along the motion as driven and of a straight glide, angles.
+    fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
+        let Some(found) = self.runs.iter().find(|evaluated| evaluated.run == run) else {
+            let known: Vec<&str> = self.runs.iter().map(|run| run.run.as_str()).collect();
+            return Err(InputError::new_err(format!(
+                "run {run}: the runs are {}",
+                known.join(", ")
+            )));
+        };
+        type Column = (&'static str, fn(&DrivingForce) -> f64);
+        let columns: [Column; 8] = [
+            ("t_s", |sample| sample.t_s),
+            ("s_m", |sample| sample.s_m),
+            ("actual_n", |sample| sample.actual_n),
+            ("ideal_n", |sample| sample.ideal_n),
+            ("alpha_f_rad", |sample| sample.alpha_f_rad),
+            ("alpha_r_rad", |sample| sample.alpha_r_rad),
+            ("delta_rad", |sample| sample.delta_rad),
+            ("beta_rad", |sample| sample.beta_rad),
+        ];
+        let arrays = PyDict::new(py);
+        for (name, of) in columns {
+            let values = found.series.iter().map(of);
+            arrays.set_item(name, PyArray1::from_iter(py, values))?;
+        }
+        Ok(arrays)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<kufe.Evaluation of {} runs>", self.runs.len())
+    }
+}

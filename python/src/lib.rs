@@ -1,0 +1,44 @@
+//! The Python package `kufe`: the jobs of the command as functions on NumPy arrays.
+//!
+//! | module | what it binds |
+//! |---|---|
+//! | `contact` | `Case`, `press`, `Contact` |
+//! | `hull` | `Hull` |
+//! | `table` | `Table`, `fill_table` |
+//! | `evaluation` | `evaluate`, `Evaluation` |
+//! | `discovery` | `discover`, `Discovery` |
+//! | `error` | `Error`, `InputError`, `NotConvergedError` |
+//! | `work` | running a job without the interpreter's lock, Ctrl-C in time |
+
+mod contact;
+mod discovery;
+mod error;
+mod evaluation;
+mod hull;
+mod json;
+mod table;
+mod work;
+
+/// The compiled half of the package.
+#[pyo3::pymodule]
+mod _kufe {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::contact::{Case, Contact, press};
+    #[pymodule_export]
+    use crate::discovery::{Discovery, discover};
+    #[pymodule_export]
+    use crate::error::{Error, InputError, NotConvergedError};
+    #[pymodule_export]
+    use crate::evaluation::{Evaluation, evaluate};
+    #[pymodule_export]
+    use crate::hull::Hull;
+    #[pymodule_export]
+    use crate::table::{Table, fill_table};
+
+    #[pymodule_init]
+    fn version(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,128 @@
+"""Cases and their solutions."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import kufe
+
+PARABOLOID = """
+[runner]
+shape = { kind = "paraboloid", rocker_radius_m = 30.0, section_radius_m = 0.005 }
+[ice]
+youngs_modulus_pa = 9.0e9
+poissons_ratio = 0.33
+thickness_m = "half-space"
+[load]
+fz_n = 1000.0
+[accuracy]
+p_max = 0.005
+"""
+
+# Hertz for these radii, E/(1 - nu^2) and load: the peak that the Rust documentation states.
+HERTZ_PA = 138.52e6
+
+
+def test_the_peak_is_hertz_within_the_accuracy_asked():
+    contact = kufe.press(kufe.Case(PARABOLOID))
+    assert contact.p_max_pa == pytest.approx(HERTZ_PA, rel=0.005)
+    assert 0 < contact.p_max_error_pa < 0.005 * contact.p_max_pa
+
+
+def test_the_pressure_field_carries_the_load():
+    contact = kufe.press(kufe.Case(PARABOLOID))
+    pressure = contact.pressure_pa
+    assert pressure.shape == (contact.y_m.size, contact.x_m.size)
+    assert pressure.dtype == np.float64 and (pressure >= 0).all()
+    load = np.trapezoid(np.trapezoid(pressure, contact.x_m, axis=1), contact.y_m)
+    # The trapezoidal rule spreads the patch's edge over one cell, where the solver resolves it below the cell.
+    assert load == pytest.approx(1000.0, rel=0.02)
+    assert contact.fz_n == pytest.approx(1000.0, rel=1e-9)
+    touching = pressure > 0
+    assert (contact.gap_m[touching] < 1e-9).all()
+    assert (contact.gap_m[~touching] > -1e-12).all()
+    assert contact.uz_m.min() < 0
+
+
+def test_pressure_grows_with_the_cube_root_of_the_load():
+    case = kufe.Case(PARABOLOID)
+    one = kufe.press(case)
+    eight = kufe.press(case.replace({"load.fz_n": 8000}))
+    assert eight.p_max_pa / one.p_max_pa == pytest.approx(2.0, rel=0.01)
+    assert case.to_toml() != case.replace({"load.fz_n": 8000}).to_toml()
+
+
+def test_the_result_is_the_commands():
+    contact = kufe.press(kufe.Case.example(), accuracy=0.02)
+    result = contact.result
+    assert result["p_max_pa"] == contact.p_max_pa
+    assert result["case"]["accuracy"]["p_max"] == 0.02
+    assert result["case"]["track"]["radius_m"] == "inf"
+    assert any("10-30 MPa" in warning for warning in contact.warnings)
+    assert "p_max" in repr(contact)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"ice.poissons_ratio": 0.5}, "ice.poissons_ratio"),
+        ({"ice.poison": 0.3}, "poison"),
+        ({"load.fz_n": "much"}, "fz_n"),
+        ({"load.fz_n.deeper": 1.0}, "expected a table"),
+        ({"load.fz_n": [1.0]}, "expected a number"),
+    ],
+)
+def test_a_wrong_value_is_named(change, text):
+    with pytest.raises(kufe.InputError, match=text):
+        kufe.Case(PARABOLOID).replace(change)
+
+
+def test_a_missing_file_and_a_bad_case_are_named(tmp_path):
+    with pytest.raises(kufe.InputError, match="nowhere.toml: cannot be read"):
+        kufe.press("nowhere.toml")
+    bad = tmp_path / "bad.toml"
+    bad.write_text(PARABOLOID.replace("fz_n = 1000.0", "fz_n = -1.0"))
+    with pytest.raises(kufe.InputError, match=r"bad.toml: line 9: load.fz_n = -1"):
+        kufe.press(bad)
+    assert issubclass(kufe.InputError, kufe.Error)
+
+
+def test_an_accuracy_out_of_reach_is_another_exception(monkeypatch):
+    case = kufe.Case(PARABOLOID)
+    with pytest.raises(kufe.InputError, match="accuracy.p_max"):
+        kufe.press(case, accuracy=0.0)
+    assert not issubclass(kufe.NotConvergedError, kufe.InputError)
+
+
+def test_progress_is_told_and_may_stop_the_work():
+    lines = []
+    kufe.press(kufe.Case(PARABOLOID), progress=lines.append)
+    assert lines and all("p_max" in line for line in lines)
+
+    def stop(_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        kufe.press(kufe.Case(PARABOLOID), progress=stop)
+
+
+def test_other_threads_run_while_a_case_is_solved():
+    done = threading.Event()
+    steps = 0
+
+    def count():
+        nonlocal steps
+        while not done.is_set():
+            steps += 1
+            time.sleep(0.001)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    before = steps
+    kufe.press(kufe.Case(PARABOLOID), accuracy=0.0005)
+    during = steps - before
+    done.set()
+    counter.join()
+    assert during > 3

@@ -1,0 +1,56 @@
+"""The package as a whole: its types are those of the compiled module, its examples run."""
+
+import ast
+import inspect
+import os
+import pathlib
+import re
+import runpy
+
+import pytest
+
+import kufe
+
+
+def test_the_stubs_name_what_the_module_has():
+    tree = ast.parse(pathlib.Path(os.environ["KUFE_STUBS"]).read_text())
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            same_parameters(node, getattr(kufe, node.name))
+        if isinstance(node, ast.ClassDef):
+            kind = getattr(kufe, node.name)
+            stubbed = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
+            if issubclass(kind, Exception):
+                continue
+            real = {name for name in vars(kind) if not name.startswith("_")}
+            assert stubbed - {"__new__"} == real, node.name
+    stubbed = {n.name for n in tree.body if isinstance(n, (ast.FunctionDef, ast.ClassDef))}
+    assert stubbed | {"__version__"} == set(kufe.__all__)
+
+
+def same_parameters(stub, function):
+    arguments = stub.args
+    names = [a.arg for a in arguments.args + arguments.kwonlyargs]
+    assert names == list(inspect.signature(function).parameters), stub.name
+
+
+def test_everything_public_is_described():
+    for name in kufe.__all__:
+        if name != "__version__":
+            assert getattr(kufe, name).__doc__, name
+    assert re.fullmatch(r"\d+\.\d+\.\d+", kufe.__version__)
+
+
+EXAMPLES = sorted((pathlib.Path(__file__).parent.parent / "examples").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_example_runs_and_draws(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(path), run_name="__main__")
+    pictures = list(tmp_path.glob("*.png"))
+    assert pictures and all(picture.stat().st_size > 10_000 for picture in pictures)
+
+
+def test_there_is_an_example():
+    assert EXAMPLES

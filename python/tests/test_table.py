@@ -1,0 +1,104 @@
+"""Lookup tables."""
+
+import re
+
+import numpy as np
+import pytest
+
+import kufe
+from test_contact import PARABOLOID
+
+TABLE = """
+case = "case.toml"
+[axes]
+fz_n = { values = [500.0, 1000.0, 2000.0] }
+curvature_1pm = { values = [0.0, 0.02] }
+"""
+
+
+@pytest.fixture(scope="module")
+def table_file(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("table")
+    (folder / "case.toml").write_text(PARABOLOID)
+    (folder / "table.toml").write_text(TABLE)
+    return folder / "table.toml"
+
+
+@pytest.fixture(scope="module")
+def table(table_file):
+    lines = []
+    table = kufe.fill_table(table_file, progress=lines.append)
+    # Six nodes, and the checks between them.
+    assert re.fullmatch(r"round 1: (\d+) of \1 points", lines[-1])
+    return table
+
+
+def test_nodes_are_single_solves(table):
+    case = kufe.Case(PARABOLOID).replace({"load.fz_n": 2000.0, "track.curvature_1pm": 0.02})
+    assert table.values().shape == (3, 2)
+    assert table.values()[2, 1] == kufe.press(case).p_max_pa
+    assert table.shortfall is None
+    assert 0 < table.solver_error <= 0.005
+    assert 0 < table.interpolation_error() < table.interpolation_error(mode="bilinear") < 0.1
+
+
+def test_lookups_broadcast_and_say_where_they_are_outside(table):
+    values, outside = table.lookup(np.array([[500.0], [1000.0], [9000.0]]), [0.0, 0.02])
+    assert values.shape == outside.shape == (3, 2)
+    assert np.array_equal(values[:2], table.values()[:2])
+    assert outside.tolist() == [[False, False], [False, False], [True, True]]
+    scalar, flag = table.lookup(1000.0, 0.0, "area")
+    assert scalar.shape == () and not flag
+    assert float(scalar) == table.values("area")[1, 0]
+    nan, flag = table.lookup(float("nan"), 0.0)
+    assert np.isnan(nan) and flag
+
+
+def test_the_smooth_mode_keeps_the_power_law(table):
+    middle = np.sqrt(500.0 * 1000.0)
+    smooth, _ = table.lookup(middle, 0.0)
+    plain, _ = table.lookup(middle, 0.0, mode="bilinear")
+    exact = table.values()[0, 0] * (middle / 500.0) ** (1 / 3)
+    assert abs(smooth / exact - 1) < 0.003 < abs(plain / exact - 1)
+
+
+def test_a_written_table_is_read_again(table, table_file, tmp_path):
+    again = kufe.Table.read(table_file.with_suffix(".lut"))
+    assert np.array_equal(again.values("approach"), table.values("approach"))
+    again.write(tmp_path / "copy.lut")
+    assert (tmp_path / "copy.lut").read_bytes() == table_file.with_suffix(".lut").read_bytes()
+    assert list(again.fz_n) == [500.0, 1000.0, 2000.0]
+    assert list(again.curvature_1pm) == [0.0, 0.02] and again.rocker_radius_m is None
+    assert not table_file.with_suffix(".lut.points").exists() or not any(
+        table_file.with_suffix(".lut.points").iterdir()
+    )
+
+
+def test_bad_tables_and_names_are_told(table, tmp_path):
+    broken = tmp_path / "broken.lut"
+    broken.write_text("{}")
+    with pytest.raises(kufe.InputError, match="broken.lut"):
+        kufe.Table.read(broken)
+    with pytest.raises(kufe.InputError, match="p_max, p_mean"):
+        table.lookup(1.0, 0.0, "pmax")
+    with pytest.raises(kufe.InputError, match="smooth or bilinear"):
+        table.lookup(1.0, 0.0, mode="cubic")
+    with pytest.raises(kufe.InputError, match="rocker"):
+        table.lookup(1.0, 0.0, rocker_radius_m=30.0)
+
+
+def test_an_exception_of_the_progress_keeps_the_points_done(table_file, tmp_path):
+    (tmp_path / "case.toml").write_text(PARABOLOID)
+    wanted = tmp_path / "table.toml"
+    wanted.write_text(TABLE)
+
+    def stop_after_two(line):
+        if "2 of" in line:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        kufe.fill_table(wanted, progress=stop_after_two)
+    assert not (tmp_path / "table.lut").exists()
+    assert any((tmp_path / "table.lut.points").iterdir())
+    kufe.fill_table(wanted)
+    assert (tmp_path / "table.lut").read_bytes() == table_file.with_suffix(".lut").read_bytes()
