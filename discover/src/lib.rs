@@ -34,6 +34,7 @@ mod table;
 
 pub use dispatch::discover;
 pub use error::Error;
+pub use exr_map::{read_map, read_map_bytes};
 pub use flips::{MaxT, by_session_permutation, gumbel_tail};
 pub use html::page;
 pub use report::{
