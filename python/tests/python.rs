@@ -56,6 +56,7 @@ fn the_python_package_passes_its_tests() {
         .env("PYTHONPATH", folder.path())
         .env("MPLBACKEND", "Agg")
         .env("KUFE_STUBS", here.join("kufe/_kufe.pyi"))
+        .env("KUFE_PAGE", here.join("../docs/python.md"))
         .output()
         .expect("pytest");
     assert!(

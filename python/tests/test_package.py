@@ -10,6 +10,8 @@ import runpy
 import pytest
 
 import kufe
+from test_contact import PARABOLOID
+from test_table import TABLE
 
 
 def test_the_stubs_name_what_the_module_has():
@@ -39,6 +41,18 @@ def test_everything_public_is_described():
         if name != "__version__":
             assert getattr(kufe, name).__doc__, name
     assert re.fullmatch(r"\d+\.\d+\.\d+", kufe.__version__)
+
+
+def test_the_first_block_of_the_documentation_runs(tmp_path, monkeypatch):
+    text = pathlib.Path(os.environ["KUFE_PAGE"]).read_text()
+    block = text.split("```python\n")[1].split("```")[0]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text(PARABOLOID)
+    (tmp_path / "front.toml").write_text(TABLE)
+    names = {}
+    exec(compile(block, "python.md", "exec"), names)
+    assert names["contact"].fz_n == pytest.approx(2000.0)
+    assert names["p"].shape == (2,) and (tmp_path / "bob.stl").exists()
 
 
 EXAMPLES = sorted((pathlib.Path(__file__).parent.parent / "examples").glob("*.py"))
