@@ -1,9 +1,11 @@
 //! `kufe hull`: parametric runners as hull files.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
-use kufe_mesh::{BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, tessellate};
+use kufe_mesh::{
+    BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
+};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -113,7 +115,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 impl Bob {
     /// The measured rocker, where one is given.
     fn rocker(&self) -> Result<Option<Vec<[f64; 2]>>, Failure> {
-        self.rocker_points.as_deref().map(read_points).transpose()
+        let read = |path: &PathBuf| load_points(path, ["x_m", "z_m"]).map_err(Failure::bad_input);
+        self.rocker_points.as_ref().map(read).transpose()
     }
 
     fn swept(&self, rocker: Option<Vec<[f64; 2]>>) -> Result<Swept, MeshError> {
@@ -145,37 +148,4 @@ impl Luge {
         }
         .swept()
     }
-}
-
-/// Points x, z [m] from a CSV file with exactly the columns x_m and z_m.
-fn read_points(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
-    let told = |what: String| Failure::BadInput(format!("{}: {what}", path.display()));
-    let mut reader = csv::Reader::from_path(path).map_err(|error| told(error.to_string()))?;
-    let header = reader.headers().map_err(|error| told(error.to_string()))?;
-    if header != vec!["x_m", "z_m"] {
-        let found: Vec<&str> = header.iter().collect();
-        return Err(told(format!(
-            "columns {}: expected x_m,z_m",
-            found.join(",")
-        )));
-    }
-    reader
-        .records()
-        .enumerate()
-        .map(|(row, record)| {
-            let record = record.map_err(|error| told(error.to_string()))?;
-            let number = |column: usize| -> Result<f64, Failure> {
-                let text = record.get(column).unwrap_or_default().trim();
-                let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-                value.ok_or_else(|| {
-                    told(format!(
-                        "row {}, column {}: {text:?}: expected a number of m",
-                        row + 1,
-                        ["x_m", "z_m"][column]
-                    ))
-                })
-            };
-            Ok([number(0)?, number(1)?])
-        })
-        .collect()
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
-use kufe_fem::{Body, ElementKind, Material, nodal_stresses, von_mises};
+use kufe_fem::{Body, ElementKind, Material, Section, nodal_stresses, von_mises};
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 use crate::failure::Failure;
@@ -13,13 +13,19 @@ use crate::failure::Failure;
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
 pub fn write_ice(writer: impl Write, volume: &VolumeField) -> Result<(), Failure> {
-    let elasticity = [volume.youngs_modulus, volume.poissons_ratio];
-    write(
-        writer,
-        volume.grid.hex_mesh(),
-        &volume.displacement,
-        elasticity,
-    )
+    let mesh = volume.grid.hex_mesh();
+    let mut sections = sections(
+        volume.youngs_modulus,
+        volume.poissons_ratio,
+        mesh.cells.len(),
+    )?;
+    if let Some((bed, layers)) = volume.bed {
+        let [nx, ny, _] = volume.grid.shape();
+        let cells = layers * (nx - 1) * (ny - 1);
+        let own = self::sections(bed.youngs_modulus, bed.poissons_ratio, cells)?;
+        sections[..cells].copy_from_slice(&own);
+    }
+    write(writer, mesh, &volume.displacement, sections)
 }
 
 /// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved.
@@ -31,8 +37,22 @@ pub fn write_runner(
     field: &RunnerField,
     elastic: &ElasticRunner,
 ) -> Result<(), Failure> {
-    let elasticity = [elastic.youngs_modulus, elastic.poissons_ratio];
-    write(writer, field.mesh.clone(), &field.displacement, elasticity)
+    let sections = sections(
+        elastic.youngs_modulus,
+        elastic.poissons_ratio,
+        field.mesh.cells.len(),
+    )?;
+    write(writer, field.mesh.clone(), &field.displacement, sections)
+}
+
+fn sections(
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    cells: usize,
+) -> Result<Vec<Section>, Failure> {
+    let material = Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)?;
+    let kind = ElementKind::Hex8;
+    Ok(vec![Section { material, kind }; cells])
 }
 
 /// Displacement [m], stress tensor and von Mises stress [Pa] at the nodes.
@@ -42,10 +62,9 @@ fn write(
     writer: impl Write,
     mesh: HexMesh,
     displacement: &[[f64; 3]],
-    [youngs_modulus, poissons_ratio]: [f64; 2],
+    sections: Vec<Section>,
 ) -> Result<(), Failure> {
-    let material = Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)?;
-    let body = Body::uniform(mesh, material, ElementKind::Hex8).map_err(Failure::bad_input)?;
+    let body = Body::new(mesh, sections).map_err(Failure::bad_input)?;
     let displacement: Vec<f64> = displacement.iter().flatten().copied().collect();
     let stresses = nodal_stresses(&body, &displacement);
     let mises: Vec<f64> = stresses.iter().map(|&stress| von_mises(stress)).collect();

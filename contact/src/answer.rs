@@ -6,7 +6,7 @@ use crate::extrapolation::Extrapolation;
 use crate::field::Pressure;
 use crate::gap::Gap;
 use crate::level::{Level, State};
-use crate::{Iterate, Problem, RunnerField, Solution, SurfaceField, VolumeField};
+use crate::{Foundation, Iterate, Problem, RunnerField, Solution, SurfaceField, VolumeField};
 
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn solution(
@@ -50,6 +50,13 @@ pub(crate) fn solution(
     let nodes = mesh.grid.node_count();
     let u = &state.displacement;
     let displacement = by_node(&u[..3 * nodes]);
+    let bed = match problem.ice.foundation {
+        Foundation::ElasticBed { bed, .. } => mesh.level.bodies[0]
+            .operator
+            .lower_layer()
+            .map(|layer| (bed, layer.cells)),
+        _ => None,
+    };
     Solution {
         p_max: limit.p_max,
         p_max_error: limit.error,
@@ -72,6 +79,7 @@ pub(crate) fn solution(
             displacement,
             youngs_modulus: problem.ice.youngs_modulus,
             poissons_ratio: problem.ice.poissons_ratio,
+            bed,
         },
         runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
             displacement: by_node(&u[3 * nodes..]),

@@ -23,17 +23,24 @@
 
 mod check;
 mod error;
+mod hardness;
+mod ice;
 mod problem;
+mod section;
 mod thickness;
+mod word_or_number;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use error::CaseError;
+pub use hardness::Hardness;
+pub use ice::{BedTable, IceTable, WavinessTable};
 pub use problem::{FittedHull, StatedProblem};
+pub use section::SectionTable;
 pub use thickness::Thickness;
 
 /// One contact problem as a file states it.
@@ -81,6 +88,9 @@ pub struct RunnerTable {
     /// Parametric shape instead of a hull.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
+    /// A measured section, and wear; for shapes with a section.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub section: Option<SectionTable>,
     /// Whether the runner deforms.
     #[serde(default)]
     pub elastic: bool,
@@ -164,21 +174,6 @@ pub enum Shape {
         /// Height [m].
         height_m: f64,
     },
-}
-
-/// The pressed body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct IceTable {
-    /// Young's modulus [Pa].
-    pub youngs_modulus_pa: f64,
-    /// Poisson's ratio.
-    pub poissons_ratio: f64,
-    /// Thickness on a rigid bed, or a half-space.
-    pub thickness_m: Thickness,
-    /// Largest pressure the surface bears, where stated [Pa].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hardness_pa: Option<f64>,
 }
 
 /// The track under the runner: a radius or a curvature in the vertical plane, flat where neither is given.
@@ -270,6 +265,24 @@ impl Case {
             toml::from_str(text).map_err(|error| CaseError::from_toml(text, &error))?;
         case.check().map_err(|error| error.locate(text))?;
         Ok(case)
+    }
+
+    /// The files that the case names, as it names them: hull, section, ice surface.
+    pub fn files(&self) -> Vec<&Path> {
+        let profile = self
+            .runner
+            .section
+            .as_ref()
+            .and_then(|s| s.profile.as_ref());
+        [
+            self.runner.hull.as_ref(),
+            profile,
+            self.ice.surface.as_ref(),
+        ]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect()
     }
 
     /// The case as TOML; [`Case::parse`] of it gives the case back.

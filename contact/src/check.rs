@@ -28,10 +28,30 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
             "more than -1 and less than 0.5",
         );
     }
-    if let Foundation::RigidBed { thickness } = ice.foundation
+    if let Foundation::RigidBed { thickness } | Foundation::ElasticBed { thickness, .. } =
+        ice.foundation
         && !(thickness > 0.0 && thickness.is_finite())
     {
         return out("ice thickness", thickness, "a positive number of m");
+    }
+    if let Foundation::ElasticBed { bed, .. } = ice.foundation {
+        if !(bed.thickness > 0.0 && bed.thickness.is_finite()) {
+            return out("bed thickness", bed.thickness, "a positive number of m");
+        }
+        if !(bed.youngs_modulus > 0.0 && bed.youngs_modulus.is_finite()) {
+            return out(
+                "bed Young's modulus",
+                bed.youngs_modulus,
+                "a positive number of Pa",
+            );
+        }
+        if !(bed.poissons_ratio > -1.0 && bed.poissons_ratio < 0.5) {
+            return out(
+                "bed Poisson's ratio",
+                bed.poissons_ratio,
+                "more than -1 and less than 0.5",
+            );
+        }
     }
     if let Some(hardness) = ice.hardness
         && !(hardness > 0.0 && hardness.is_finite())

@@ -1,6 +1,6 @@
 //! From a patch and a resolution to a mesh.
 
-use kufe_fem::{HeldFaces, Material, TensorOperator};
+use kufe_fem::{HeldFaces, LowerLayer, Material, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::body::{Body, Columns, Side};
@@ -11,7 +11,7 @@ use crate::motion::Motion;
 use crate::runner_body::runner_body;
 use crate::stretch::Stretch;
 use crate::window::Patch;
-use crate::{Error, Foundation, Load, Problem};
+use crate::{Bed, Error, Foundation, Load, Problem};
 
 /// How fine a mesh is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ pub(crate) struct Discretisation {
 /// The faces carry the half-space's own displacements under the contact forces, so this only has to be
 /// far enough for the forces to be gathered into a few lumps.
 const HALF_SPACE_REACH: f64 = 3.0;
-/// Distance from the patch to the sides over the thickness of a layer: exp(-pi 6 / 2) < 1e-4.
+/// Distance from the patch to the sides over the thickness of what lies on the rigid bed: exp(-pi 6 / 2) < 1e-4.
 const LAYER_REACH: f64 = 6.0;
 
 /// Depth of even layers over the patch's smaller half-width: the stresses vary most there.
@@ -81,6 +81,9 @@ pub(crate) fn discretise(
     let (reach, depth) = match problem.ice.foundation {
         Foundation::HalfSpace => (HALF_SPACE_REACH * largest, HALF_SPACE_REACH * largest),
         Foundation::RigidBed { thickness } => (LAYER_REACH * thickness, thickness),
+        Foundation::ElasticBed { thickness, bed } => {
+            (LAYER_REACH * (thickness + bed.thickness), thickness)
+        }
     };
     let extent = problem.runner.underside.extent();
     // An elastic hull is meshed whole, with nodes at its ends and sides.
@@ -122,16 +125,33 @@ pub(crate) fn discretise(
         spacing,
     };
     let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[z_zone], resolution.growth);
-    if matches!(problem.ice.foundation, Foundation::RigidBed { .. }) {
+    if problem.ice.foundation != Foundation::HalfSpace {
         let scale = -depth / z[0];
         z.iter_mut().for_each(|z| *z *= scale);
+    }
+    let mut lower = None;
+    if let Foundation::ElasticBed { bed, .. } = problem.ice.foundation {
+        let below = below(&z, bed.thickness, resolution.growth);
+        lower = Some(lower_layer(bed, below.len())?);
+        z.splice(0..0, below);
     }
     let grid = TensorGrid {
         x: axis(&patch.x, 0),
         y: axis(std::slice::from_ref(&patch.y), 1),
         z,
     };
-    let mut level = level(problem, gap, material, patch, &grid, symmetry, under);
+    let mut operator = TensorOperator::new(
+        &grid,
+        material.lame_lambda(),
+        material.shear_modulus(),
+        held_faces(symmetry),
+    );
+    if let Some(layer) = lower {
+        operator = operator.on_layer(layer);
+    }
+    let mut level = level(
+        problem, gap, material, patch, &grid, symmetry, under, operator,
+    );
     let mut runner_mesh = None;
     if let Some(elastic) = problem.runner.elastic {
         let fineness = (narrowest / resolution.cells, resolution.growth);
@@ -145,6 +165,34 @@ pub(crate) fn discretise(
         level,
         symmetry,
         runner_mesh,
+    })
+}
+
+/// Nodes under those of `z`, down to `thickness` below them, growing on from the cells above.
+fn below(z: &[f64], thickness: f64, growth: f64) -> Vec<f64> {
+    let cell = (z[1] - z[0]).min(0.25 * thickness);
+    let zone = Zone {
+        stretch: Stretch::even(-cell, 0.0),
+        spacing: cell,
+    };
+    let mut nodes = graded_axis(Start::Beyond(-thickness), 0.0, &[zone], growth);
+    nodes.pop();
+    let scale = thickness / -nodes[0];
+    nodes.iter().map(|n| z[0] + n * scale).collect()
+}
+
+/// The bed as the operator sees it.
+fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
+    let material =
+        Material::new(bed.youngs_modulus, bed.poissons_ratio).map_err(|_| Error::OutOfRange {
+            name: "Young's modulus of the bed",
+            value: bed.youngs_modulus,
+            expected: "an elastic solid",
+        })?;
+    Ok(LowerLayer {
+        cells,
+        lambda: material.lame_lambda(),
+        mu: material.shear_modulus(),
     })
 }
 
@@ -216,6 +264,7 @@ fn held_faces(symmetry: [bool; 2]) -> HeldFaces {
     })
 }
 
+#[allow(clippy::too_many_arguments)]
 fn level(
     problem: &Problem,
     gap: &Gap,
@@ -224,13 +273,8 @@ fn level(
     grid: &TensorGrid,
     symmetry: [bool; 2],
     under: Reach,
+    operator: TensorOperator,
 ) -> Level {
-    let operator = TensorOperator::new(
-        grid,
-        material.lame_lambda(),
-        material.shear_modulus(),
-        held_faces(symmetry),
-    );
     let [nx, ny, _] = grid.shape();
     let mut gaps = Vec::with_capacity(nx * ny);
     let mut rows = Vec::with_capacity(nx * ny);

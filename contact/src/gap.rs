@@ -1,9 +1,9 @@
-//! The gap between the undeformed runner and the track.
+//! The gap between the undeformed runner and the ice.
 
 use crate::{Error, Load, Problem, Tilt};
 
-/// Undeformed gap g(x, y) = height of the underside - height of the track, with the fixed part of the
-/// tilt in it, and how the runner's rigid motion changes it.
+/// Undeformed gap g(x, y) = height of the underside - height of the track - height of the ice on it, with the
+/// fixed part of the tilt in it, and how the runner's rigid motion changes it.
 ///
 /// gap(q) = g - N q with q = (approach, pitch, roll) and the row N = (1, x - x0, -(y - y0)): pressing in
 /// lowers the runner, positive pitch lowers its nose, positive roll lifts its left side. (x0, y0) is the
@@ -79,7 +79,13 @@ impl<'a> Gap<'a> {
         let pitch = self.fixed_tilt[0] + self.levelling[0];
         let roll = self.fixed_tilt[1] + self.levelling[1];
         let height = self.problem.runner.underside.height(x, y);
-        height - track_height(self.problem.track_curvature, x) - pitch * (x - x0) + roll * (y - y0)
+        let ice = self
+            .problem
+            .ice_surface
+            .as_ref()
+            .map_or(0.0, |surface| surface.height(x, y));
+        height - ice - track_height(self.problem.track_curvature, x) - pitch * (x - x0)
+            + roll * (y - y0)
     }
 
     /// The row N of a node.
@@ -99,13 +105,18 @@ impl<'a> Gap<'a> {
         ]
     }
 
-    /// The mirror planes x = 0 and y = 0 that hull, track and load share.
+    /// The mirror planes x = 0 and y = 0 that hull, ice, track and load share.
     pub fn symmetry(&self) -> [bool; 2] {
         let hull = self.problem.runner.underside.mirror_symmetric();
+        let ice = self
+            .problem
+            .ice_surface
+            .as_ref()
+            .map_or([true; 2], |surface| surface.mirror_symmetric());
         let [x0, y0] = self.line_of_action;
         [
-            hull[0] && x0 == 0.0 && self.fixed_tilt[0] == 0.0,
-            hull[1] && y0 == 0.0 && self.fixed_tilt[1] == 0.0,
+            hull[0] && ice[0] && x0 == 0.0 && self.fixed_tilt[0] == 0.0,
+            hull[1] && ice[1] && y0 == 0.0 && self.fixed_tilt[1] == 0.0,
         ]
     }
 

@@ -30,6 +30,7 @@
 //! let problem = Problem {
 //!     runner: Runner::rigid(Arc::new(hull)),
 //!     ice: Ice { youngs_modulus: 9.0e9, poissons_ratio: 0.33, foundation: Foundation::HalfSpace, hardness: None },
+//!     ice_surface: None,
 //!     track_curvature: 0.0,
 //!     load: Load::Force { fz: 1000.0, offset_x: 0.0, offset_y: 0.0, tilt: Tilt::Free },
 //! };
@@ -54,6 +55,7 @@ mod field;
 mod gap;
 mod grading;
 mod hertz;
+mod ice_properties;
 mod level;
 mod measure;
 mod mesh_solve;
@@ -73,7 +75,8 @@ mod window;
 
 pub use error::Error;
 pub use hertz::{Hertz, hertz};
+pub use ice_properties::{ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus};
 pub use options::{Method, Options, Watcher};
-pub use problem::{ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt};
+pub use problem::{Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt};
 pub use solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
 pub use solve::solve;

@@ -2,7 +2,7 @@
 //! exact surface responses by sparse Cholesky.
 
 use faer::Mat;
-use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, assemble};
+use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, Section, assemble};
 use kufe_mesh::TensorGrid;
 
 use crate::discretise::Discretisation;
@@ -28,7 +28,8 @@ fn assembled(
     let mesh = grid.hex_mesh();
     let points = mesh.points.clone();
     let nodes = points.len();
-    let body = Body::uniform(mesh, material, ElementKind::Hex8).ok()?;
+    let sections = sections(grid, level, material)?;
+    let body = Body::new(mesh, sections).ok()?;
     let stiffness = assemble(&body);
     // What the tensor operator masks is what is held.
     let mut free = vec![1.0; 3 * nodes];
@@ -50,6 +51,23 @@ fn assembled(
         points,
         top: (nz - 1) * nx * ny,
     })
+}
+
+/// The cells' materials: those of the bed first, where there is one.
+fn sections(grid: &TensorGrid, level: &Level, material: Material) -> Option<Vec<Section>> {
+    let [nx, ny, nz] = grid.shape().map(|nodes| nodes - 1);
+    let of = |material| Section {
+        material,
+        kind: ElementKind::Hex8,
+    };
+    let mut sections = vec![of(material); nx * ny * nz];
+    if let Some(layer) = level.bodies[0].operator.lower_layer() {
+        let (lambda, mu) = (layer.lambda, layer.mu);
+        let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+        let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu)).ok()?;
+        sections[..nx * ny * layer.cells].fill(of(bed));
+    }
+    Some(sections)
 }
 
 /// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.

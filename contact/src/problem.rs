@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kufe_mesh::Underside;
+use kufe_mesh::{IceSurface, Underside};
 
 /// A runner on ice under a load.
 #[derive(Clone)]
@@ -11,6 +11,8 @@ pub struct Problem {
     pub runner: Runner,
     /// The ice.
     pub ice: Ice,
+    /// Height of the unloaded ice over the track; even where absent.
+    pub ice_surface: Option<Arc<dyn IceSurface>>,
     /// Curvature of the track in the vertical plane, positive in a valley [1/m].
     pub track_curvature: f64,
     /// The load and what may tilt.
@@ -73,6 +75,24 @@ pub enum Foundation {
         /// Thickness of the layer [m].
         thickness: f64,
     },
+    /// A layer bonded to an elastic one, which is bonded to a rigid bed: ice on the concrete of a track.
+    ElasticBed {
+        /// Thickness of the ice [m].
+        thickness: f64,
+        /// What it is bonded to.
+        bed: Bed,
+    },
+}
+
+/// An elastic layer under the ice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bed {
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Thickness [m].
+    pub thickness: f64,
 }
 
 /// The load on the runner.

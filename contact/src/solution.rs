@@ -2,6 +2,8 @@
 
 use kufe_mesh::{HexMesh, TensorGrid};
 
+use crate::Bed;
+
 /// The solved contact.
 #[derive(Clone, Debug)]
 pub struct Solution {
@@ -84,10 +86,12 @@ pub struct VolumeField {
     pub grid: TensorGrid,
     /// Displacement at the nodes, in [`TensorGrid::node`] order [m].
     pub displacement: Vec<[f64; 3]>,
-    /// Young's modulus [Pa].
+    /// Young's modulus of the ice [Pa].
     pub youngs_modulus: f64,
-    /// Poisson's ratio.
+    /// Poisson's ratio of the ice.
     pub poissons_ratio: f64,
+    /// The elastic bed that the lowest cells are of, and how many of them along z.
+    pub bed: Option<(Bed, usize)>,
 }
 
 /// Displacements of an elastic runner on its hexahedra, against the motion of its mount.

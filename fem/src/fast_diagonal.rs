@@ -39,23 +39,33 @@ struct Component {
 impl FastDiagonal {
     /// Diagonalises every axis once for each pair of held ends that occurs.
     pub fn new(operator: &TensorOperator) -> Self {
-        let mut wanted: Vec<(usize, [bool; 2])> = Vec::new();
+        // Two layers give the vertical component a z axis of its own.
+        let variant = |c: usize, axis: usize| {
+            usize::from(c == 2 && axis == 2 && operator.lower_layer().is_some())
+        };
+        let key = |c: usize, axis: usize| (axis, operator.held[c][axis], variant(c, axis));
+        let mut wanted: Vec<(usize, [bool; 2], usize)> = Vec::new();
         for c in 0..3 {
             for axis in 0..3 {
-                let key = (axis, operator.held[c][axis]);
+                let key = key(c, axis);
                 if !wanted.contains(&key) {
                     wanted.push(key);
                 }
             }
         }
-        let solved: HashMap<(usize, [bool; 2]), AxisModes> = wanted
+        let solved: HashMap<(usize, [bool; 2], usize), AxisModes> = wanted
             .par_iter()
-            .map(|&(axis, held)| ((axis, held), operator.axes[axis].modes(held)))
+            .map(|&(axis, held, variant)| {
+                let modes = match axis {
+                    2 => operator.preconditioned_z(2 * variant).modes(held),
+                    _ => operator.axes[axis].modes(held),
+                };
+                ((axis, held, variant), modes)
+            })
             .collect();
         let mut start = 0;
         let components = std::array::from_fn(|c| {
-            let modes: [AxisModes; 3] =
-                std::array::from_fn(|axis| solved[&(axis, operator.held[c][axis])].clone());
+            let modes: [AxisModes; 3] = std::array::from_fn(|axis| solved[&key(c, axis)].clone());
             let coefficient = |axis: usize| {
                 operator.mu
                     + if axis == c {

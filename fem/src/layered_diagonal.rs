@@ -86,7 +86,7 @@ impl LayeredDiagonal {
             };
             let component = Component::new(
                 [modes(0, held[0]), modes(1, held[1])],
-                &operator.axes[2],
+                &operator.preconditioned_z(c),
                 held[2],
                 [coefficient(0), coefficient(1), coefficient(2)],
                 end,

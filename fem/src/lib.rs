@@ -93,5 +93,5 @@ pub use stress::{
 };
 pub use stress_measures::{maximum_shear, principal_stresses, von_mises};
 pub use tensor_axis::{Axis, AxisModes, Tridiagonal};
-pub use tensor_operator::{HeldFaces, TensorOperator};
+pub use tensor_operator::{HeldFaces, LowerLayer, TensorOperator};
 pub use thick_cylinder::ThickCylinder;

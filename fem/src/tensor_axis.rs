@@ -35,6 +35,14 @@ impl Axis {
     /// # Panics
     /// Where there are fewer than two nodes or they do not increase: grids are made, not read.
     pub fn new(nodes: &[f64]) -> Self {
+        Axis::weighted(nodes, |_| [1.0; 2])
+    }
+
+    /// Assembles the matrices with a factor an element: `weights(e)` are those of K and of M (and of the lumped mass).
+    ///
+    /// # Panics
+    /// As [`Axis::new`].
+    pub fn weighted(nodes: &[f64], weights: impl Fn(usize) -> [f64; 2]) -> Self {
         let n = nodes.len();
         assert!(
             n >= 2 && nodes.windows(2).all(|w| w[1] > w[0]),
@@ -49,12 +57,10 @@ impl Axis {
             lumped_mass: vec![0.0; n],
         };
         for e in 0..n - 1 {
-            let h = nodes[e + 1] - nodes[e];
-            add_element(
-                &mut axis.stiffness,
-                e,
-                [[1.0 / h, -1.0 / h], [-1.0 / h, 1.0 / h]],
-            );
+            let [of_stiffness, of_mass] = weights(e);
+            let k = of_stiffness / (nodes[e + 1] - nodes[e]);
+            let h = of_mass * (nodes[e + 1] - nodes[e]);
+            add_element(&mut axis.stiffness, e, [[k, -k], [-k, k]]);
             add_element(&mut axis.mass, e, [[h / 3.0, h / 6.0], [h / 6.0, h / 3.0]]);
             add_element(&mut axis.gradient, e, [[-0.5, -0.5], [0.5, 0.5]]);
             add_element(&mut axis.gradient_transposed, e, [[-0.5, 0.5], [-0.5, 0.5]]);

@@ -32,10 +32,19 @@ pub(crate) struct Factors {
     x: [[Vec<f64>; 3]; 3],
     lambda: f64,
     mu: f64,
+    /// Nodes along each axis of the whole grid.
     shape: [usize; 3],
+    /// Plane of the whole grid that the matrices of z begin at.
+    first: usize,
 }
 
 impl Factors {
+    /// The same for a part of a grid of `planes` planes, from plane `first` on.
+    pub fn within(mut self, first: usize, planes: usize) -> Self {
+        (self.first, self.shape[2]) = (first, planes);
+        self
+    }
+
     pub fn new([x, y, z]: &[Axis; 3], lambda: f64, mu: f64) -> Self {
         let axial = lambda + 2.0 * mu;
         let gradient = |transposed: f64, plain: f64| -> Tridiagonal {
@@ -70,6 +79,7 @@ impl Factors {
             lambda,
             mu,
             shape: [x.len(), y.len(), z.len()],
+            first: 0,
         }
     }
 }
@@ -207,7 +217,7 @@ impl Layers<'_> {
 
     #[inline(always)]
     fn products<S: Simd>(&self, simd: S, j: usize, out: &mut Products) {
-        let (factors, k) = (self.factors, self.k);
+        let (factors, k) = (self.factors, self.k - self.factors.first);
         for c in 0..3 {
             let rows = self.rows(c, j);
             let matrices = [
@@ -241,7 +251,7 @@ impl Layers<'_> {
         add(&mut y[2], 0.5 * sign * mu, &on.by_component[0][0]);
         for (target, factor, c) in [(y, mu, 2), (z, lambda, 1)] {
             let rows = self.rows(c, j);
-            let d = self.factors.plain_gradient_z[self.k];
+            let d = self.factors.plain_gradient_z[self.k - self.factors.first];
             for (i, value) in face.iter_mut().enumerate() {
                 *value = d[0] * rows[0][i] + d[1] * rows[1][i] + d[2] * rows[2][i];
             }

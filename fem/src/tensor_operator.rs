@@ -9,7 +9,25 @@ use crate::tensor_kernel::{Factors, Plane, Scratch};
 /// Which components are held on which faces: `held[c][axis]` is (low face, high face).
 pub type HeldFaces = [[[bool; 2]; 3]; 3];
 
-/// Isotropic elasticity on a tensor grid of trilinear hexahedra.
+/// Another material in the lower part of a tensor grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LowerLayer {
+    /// Number of cells along z that it fills, from below.
+    pub cells: usize,
+    /// First Lame constant [Pa].
+    pub lambda: f64,
+    /// Shear modulus [Pa].
+    pub mu: f64,
+}
+
+/// What lies below the plane where two materials meet.
+#[derive(Clone, Debug)]
+struct Lower {
+    layer: LowerLayer,
+    factors: Factors,
+}
+
+/// Isotropic elasticity on a tensor grid of trilinear hexahedra, in one material or two layers.
 ///
 /// With the 1-D matrices K, M, D of each axis ([`Axis`]) the block of test component c and trial
 /// component d is a sum of Kronecker products:
@@ -24,13 +42,15 @@ pub type HeldFaces = [[[bool; 2]; 3]; 3];
 pub struct TensorOperator {
     /// x, y and z.
     pub axes: [Axis; 3],
-    /// First Lame constant [Pa].
+    /// First Lame constant, of the upper layer where there are two [Pa].
     pub lambda: f64,
-    /// Shear modulus [Pa].
+    /// Shear modulus, of the upper layer where there are two [Pa].
     pub mu: f64,
     /// Held faces; results are 0 there.
     pub held: HeldFaces,
+    /// Of all planes, or of those of the upper layer.
     factors: Factors,
+    lower: Option<Lower>,
 }
 
 impl TensorOperator {
@@ -44,7 +64,63 @@ impl TensorOperator {
             mu,
             held,
             factors,
+            lower: None,
         }
+    }
+
+    /// The same operator with another material in its lower cells.
+    ///
+    /// # Panics
+    /// Unless both layers have at least one cell.
+    pub fn on_layer(mut self, layer: LowerLayer) -> Self {
+        let z = &self.axes[2].nodes;
+        assert!(
+            layer.cells >= 1 && layer.cells + 1 < z.len(),
+            "{} of {} cells in the lower layer",
+            layer.cells,
+            z.len() - 1
+        );
+        let factors = |first: usize, nodes: &[f64], lambda: f64, mu: f64| {
+            let [x, y, _] = self.axes.clone();
+            Factors::new(&[x, y, Axis::new(nodes)], lambda, mu).within(first, z.len())
+        };
+        let lower = factors(0, &z[..=layer.cells], layer.lambda, layer.mu);
+        self.factors = factors(layer.cells, &z[layer.cells..], self.lambda, self.mu);
+        self.lower = Some(Lower {
+            layer,
+            factors: lower,
+        });
+        self
+    }
+
+    /// The lower layer, where there are two.
+    pub fn lower_layer(&self) -> Option<LowerLayer> {
+        self.lower.as_ref().map(|lower| lower.layer)
+    }
+
+    /// The z axis as component `c` of the preconditioner sees it.
+    ///
+    /// With two layers its matrices carry the lower material's moduli over the upper one's: mu in the mass and for
+    /// the horizontal components, lambda + 2 mu in the stiffness of the vertical one. Where both have one
+    /// Poisson's ratio that is the block diagonal of the stiffness exactly.
+    pub(crate) fn preconditioned_z(&self, c: usize) -> Axis {
+        let Some(lower) = &self.lower else {
+            return self.axes[2].clone();
+        };
+        let layer = lower.layer;
+        let shear = layer.mu / self.mu;
+        let own = if c == 2 {
+            (layer.lambda + 2.0 * layer.mu) / (self.lambda + 2.0 * self.mu)
+        } else {
+            shear
+        };
+        Axis::weighted(&self.axes[2].nodes, |cell| {
+            if cell < layer.cells {
+                [own, shear]
+            } else {
+                [1.0; 2]
+            }
+        })
     }
 
     /// Nodes along each axis.
@@ -103,18 +179,40 @@ impl TensorOperator {
             .for_each_init(
                 || Scratch::new(nx),
                 |scratch, (k, ((x, y), z))| {
-                    pulp::Arch::new().dispatch(Plane {
-                        factors: &self.factors,
-                        u,
-                        k,
-                        scratch,
-                        out: [&mut *x, &mut *y, &mut *z],
-                    });
+                    self.plane(u, k, scratch, [&mut *x, &mut *y, &mut *z]);
                     for (c, plane) in [x, y, z].into_iter().enumerate() {
                         mask_plane(plane, self.held[c], [nx, ny, nz], k);
                     }
                 },
             );
+    }
+
+    /// Plane `k` of all three components of K u; where two layers meet, the sum of both.
+    fn plane(&self, u: &[f64], k: usize, scratch: &mut Scratch, mut out: [&mut [f64]; 3]) {
+        let mut add = |factors: &Factors, scratch: &mut Scratch, out: [&mut [f64]; 3]| {
+            pulp::Arch::new().dispatch(Plane {
+                factors,
+                u,
+                k,
+                scratch,
+                out,
+            });
+        };
+        let parts = out.each_mut().map(|part| &mut **part);
+        match &self.lower {
+            Some(lower) if k < lower.layer.cells => add(&lower.factors, scratch, parts),
+            Some(lower) if k == lower.layer.cells => {
+                add(&self.factors, scratch, parts);
+                let mut below = vec![0.0; 3 * out[0].len()];
+                let (x, rest) = below.split_at_mut(out[0].len());
+                let (y, z) = rest.split_at_mut(out[1].len());
+                add(&lower.factors, scratch, [&mut *x, &mut *y, &mut *z]);
+                for (sum, part) in out.iter_mut().zip([x, y, z]) {
+                    sum.iter_mut().zip(part).for_each(|(sum, v)| *sum += *v);
+                }
+            }
+            _ => add(&self.factors, scratch, parts),
+        }
     }
 }
 
@@ -143,7 +241,8 @@ fn mask_plane(plane: &mut [f64], held: [[bool; 2]; 3], shape: [usize; 3], k: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Body, ElementKind, Material, assemble};
+    use crate::layered_diagonal::{End, LayeredDiagonal};
+    use crate::{Body, ElementKind, FastDiagonal, Material, Section, assemble};
 
     /// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer than a register.
     #[test]
@@ -176,6 +275,86 @@ mod tests {
                     (found - expected).abs() < 1e-13 * size,
                     "{shape:?}, {i}: {found} instead of {expected}"
                 );
+            }
+        }
+    }
+
+    fn layered() -> (TensorGrid, Material, Material, LowerLayer) {
+        let grid = TensorGrid {
+            x: vec![0.0, 0.1, 0.3, 0.6],
+            y: vec![-0.2, 0.0, 0.1],
+            z: vec![-1.0, -0.6, -0.3, -0.1, 0.0],
+        };
+        let ice = Material::new(9.0e9, 0.33).unwrap();
+        let concrete = Material::new(30.0e9, 0.2).unwrap();
+        let layer = LowerLayer {
+            cells: 2,
+            lambda: concrete.lame_lambda(),
+            mu: concrete.shear_modulus(),
+        };
+        (grid, ice, concrete, layer)
+    }
+
+    #[test]
+    fn two_layers_have_the_assembled_stiffness_of_their_hexahedra() {
+        let (grid, ice, concrete, layer) = layered();
+        let free = [[[false; 2]; 3]; 3];
+        let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free)
+            .on_layer(layer);
+        let mesh = grid.hex_mesh();
+        let of = |material| Section {
+            material,
+            kind: ElementKind::Hex8,
+        };
+        let mut sections = vec![of(ice); mesh.cells.len()];
+        sections[..mesh.cells.len() / 2].fill(of(concrete));
+        let assembled = assemble(&Body::new(mesh, sections).unwrap());
+        let nodes = grid.node_count();
+        let u: Vec<f64> = (0..3 * nodes).map(|i| (1.7 * i as f64).sin()).collect();
+        let by_node: Vec<f64> = (0..3 * nodes).map(|i| u[i % 3 * nodes + i / 3]).collect();
+        let (mut out, mut expected) = (vec![0.0; 3 * nodes], vec![0.0; 3 * nodes]);
+        operator.apply(&u, &mut out);
+        assembled.apply(&by_node, &mut expected);
+        let largest = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        for i in 0..3 * nodes {
+            let error = (out[i % 3 * nodes + i / 3] - expected[i]).abs();
+            assert!(error < 1e-12 * largest, "{error:e} of {largest:e}");
+        }
+    }
+
+    /// With one Poisson's ratio the preconditioner is the inverse of the stiffness' diagonal blocks, layers included: on a
+    /// displacement of one component P^-1 K u gives u back in that component.
+    #[test]
+    fn layers_of_one_poissons_ratio_are_inverted_exactly_in_each_component() {
+        let (grid, ice, _, _) = layered();
+        let stiff = Material::new(30.0e9, 0.33).unwrap();
+        let layer = LowerLayer {
+            cells: 2,
+            lambda: stiff.lame_lambda(),
+            mu: stiff.shear_modulus(),
+        };
+        let held = [[[true; 2], [true; 2], [true, false]]; 3];
+        let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held)
+            .on_layer(layer);
+        let fast = FastDiagonal::new(&operator);
+        let nodes = grid.node_count();
+        for c in 0..3 {
+            let mut u = vec![0.0; 3 * nodes];
+            (0..nodes).for_each(|n| u[c * nodes + n] = (2.3 * n as f64).cos());
+            operator.mask(&mut u);
+            let mut force = vec![0.0; 3 * nodes];
+            operator.apply(&u, &mut force);
+            let mut back = vec![0.0; 3 * nodes];
+            let mut modal = vec![0.0; fast.mode_count()];
+            let mut scratch = vec![0.0; fast.scratch_len()];
+            fast.apply(&force, &mut back, &mut modal, &mut scratch);
+            for n in c * nodes..(c + 1) * nodes {
+                assert!((back[n] - u[n]).abs() < 1e-10, "{} {}", back[n], u[n]);
+            }
+            let eliminated = LayeredDiagonal::new(&operator, End::High);
+            eliminated.apply(&force, &mut back, &mut modal);
+            for n in c * nodes..(c + 1) * nodes {
+                assert!((back[n] - u[n]).abs() < 1e-10, "{} {}", back[n], u[n]);
             }
         }
     }

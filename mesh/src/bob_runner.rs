@@ -1,6 +1,6 @@
 //! A bobsled runner.
 
-use crate::{Ends, MeshError, Rocker, Section, Swept};
+use crate::{MeshError, Rocker, Section, Swept};
 
 /// A bobsled runner: a rocker arc, a circular section across, ends that turn up.
 ///
@@ -50,27 +50,15 @@ impl BobRunner {
     /// [`MeshError::Parameter`] where the numbers make no runner.
     pub fn swept_along(&self, rocker: Rocker) -> Result<Swept, MeshError> {
         let section = Section::arc(self.section_radius, self.width)?;
-        let ends = rounded_ends(&rocker, &section, self.length, self.height, self.end_radius);
-        Swept::new(rocker, section, Some(ends), self.length, self.height)
+        self.swept_with(rocker, section)
     }
-}
 
-/// Ends of `radius` that rise by half of what is left between the underside's corners and the top.
-pub(crate) fn rounded_ends(
-    rocker: &Rocker,
-    section: &Section,
-    length: f64,
-    top: f64,
-    radius: f64,
-) -> Ends {
-    let [y0, y1] = section.extent();
-    let sides = section.height(y0).max(section.height(y1));
-    let [keel, _] = rocker.height_and_slope(0.5 * length);
-    // A runner with no room for ends is refused by `Swept::new`, which names why.
-    let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * radius, 0.5 * radius);
-    Ends {
-        radius,
-        length: (rise * (2.0 * radius - rise)).sqrt(),
+    /// The runner with another rocker and another section; the radii and the width are not used.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no runner.
+    pub fn swept_with(&self, rocker: Rocker, section: Section) -> Result<Swept, MeshError> {
+        Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
     }
 }
 

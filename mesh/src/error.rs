@@ -297,4 +297,34 @@ pub enum MeshError {
         /// What is wrong.
         problem: &'static str,
     },
+    /// An EXR image that holds no height map.
+    #[error("not a height map in EXR: {problem}")]
+    MapExr {
+        /// What is wrong.
+        problem: String,
+    },
+    /// A height map in an unknown format.
+    #[error("height maps of format {found:?} are not read; expected csv or exr")]
+    MapFormat {
+        /// The file's ending.
+        found: String,
+    },
+    /// A measured curve's table with other columns.
+    #[error("columns {found}: expected {},{}", columns[0], columns[1])]
+    PointColumns {
+        /// The columns found.
+        found: String,
+        /// The columns expected.
+        columns: [&'static str; 2],
+    },
+    /// A measured curve's row that cannot be read.
+    #[error("row {row}, column {column}: {found}: expected a number of m")]
+    PointRow {
+        /// The row under the header, from 1.
+        row: usize,
+        /// The column.
+        column: &'static str,
+        /// What was found.
+        found: String,
+    },
 }

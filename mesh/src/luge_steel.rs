@@ -1,6 +1,6 @@
 //! A luge steel.
 
-use crate::{MeshError, Rocker, Section, Swept, bob_runner::rounded_ends};
+use crate::{MeshError, Rocker, Section, Swept};
 
 /// A luge steel that stands on its inner edge: flat underside tilted on the runner, rounded edge,
 /// upright flank, bent to its rocker radius. The edge's lowest point is at x = 0, y = 0; the flat rises
@@ -45,10 +45,16 @@ impl LugeSteel {
     /// # Errors
     /// [`MeshError::Parameter`] where the numbers make no steel.
     pub fn swept(&self) -> Result<Swept, MeshError> {
-        let section = Section::edge(self.edge_radius, self.tilt, self.width)?;
+        self.swept_with(Section::edge(self.edge_radius, self.tilt, self.width)?)
+    }
+
+    /// The steel with another section; the edge's radius, the tilt and the width are not used.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no steel.
+    pub fn swept_with(&self, section: Section) -> Result<Swept, MeshError> {
         let rocker = Rocker::arc(self.rocker_radius)?;
-        let ends = rounded_ends(&rocker, &section, self.length, self.height, self.end_radius);
-        Swept::new(rocker, section, Some(ends), self.length, self.height)
+        Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
     }
 }
 

@@ -97,6 +97,29 @@ impl Swept {
         Ok(swept)
     }
 
+    /// The same with ends of `end_radius` [m] that rise by half of what is left between the underside's corners and the top.
+    ///
+    /// # Errors
+    /// As [`Swept::new`].
+    pub fn with_rounded_ends(
+        rocker: Rocker,
+        section: Section,
+        length: f64,
+        top: f64,
+        end_radius: f64,
+    ) -> Result<Self, MeshError> {
+        let [y0, y1] = section.extent();
+        let sides = section.height(y0).max(section.height(y1));
+        let [keel, _] = rocker.height_and_slope(0.5 * length);
+        // A runner with no room for ends is refused by `new`, which names why.
+        let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * end_radius, 0.5 * end_radius);
+        let ends = Ends {
+            radius: end_radius,
+            length: (rise * (2.0 * end_radius - rise)).sqrt(),
+        };
+        Self::new(rocker, section, Some(ends), length, top)
+    }
+
     /// The shape along x.
     pub fn rocker(&self) -> &Rocker {
         &self.rocker

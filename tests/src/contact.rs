@@ -25,6 +25,7 @@ pub fn on_half_space(underside: impl Underside + 'static, fz: f64) -> Problem {
             foundation: Foundation::HalfSpace,
             hardness: None,
         },
+        ice_surface: None,
         track_curvature: 0.0,
         load: Load::Force {
             fz,

@@ -107,6 +107,7 @@ fn on_half_space(underside: impl Underside + 'static, track_curvature: f64) -> P
             foundation: Foundation::HalfSpace,
             hardness: None,
         },
+        ice_surface: None,
         track_curvature,
         load: Load::Force {
             fz: 1000.0,

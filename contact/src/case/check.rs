@@ -1,6 +1,10 @@
 //! The ranges of a case's values.
 
-use super::{Case, CaseError, IceTable, LoadTable, RunnerTable, Shape, Thickness, TiltWord};
+use super::{
+    Case, CaseError, Hardness, IceTable, LoadTable, RunnerTable, SectionTable, Shape, Thickness,
+    TiltWord,
+};
+use crate::ICE_TEMPERATURES;
 
 type Checked = Result<(), CaseError>;
 
@@ -74,8 +78,35 @@ fn check_runner(runner: &RunnerTable) -> Checked {
             check_shape(shape)
         }
     }?;
+    if let Some(section) = &runner.section {
+        check_section(section, runner.shape.as_ref())?;
+    }
     modulus("runner.youngs_modulus_pa", runner.youngs_modulus_pa)?;
     poisson("runner.poissons_ratio", runner.poissons_ratio)
+}
+
+fn check_section(section: &SectionTable, shape: Option<&Shape>) -> Checked {
+    if !matches!(shape, Some(Shape::Bob { .. } | Shape::Luge { .. })) {
+        return Err(combination(
+            "runner.section",
+            "belongs to a shape of kind \"bob\" or \"luge\"",
+        ));
+    }
+    if section.profile.is_some() && section.points_m.is_some() {
+        return Err(combination(
+            "runner.section.points_m",
+            "either profile or points_m, not both",
+        ));
+    }
+    match section.worn_m {
+        Some(depth) => require(
+            depth.is_finite() && depth >= 0.0,
+            "runner.section.worn_m",
+            depth,
+            "a depth in metres, 0 or more",
+        ),
+        None => Ok(()),
+    }
 }
 
 fn check_shape(shape: &Shape) -> Checked {
@@ -142,8 +173,34 @@ fn check_shape(shape: &Shape) -> Checked {
 }
 
 fn check_ice(ice: &IceTable) -> Checked {
-    modulus("ice.youngs_modulus_pa", ice.youngs_modulus_pa)?;
-    poisson("ice.poissons_ratio", ice.poissons_ratio)?;
+    match (ice.temperature_c, ice.youngs_modulus_pa) {
+        (Some(temperature), _) => require(
+            ICE_TEMPERATURES.contains(&temperature),
+            "ice.temperature_c",
+            temperature,
+            "a temperature from -50 to 0 degrees Celsius",
+        )?,
+        (None, None) => {
+            return Err(combination(
+                "ice",
+                "expected youngs_modulus_pa, or temperature_c to take it from",
+            ));
+        }
+        (None, Some(_)) => {}
+    }
+    if let Some(stated) = ice.youngs_modulus_pa {
+        modulus("ice.youngs_modulus_pa", stated)?;
+    }
+    match ice.poissons_ratio {
+        Some(stated) => poisson("ice.poissons_ratio", stated)?,
+        None if ice.temperature_c.is_none() => {
+            return Err(combination(
+                "ice",
+                "expected poissons_ratio, or temperature_c to take it from",
+            ));
+        }
+        None => {}
+    }
     if let Thickness::Layer(thickness) = ice.thickness_m {
         require(
             thickness.is_finite() && thickness > 0.0,
@@ -152,10 +209,37 @@ fn check_ice(ice: &IceTable) -> Checked {
             "a positive thickness in metres or \"half-space\"",
         )?;
     }
-    match ice.hardness_pa {
-        Some(hardness) => positive("ice.hardness_pa", hardness),
-        None => Ok(()),
+    if let Some(bed) = &ice.bed {
+        if ice.thickness_m == Thickness::HalfSpace {
+            return Err(combination("ice.bed", "a half-space of ice has no bed"));
+        }
+        modulus("ice.bed.youngs_modulus_pa", bed.youngs_modulus_pa)?;
+        poisson("ice.bed.poissons_ratio", bed.poissons_ratio)?;
+        positive("ice.bed.thickness_m", bed.thickness_m)?;
     }
+    match ice.hardness_pa {
+        Some(Hardness::Stated(hardness)) => positive("ice.hardness_pa", hardness)?,
+        Some(Hardness::FromTemperature) if ice.temperature_c.is_none() => {
+            return Err(combination(
+                "ice.hardness_pa",
+                "\"from-temperature\" needs temperature_c",
+            ));
+        }
+        _ => {}
+    }
+    if let Some(waves) = &ice.waviness {
+        if ice.surface.is_some() {
+            return Err(combination(
+                "ice.surface",
+                "either waviness or surface, not both",
+            ));
+        }
+        finite("ice.waviness.amplitude_m", waves.amplitude_m)?;
+        positive("ice.waviness.wavelength_m", waves.wavelength_m)?;
+        finite("ice.waviness.direction_rad", waves.direction_rad)?;
+        finite("ice.waviness.phase_rad", waves.phase_rad)?;
+    }
+    Ok(())
 }
 
 fn check_load(load: &LoadTable) -> Checked {

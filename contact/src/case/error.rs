@@ -53,6 +53,12 @@ pub enum CaseError {
     /// The hull cannot be read, or has no usable underside.
     #[error("runner.hull: {0}")]
     Hull(kufe_mesh::MeshError),
+    /// The runner's section cannot be read, or makes no runner.
+    #[error("runner.section: {0}")]
+    Section(kufe_mesh::MeshError),
+    /// The ice's surface cannot be read.
+    #[error("ice.surface: {0}")]
+    IceSurface(kufe_mesh::MeshError),
     /// The case cannot be written as TOML.
     #[error("the case cannot be written as TOML: {reason}")]
     Unwritable {
@@ -97,6 +103,8 @@ impl CaseError {
             | CaseError::Effect { .. }
             | CaseError::Shape(_)
             | CaseError::Hull(_)
+            | CaseError::Section(_)
+            | CaseError::IceSurface(_)
             | CaseError::Unwritable { .. } => {}
         }
         self

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use kufe_mesh::{
     Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
-    Underside, load_hull,
+    Rocker, Section, Underside, load_hull,
 };
 
 use super::check::combination;
-use super::{Case, CaseError, ForwardAxis, RunnerTable, Shape, Thickness, TiltWord, UpAxis};
-use crate::{ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt};
+use super::{Case, CaseError, ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis};
+use crate::{ElasticRunner, Load, Problem, Runner, Tilt};
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
@@ -53,7 +53,8 @@ impl Case {
             .transpose()?;
         let mut problem = Problem {
             runner: Runner { underside, elastic },
-            ice: self.ice(),
+            ice: self.ice.ice(),
+            ice_surface: self.ice.surface(base)?,
             track_curvature: self.track.curvature(),
             load: Load::Force {
                 fz: self.load.fz_n,
@@ -90,25 +91,16 @@ impl Case {
             top,
         })
     }
-
-    fn ice(&self) -> Ice {
-        Ice {
-            youngs_modulus: self.ice.youngs_modulus_pa,
-            poissons_ratio: self.ice.poissons_ratio,
-            foundation: match self.ice.thickness_m {
-                Thickness::HalfSpace => Foundation::HalfSpace,
-                Thickness::Layer(thickness) => Foundation::RigidBed { thickness },
-            },
-            hardness: self.ice.hardness_pa,
-        }
-    }
 }
 
 type Surface = (Arc<dyn Underside>, Option<FittedHull>);
 
 fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
     match (&runner.shape, &runner.hull) {
-        (Some(shape), _) => Ok((shape_underside(shape)?, None)),
+        (Some(shape), _) => {
+            let section = runner.section.clone().unwrap_or_default();
+            Ok((shape_underside(shape, &section, base)?, None))
+        }
         (None, Some(path)) => {
             let hull = fitted_hull(runner, &base.join(path)).map_err(CaseError::Hull)?;
             Ok((hull.underside.clone(), Some(hull)))
@@ -154,7 +146,13 @@ impl ForwardAxis {
     }
 }
 
-fn shape_underside(shape: &Shape) -> Result<Arc<dyn Underside>, CaseError> {
+/// The shape's underside, with the measured or worn section where one is stated.
+fn shape_underside(
+    shape: &Shape,
+    section: &SectionTable,
+    base: &Path,
+) -> Result<Arc<dyn Underside>, CaseError> {
+    let of = |own: Section| section.of(own, base).map_err(CaseError::Section);
     Ok(match *shape {
         Shape::Bob {
             length_m,
@@ -162,17 +160,18 @@ fn shape_underside(shape: &Shape) -> Result<Arc<dyn Underside>, CaseError> {
             section_radius_m,
             width_m,
             height_m,
-        } => Arc::new(
-            BobRunner {
+        } => {
+            let bob = BobRunner {
                 length: length_m,
                 rocker_radius: rocker_radius_m,
                 section_radius: section_radius_m,
                 width: width_m,
                 height: height_m,
                 ..BobRunner::default()
-            }
-            .swept()?,
-        ),
+            };
+            let section = of(Section::arc(section_radius_m, width_m)?)?;
+            Arc::new(bob.swept_with(Rocker::arc(rocker_radius_m)?, section)?)
+        }
         Shape::Paraboloid {
             rocker_radius_m,
             section_radius_m,
@@ -184,8 +183,8 @@ fn shape_underside(shape: &Shape) -> Result<Arc<dyn Underside>, CaseError> {
             tilt_rad,
             width_m,
             height_m,
-        } => Arc::new(
-            LugeSteel {
+        } => {
+            let steel = LugeSteel {
                 length: length_m,
                 rocker_radius: rocker_radius_m,
                 edge_radius: edge_radius_m,
@@ -193,15 +192,17 @@ fn shape_underside(shape: &Shape) -> Result<Arc<dyn Underside>, CaseError> {
                 width: width_m,
                 height: height_m,
                 ..LugeSteel::default()
-            }
-            .swept()?,
-        ),
+            };
+            let section = of(Section::edge(edge_radius_m, tilt_rad, width_m)?)?;
+            Arc::new(steel.swept_with(section)?)
+        }
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Foundation;
 
     fn case(shape: &str, rest: &str) -> Case {
         let text = format!(

@@ -28,15 +28,16 @@ impl Effect for IceThickness {
         }
         let own = match problem.ice.foundation {
             Foundation::HalfSpace => 0.0,
-            Foundation::RigidBed { thickness } => 1.0 / thickness,
+            Foundation::RigidBed { thickness } | Foundation::ElasticBed { thickness, .. } => {
+                1.0 / thickness
+            }
         };
         let inverse = own + value;
-        problem.ice.foundation = if inverse > 1.0e-6 {
-            Foundation::RigidBed {
-                thickness: 1.0 / inverse,
-            }
-        } else {
-            Foundation::HalfSpace
+        let thickness = 1.0 / inverse;
+        problem.ice.foundation = match problem.ice.foundation {
+            _ if inverse <= 1.0e-6 => Foundation::HalfSpace,
+            Foundation::ElasticBed { bed, .. } => Foundation::ElasticBed { thickness, bed },
+            _ => Foundation::RigidBed { thickness },
         };
     }
 }

@@ -94,8 +94,8 @@ impl Solver {
         case.accuracy.p_max = self.tolerance;
         case.runner.hull = None;
         let mut bytes = case_json(&case).to_string().into_bytes();
-        if let Some(hull) = &self.loaded.case.runner.hull {
-            bytes.extend(read_hull(&self.loaded.base.join(hull))?);
+        for file in self.loaded.case.files() {
+            bytes.extend(read_hull(&self.loaded.base.join(file))?);
         }
         Ok(Origin {
             version: env!("CARGO_PKG_VERSION").into(),

@@ -1,0 +1,44 @@
+//! The table `[runner.section]`: a measured section, and wear.
+
+use std::path::{Path, PathBuf};
+
+use kufe_mesh::{MeshError, Section, load_points};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What is known of a runner's section beyond its shape's radius.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SectionTable {
+    /// CSV file of the measured section, columns y_m and z_m, relative to the case's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<PathBuf>,
+    /// The measured section's points (y, z) in the case itself [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points_m: Option<Vec<[f64; 2]>>,
+    /// Depth that wear has taken off the lowest point [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worn_m: Option<f64>,
+}
+
+impl SectionTable {
+    /// `own`, the shape's section, replaced by the measured one where there is one, and worn.
+    pub(super) fn of(&self, own: Section, base: &Path) -> Result<Section, MeshError> {
+        let section = match (&self.points_m, &self.profile) {
+            (Some(points), _) => Section::points(points)?,
+            (None, Some(path)) => {
+                let path = base.join(path);
+                let points = load_points(&path, ["y_m", "z_m"])?;
+                Section::points(&points).map_err(|source| MeshError::File {
+                    path: path.display().to_string(),
+                    source: Box::new(source),
+                })?
+            }
+            (None, None) => own,
+        };
+        match self.worn_m {
+            Some(depth) => section.worn(depth),
+            None => Ok(section),
+        }
+    }
+}

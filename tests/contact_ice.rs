@@ -1,0 +1,181 @@
+//! Ice as it is: on concrete, wavy, or measured.
+
+use std::f64::consts::PI;
+use std::process::Command;
+use std::sync::Arc;
+
+use kufe_contact::{Bed, Foundation, Method, Options, Problem, Solution, hertz, solve};
+use kufe_mesh::{HeightMap, IceSurface, Interpolation, Paraboloid, Waviness};
+use kufe_tests::contact::{ICE_E, ICE_NU, contact_modulus, on_half_space};
+
+const CONCRETE: Bed = Bed {
+    youngs_modulus: 30e9,
+    poissons_ratio: 0.2,
+    thickness: 0.020,
+};
+
+fn on_bed(radius: f64, thickness: f64, bed: Bed) -> Problem {
+    let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), 1000.0);
+    problem.ice.foundation = Foundation::ElasticBed { thickness, bed };
+    problem
+}
+
+fn solved(problem: &Problem, p_max_tolerance: f64) -> Solution {
+    let options = Options {
+        p_max_tolerance,
+        ..Options::default()
+    };
+    solve(problem, &options).unwrap()
+}
+
+/// Contact radius [m], approach [m] and peak pressure [Pa] by Hankel transforms, where SciPy is at hand.
+fn by_transforms(thickness: f64, bed: Bed) -> Option<[f64; 3]> {
+    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
+        println!("skipped: KUFE_PYTHON is not set");
+        return None;
+    };
+    let numbers = [
+        1.0,
+        1000.0,
+        ICE_E,
+        ICE_NU,
+        thickness,
+        bed.youngs_modulus,
+        bed.poissons_ratio,
+        bed.thickness,
+    ];
+    let output = Command::new(interpreter)
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/data/layered.py"))
+        .args(numbers.map(|n| n.to_string()))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if errors.contains("ModuleNotFoundError") {
+        println!("skipped: {errors}");
+        return None;
+    }
+    assert!(output.status.success(), "{errors}");
+    let words: Vec<f64> = said
+        .split_whitespace()
+        .map(|w| w.parse().unwrap())
+        .collect();
+    Some([words[0], words[1], words[2]])
+}
+
+/// The truth is a sum of Bessel functions over wave numbers, no mesh: tests/data/layered.py.
+#[test]
+fn ice_on_concrete_agrees_with_hankel_transforms_within_three_tenths_of_a_percent() {
+    let soft = Bed {
+        youngs_modulus: 3e9,
+        poissons_ratio: 0.45,
+        thickness: 0.010,
+    };
+    for (thickness, bed) in [(0.004, CONCRETE), (0.001, CONCRETE), (0.004, soft)] {
+        let Some([radius, approach, p_max]) = by_transforms(thickness, bed) else {
+            return;
+        };
+        let s = solved(&on_bed(1.0, thickness, bed), 0.003);
+        // The rim is found on the parabola of p^2, which a contact wider than the layer leaves by a third of a cell.
+        for (found, expected, tolerance) in [
+            (s.p_max, p_max, 0.003),
+            (s.approach, approach, 0.003),
+            (0.5 * s.length, radius, 0.03),
+        ] {
+            assert!(
+                (found / expected - 1.0).abs() < tolerance,
+                "{found:.5e} against {expected:.5e}, ice {thickness} m on {bed:?}"
+            );
+        }
+        assert!(s.iterations <= 60, "{} iterations", s.iterations);
+    }
+}
+
+#[test]
+fn ice_on_a_bed_of_ice_is_one_layer() {
+    let own = Bed {
+        youngs_modulus: ICE_E,
+        poissons_ratio: ICE_NU,
+        thickness: 0.006,
+    };
+    let two = solved(&on_bed(1.0, 0.004, own), 0.003);
+    let mut problem = on_bed(1.0, 0.004, own);
+    problem.ice.foundation = Foundation::RigidBed { thickness: 0.010 };
+    let one = solved(&problem, 0.003);
+    assert!((two.p_max / one.p_max - 1.0).abs() < 0.002);
+    assert!((two.approach / one.approach - 1.0).abs() < 0.002);
+}
+
+#[test]
+fn layers_solved_by_the_accelerated_method_and_by_cholesky_agree() {
+    let solved = |method| {
+        let options = Options {
+            cells: Some(4),
+            method,
+            ..Options::default()
+        };
+        solve(&on_bed(1.0, 0.004, CONCRETE), &options).unwrap()
+    };
+    let fast = solved(Method::Accelerated);
+    let slow = solved(Method::CholeskyActiveSet);
+    assert!((fast.p_max / slow.p_max - 1.0).abs() < 1e-6);
+}
+
+/// Waves that press with their crests alone (H. M. Westergaard, J. Appl. Mech. 6 (1939) 49-53; K. L. Johnson, Contact
+/// Mechanics, section 13.2): with the mean pressure p over a wave and p* = pi E* amplitude / wavelength,
+/// sin^2(pi c / wavelength) = p / p* for the half-length c of each contact, and p_max = 2 sqrt(p p*).
+#[test]
+fn wavy_ice_meets_westergaards_partial_contact() {
+    let (wavelength, amplitude, radius, force) = (1e-3, 2.5e-6, 1.0, 1000.0);
+    let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), force);
+    problem.ice_surface = Some(Arc::new(Waviness::new(amplitude, wavelength).unwrap()));
+    let options = Options {
+        cells: Some(16),
+        ..Options::default()
+    };
+    let s = solve(&problem, &options).unwrap();
+    let (x, nx) = (&s.surface.x, s.surface.x.len());
+    let row = s.surface.y.iter().position(|y| *y == 0.0).unwrap() * nx;
+    let pressure = &s.surface.pressure[row..row + nx];
+    let touching: Vec<f64> = (0..nx)
+        .filter(|&i| x[i].abs() < 0.5 * wavelength && pressure[i] > 0.0)
+        .map(|i| x[i])
+        .collect();
+    let mean = (1..nx)
+        .filter(|&i| x[i].max(-x[i - 1]) <= 0.5 * wavelength)
+        .map(|i| 0.5 * (pressure[i] + pressure[i - 1]) * (x[i] - x[i - 1]))
+        .sum::<f64>()
+        / wavelength;
+    let full = PI * contact_modulus() * amplitude / wavelength;
+    let half_length = wavelength / PI * (mean / full).sqrt().asin();
+    let found = touching[touching.len() - 1];
+    assert!((s.p_max / (2.0 * (mean * full).sqrt()) - 1.0).abs() < 0.01);
+    assert!((found / half_length - 1.0).abs() < 0.03);
+}
+
+/// A measured surface that holds the same waves gives the same contact.
+#[test]
+fn waves_as_a_height_map_press_like_waves_as_a_formula() {
+    let waves = Waviness::new(2e-6, 0.04).unwrap();
+    let shape = [401, 3];
+    let (origin, spacing) = ([-0.2, -0.01], [1e-3, 0.01]);
+    let heights = (0..shape[0] * shape[1])
+        .map(|k| waves.height(origin[0] + spacing[0] * (k % shape[0]) as f64, 0.0))
+        .collect();
+    let map = HeightMap::new(origin, spacing, shape, heights, Interpolation::Bicubic).unwrap();
+    let pressed = |surface: Arc<dyn IceSurface>| {
+        let mut problem = on_half_space(Paraboloid::new(30.0, 0.005).unwrap(), 1000.0);
+        problem.ice_surface = Some(surface);
+        solved(&problem, 0.005)
+    };
+    let (formula, measured) = (pressed(Arc::new(waves)), pressed(Arc::new(map)));
+    assert!(
+        (measured.p_max / formula.p_max - 1.0).abs() < 0.002,
+        "{} {}",
+        measured.p_max,
+        formula.p_max
+    );
+    // A crest under the load: more curvature, more pressure than on even ice.
+    let even = hertz(30.0, 0.005, contact_modulus(), 1000.0).p_max;
+    assert!(formula.p_max > 1.02 * even, "{} {even}", formula.p_max);
+}
