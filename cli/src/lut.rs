@@ -5,7 +5,6 @@ mod fill;
 mod plan;
 mod query;
 mod show;
-mod watched;
 
 pub use kufe_jobs::table::read_table;
 

@@ -28,6 +28,7 @@ mod sled_runs;
 mod staging;
 mod validate;
 mod volume_vtu;
+mod watched;
 
 use std::process::ExitCode;
 

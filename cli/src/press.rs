@@ -1,19 +1,22 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
+mod files;
+mod series;
+mod series_table;
+mod subsurface;
 mod summary;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kufe_contact::{Iterate, Watcher};
+use kufe_contact::{CentreLine, Iterate, Watcher, centre_line};
 use kufe_jobs::{Pressed, Watch};
+use serde_json::Value;
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
 use crate::output::{Global, say};
-use crate::pressure_map::PressureMap;
 use crate::staging::Staging;
-use crate::{patches, pressure_exr, pressure_png, volume_vtu};
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]
@@ -23,6 +26,12 @@ pub struct Args {
     /// Folder for result.json, pressure.exr, pressure.png and field.vtu (runner.vtu too where the runner deforms)
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
+    /// Stress on the line under the peak too: subsurface.csv and subsurface.png, figures in result.json, maximum shear in
+    /// the VTU files
+    #[arg(long)]
+    pub subsurface: bool,
+    #[command(flatten)]
+    pub lists: series::Lists,
 }
 
 /// Solves the case and writes its files, all or none.
@@ -35,6 +44,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(path) => LoadedCase::read(path)?,
         None => LoadedCase::example()?,
     };
+    if args.lists.is_series() {
+        return series::run(args, &loaded, global);
+    }
     let staging = Staging::begin(&args.out)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
@@ -49,8 +61,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let pressed = kufe_jobs::press(loaded, &watch, Some(watcher));
     bar.finish_and_clear();
     let pressed = pressed?;
-    let document = pressed.document();
-    write_files(&staging, &pressed, &document)?;
+    let (document, line) = solved_document(&pressed, args.subsurface)?;
+    files::write(&staging, &pressed, &document, line.as_ref())?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
@@ -60,32 +72,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     Ok(())
 }
 
-fn write_files(
-    staging: &Staging,
+/// result.json's content, and the centre line where it is asked for.
+fn solved_document(
     pressed: &Pressed,
-    document: &serde_json::Value,
-) -> Result<(), Failure> {
-    use std::io::Write;
-    let map = PressureMap::of(&pressed.solution);
-    staging.write("result.json", |mut file| writeln!(file, "{document:#}"))?;
-    staging.write("pressure.exr", |file| {
-        let curvature = pressed.problem.track_curvature;
-        pressure_exr::write(file, &map, pressed.solution.fz, curvature)
-    })?;
-    let title = summary::title(&pressed.solution);
-    let maps = patches::maps(&pressed.solution);
-    pressure_png::write(&staging.path("pressure.png"), &maps, &title)
-        .map_err(|error| staging.failure("pressure.png", &error))?;
-    staging.write("field.vtu", |file| {
-        volume_vtu::write_ice(file, &pressed.solution.volume)
-    })?;
-    if let (Some(field), Some(elastic)) = (
-        &pressed.solution.runner_volume,
-        &pressed.problem.runner.elastic,
-    ) {
-        staging.write("runner.vtu", |file| {
-            volume_vtu::write_runner(file, field, elastic)
-        })?;
+    with_subsurface: bool,
+) -> Result<(Value, Option<CentreLine>), Failure> {
+    let mut document = pressed.document();
+    if !with_subsurface {
+        return Ok((document, None));
     }
-    Ok(())
+    let line = centre_line(&pressed.solution).map_err(Failure::bad_input)?;
+    document["subsurface"] = subsurface::document(&line, &pressed.solution);
+    Ok((document, Some(line)))
 }

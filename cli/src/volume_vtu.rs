@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
-use kufe_fem::{Body, ElementKind, Material, Section, nodal_stresses, von_mises};
+use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 use crate::failure::Failure;
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
-pub fn write_ice(writer: impl Write, volume: &VolumeField) -> Result<(), Failure> {
+pub fn write_ice(writer: impl Write, volume: &VolumeField, shear: bool) -> Result<(), Failure> {
     let mesh = volume.grid.hex_mesh();
     let mut sections = sections(
         volume.youngs_modulus,
@@ -25,7 +25,7 @@ pub fn write_ice(writer: impl Write, volume: &VolumeField) -> Result<(), Failure
         let own = self::sections(bed.youngs_modulus, bed.poissons_ratio, cells)?;
         sections[..cells].copy_from_slice(&own);
     }
-    write(writer, mesh, &volume.displacement, sections)
+    write(writer, mesh, &volume.displacement, sections, shear)
 }
 
 /// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved.
@@ -36,13 +36,20 @@ pub fn write_runner(
     writer: impl Write,
     field: &RunnerField,
     elastic: &ElasticRunner,
+    shear: bool,
 ) -> Result<(), Failure> {
     let sections = sections(
         elastic.youngs_modulus,
         elastic.poissons_ratio,
         field.mesh.cells.len(),
     )?;
-    write(writer, field.mesh.clone(), &field.displacement, sections)
+    write(
+        writer,
+        field.mesh.clone(),
+        &field.displacement,
+        sections,
+        shear,
+    )
 }
 
 fn sections(
@@ -55,7 +62,7 @@ fn sections(
     Ok(vec![Section { material, kind }; cells])
 }
 
-/// Displacement [m], stress tensor and von Mises stress [Pa] at the nodes.
+/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa] at the nodes.
 ///
 /// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
 fn write(
@@ -63,6 +70,7 @@ fn write(
     mesh: HexMesh,
     displacement: &[[f64; 3]],
     sections: Vec<Section>,
+    shear: bool,
 ) -> Result<(), Failure> {
     let body = Body::new(mesh, sections).map_err(Failure::bad_input)?;
     let displacement: Vec<f64> = displacement.iter().flatten().copied().collect();
@@ -77,10 +85,17 @@ fn write(
         components,
         values,
     };
-    let fields = [
+    let largest: Vec<f64> = stresses
+        .iter()
+        .map(|&stress| maximum_shear(stress))
+        .collect();
+    let mut fields = vec![
         field("displacement_m", 3, &displacement),
         field("stress_pa", 9, &tensors),
         field("von_mises_pa", 1, &mises),
     ];
+    if shear {
+        fields.push(field("max_shear_pa", 1, &largest));
+    }
     write_vtu(body.mesh(), &fields, &[], writer).map_err(Failure::bad_input)
 }

@@ -43,6 +43,7 @@
 mod answer;
 mod body;
 pub mod case;
+mod centre_line;
 mod check;
 mod constrained_cg;
 mod contact_set;
@@ -73,6 +74,7 @@ mod surface;
 mod vector;
 mod window;
 
+pub use centre_line::{CentreLine, LargestShear, centre_line};
 pub use error::Error;
 pub use hertz::{Hertz, hertz};
 pub use ice_properties::{ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus};

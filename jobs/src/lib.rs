@@ -27,6 +27,7 @@ pub mod table;
 mod watch;
 mod write_whole;
 
+pub use case_json::case_json;
 pub use failure::Failure;
 pub use press::{Pressed, press};
 pub use watch::Watch;

@@ -8,9 +8,9 @@ use kufe_lut::{Mode, Point, Quantity, Swept, Table};
 use serde_json::{Value, json};
 
 use super::export::{Forms, write_table};
-use super::watched::watched;
 use crate::failure::Failure;
 use crate::output::Global;
+use crate::watched::watched;
 
 /// Arguments of `kufe lut` without a subcommand.
 #[derive(clap::Args, Debug)]

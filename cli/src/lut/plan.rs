@@ -9,9 +9,9 @@ use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script
 
 use super::export::{Forms, write_table};
 use super::fill::{Spent, finish};
-use super::watched::{warn, watched};
 use crate::failure::Failure;
 use crate::output::{Global, write_whole};
+use crate::watched::{warn, watched};
 
 /// Arguments of `kufe lut plan`.
 #[derive(clap::Args, Debug)]

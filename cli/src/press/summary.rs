@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::series_table::Row;
 use kufe_contact::{Iterate, Solution};
 use kufe_jobs::Pressed;
 
@@ -73,6 +74,45 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
     for (name, value) in rows {
         text.push_str(&format!("  {name:<15} {value}\n"));
     }
+    text
+}
+
+/// The steps of a series, a line each.
+pub fn series(rows: &[Row], kept: usize, out: &Path) -> String {
+    let mut text = String::new();
+    for row in rows {
+        let varied: Vec<String> = row
+            .values
+            .iter()
+            .map(|(k, v)| format!("{k} = {v}"))
+            .collect();
+        let figure = |key: &str| row.result.as_ref().and_then(|r| r[key].as_f64());
+        let said = match (figure("p_max_pa"), figure("length_m"), figure("width_m")) {
+            (Some(p), Some(l), Some(w)) => {
+                format!(
+                    "p_max {:.2} MPa, contact {} x {}",
+                    p / 1e6,
+                    length(l),
+                    length(w)
+                )
+            }
+            _ => "short of the accuracy asked".to_owned(),
+        };
+        text.push_str(&format!(
+            "  {}  {}: {said}\n",
+            row.folder,
+            varied.join(", ")
+        ));
+    }
+    let held = match kept {
+        0 => String::new(),
+        kept => format!(", {kept} of them there already"),
+    };
+    text.push_str(&format!(
+        "  {} steps{held}; table.csv, table.json and series.pvd in {}\n",
+        rows.len(),
+        out.display()
+    ));
     text
 }
 

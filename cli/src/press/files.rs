@@ -1,0 +1,53 @@
+//! What one solved case is written to.
+
+use std::io::Write;
+
+use kufe_contact::CentreLine;
+use kufe_jobs::Pressed;
+use serde_json::Value;
+
+use super::{subsurface, summary};
+use crate::failure::Failure;
+use crate::pressure_map::PressureMap;
+use crate::staging::Staging;
+use crate::{patches, pressure_exr, pressure_png, volume_vtu};
+
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, and runner.vtu where the runner deforms; with a centre line
+/// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file that cannot be written.
+pub fn write(
+    staging: &Staging,
+    pressed: &Pressed,
+    document: &Value,
+    line: Option<&CentreLine>,
+) -> Result<(), Failure> {
+    let solution = &pressed.solution;
+    let map = PressureMap::of(solution);
+    staging.write("result.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.write("pressure.exr", |file| {
+        let curvature = pressed.problem.track_curvature;
+        pressure_exr::write(file, &map, solution.fz, curvature)
+    })?;
+    let title = summary::title(solution);
+    let maps = patches::maps(solution);
+    pressure_png::write(&staging.path("pressure.png"), &maps, &title)
+        .map_err(|error| staging.failure("pressure.png", &error))?;
+    let shear = line.is_some();
+    staging.write("field.vtu", |file| {
+        volume_vtu::write_ice(file, &solution.volume, shear)
+    })?;
+    if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
+    {
+        staging.write("runner.vtu", |file| {
+            volume_vtu::write_runner(file, field, elastic, shear)
+        })?;
+    }
+    if let Some(line) = line {
+        staging.write("subsurface.csv", |file| subsurface::write_csv(file, line))?;
+        subsurface::write_png(&staging.path("subsurface.png"), line)
+            .map_err(|error| staging.failure("subsurface.png", &error))?;
+    }
+    Ok(())
+}

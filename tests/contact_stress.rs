@@ -1,0 +1,105 @@
+//! Stress under the contact against the figures of elliptic Hertz contacts.
+
+use std::f64::consts::{PI, TAU};
+
+use kufe_contact::{LargestShear, Options, centre_line, hertz, solve};
+use kufe_fem::maximum_shear;
+use kufe_mesh::Paraboloid;
+use kufe_tests::contact::{ICE_NU, contact_modulus, on_half_space};
+
+/// Stresses (xx, yy, zz) at depth `z` under the middle of a Hertz contact of half-axes `a`, `b` and unit peak: the
+/// integral of Boussinesq's point load (Johnson, Contact Mechanics, eq. 3.19) over the ellipse in polar coordinates.
+fn hertz_stress(a: f64, b: f64, nu: f64, z: f64) -> [f64; 3] {
+    const ROUND: usize = 400;
+    const OUT: usize = 400;
+    let mut sum = [0.0; 3];
+    for m in 0..ROUND {
+        let angle = TAU * (m as f64 + 0.5) / ROUND as f64;
+        // Points dense where the ellipse is narrow: x = a s cos, y = b s sin.
+        for n in 0..OUT {
+            // s = t^2 puts points near the axis; ds = 2 t dt.
+            let t = (n as f64 + 0.5) / OUT as f64;
+            let s = t * t;
+            let area = a * b * s * (2.0 * t / OUT as f64) * (TAU / ROUND as f64);
+            let load = (1.0 - s * s).sqrt() * area;
+            let (x, y) = (a * s * angle.cos(), b * s * angle.sin());
+            let r2 = x * x + y * y;
+            let rho = (r2 + z * z).sqrt();
+            let side = |u: f64, v: f64| {
+                (1.0 - 2.0 * nu) / r2
+                    * ((1.0 - z / rho) * (u * u - v * v) / r2 + z * v * v / rho.powi(3))
+                    - 3.0 * z * u * u / rho.powi(5)
+            };
+            let each = [side(x, y), side(y, x), -3.0 * z.powi(3) / rho.powi(5)];
+            for (total, value) in sum.iter_mut().zip(each) {
+                *total += load / TAU * value;
+            }
+        }
+    }
+    sum
+}
+
+fn hertz_shear(a: f64, b: f64, nu: f64) -> LargestShear {
+    let shear = |z: f64| {
+        let [xx, yy, zz] = hertz_stress(a, b, nu, z);
+        maximum_shear([xx, yy, zz, 0.0, 0.0, 0.0])
+    };
+    let best = (10..=120)
+        .map(|i| 0.01 * b * f64::from(i))
+        .map(|z| LargestShear {
+            value: shear(z),
+            depth: z,
+        })
+        .max_by(|p, q| p.value.total_cmp(&q.value));
+    best.expect("depths")
+}
+
+/// Johnson, sections 3.4 (circle: 0.31 p0 at 0.48 a) and 4.1 (line: 0.30 p0 at 0.78 b), for a Poisson's ratio of 0.3.
+#[test]
+fn the_integral_of_point_loads_has_the_textbooks_figures() {
+    let circle = hertz_shear(1.0, 1.0, 0.3);
+    assert!((circle.value - 0.310).abs() < 0.001 && (circle.depth - 0.48).abs() < 0.011);
+    let line = hertz_shear(60.0, 1.0, 0.3);
+    assert!((line.value - 0.300).abs() < 0.001 && (line.depth - 0.786).abs() < 0.011);
+}
+
+#[test]
+fn the_largest_shear_under_elliptic_contacts_is_hertzs_within_two_per_cent() {
+    for (rocker, section, p_max_tolerance) in [
+        (1.0, 1.0, 0.01),
+        (0.1, 0.005, 0.01),
+        (30.0, 0.005, 0.01),
+        (30.0, 0.005, 0.001),
+    ] {
+        let h = hertz(rocker, section, contact_modulus(), 1000.0);
+        let expected = hertz_shear(h.a, h.b, ICE_NU);
+        let options = Options {
+            p_max_tolerance,
+            ..Options::default()
+        };
+        let problem = on_half_space(Paraboloid::new(rocker, section).unwrap(), 1000.0);
+        let solution = solve(&problem, &options).unwrap();
+        let line = centre_line(&solution).unwrap();
+        let found = line
+            .largest_shear()
+            .expect("a largest shear under the surface");
+        println!(
+            "a/b {:.1}: {:.4} p0 at {:.4} b; Hertz {:.4} at {:.4}",
+            h.a / h.b,
+            found.value / h.p_max,
+            found.depth / h.b,
+            expected.value,
+            expected.depth / h.b
+        );
+        assert!((found.value / (expected.value * h.p_max) - 1.0).abs() < 0.02);
+        assert!((found.depth / expected.depth - 1.0).abs() < 0.06);
+        // The vertical stress just under the surface is the pressure.
+        let first = line.stress[0][2];
+        let [_, _, exact] = hertz_stress(h.a, h.b, ICE_NU, line.depth[0]);
+        assert!(
+            (first / (exact * h.p_max) - 1.0).abs() < 0.03,
+            "{first} {exact}"
+        );
+        assert!(PI * h.a * h.b > 0.0);
+    }
+}
