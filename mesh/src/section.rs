@@ -27,12 +27,15 @@ pub enum Section {
     },
     /// A smooth curve through measured points.
     Points(Profile),
-    /// A section whose lowest part is worn away to a flat.
+    /// A section whose lowest part is worn away to a flat:
+    /// z = (v + sqrt(v^2 + e^2)) / 2 with v = z_new - depth and e = `edge` times the depth.
     Worn {
         /// The section when new.
         new: Box<Section>,
         /// Depth that is worn away at the lowest point [m].
         depth: f64,
+        /// How round the flat's edges are: on an arc their radius over the arc's, 0 for sharp.
+        edge: f64,
     },
 }
 
@@ -93,11 +96,22 @@ impl Section {
         Ok(Self::Points(curve.raised(-lowest)))
     }
 
-    /// This section after wear has taken `depth` [m] off its lowest point.
+    /// This section after wear has taken `depth` [m] off its lowest point and left the flat's edges with `edge` times
+    /// the section's own radius.
+    ///
+    /// On an arc of radius R the flat is 2 sqrt(2 R depth) wide and meets the flanks at the slope sqrt(2 depth / R); a sharp
+    /// edge (0) presses without limit, as the logarithm of the distance from it.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the depth is negative or takes the whole section.
-    pub fn worn(self, depth: f64) -> Result<Self, MeshError> {
+    /// [`MeshError::Parameter`] where the depth is negative or takes the whole section, or `edge` is not from 0 to 1.
+    pub fn worn(self, depth: f64, edge: f64) -> Result<Self, MeshError> {
+        if !(0.0..=1.0).contains(&edge) {
+            return Err(MeshError::Parameter {
+                name: "worn edge",
+                value: edge,
+                expected: "0 to 1",
+            });
+        }
         let [from, to] = self.extent();
         let rise = self.height(from).max(self.height(to));
         if !(0.0..rise).contains(&depth) {
@@ -111,6 +125,7 @@ impl Section {
         Ok(Self::Worn {
             new: Box::new(self),
             depth,
+            edge,
         })
     }
 
@@ -132,7 +147,10 @@ impl Section {
                 }
             }
             Self::Points(curve) => curve.value(y),
-            Self::Worn { new, depth } => (new.height(y) - depth).max(0.0),
+            Self::Worn { new, depth, edge } => {
+                let above = new.height(y) - depth;
+                0.5 * (above + above.hypot(edge * depth))
+            }
         }
     }
 
@@ -200,13 +218,32 @@ mod tests {
     #[test]
     fn wear_leaves_a_flat_as_wide_as_the_chord_at_its_depth() {
         let (radius, depth) = (0.005f64, 20e-6);
-        let worn = Section::arc(radius, 0.010).unwrap().worn(depth).unwrap();
+        let worn = Section::arc(radius, 0.010)
+            .unwrap()
+            .worn(depth, 0.0)
+            .unwrap();
         let chord = 2.0 * (2.0 * radius * depth - depth * depth).sqrt();
         let flat = (-5000..=5000)
             .filter(|&i| worn.height(1e-6 * f64::from(i)) == 0.0)
             .count();
         assert!((flat as f64 * 1e-6 - chord).abs() < 2e-6);
         assert!(worn.is_even());
+    }
+
+    #[test]
+    fn the_edges_of_a_worn_flat_have_the_radius_that_was_asked() {
+        let (radius, depth, edge) = (0.005f64, 1e-6, 0.2);
+        let worn = Section::arc(radius, 0.010)
+            .unwrap()
+            .worn(depth, edge)
+            .unwrap();
+        let at = (2.0 * radius * depth).sqrt();
+        let h = 1e-7;
+        let bend = (worn.height(at + h) - 2.0 * worn.height(at) + worn.height(at - h)) / (h * h);
+        // The edge's own curvature and half of the arc's.
+        let expected = 1.0 / (edge * radius) + 0.5 / radius;
+        assert!((bend / expected - 1.0).abs() < 0.02, "{bend} {expected}");
+        assert!(worn.height(0.0) < 0.02 * depth);
     }
 
     #[test]
@@ -230,6 +267,9 @@ mod tests {
         assert!(refused(Section::arc(0.005, 0.0101)).contains("width"));
         assert!(refused(Section::edge(3e-4, -0.1, 0.02)).contains("tilt"));
         assert!(refused(Section::edge(3e-2, 0.1, 0.02)).contains("edge radius"));
-        assert!(refused(Section::arc(0.005, 0.01).unwrap().worn(0.006)).contains("wear depth"));
+        assert!(
+            refused(Section::arc(0.005, 0.01).unwrap().worn(0.006, 0.0)).contains("wear depth")
+        );
+        assert!(refused(Section::arc(0.005, 0.01).unwrap().worn(1e-6, 1.5)).contains("worn edge"));
     }
 }

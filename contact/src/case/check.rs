@@ -98,6 +98,14 @@ fn check_section(section: &SectionTable, shape: Option<&Shape>) -> Checked {
             "either profile or points_m, not both",
         ));
     }
+    if let Some(edge) = section.worn_edge {
+        require(
+            (0.0..=1.0).contains(&edge),
+            "runner.section.worn_edge",
+            edge,
+            "a part of the section's radius, 0 to 1",
+        )?;
+    }
     match section.worn_m {
         Some(depth) => require(
             depth.is_finite() && depth >= 0.0,

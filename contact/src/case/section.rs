@@ -19,7 +19,13 @@ pub struct SectionTable {
     /// Depth that wear has taken off the lowest point [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worn_m: Option<f64>,
+    /// Radius of the flat's edges over the section's own; 0.2 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worn_edge: Option<f64>,
 }
+
+/// Radius of the edges that wear leaves, over the section's own: it rounds them too.
+const WORN_EDGE: f64 = 0.2;
 
 impl SectionTable {
     /// `own`, the shape's section, replaced by the measured one where there is one, and worn.
@@ -37,7 +43,7 @@ impl SectionTable {
             (None, None) => own,
         };
         match self.worn_m {
-            Some(depth) => section.worn(depth),
+            Some(depth) => section.worn(depth, self.worn_edge.unwrap_or(WORN_EDGE)),
             None => Ok(section),
         }
     }
