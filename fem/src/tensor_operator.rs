@@ -189,7 +189,7 @@ impl TensorOperator {
 
     /// Plane `k` of all three components of K u; where two layers meet, the sum of both.
     fn plane(&self, u: &[f64], k: usize, scratch: &mut Scratch, mut out: [&mut [f64]; 3]) {
-        let mut add = |factors: &Factors, scratch: &mut Scratch, out: [&mut [f64]; 3]| {
+        let add = |factors: &Factors, scratch: &mut Scratch, out: [&mut [f64]; 3]| {
             pulp::Arch::new().dispatch(Plane {
                 factors,
                 u,

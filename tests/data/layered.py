@@ -54,7 +54,7 @@ def main():
     w = (0.5 * (high - low) * weights).ravel()
     # Over the half-space's it is a smooth function of log k.
     own = (1 - nu1) / lame(e1, nu1)[1]
-    nodes = np.linspace(np.log(k[0]), np.log(k[-1]), 400)
+    nodes = np.linspace(np.log(k[0]), np.log(k[-1]), 240)
     ratio = CubicSpline(nodes, [compliance(np.exp(n), layers) * np.exp(n) / own for n in nodes])
     table = ratio(np.log(k)) * own / k
     powers = np.arange(6) + 0.5
