@@ -3,7 +3,7 @@
 /// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
 ///
 /// Slopes come from the parabola through a node and its neighbours (one-sided beside a gap), so parabolas are
-/// reproduced exactly. Cells that lack an end are gaps.
+/// reproduced exactly. Cells that lack an end are gaps. Between two values that are not positive nothing is.
 pub struct Hermite<'a> {
     nodes: &'a [f64],
     values: &'a [f64],
@@ -33,8 +33,14 @@ impl<'a> Hermite<'a> {
         let rise = self.values[right] - self.values[left];
         let (from, to) = (self.slopes[left] * width, self.slopes[right] * width);
         // h(t) = v + t (m0 + t (3 d - 2 m0 - m1 + t (m0 + m1 - 2 d))), d the rise, m the slopes over the cell
-        self.values[left]
-            + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)))
+        let value = self.values[left]
+            + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)));
+        // A cubic may swing over zero between two values that are not positive: no contact is there.
+        if self.values[left].max(self.values[right]) <= 0.0 {
+            value.min(0.0)
+        } else {
+            value
+        }
     }
 }
 
@@ -68,6 +74,13 @@ fn slope(nodes: &[f64], values: &[f64], k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn between_values_that_are_not_positive_nothing_is() {
+        let (nodes, values) = ([0.0, 1.0, 2.0, 3.0], [-9.0, -0.1, -0.1, -9.0]);
+        let line = Hermite::new(&nodes, &values);
+        assert!((0..=300).all(|k| line.at(0.01 * f64::from(k)).max(0.0) == 0.0));
+    }
 
     #[test]
     fn parabolas_are_reproduced_up_to_the_gap_and_not_beyond() {

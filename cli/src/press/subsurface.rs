@@ -117,7 +117,7 @@ fn draw(root: &PngRoot, line: &CentreLine) -> Result<(), Error> {
         chart.draw_series([Circle::new(at, 5, PALETTE[0].filled())])?;
         chart.draw_series([Text::new(
             text,
-            (at.0 + 0.02 * deepest, at.1),
+            (at.0 + 0.02 * deepest, at.1 + 0.05 * widest),
             ("sans-serif", 18),
         )])?;
     }
