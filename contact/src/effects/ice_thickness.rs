@@ -12,7 +12,7 @@ static INFO: Info = Info {
     key: "inverse_per_m",
     unit: "1/m",
     low: -19.0,
-    high: 500.0,
+    high: 5000.0,
     typical: 20.0,
     decides: "a drill hole",
 };

@@ -15,6 +15,7 @@ mod section_wear;
 mod sensor_blur;
 mod sensor_gain;
 mod shaped;
+mod turned;
 mod waviness;
 
 use std::collections::BTreeMap;

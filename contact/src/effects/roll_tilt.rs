@@ -1,11 +1,9 @@
 //! The runner turned about x by an angle that the model does not have [rad]. With a held tilt the angle adds to it; with a free one the
 //! underside is turned against the frame of the map. Signature: the map shifted across and skewed. Confounders: a worn side of the section. Source: rigid-body geometry.
 
-use std::sync::Arc;
-
-use super::shaped::Shaped;
+use super::turned::{About, turn};
 use super::{Effect, Info};
-use crate::{Load, Problem, Tilt};
+use crate::Problem;
 
 /// See the module.
 pub struct RollTilt;
@@ -26,22 +24,6 @@ impl Effect for RollTilt {
     }
 
     fn alter(&self, value: f64, problem: &mut Problem) {
-        if value == 0.0 {
-            return;
-        }
-        if let Load::Force {
-            tilt: Tilt::Fixed { roll, .. },
-            ..
-        } = &mut problem.load
-        {
-            *roll += value;
-            return;
-        }
-        let turn = value.tan();
-        problem.runner.underside = Arc::new(Shaped {
-            inner: problem.runner.underside.clone(),
-            change: move |_, y, height| height + turn * y,
-            keeps: [true, false],
-        });
+        turn(problem, About::X, value);
     }
 }

@@ -1,4 +1,6 @@
-//! z' = max(z, z_keel(x) + d): the section is worn to a flat of depth d [m]. Signature: two ridges of pressure at the edges of the flat.
+//! z' = max(z, z_keel(x) + d): the section is worn to a flat of depth d [m], its edges rounded by
+//! max(a, b) = (a + b + sqrt((a - b)^2 + (d/10)^2))/2: wear leaves no kink, under which the pressure would have no bound.
+//! Signature: two ridges of pressure at the edges of the flat.
 //! Confounders: hardness (a plateau without ridges). Source: K.L. Johnson, Contact Mechanics (1985), ch. 2.8 (flat punch with rounded edges).
 
 use std::sync::Arc;
@@ -20,6 +22,9 @@ static INFO: Info = Info {
     decides: "a profile of the section",
 };
 
+/// Rounding of the flat's edges over its depth.
+const ROUNDED: f64 = 0.1;
+
 impl Effect for SectionWear {
     fn info(&self) -> &'static Info {
         &INFO
@@ -32,7 +37,10 @@ impl Effect for SectionWear {
         let keel = problem.runner.underside.clone();
         problem.runner.underside = Arc::new(Shaped {
             inner: problem.runner.underside.clone(),
-            change: move |x, _, height: f64| height.max(keel.height(x, 0.0) + value),
+            change: move |x, _, height: f64| {
+                let flat = keel.height(x, 0.0) + value;
+                0.5 * (height + flat + (height - flat).hypot(ROUNDED * value))
+            },
             keeps: [true, true],
         });
     }
