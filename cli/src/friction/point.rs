@@ -8,7 +8,7 @@ use kufe_contact::{Options, solve};
 use kufe_friction::effects::{Column, Conditions, find};
 use kufe_friction::{Longitudinal, air_density, longitudinal_force};
 use kufe_sled::Model;
-use kufe_sled::effects::{Effects, Kind};
+use kufe_sled::effects::{Channel, Effects, Kind};
 use serde_json::json;
 
 use crate::case_file::LoadedCase;
@@ -211,8 +211,21 @@ fn with_effects(
 ) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
     let (mut mu, mut applied, mut ignored) = (base, Vec::new(), Vec::new());
     for active in &effects.active {
-        let effect = match active.kind {
+        let effect = match &active.kind {
             Kind::Catalogue(_) => find(active.effect_name()),
+            Kind::Custom(own) if own.channel == Channel::Friction => {
+                let change = own.coefficient(active.values[0], at);
+                if change.is_nan() {
+                    return Err(Failure::Usage(format!(
+                        "the model's effect {} needs {}: a condition is not given, or belongs to a run",
+                        active.name,
+                        own.expression.names().join(", ")
+                    )));
+                }
+                mu += change;
+                applied.push(active.name.clone());
+                continue;
+            }
             Kind::Custom(_) => None,
         };
         let Some(effect) = effect else {

@@ -12,7 +12,7 @@
 
 use kufe_friction::effects::Expression;
 
-use super::{Forces, State};
+use super::{Conditions, Forces, State};
 
 /// Where an effect of one's own acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,11 +72,7 @@ pub const COLUMNS: &[&str] = &[
 
 /// The value of a column of [`COLUMNS`]; NaN for any other name.
 pub fn column(name: &str, at: &State) -> f64 {
-    let c = &at.conditions;
     match name {
-        "t_s" => c.t,
-        "s_m" => c.s,
-        "v_mps" => c.v,
         "fz_n" => at.load[0] + at.load[1],
         "fz_f_n" => at.load[0],
         "fz_r_n" => at.load[1],
@@ -91,6 +87,17 @@ pub fn column(name: &str, at: &State) -> f64 {
         "ax_mps2" => at.acceleration[0],
         "ay_mps2" => at.acceleration[1],
         "az_mps2" => at.acceleration[2],
+        _ => condition(name, &at.conditions),
+    }
+}
+
+/// The value of a column that a friction coefficient may depend on without a sled around it; NaN for any other name.
+fn condition(name: &str, c: &Conditions) -> f64 {
+    match name {
+        "t_s" => c.t,
+        "s_m" => c.s,
+        "v_mps" => c.v,
+        "fz_n" => c.fz,
         "ice_c" => c.ice_c,
         "air_c" => c.air_c,
         "air_pa" => c.air_pa,
@@ -100,7 +107,21 @@ pub fn column(name: &str, at: &State) -> f64 {
     }
 }
 
+/// Whether expressions may use a column of this name.
+pub fn is_column(name: &str) -> bool {
+    COLUMNS.contains(&name)
+}
+
 impl Custom {
+    /// What an amplitude adds to the friction coefficient of a specimen, whose conditions alone are known; NaN where the
+    /// expression asks for more, 0 on channels other than friction.
+    pub fn coefficient(&self, amplitude: f64, at: &Conditions) -> f64 {
+        match self.channel {
+            Channel::Friction => amplitude * self.expression.evaluate(|name| condition(name, at)),
+            _ => 0.0,
+        }
+    }
+
     /// Changes the forces.
     pub fn act(&self, amplitude: f64, at: &State, forces: &mut Forces) {
         if amplitude == 0.0 {

@@ -45,7 +45,7 @@ mod track_profile;
 mod wall_contact;
 
 pub use active::{Active, EffectError, Effects, Kind};
-pub use custom::{Channel, Custom};
+pub use custom::{Channel, Custom, is_column};
 pub use kufe_friction::effects::{Column, Conditions, Info, Level, Parameter};
 pub use state::{Forces, Measured, State};
 
