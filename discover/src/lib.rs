@@ -23,6 +23,7 @@ pub mod experiments;
 mod exr_map;
 mod flips;
 mod html;
+mod plot;
 pub mod pressures;
 mod random;
 mod report;
@@ -38,7 +39,7 @@ pub use exr_map::{read_map, read_map_bytes};
 pub use flips::{MaxT, by_session_permutation, gumbel_tail};
 pub use html::page;
 pub use report::{
-    Bin, ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict,
+    Bin, ChannelGap, Detectable, Fitted, HeldOut, Interval, Picture, Report, Rival, Step, Verdict,
 };
 pub use score::{Gram, Scores};
 

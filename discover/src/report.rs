@@ -169,6 +169,15 @@ pub struct Bin {
     pub p_value: f64,
 }
 
+/// A picture for the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// What it shows.
+    pub title: String,
+    /// The picture, an `<svg>` element.
+    pub svg: String,
+}
+
 /// The whole report.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
@@ -192,6 +201,9 @@ pub struct Report {
     pub bins_after: Vec<Bin>,
     /// Whether the residual is clean after the last step.
     pub clean: bool,
+    /// Pictures of the report's page.
+    #[serde(skip)]
+    pub pictures: Vec<Picture>,
     /// Training gap by channel.
     pub training: Vec<ChannelGap>,
     /// Effects that could not be tested, and why.

@@ -1,6 +1,6 @@
 //! The verdict in words.
 
-use crate::html::number4;
+use crate::html::{number4, quantity};
 use crate::report::{HeldOut, Step, Verdict};
 
 /// One sentence for the top of the report.
@@ -40,11 +40,10 @@ pub fn sentence(
         String::new()
     } else {
         format!(
-            " On locked-away data ({} in number) the gap went from {} to {} {}.",
+            " On locked-away data ({} in number) the gap went from {} to {}.",
             held.runs.len(),
-            number4(held.gap_before),
-            number4(held.gap_after),
-            held.unit
+            quantity(held.gap_before, &held.unit),
+            quantity(held.gap_after, &held.unit)
         )
     };
     match verdict {

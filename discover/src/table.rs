@@ -36,6 +36,12 @@ impl Table {
             .iter()
             .map(str::to_owned)
             .collect();
+        if let Some(twice) = (0..header.len()).find(|k| header[..*k].contains(&header[*k])) {
+            return Err(told(format!(
+                "column `{}` is given twice; expected once",
+                header[twice]
+            )));
+        }
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| told(error.to_string()))?;

@@ -1,38 +1,53 @@
 //! Pressure measurements: maps and peaks against contact solves.
 //!
 //! Each candidate of [`kufe_contact::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
-//! rows (every step a new solve), and what counts is the sum of squares that is really left:
+//! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that is really left:
 //!
 //! ```text
-//! chi2 = sum over pixels (p_measured - p_simulated)^2 / sd^2 / (pixels for one independent value)  +  peaks
+//! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)  +  peaks
 //! ```
 //!
-//! sd is the larger of the sensor's noise (from pixels far from contact) and 1.5 per cent of the peak, and with it in squares
-//! what a finer mesh changes at that pixel. A claim must lower chi2 by more than 30 and by a fifth; its class is every effect whose own best fit
-//! is worse by less than 9 in units of the best fit's mean square. A size within three of its errors of 0 is no claim.
+//! var is that of `noise`, and with it in squares what a finer mesh changes at that pixel. A claim must lower chi2 by more
+//! than 30 and by a fifth; its class is every effect whose own best fit is worse by less than 9 in units of the best fit's
+//! mean square. A size within three of its errors of 0 is no claim. Sizes are reported from finer meshes (`polish`).
 
 use std::path::Path;
 
-mod fit;
+mod bins;
+mod line;
+mod look;
+mod noise;
+mod picture;
+mod polish;
 mod rows;
+mod sample;
 mod simulate;
+mod write;
 
 use kufe_contact::case::Case;
-use kufe_contact::effects::CATALOGUE;
+use kufe_contact::effects::{CATALOGUE, find};
 
 use crate::report::{
     ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict,
 };
 use crate::{Error, Options};
+use line::Line;
+use look::{LEAST_DROP, NEED_MAPS, Steps, correlation, look};
+use polish::polish;
 use rows::{Row, read};
-use simulate::{Active, Bench};
+use simulate::{Active, Bench, Misfit, REPORTING, SEARCHING};
 
 /// Most effects that are added.
 const MOST_STEPS: usize = 3;
-/// Effects that are fitted in full, by what one step of differences promises.
-const FITTED: usize = 4;
 /// Mean square in units of the noise beyond which a residual is not clean.
 const UNCLEAN: f64 = 2.0;
+/// Mean square, and share of what is beyond the noise, above both of which a name is in doubt.
+const MOST_LEFT: f64 = 10.0;
+const LEFT_SHARE: f64 = 0.1;
+/// Distance in chi2 within which a rival belongs to the class.
+const CLASS: f64 = 9.0;
+/// Errors that a size must be away from 0.
+const SIZE_IN_ERRORS: f64 = 3.0;
 
 /// Searches a `pressures.csv`; `model` is the case file that is to be improved.
 ///
@@ -44,226 +59,360 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Report, String), Error> {
-    let text = std::fs::read_to_string(model).map_err(|error| Error::File {
+    let told = |reason: String| Error::File {
         file: model.display().to_string(),
-        reason: error.to_string(),
-    })?;
-    let told = |error: kufe_contact::case::CaseError| Error::File {
-        file: model.display().to_string(),
-        reason: error.to_string(),
+        reason,
     };
-    let case = Case::parse(&text).map_err(told)?;
-    let rows = read(path, model, &case)?;
-    let held_row = if rows.len() >= 3 {
-        Some(rows.len() - 1)
-    } else {
-        None
+    let text = std::fs::read_to_string(model).map_err(|error| told(error.to_string()))?;
+    let case = Case::parse(&text).map_err(|error| told(error.to_string()))?;
+    let (rows, mut remarks) = read(path, model, &case)?;
+    let held_row = (rows.len() >= 3).then(|| rows.len() - 1);
+    let pick = |held: bool| -> Vec<&Row> {
+        let chosen = rows.iter().enumerate();
+        chosen
+            .filter(|(i, _)| (Some(*i) == held_row) == held)
+            .map(|(_, r)| r)
+            .collect()
     };
-    let training: Vec<&Row> = rows
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| Some(*i) != held_row)
-        .map(|(_, r)| r)
-        .collect();
-    let held: Vec<&Row> = held_row.map(|i| &rows[i]).into_iter().collect();
-    let mut active: Active = Vec::new();
-    let mut steps: Vec<Step> = Vec::new();
-    let mut remarks = vec![
-        "the tests use the sensor's noise and 1.5 % of the peak, and what a finer mesh changes at each pixel; neighbouring pixels count in patches".to_owned(),
-    ];
-    if rows.iter().any(|r| r.map.is_none()) {
-        remarks.push("rows without a map contribute their peak pressure alone".to_owned());
+    remarks.extend(remarks_on(&rows));
+    let bench = Bench::new(pick(false))?;
+    let locked = Bench::new(pick(true))?;
+    let start = bench.misfit(&Active::new(), REPORTING)?;
+    let mut found = find_steps(&bench, progress)?;
+    if let Some(doubt) = found.doubt(&start) {
+        remarks.push(doubt);
+        found.drop_all(&bench)?;
     }
-    let mut detectable = Vec::new();
-    let names: Vec<String> = held.iter().map(|r| r.name.clone()).collect();
-    let bench = Bench::new(training.clone())?;
-    let locked = Bench::new(held)?;
-    let start = bench.misfit(&active)?;
-    let mut chi2 = start.chi2;
-    for number in 0..MOST_STEPS {
-        let mut fits: Vec<(usize, f64, f64, f64)> = Vec::new();
-        for (index, effect) in CATALOGUE.iter().enumerate() {
-            if active
-                .iter()
-                .any(|(e, _)| e.info().name == effect.info().name)
-            {
-                continue;
-            }
-            progress(&format!("look {}: {}", number + 1, effect.info().name));
-            if let Some(f) = fit::screen(&bench, &active, *effect)? {
-                fits.push((index, f.size, f.chi2, f.error));
-            }
-        }
-        fits.sort_by(|a, b| a.2.total_cmp(&b.2));
-        if number == 0 {
-            detectable = fits
-                .iter()
-                .map(|(index, _, _, error)| {
-                    let info = CATALOGUE[*index].info();
-                    Detectable {
-                        effect: info.name.to_owned(),
-                        parameter: info.key.to_owned(),
-                        size: 5.5 * error,
-                        unit: info.unit.to_owned(),
-                        left_after_refit: 1.0,
-                        most_like: String::new(),
-                        correlation: 0.0,
-                    }
-                })
-                .collect();
-        }
-        // Worn sections and bounds on the pressure are far from linear: they are fitted whatever their first step says.
-        for (place, one) in fits.iter_mut().enumerate() {
-            let effect = CATALOGUE[one.0];
-            let bent = ["hardness", "section-wear"].contains(&effect.info().name);
-            if (chi2 - one.2 < 30.0 || place >= FITTED) && !bent {
-                continue;
-            }
-            progress(&format!(
-                "look {}: fitting {}",
-                number + 1,
-                effect.info().name
-            ));
-            if let Some(f) = fit::refine(&bench, &active, effect)? {
-                *one = (one.0, f.size, f.chi2, f.error);
-            } else {
-                one.2 = chi2;
-            }
-        }
-        let Some(best) = fits.iter().min_by(|a, b| a.2.total_cmp(&b.2)).copied() else {
-            break;
-        };
-        if chi2 - best.2 < 30.0 || best.2 > 0.8 * chi2 {
-            break;
-        }
-        let info = CATALOGUE[best.0].info();
-        let count = bench.misfit(&active)?.count;
-        let unit_square = (best.2 / (count - 1.0).max(1.0)).max(1.0);
-        if best.1.abs() < 3.0 * best.3 * unit_square.sqrt() {
-            break;
-        }
-        let mut class = vec![info.name.to_owned()];
-        let mut rivals = Vec::new();
-        for fit in fits.iter().filter(|f| f.0 != best.0) {
-            let other = CATALOGUE[fit.0].info();
-            let in_class = (fit.2 - best.2) / unit_square < 9.0;
-            if in_class {
-                class.push(other.name.to_owned());
-            }
-            rivals.push(Rival {
-                effect: other.name.to_owned(),
-                parameter: other.key.to_owned(),
-                size: fit.1,
-                unit: other.unit.to_owned(),
-                t: fit.1 / fit.3.max(1e-300),
-                gain: chi2 - fit.2,
-                correlation: 0.0,
-                t_of_named_beyond: ((fit.2 - best.2) / unit_square).max(0.0).sqrt(),
-                in_class,
-                decides: other.decides.to_owned(),
-            });
-        }
-        rivals.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let before = bench.misfit(&active)?;
-        active.push((CATALOGUE[best.0], best.1));
-        let after = bench.misfit(&active)?;
-        let spread = 1.96 * best.3 * unit_square.sqrt();
-        steps.push(Step {
-            effect: info.name.to_owned(),
-            class,
-            channel: "p".to_owned(),
-            place: "all maps".to_owned(),
-            p_value: (-0.5 * (chi2 - best.2) / unit_square).exp().max(1e-12),
-            parameters: vec![Fitted {
-                name: info.key.to_owned(),
-                value: best.1,
-                low: best.1 - spread,
-                high: best.1 + spread,
-                unit: info.unit.to_owned(),
-            }],
-            gap_before: before.rms,
-            gap_after: after.rms,
-            unit: "Pa".to_owned(),
-            explainable_gap_closed: closed(before.chi2, after.chi2, count),
-            rivals,
-        });
-        chi2 = after.chi2;
-    }
-    let last = bench.misfit(&active)?;
-    let (held_before, held_after) = (locked.misfit(&Vec::new())?, locked.misfit(&active)?);
-    let gap = |before: f64, after: f64, rows: &[&Row]| ChannelGap {
+    progress("locked-away map");
+    let (held_before, held_after) = (
+        locked.misfit(&Active::new(), REPORTING)?,
+        locked.misfit(&found.active, REPORTING)?,
+    );
+    let gap = |before: &Misfit, after: &Misfit, rows: &[&Row]| ChannelGap {
         channel: "p".to_owned(),
         unit: "Pa".to_owned(),
-        before,
-        after,
-        noise: rows.iter().map(|r| r.noise).sum::<f64>() / rows.len().max(1) as f64,
+        before: before.rms,
+        after: after.rms,
+        noise: typical_noise(rows),
     };
-    let verdict = match steps.first() {
-        None if start.chi2 > UNCLEAN * start.count => Verdict::NotIdentifiable,
+    let unclean = found.last.chi2 > UNCLEAN * found.last.count;
+    let verdict = match found.steps.first() {
+        None if unclean => Verdict::NotIdentifiable,
         None => Verdict::None,
         Some(step) if step.class.len() == 1 => Verdict::Named,
         Some(_) => Verdict::OneOf,
     };
-    let next_experiment = match verdict {
-        Verdict::None => {
-            "maps at several loads, on straight and curved track, show smaller effects".to_owned()
-        }
-        _ => steps
-            .iter()
-            .flat_map(|s| &s.class)
-            .filter_map(|name| kufe_contact::effects::find(name))
-            .map(|e| format!("{}: {}", e.info().name, e.info().decides))
-            .collect::<Vec<_>>()
-            .join("; "),
-    };
+    let next_experiment = next_experiment(verdict, &found.steps);
     let held_out = HeldOut {
-        runs: names,
+        runs: locked.rows.iter().map(|r| r.name.clone()).collect(),
         gap_before: held_before.rms,
         gap_after: held_after.rms,
         unit: "Pa".to_owned(),
-        channels: if locked.rows.is_empty() {
-            Vec::new()
-        } else {
-            vec![gap(held_before.rms, held_after.rms, &locked.rows)]
+        channels: match locked.rows.is_empty() {
+            true => Vec::new(),
+            false => vec![gap(&held_before, &held_after, &locked.rows)],
         },
     };
-    let sentence = crate::sentence::sentence(verdict, &steps, &held_out, &next_experiment, &[]);
-    let mut next: toml::Table = text.parse().map_err(|error: toml::de::Error| Error::File {
-        file: model.display().to_string(),
-        reason: error.to_string(),
-    })?;
-    let effects = next
-        .entry("effects")
-        .or_insert_with(|| toml::Table::new().into());
-    if let toml::Value::Table(effects) = effects {
-        for (effect, size) in &active {
-            let mut one = toml::Table::new();
-            one.insert(effect.info().key.to_owned(), (*size).into());
-            effects.insert(effect.info().name.to_owned(), one.into());
-        }
-        if effects.is_empty() {
-            next.remove("effects");
-        }
-    }
+    let sentence =
+        crate::sentence::sentence(verdict, &found.steps, &held_out, &next_experiment, &[]);
+    let next = write::next_case(&text, &found.active).map_err(told)?;
+    progress("pictures");
     let report = Report {
         verdict,
         sentence,
-        training: vec![gap(start.rms, last.rms, &training)],
-        steps,
+        training: vec![gap(&start, &found.last, &bench.rows)],
+        bins: bins::bins(&bench, &Active::new())?,
+        bins_after: bins::bins(&bench, &found.active)?,
+        pictures: picture::pictures(&bench, &locked, &found.active)?,
+        steps: found.steps,
         held_out,
-        minimum_detectable: detectable,
+        minimum_detectable: found.detectable,
         next_experiment,
         base: Vec::new(),
-        bins: Vec::new(),
-        bins_after: Vec::new(),
-        clean: last.chi2 < UNCLEAN * last.count,
-        untestable: Vec::new(),
+        clean: !unclean,
+        untestable: untestable(&rows),
         remarks,
         data: "pressure measurements".to_owned(),
         seed: options.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
-    Ok((report, next.to_string()))
+    Ok((report, next))
+}
+
+/// What was found on the rows not locked away.
+struct Found {
+    active: Active,
+    steps: Vec<Step>,
+    detectable: Vec<Detectable>,
+    last: Misfit,
+}
+
+impl Found {
+    /// A name in whose company most of what was wrong stays wrong is none: what was tried, in words.
+    fn doubt(&self, start: &Misfit) -> Option<String> {
+        let left = (self.last.chi2 - self.last.count) / (start.chi2 - start.count).max(1e-9);
+        let doubtful = self.last.chi2 > MOST_LEFT * self.last.count && left > LEFT_SHARE;
+        let names: Vec<&str> = self.steps.iter().map(|s| s.effect.as_str()).collect();
+        (doubtful && !names.is_empty()).then(|| {
+            format!(
+                "{} would lower the gap, but leaves {:.0} % of what is beyond the noise: not named",
+                names.join(" and "),
+                100.0 * left
+            )
+        })
+    }
+
+    fn drop_all(&mut self, bench: &Bench) -> Result<(), Error> {
+        self.active.clear();
+        self.steps.clear();
+        self.last = bench.misfit(&self.active, REPORTING)?;
+        Ok(())
+    }
+}
+
+fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, Error> {
+    let mut first_steps = Steps::new();
+    let mut found = Found {
+        active: Active::new(),
+        steps: Vec::new(),
+        detectable: Vec::new(),
+        last: bench.misfit(&Active::new(), REPORTING)?,
+    };
+    let mut errors: Vec<f64> = Vec::new();
+    while found.steps.len() < MOST_STEPS {
+        let before = bench.misfit(&found.active, SEARCHING)?;
+        let number = found.steps.len() + 1;
+        let lines = look(bench, &found.active, &mut first_steps, &|name| {
+            progress(&format!("look {number}: {name}"));
+        });
+        if number == 1 {
+            found.detectable = detectable(&lines);
+        }
+        let Some(best) = lines.first() else { break };
+        let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
+        if before.chi2 - best.chi2() < LEAST_DROP
+            || best.chi2() > 0.8 * before.chi2
+            || best.size().abs() < SIZE_IN_ERRORS * best.error() * mean_square.sqrt()
+        {
+            break;
+        }
+        let rivals = rivals(&lines, before.chi2, mean_square);
+        let mut class = vec![best.effect.info().name.to_owned()];
+        class.extend(
+            rivals
+                .iter()
+                .filter(|r| r.in_class)
+                .map(|r| r.effect.clone()),
+        );
+        found.active.push((best.effect, best.size()));
+        errors.push(best.error());
+        progress(&format!("look {number}: finer meshes"));
+        let polished = polish(bench, &found.active, &errors)?;
+        let after = bench.misfit(&polished.active, SEARCHING)?;
+        let drop = (before.chi2 - best.chi2()) / mean_square;
+        found.steps.push(Step {
+            effect: best.effect.info().name.to_owned(),
+            class,
+            channel: "p".to_owned(),
+            place: place(bench, &before, &after),
+            // Of one of all effects tried, each with its size free.
+            p_value: (lines.len() as f64 * (-0.5 * drop).exp()).clamp(1e-12, 1.0),
+            parameters: Vec::new(),
+            gap_before: found.last.rms,
+            gap_after: polished.misfit.rms,
+            unit: "Pa".to_owned(),
+            explainable_gap_closed: closed(
+                found.last.chi2,
+                polished.misfit.chi2,
+                polished.misfit.count,
+            ),
+            rivals,
+        });
+        found.active = polished.active;
+        errors = polished.errors;
+        found.last = polished.misfit;
+    }
+    remove_idle(bench, &mut found, &mut errors)?;
+    let spread = (found.last.chi2 / (found.last.count - 1.0).max(1.0))
+        .max(1.0)
+        .sqrt();
+    for ((step, (effect, size)), error) in found.steps.iter_mut().zip(&found.active).zip(&errors) {
+        let info = effect.info();
+        let half = 1.96 * error * spread;
+        step.parameters.push(Fitted {
+            name: info.key.to_owned(),
+            value: *size,
+            low: (size - half).max(info.low),
+            high: (size + half).min(info.high),
+            unit: info.unit.to_owned(),
+        });
+    }
+    Ok(found)
+}
+
+/// Takes out again what the effects found later explain as well: its removal raises chi2 by less than a claim must lower it.
+fn remove_idle(bench: &Bench, found: &mut Found, errors: &mut Vec<f64>) -> Result<(), Error> {
+    let start = bench.misfit(&Active::new(), REPORTING)?;
+    let mut k = 0;
+    while found.active.len() > 1 && k < found.active.len() {
+        let (mut active, mut own) = (found.active.clone(), errors.clone());
+        active.remove(k);
+        own.remove(k);
+        let mut without = polish(bench, &active, &own)?;
+        for _ in 0..2 {
+            without = polish(bench, &without.active, &without.errors)?;
+        }
+        let mean_square = (found.last.chi2 / (found.last.count - 1.0).max(1.0)).max(1.0);
+        if without.misfit.chi2 - found.last.chi2 < LEAST_DROP * mean_square {
+            found.steps.remove(k);
+            found.steps[0].gap_before = start.rms;
+            found.active = without.active;
+            *errors = without.errors;
+            found.last = without.misfit;
+            if let Some(last) = found.steps.last_mut() {
+                last.gap_after = found.last.rms;
+                last.explainable_gap_closed = closed(start.chi2, found.last.chi2, found.last.count);
+            }
+            k = 0;
+        } else {
+            k += 1;
+        }
+    }
+    Ok(())
+}
+
+fn rivals(lines: &[Line], before: f64, mean_square: f64) -> Vec<Rival> {
+    let Some((best, others)) = lines.split_first() else {
+        return Vec::new();
+    };
+    let beyond = |line: &Line| ((line.chi2() - best.chi2()) / mean_square).max(0.0);
+    others
+        .iter()
+        .map(|line| {
+            let info = line.effect.info();
+            Rival {
+                effect: info.name.to_owned(),
+                parameter: info.key.to_owned(),
+                size: line.size(),
+                unit: info.unit.to_owned(),
+                t: line.size() / line.error().max(1e-300),
+                gain: before - line.chi2(),
+                correlation: correlation(best, line),
+                t_of_named_beyond: beyond(line).sqrt(),
+                in_class: beyond(line) < CLASS,
+                decides: info.decides.to_owned(),
+            }
+        })
+        .collect()
+}
+
+fn detectable(lines: &[Line]) -> Vec<Detectable> {
+    lines
+        .iter()
+        .enumerate()
+        .map(|(k, line)| {
+            let like = (0..lines.len())
+                .filter(|j| *j != k)
+                .map(|j| (j, correlation(line, &lines[j])))
+                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let info = line.effect.info();
+            Detectable {
+                effect: info.name.to_owned(),
+                parameter: info.key.to_owned(),
+                // A drop of 30 in chi2, nine times in ten.
+                size: line.size_at(LEAST_DROP.sqrt() + 1.28),
+                unit: info.unit.to_owned(),
+                left_after_refit: 1.0,
+                most_like: like.map_or(String::new(), |(j, _)| {
+                    lines[j].effect.info().name.to_owned()
+                }),
+                correlation: like.map_or(0.0, |(_, r)| r),
+            }
+        })
+        .collect()
+}
+
+/// The rows that gain, with the one that gains most.
+fn place(bench: &Bench, before: &Misfit, after: &Misfit) -> String {
+    let gains = before.by_row.iter().zip(&after.by_row).map(|(a, b)| a - b);
+    let most = gains.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    match most {
+        Some((row, _)) if bench.rows.len() > 1 => {
+            format!("all maps, most in {}", bench.rows[row].name)
+        }
+        _ => "the map".to_owned(),
+    }
+}
+
+fn next_experiment(verdict: Verdict, steps: &[Step]) -> String {
+    match verdict {
+        Verdict::None => {
+            "maps at several loads, on straight and curved track, show smaller effects".to_owned()
+        }
+        Verdict::NotIdentifiable => "maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which tells the sensor from the runner".to_owned(),
+        _ => steps
+            .iter()
+            .flat_map(|s| &s.class)
+            .filter_map(|name| find(name))
+            .map(|e| format!("{}: {}", e.info().name, e.info().decides))
+            .collect::<Vec<_>>()
+            .join("; "),
+    }
+}
+
+fn typical_noise(rows: &[&Row]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for row in rows {
+        for sd in row
+            .noise
+            .iter()
+            .chain(row.noise.is_empty().then_some(&row.p_max_sd))
+        {
+            sum += sd * sd;
+            count += 1.0;
+        }
+    }
+    f64::sqrt(sum / f64::max(count, 1.0))
+}
+
+fn untestable(rows: &[Row]) -> Vec<(String, String)> {
+    if rows.iter().any(|r| r.map.is_some()) {
+        return Vec::new();
+    }
+    CATALOGUE
+        .iter()
+        .map(|e| e.info().name)
+        .filter(|name| NEED_MAPS.contains(name))
+        .map(|name| {
+            (
+                name.to_owned(),
+                "needs the column map, which is absent or empty".to_owned(),
+            )
+        })
+        .collect()
+}
+
+fn remarks_on(rows: &[Row]) -> Vec<String> {
+    let mut remarks = vec![
+        "errors of a pixel: the sensor's noise as the map itself shows it, a third of a pixel in its place, 0.3 % of the peak, and what a finer mesh changes; 16 neighbouring pixels count as one value".to_owned(),
+    ];
+    if rows.iter().any(|r| r.map.is_none()) {
+        remarks.push("rows without a map contribute their peak pressure alone".to_owned());
+    }
+    if rows.len() < 3 {
+        remarks.push(format!(
+            "{} rows are too few to lock one away: the gap is judged on the rows that were fitted",
+            rows.len()
+        ));
+    }
+    let same = |value: &dyn Fn(&Row) -> f64| rows.iter().all(|r| value(r) == value(&rows[0]));
+    if same(&|r| r.fz) && same(&|r| r.problem.track_curvature) {
+        remarks.push(format!(
+            "fz_n and radius_m are the same in all rows ({} N): effects that differ by load alone cannot be told apart",
+            rows[0].fz
+        ));
+    }
+    remarks
 }
 
 /// Of chi2 beyond its expectation, the share that is gone; the interval from chi2's own deviation.

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use kufe_contact::case::{Case, CaseError};
-use kufe_contact::effects::Map;
+use kufe_contact::effects::{CATALOGUE, Map};
 use kufe_contact::{Load, Problem};
 
+use super::noise::deviations;
+use super::simulate::Active;
 use crate::Error;
 use crate::exr_map::read_map;
 use crate::table::Table;
@@ -22,15 +24,25 @@ pub struct Row {
     pub p_max_sd: f64,
     /// The measured map.
     pub map: Option<Map>,
-    /// Standard deviation of a pixel [Pa].
-    pub noise: f64,
+    /// Normal force [N].
+    pub fz: f64,
+    /// Standard deviation of each pixel [Pa]; empty without a map.
+    pub noise: Vec<f64>,
+    /// The sensor as the case knows it already.
+    pub sensor: Active,
 }
 
 /// Reads the table and the cases and maps that it names; rows with the case `model` take `model_case`.
 ///
 /// # Errors
-/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`]; [`Error::Duplicate`] where two rows hold the same map.
-pub fn read(path: &Path, model: &Path, model_case: &Case) -> Result<Vec<Row>, Error> {
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`]; [`Error::Duplicate`] where two rows hold the same map or are copies.
+///
+/// What the reader of a report should know comes second: columns that are not used.
+pub fn read(
+    path: &Path,
+    model: &Path,
+    model_case: &Case,
+) -> Result<(Vec<Row>, Vec<String>), Error> {
     let table = Table::read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let cases = table.texts("case")?;
@@ -84,8 +96,12 @@ pub fn read(path: &Path, model: &Path, model_case: &Case) -> Result<Vec<Row>, Er
             true => None,
             false => Some(read_map(&folder.join(&maps[i]))?),
         };
-        let noise = map.as_ref().map_or(0.0, far_noise).max(0.015 * p_max[i]);
-        if let Some(copy) = rows.iter().position(|r| r.map.is_some() && r.map == map) {
+        let noise = map
+            .as_ref()
+            .map_or(Vec::new(), |map| deviations(map, p_max[i]));
+        let copied =
+            |k: usize| (map.is_some() && rows[k].map == map) || table.rows[k] == table.rows[i];
+        if let Some(copy) = (0..i).find(|k| copied(*k)) {
             return Err(Error::Duplicate {
                 file: table.file.clone(),
                 first: format!("row {}", copy + 2),
@@ -97,23 +113,46 @@ pub fn read(path: &Path, model: &Path, model_case: &Case) -> Result<Vec<Row>, Er
             problem,
             p_max: p_max[i],
             p_max_sd: p_max_sd[i].max(0.015 * p_max[i]),
+            fz: fz[i],
             map,
             noise,
+            sensor: sensor(&case),
         });
     }
-    Ok(rows)
+    let known = [
+        "case",
+        "fz_n",
+        "radius_m",
+        "p_max_pa",
+        "p_max_sd_pa",
+        "map",
+        "ice_c",
+    ];
+    let unused: Vec<&str> = table
+        .header
+        .iter()
+        .map(String::as_str)
+        .filter(|name| !known.contains(name))
+        .collect();
+    let mut remarks = Vec::new();
+    if !unused.is_empty() {
+        remarks.push(format!("columns not used: {}", unused.join(", ")));
+    }
+    Ok((rows, remarks))
 }
 
-/// Noise of the sensor from the rim of the map, where nothing presses.
-fn far_noise(map: &Map) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for j in 0..map.ny {
-        for i in 0..map.nx {
-            if j == 0 || j + 1 == map.ny || i == 0 || i + 1 == map.nx {
-                sum += map.pressure[j * map.nx + i].powi(2);
-                count += 1.0;
-            }
-        }
-    }
-    (sum / f64::max(count, 1.0)).sqrt()
+/// The effects of a case that belong to the sensor, with their sizes.
+fn sensor(case: &Case) -> Active {
+    CATALOGUE
+        .iter()
+        .filter(|effect| effect.is_of_the_sensor())
+        .filter_map(|effect| {
+            let info = effect.info();
+            let value = case.effects.get(info.name)?.get(info.key)?;
+            let size = value
+                .as_float()
+                .or(value.as_integer().map(|whole| whole as f64))?;
+            Some((*effect, size))
+        })
+        .collect()
 }

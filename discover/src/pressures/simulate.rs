@@ -5,16 +5,17 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use kufe_contact::effects::{Effect, Map};
-use kufe_contact::{Solution, solve};
+use kufe_contact::solve;
 use rayon::prelude::*;
 
 use super::rows::Row;
+use super::sample::sample;
 use crate::Error;
 
-/// Cells over half the patch of the solves.
-const CELLS: usize = 12;
-/// Cells of the solves that show what the mesh alone does.
-const FINER: usize = 18;
+/// Cells over half the patch while searching.
+pub const SEARCHING: usize = 8;
+/// Cells of the solves from which sizes are reported.
+pub const REPORTING: usize = 12;
 /// Pixels that count as one independent value along each direction.
 const PATCH: f64 = 4.0;
 
@@ -27,15 +28,15 @@ enum Seen {
     Peak(f64),
 }
 
-/// Names and sizes of the effects that change the problem itself.
-type Key = Vec<(&'static str, u64)>;
+/// Cells, and names and sizes of the effects that change the problem itself.
+type Key = (usize, Vec<(&'static str, u64)>);
 
 /// Rows that are solved once for each set of effects; those of the sensor need no solve of their own.
 pub struct Bench<'a> {
     /// The rows.
     pub rows: Vec<&'a Row>,
-    /// Difference of the solves from finer ones, by row and pixel [Pa].
-    mesh_error: Vec<Vec<f64>>,
+    /// Standard deviation of each value: the sensor's, and what a finer mesh changes there, by row [Pa].
+    deviation: Vec<Vec<f64>>,
     solved: RefCell<BTreeMap<Key, Arc<Vec<Seen>>>>,
 }
 
@@ -43,12 +44,18 @@ pub struct Bench<'a> {
 pub struct Misfit {
     /// Sum of squares in units of the noise.
     pub chi2: f64,
+    /// Its share of each row.
+    pub by_row: Vec<f64>,
     /// Independent values.
     pub count: f64,
     /// Root mean square over pixels in contact [Pa].
     pub rms: f64,
     /// Weighted residuals, row after row.
     pub rest: Vec<f64>,
+    /// Norm of the weighted simulated values.
+    pub size: f64,
+    /// Differences of the maps' moments, row after row: they follow an effect even where the maps do not overlap.
+    pub moments: Vec<f64>,
 }
 
 impl<'a> Bench<'a> {
@@ -57,64 +64,89 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Those of the contact solver.
     pub fn new(rows: Vec<&'a Row>) -> Result<Self, Error> {
-        let mesh_error = rows
-            .par_iter()
-            .map(|row| {
-                let coarse = simulate(row, &Vec::new(), CELLS)?;
-                let fine = simulate(row, &Vec::new(), FINER)?;
-                Ok(match (coarse, fine) {
-                    (Seen::Map(a), Seen::Map(b)) => {
-                        let pairs = a.pressure.iter().zip(&b.pressure);
-                        pairs.map(|(a, b)| a - b).collect()
-                    }
-                    _ => Vec::new(),
-                })
-            })
-            .collect::<Result<_, Error>>()?;
-        Ok(Bench {
+        let mut bench = Bench {
             rows,
-            mesh_error,
+            deviation: Vec::new(),
             solved: RefCell::default(),
-        })
+        };
+        let none = Active::new();
+        let (coarse, fine) = (bench.seen(&none, SEARCHING)?, bench.seen(&none, REPORTING)?);
+        let pairs = coarse.iter().zip(fine.iter()).zip(&bench.rows);
+        bench.deviation = pairs
+            .map(|((coarse, fine), row)| match (coarse, fine) {
+                (Seen::Map(a), Seen::Map(b)) => {
+                    let both = a.pressure.iter().zip(&b.pressure);
+                    both.zip(&row.noise)
+                        .map(|((a, b), sd)| sd.hypot(a - b))
+                        .collect()
+                }
+                _ => vec![row.p_max_sd],
+            })
+            .collect();
+        Ok(bench)
     }
 
-    /// Simulates every row with the effects.
+    /// Simulates every row with the effects, on meshes of `cells` cells over half the patch.
     ///
     /// # Errors
     /// Those of the contact solver.
-    pub fn misfit(&self, active: &Active) -> Result<Misfit, Error> {
-        let key: Key = active
-            .iter()
-            .filter(|(e, v)| !e.is_of_the_sensor() && *v != 0.0)
-            .map(|(e, v)| (e.info().name, v.to_bits()))
-            .collect();
-        let known = self.solved.borrow().get(&key).cloned();
-        let seen = match known {
-            Some(seen) => seen,
-            None => {
-                let seen: Vec<Seen> = self
-                    .rows
-                    .par_iter()
-                    .map(|row| simulate(row, active, CELLS))
-                    .collect::<Result<_, _>>()?;
-                let seen = Arc::new(seen);
-                self.solved.borrow_mut().insert(key, seen.clone());
-                seen
-            }
-        };
+    pub fn misfit(&self, active: &Active, cells: usize) -> Result<Misfit, Error> {
+        let seen = self.seen(active, cells)?;
         let mut out = Misfit {
             chi2: 0.0,
+            by_row: Vec::new(),
             count: 0.0,
             rms: 0.0,
             rest: Vec::new(),
+            size: 0.0,
+            moments: Vec::new(),
         };
         let mut values = 0.0;
-        for ((row, seen), error) in self.rows.iter().zip(seen.iter()).zip(&self.mesh_error) {
-            values += compare(row, seen, error, active, &mut out);
+        for ((row, seen), deviation) in self.rows.iter().zip(seen.iter()).zip(&self.deviation) {
+            let from = out.rest.len();
+            values += compare(row, seen, deviation, active, &mut out);
+            let own: f64 = out.rest[from..].iter().map(|r| r * r).sum();
+            out.by_row.push(own);
         }
-        out.chi2 = out.rest.iter().map(|r| r * r).sum();
+        out.chi2 = out.by_row.iter().sum();
         out.rms = (out.rms / f64::max(values, 1.0)).sqrt();
+        out.size = out.size.sqrt();
         Ok(out)
+    }
+
+    /// The maps of a row as simulated, for pictures and bins; `None` where no map was measured.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn maps(&self, active: &Active, cells: usize) -> Result<Vec<Option<Map>>, Error> {
+        let seen = self.seen(active, cells)?;
+        Ok(seen
+            .iter()
+            .zip(&self.rows)
+            .map(|(seen, row)| match seen {
+                Seen::Map(map) => Some(sensed(row, map, active)),
+                Seen::Peak(_) => None,
+            })
+            .collect())
+    }
+
+    fn seen(&self, active: &Active, cells: usize) -> Result<Arc<Vec<Seen>>, Error> {
+        let sizes = active
+            .iter()
+            .filter(|(e, v)| !e.is_of_the_sensor() && *v != 0.0)
+            .map(|(e, v)| (e.info().name, v.to_bits()));
+        let key: Key = (cells, sizes.collect());
+        if let Some(seen) = self.solved.borrow().get(&key) {
+            return Ok(seen.clone());
+        }
+        let seen: Vec<Seen> = self
+            .rows
+            .par_iter()
+            .map(|row| simulate(row, active, cells))
+            .collect::<Result<_, _>>()?;
+        let seen = Arc::new(seen);
+        self.solved.borrow_mut().insert(key, seen.clone());
+        Ok(seen)
     }
 }
 
@@ -130,42 +162,59 @@ fn simulate(row: &Row, active: &Active, cells: usize) -> Result<Seen, Error> {
     };
     let solution = solve(&problem, &options)?;
     Ok(match &row.map {
-        Some(measured) => Seen::Map(sample(&solution, measured)),
+        Some(measured) => Seen::Map(sample(&solution.surface, measured)),
         None => Seen::Peak(solution.p_max),
     })
 }
 
+/// The map as the sensor shows it.
+fn sensed(row: &Row, map: &Map, active: &Active) -> Map {
+    let mut map = map.clone();
+    for (effect, size) in row.sensor.iter().chain(active) {
+        effect.sense(*size, &mut map);
+    }
+    map
+}
+
 /// Adds a row's weighted residuals, its independent values and its squares [Pa2]; the number of its values comes back.
-fn compare(row: &Row, seen: &Seen, mesh_error: &[f64], active: &Active, out: &mut Misfit) -> f64 {
+fn compare(row: &Row, seen: &Seen, deviation: &[f64], active: &Active, out: &mut Misfit) -> f64 {
     let (map, measured) = match (seen, &row.map) {
-        (Seen::Map(map), Some(measured)) => (map, measured),
+        (Seen::Map(map), Some(measured)) => (sensed(row, map, active), measured),
         (Seen::Map(_), None) => unreachable!("a map is simulated where one was measured"),
         (Seen::Peak(p_max), _) => {
             let gain = |(e, v): &(&'static dyn Effect, f64)| match e.info().name {
                 "sensor-gain" => 1.0 + v,
                 _ => 1.0,
             };
-            let r = row.p_max - p_max * active.iter().map(gain).product::<f64>();
-            out.rest.push(r / row.p_max_sd);
+            let all = row.sensor.iter().chain(active);
+            let simulated = p_max * all.map(gain).product::<f64>();
+            let r = row.p_max - simulated;
+            out.rest.push(r / deviation[0]);
+            out.size += (simulated / deviation[0]).powi(2);
             out.count += 1.0;
             out.rms += r * r;
             return 1.0;
         }
     };
-    let mut map = map.clone();
-    for (effect, size) in active {
-        effect.sense(*size, &mut map);
-    }
+    let (own, like) = (moments(measured), moments(&map));
+    out.moments.extend([
+        (own.sum / like.sum.max(1e-300)).ln(),
+        (own.middle[0] - like.middle[0]) / own.spread[0],
+        (own.middle[1] - like.middle[1]) / own.spread[1],
+        (own.spread[0] / like.spread[0]).ln(),
+        (own.spread[1] / like.spread[1]).ln(),
+    ]);
     // A patch of pixels counts as one value, no larger than a 64th of the map.
     let patch = (PATCH * PATCH)
         .min((map.nx * map.ny) as f64 / 64.0)
         .max(1.0);
     let mut touched = 0.0;
     let pairs = measured.pressure.iter().zip(&map.pressure);
-    for ((m, s), error) in pairs.zip(mesh_error) {
+    for ((m, s), sd) in pairs.zip(deviation) {
         out.rms += (m - s).powi(2);
-        let variance = row.noise.powi(2) + error.powi(2);
-        out.rest.push((m - s) / (variance * patch).sqrt());
+        let weight = 1.0 / (sd * patch.sqrt());
+        out.rest.push((m - s) * weight);
+        out.size += (s * weight).powi(2);
         if *s > 0.0 {
             touched += 1.0;
         }
@@ -174,37 +223,33 @@ fn compare(row: &Row, seen: &Seen, mesh_error: &[f64], active: &Active, out: &mu
     f64::max(touched, 1.0)
 }
 
-/// The solution's pressure on the measured map's pixels: bilinear between nodes, the mean of nine points a pixel.
-fn sample(solution: &Solution, like: &Map) -> Map {
-    let surface = &solution.surface;
-    let (nx, ny) = (surface.x.len(), surface.y.len());
-    let place = |nodes: &[f64], x: f64| -> Option<(usize, f64)> {
-        let at = nodes.partition_point(|n| *n <= x);
-        (at > 0 && at < nodes.len())
-            .then(|| (at - 1, (x - nodes[at - 1]) / (nodes[at] - nodes[at - 1])))
-    };
-    let value = |x: f64, y: f64| -> f64 {
-        match (place(&surface.x, x), place(&surface.y, y)) {
-            (Some((i, a)), Some((j, b))) if i + 1 < nx && j + 1 < ny => {
-                let p = |i: usize, j: usize| surface.pressure[j * nx + i];
-                (1.0 - b) * ((1.0 - a) * p(i, j) + a * p(i + 1, j))
-                    + b * ((1.0 - a) * p(i, j + 1) + a * p(i + 1, j + 1))
-            }
-            _ => 0.0,
-        }
-    };
-    let mut map = like.clone();
-    for j in 0..map.ny {
-        for i in 0..map.nx {
-            let (x, y) = (map.x0 + i as f64 * map.dx, map.y0 + j as f64 * map.dy);
-            let mut sum = 0.0;
-            for u in [-1.0, 0.0, 1.0] {
-                for v in [-1.0, 0.0, 1.0] {
-                    sum += value(x + u * map.dx / 3.0, y + v * map.dy / 3.0);
-                }
-            }
-            map.pressure[j * map.nx + i] = sum / 9.0;
+/// Sum, centre and spread of a map.
+struct Moments {
+    sum: f64,
+    middle: [f64; 2],
+    spread: [f64; 2],
+}
+
+/// Of the pixels above a tenth of the largest; the spread is at least a pixel.
+fn moments(map: &Map) -> Moments {
+    let least = 0.1 * map.pressure.iter().copied().fold(0.0, f64::max);
+    let (mut sum, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
+    for (k, p) in map.pressure.iter().enumerate().filter(|(_, p)| **p > least) {
+        sum += p;
+        for (a, place) in [(k % map.nx) as f64, (k / map.nx) as f64]
+            .into_iter()
+            .enumerate()
+        {
+            first[a] += p * place;
+            second[a] += p * place * place;
         }
     }
-    map
+    let (from, step) = ([map.x0, map.y0], [map.dx, map.dy]);
+    let middle = [0, 1].map(|a| first[a] / f64::max(sum, 1e-300));
+    let spread = [0, 1].map(|a| (second[a] / f64::max(sum, 1e-300) - middle[a].powi(2)).max(1.0));
+    Moments {
+        sum: sum.max(1e-300),
+        middle: [0, 1].map(|a| from[a] + step[a] * middle[a]),
+        spread: [0, 1].map(|a| step[a] * spread[a].sqrt()),
+    }
 }

@@ -954,6 +954,7 @@ impl Searcher<'_> {
                 base: base_parameters,
                 bins,
                 bins_after,
+                pictures: Vec::new(),
                 clean,
                 training,
                 untestable: self.candidates.untestable.clone(),

@@ -1,0 +1,244 @@
+//! The report as one self-contained page.
+
+mod number;
+mod pictures;
+
+use std::fmt::Write;
+
+pub use number::{number4, quantity, unit_of};
+
+use crate::report::{Bin, Fitted, Report, Step, Verdict};
+use number::{escape, p_value, usual};
+use pictures::range;
+
+const STYLE: &str = "\
+:root{color-scheme:light dark;--text:#1a1a1a;--back:#fff;--faint:#595959;--line:#d4d4d4;--box:#eef3f8;--edge:#2a6496;--in:#fff0cf}\
+@media(prefers-color-scheme:dark){:root{--text:#e6e6e6;--back:#16181b;--faint:#a8a8a8;--line:#3c4046;--box:#1f2a35;--edge:#6aa5dc;--in:#463a18}}\
+body{font:16px/1.5 system-ui,sans-serif;max-width:60em;margin:1.5em auto;padding:0 1em;color:var(--text);background:var(--back)}\
+h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid var(--line)}h3{font-size:1em}\
+.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9em}\
+td,th{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}td.n,th.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
+.verdict{font-size:1.1em;padding:.8em 1em;background:var(--box);border-left:5px solid var(--edge);overflow-wrap:anywhere}.in td{background:var(--in)}\
+td:last-child:not(.n){min-width:11em}p,li{overflow-wrap:anywhere}small{color:var(--faint)}svg{max-width:100%;min-width:33em;height:auto}";
+
+/// The page.
+pub fn page(report: &Report) -> String {
+    let mut out = String::new();
+    let _ = write!(
+        out,
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+<title>What the model lacks</title><style>{STYLE}</style></head><body>\n<h1>What the model lacks</h1>\n\
+<p class=\"verdict\"><b>{}.</b> {}</p>\n",
+        in_words(report),
+        escape(&report.sentence)
+    );
+    out.push_str("<h2>The gap before and after</h2>\n");
+    wide(
+        &mut out,
+        &pictures::gap("On the data it was learned from", &report.training),
+    );
+    if !report.held_out.channels.is_empty() {
+        wide(
+            &mut out,
+            &pictures::gap(
+                "On data locked away until the end",
+                &report.held_out.channels,
+            ),
+        );
+        let _ = writeln!(
+            out,
+            "<p><small>Locked away: {}. Root mean squares; the noise cannot be closed by any effect.</small></p>",
+            escape(&report.held_out.runs.join(", "))
+        );
+    }
+    for picture in &report.pictures {
+        let _ = writeln!(
+            out,
+            "<h3>{}</h3>\n<div class=\"wide\">{}</div>",
+            escape(&picture.title),
+            picture.svg
+        );
+    }
+    bins_section(&mut out, "Where it disagrees", &report.bins);
+    if !report.steps.is_empty() {
+        bins_section(&mut out, "What is left after", &report.bins_after);
+    }
+    for (number, step) in report.steps.iter().enumerate() {
+        step_section(&mut out, number + 1, step, report.steps.len());
+    }
+    let _ = write!(
+        out,
+        "<h2>What would decide, and what to measure next</h2>\n<p>{}</p>\n",
+        escape(&report.next_experiment)
+    );
+    if !report.base.is_empty() {
+        out.push_str("<h2>Base parameters, refitted</h2>\n");
+        parameters(&mut out, &report.base);
+    }
+    detectable_section(&mut out, report);
+    list(
+        &mut out,
+        "Not testable with these data",
+        report
+            .untestable
+            .iter()
+            .map(|(name, why)| format!("{name}: {why}")),
+    );
+    list(&mut out, "Remarks", report.remarks.iter().cloned());
+    let _ = write!(
+        out,
+        "<p><small>kufe {}, seed {}, data: {}</small></p>\n</body></html>\n",
+        escape(&report.version),
+        report.seed,
+        escape(&report.data)
+    );
+    out
+}
+
+/// What may be wider than a narrow screen scrolls by itself.
+fn wide(out: &mut String, what: &str) {
+    let _ = writeln!(out, "<div class=\"wide\">{what}</div>");
+}
+
+fn in_words(report: &Report) -> &'static str {
+    match report.verdict {
+        Verdict::Named if report.steps.len() > 1 => "Effects are missing, and named",
+        Verdict::Named => "An effect is missing, and named",
+        Verdict::OneOf => "An effect is missing, one of a few",
+        Verdict::DependsOn => "It depends on what is assumed",
+        Verdict::Located => "A place, but no name",
+        Verdict::None => "Nothing is missing that these data could show",
+        Verdict::NotIdentifiable => "Something differs, but these data cannot name it",
+    }
+}
+
+fn step_section(out: &mut String, number: usize, step: &Step, steps: usize) {
+    let shared = if steps > 1 {
+        " by all steps together"
+    } else {
+        ""
+    };
+    let _ = write!(
+        out,
+        "<h2>{number}. {}</h2>\n<p>Channel {}; where: {}; p {}. The gap on the data it was learned from went from {} to {}. \
+Of what could be explained, {:.0} % ({:.0} to {:.0} %) is closed{shared}.</p>\n",
+        escape(&step.effect),
+        escape(&step.channel),
+        escape(&step.place),
+        match p_value(step.p_value) {
+            text if text.starts_with('&') => text,
+            text => format!("= {text}"),
+        },
+        escape(&quantity(step.gap_before, &step.unit)),
+        escape(&quantity(step.gap_after, &step.unit)),
+        100.0 * step.explainable_gap_closed.value,
+        100.0 * step.explainable_gap_closed.low,
+        100.0 * step.explainable_gap_closed.high
+    );
+    parameters(out, &step.parameters);
+    if step.rivals.is_empty() {
+        return;
+    }
+    let _ = write!(
+        out,
+        "<h3>Why {} and not its rivals</h3>\n<p>Shaded: these data cannot tell it from the named effect. <i>Explains</i>: what the rival alone explains, in units of the noise. \
+<i>Named beside it</i>: how many of its errors the named effect is away from 0 once the rival has taken its part; small means alike.</p>\n\
+<div class=\"wide\"><table><tr><th>rival<th>parameter<th class=n>size alone<th class=n>size / error<th class=n>explains<th class=n>correlation<th class=n>named beside it<th>what would decide</tr>\n",
+        escape(&step.effect)
+    );
+    for r in &step.rivals {
+        let _ = writeln!(
+            out,
+            "<tr{}><td>{}<td>{}<td class=n>{}<td class=n>{}<td class=n>{}<td class=n>{:.2}<td class=n>{}<td>{}</tr>",
+            if r.in_class { " class=in" } else { "" },
+            escape(&r.effect),
+            escape(&r.parameter),
+            escape(&quantity(r.size, &r.unit)),
+            number4(r.t),
+            number4(r.gain),
+            r.correlation,
+            number4(r.t_of_named_beyond),
+            escape(&r.decides)
+        );
+    }
+    out.push_str("</table></div>\n");
+}
+
+fn parameters(out: &mut String, fitted: &[Fitted]) {
+    out.push_str(
+        "<div class=\"wide\"><table><tr><th>parameter<th class=n>value<th class=n>95 % interval<th>unit</tr>\n",
+    );
+    for p in fitted {
+        let (_, unit) = usual(p.value, &p.unit);
+        let show = |value: f64| number4(usual(value, &p.unit).0);
+        let _ = writeln!(
+            out,
+            "<tr><td>{}<td class=n>{}<td class=n>{} to {}<td>{}</tr>",
+            escape(&p.name),
+            show(p.value),
+            show(p.low),
+            show(p.high),
+            escape(unit)
+        );
+    }
+    out.push_str("</table></div>\n");
+}
+
+fn bins_section(out: &mut String, title: &str, bins: &[Bin]) {
+    let _ = writeln!(out, "<h2>{}</h2>", escape(title));
+    if bins.is_empty() {
+        out.push_str("<p>No bin of any variable stands out (p &gt; 0.05 over all bins).</p>\n");
+        return;
+    }
+    wide(out, &pictures::bins(bins));
+    out.push_str("<div class=\"wide\"><table><tr><th>channel<th>bin<th class=n>mean residual<th class=n>standard error<th>unit<th class=n>p over all bins</tr>\n");
+    for b in bins.iter().take(15) {
+        let (mean, unit) = usual(b.mean, &b.unit);
+        let _ = writeln!(
+            out,
+            "<tr><td>{}<td>{}<td class=n>{}<td class=n>{}<td>{}<td class=n>{}</tr>",
+            escape(&b.channel),
+            escape(&range(b)),
+            number4(mean),
+            number4(usual(b.error, &b.unit).0),
+            escape(unit),
+            p_value(b.p_value)
+        );
+    }
+    out.push_str("</table></div>\n");
+    if bins.len() > 15 {
+        let _ = writeln!(
+            out,
+            "<p><small>The strongest 15 of {}; all are in report.json.</small></p>",
+            bins.len()
+        );
+    }
+}
+
+fn detectable_section(out: &mut String, report: &Report) {
+    out.push_str("<h2>What could be told apart with these data</h2>\n<p>Before any residual is judged: the smallest size that would be claimed nine times in ten, \
+the share of each effect that a refit of the base leaves, and the effect that looks most like it.</p>\n\
+<div class=\"wide\"><table><tr><th>effect<th>parameter<th class=n>smallest size<th class=n>left<th>most like<th class=n>correlation</tr>\n");
+    for d in &report.minimum_detectable {
+        let _ = writeln!(
+            out,
+            "<tr><td>{}<td>{}<td class=n>{}<td class=n>{:.3}<td>{}<td class=n>{:.2}</tr>",
+            escape(&d.effect),
+            escape(&d.parameter),
+            escape(&quantity(d.size, &d.unit)),
+            d.left_after_refit,
+            escape(&d.most_like),
+            d.correlation
+        );
+    }
+    out.push_str("</table></div>\n");
+}
+
+fn list(out: &mut String, title: &str, items: impl Iterator<Item = String>) {
+    let items: Vec<String> = items
+        .map(|text| format!("<li>{}</li>\n", escape(&text)))
+        .collect();
+    if !items.is_empty() {
+        let _ = write!(out, "<h2>{title}</h2>\n<ul>\n{}</ul>\n", items.concat());
+    }
+}
