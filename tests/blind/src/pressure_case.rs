@@ -24,6 +24,7 @@ pub enum Recipe {
     PitchOffset,
     RockerRadius,
     SectionWear,
+    Waviness,
     IceThickness,
     SensorBlur,
     SensorGain,
@@ -38,6 +39,7 @@ pub const HIDDEN: &[(&str, Recipe)] = &[
     ("pitch-offset", Recipe::PitchOffset),
     ("rocker-radius", Recipe::RockerRadius),
     ("section-wear", Recipe::SectionWear),
+    ("waviness", Recipe::Waviness),
     ("ice-thickness", Recipe::IceThickness),
     ("sensor-blur", Recipe::SensorBlur),
     ("sensor-gain", Recipe::SensorGain),
@@ -48,6 +50,8 @@ const SECTION_M: f64 = 0.005;
 const MODULUS_PA: f64 = 9.0e9;
 const POISSON: f64 = 0.33;
 const THICKNESS_M: f64 = 0.05;
+/// Length of the waves, where there are any.
+const WAVE_LENGTH_M: f64 = 0.05;
 /// Loads [N] and track radii [m] of the measurements.
 const TESTS: [(f64, f64); 4] = [
     (250.0, f64::INFINITY),
@@ -68,6 +72,7 @@ struct World {
     pitch_rad: f64,
     rocker_m: f64,
     worn_m: f64,
+    wave_m: f64,
     blur_m: f64,
     gain: f64,
 }
@@ -87,6 +92,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Result<Case, CaseError> 
         pitch_rad: 0.0,
         rocker_m: ROCKER_M,
         worn_m: 0.0,
+        wave_m: 0.0,
         blur_m: 0.0,
         gain: 1.0,
     };
@@ -94,7 +100,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Result<Case, CaseError> 
         Recipe::Null => (0.0, "", "", &[]),
         Recipe::Hardness => {
             world.hardness_pa = source.uniform(65e6, 90e6);
-            (world.hardness_pa, "hardness_pa", "Pa", &[])
+            (1.0 / world.hardness_pa, "inverse_per_pa", "1/Pa", &[])
         }
         Recipe::IceModulus => {
             let factor = if source.sign() > 0.0 {
@@ -104,24 +110,26 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Result<Case, CaseError> 
             };
             world.body.youngs_modulus_pa *= factor;
             (
-                world.body.youngs_modulus_pa,
-                "youngs_modulus_pa",
-                "Pa",
+                world.body.youngs_modulus_pa / MODULUS_PA - 1.0,
+                "factor",
+                "",
                 &["runner-compliance"],
             )
         }
         Recipe::RunnerCompliance => {
             let modulus = source.uniform(20e9, 40e9);
             world.body.other_compliance_1ppa = (1.0 - 0.3 * 0.3) / modulus;
-            (modulus, "youngs_modulus_pa", "Pa", &["ice-modulus"])
+            let ice = (1.0 - POISSON * POISSON) / MODULUS_PA;
+            let factor = world.body.other_compliance_1ppa / ice;
+            (factor, "factor", "", &["ice-modulus"])
         }
         Recipe::RollTilt => {
             world.roll_rad = source.sign() * source.uniform(0.012, 0.03);
-            (world.roll_rad, "roll_rad", "rad", &[])
+            (world.roll_rad, "angle_rad", "rad", &[])
         }
         Recipe::PitchOffset => {
             world.pitch_rad = source.sign() * source.uniform(0.0002, 0.0006);
-            (world.pitch_rad, "pitch_rad", "rad", &[])
+            (world.pitch_rad, "angle_rad", "rad", &[])
         }
         Recipe::RockerRadius => {
             world.rocker_m *= if source.sign() > 0.0 {
@@ -129,23 +137,37 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Result<Case, CaseError> 
             } else {
                 source.uniform(0.55, 0.7)
             };
-            (world.rocker_m, "rocker_radius_m", "m", &[])
+            (
+                1.0 / world.rocker_m - 1.0 / ROCKER_M,
+                "curvature_1pm",
+                "1/m",
+                &[],
+            )
         }
         Recipe::SectionWear => {
             world.worn_m = source.uniform(1.2e-6, 2.5e-6);
             (world.worn_m, "depth_m", "m", &[])
         }
+        Recipe::Waviness => {
+            world.wave_m = source.sign() * source.uniform(0.8e-6, 2.0e-6);
+            (world.wave_m, "amplitude_m", "m", &[])
+        }
         Recipe::IceThickness => {
             world.body.thickness_m = source.uniform(0.0008, 0.0015);
-            (world.body.thickness_m, "thickness_m", "m", &[])
+            (
+                1.0 / world.body.thickness_m - 1.0 / THICKNESS_M,
+                "inverse_per_m",
+                "1/m",
+                &[],
+            )
         }
         Recipe::SensorBlur => {
             world.blur_m = source.uniform(40e-6, 80e-6);
-            (world.blur_m, "sigma_m", "m", &[])
+            (world.blur_m, "width_m", "m", &[])
         }
         Recipe::SensorGain => {
             world.gain = 1.0 + source.sign() * source.uniform(0.12, 0.25);
-            (world.gain, "gain", "", &[])
+            (world.gain - 1.0, "factor", "", &[])
         }
     };
     let mut table = String::from("case,fz_n,radius_m,p_max_pa,p_max_sd_pa,map\n");
@@ -205,8 +227,8 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Result<Case, CaseError> 
 
 /// The film's pressures under a load on a track.
 ///
-/// Gap of the stated frame: `x^2/(2R) - x^2/(2 r) + section(y) + pitch x - roll y`; a positive pitch
-/// lowers the nose (x > 0), a positive roll raises the left (y > 0) side of the runner.
+/// Gap of the stated frame: `x^2/(2R) - x^2/(2 r) + section(y) + pitch x - roll y`, with waves
+/// `a cos(2 pi x / L)` on the ice or the runner where there are any; a positive pitch lowers the nose (x > 0), a positive roll raises the left (y > 0) side of the runner.
 fn measure(
     world: &World,
     fz_n: f64,
@@ -230,6 +252,9 @@ fn measure(
     if world.worn_m > 0.0 {
         height += 2.0 * (2.0 * SECTION_M * world.worn_m).sqrt();
     }
+    if world.wave_m != 0.0 {
+        width *= 1.5;
+    }
     height += 6.0 * world.blur_m;
     let jitter = (source.uniform(-0.4, 0.4), source.uniform(-0.4, 0.4));
     let (nx, ny) = (64, 64);
@@ -246,7 +271,8 @@ fn measure(
         .map(|(x, y)| {
             let section = (SECTION_M - (SECTION_M.powi(2) - y * y).sqrt() + world.roll_rad * y)
                 .max(world.worn_m + worn_floor(world.roll_rad));
-            0.5 * along * x * x - world.pitch_rad * x + section
+            let wave = world.wave_m * (std::f64::consts::TAU * x / WAVE_LENGTH_M).cos();
+            0.5 * along * x * x - world.pitch_rad * x + section + wave
         })
         .collect();
     let mut p = grid.press(

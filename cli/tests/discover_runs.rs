@@ -1,0 +1,205 @@
+//! `kufe discover` on runs that are wrong, too few or lack something.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn kufe(folder: &Path, words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .current_dir(folder)
+        .args(words)
+        .output()
+        .expect("the command runs")
+}
+
+fn discover(folder: &Path) -> Output {
+    kufe(
+        folder,
+        &[
+            "discover",
+            "runs.csv",
+            "--model",
+            "model.toml",
+            "--twins",
+            "10",
+            "-o",
+            "out",
+        ],
+    )
+}
+
+/// Writes a model and short simulated runs into a folder.
+fn drive(folder: &Path, runs: &str) {
+    let model = kufe_sled::Model::published().to_toml();
+    std::fs::write(folder.join("model.toml"), model).expect("writable");
+    let file = std::fs::File::create(folder.join("track_w.csv")).expect("writable");
+    kufe_sled::sample_data::sample_track("west")
+        .write_csv(file)
+        .expect("written");
+    let output = kufe(
+        folder,
+        &[
+            "simulate",
+            "model.toml",
+            "track_w.csv",
+            "--runs",
+            runs,
+            "--rate",
+            "100",
+            "--step",
+            "2.5e-3",
+            "-o",
+            "data",
+        ],
+    );
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{told}");
+    for entry in std::fs::read_dir(folder.join("data")).expect("a folder") {
+        let path = entry.expect("a file").path();
+        let name = path.file_name().expect("a name").to_owned();
+        std::fs::rename(&path, folder.join(name)).expect("moved");
+    }
+}
+
+/// Changes the cells of a file: row (0 is the header), column, text.
+fn change(path: &Path, change: impl Fn(usize, &str, &str) -> Option<String>) {
+    let text = std::fs::read_to_string(path).expect("a file");
+    let header: Vec<String> = text
+        .lines()
+        .next()
+        .expect("a header")
+        .split(',')
+        .map(str::to_owned)
+        .collect();
+    let changed: String = text
+        .lines()
+        .enumerate()
+        .map(|(row, line)| {
+            let cells: Vec<String> = line
+                .split(',')
+                .zip(&header)
+                .filter_map(|(cell, column)| change(row, column, cell))
+                .collect();
+            cells.join(",") + "\n"
+        })
+        .collect();
+    std::fs::write(path, changed).expect("written");
+}
+
+#[test]
+fn what_is_wrong_with_runs_is_told_with_its_place() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let at = bench.path();
+    drive(at, "2");
+    let (index, run) = (at.join("runs.csv"), at.join("run_002.csv"));
+    let originals = [&index, &run].map(|path| std::fs::read_to_string(path).expect("a file"));
+    let cell = |wanted: usize, name: &'static str, text: &'static str| {
+        move |row: usize, column: &str, cell: &str| {
+            let hit = row == wanted && column == name;
+            Some(if hit {
+                text.to_owned()
+            } else {
+                cell.to_owned()
+            })
+        }
+    };
+    type Edit<'a> = Box<dyn Fn() + 'a>;
+    let refused: Vec<(Edit, Vec<&str>)> = vec![
+        (
+            Box::new(|| change(&run, cell(41, "v_mps", "NaN"))),
+            vec!["run_002.csv", "v_mps", "NaN"],
+        ),
+        (
+            Box::new(|| change(&run, cell(41, "delta_rad", ""))),
+            vec!["run_002.csv", "delta_rad"],
+        ),
+        (
+            Box::new(|| {
+                change(&run, |_, column, cell| {
+                    (column != "alpha_rad").then(|| cell.to_owned())
+                })
+            }),
+            vec!["run_002.csv", "alpha_rad", "missing"],
+        ),
+        (
+            Box::new(|| change(&index, cell(2, "file", "run_009.csv"))),
+            vec!["run_009.csv"],
+        ),
+        (
+            Box::new(|| change(&index, cell(2, "file", "run_001.csv"))),
+            vec!["runs.csv", "same"],
+        ),
+        (
+            Box::new(|| change(&index, cell(2, "ice_c", "warm"))),
+            vec!["runs.csv", "ice_c", "warm", "a number"],
+        ),
+        (
+            Box::new(|| change(&index, cell(0, "driver", "pilot"))),
+            vec!["runs.csv", "pilot", "unknown", "driver"],
+        ),
+        (
+            Box::new(|| {
+                std::fs::write(&index, originals[0].lines().next().expect("a header"))
+                    .expect("written")
+            }),
+            vec!["runs.csv", "no rows"],
+        ),
+    ];
+    for (edit, parts) in refused {
+        std::fs::write(&index, &originals[0]).expect("written");
+        std::fs::write(&run, &originals[1]).expect("written");
+        edit();
+        let output = discover(at);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{told}");
+        for part in parts {
+            assert!(told.contains(part), "no {part:?} in {told}");
+        }
+        assert!(!at.join("out").exists(), "nothing is written");
+    }
+    std::fs::write(&index, &originals[0]).expect("written");
+    std::fs::write(&run, &originals[1]).expect("written");
+    let model = kufe_sled::Model::published().to_toml() + "\n[effects.rust]\nslope = 1.0\n";
+    std::fs::write(at.join("model.toml"), model).expect("written");
+    let output = discover(at);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{told}");
+    for part in ["rust", "unknown effect", "saturation"] {
+        assert!(told.contains(part), "no {part:?} in {told}");
+    }
+}
+
+#[test]
+fn one_run_with_absent_and_constant_columns_says_so() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let at = bench.path();
+    drive(at, "1");
+    change(&at.join("run_001.csv"), |row, column, cell| match column {
+        "gamma_rad" => None,
+        "roll_rate_radps" if row > 0 => Some("0.0".to_owned()),
+        _ => Some(cell.to_owned()),
+    });
+    let output = discover(at);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(told.is_empty(), "progress on a terminal alone: {told}");
+    let text = std::fs::read_to_string(at.join("out/report.json")).expect("a report");
+    let report: Value = serde_json::from_str(&text).expect("JSON");
+    let remarks = report["remarks"].to_string();
+    for part in ["one run only", "roll_rate_radps"] {
+        assert!(remarks.contains(part), "no {part:?} in {remarks}");
+    }
+    let why = |effect: &str| {
+        let all = report["untestable"].as_array().expect("a list");
+        let one = all.iter().find(|one| one[0] == effect);
+        one.map_or(String::new(), |one| one[1].to_string())
+    };
+    for (effect, column) in [
+        ("camber-thrust", "gamma_rad"),
+        ("roll-split-drag", "gamma_rad"),
+        ("load-transfer", "roll_rate_radps"),
+    ] {
+        assert!(why(effect).contains(column), "{effect}: {}", why(effect));
+    }
+}
