@@ -204,7 +204,7 @@ fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lif
         s.iterations
     );
     assert!((found / expected - 1.0).abs() < 0.04, "{found} {expected}");
-    assert!((s.length * l / PI - 1.0).abs() < 0.04, "{}", s.length);
+    assert!((s.length * l / PI - 1.0).abs() < 0.06, "{}", s.length);
     assert!((s.fz / load - 1.0).abs() < 1e-8);
 }
 

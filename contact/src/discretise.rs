@@ -213,7 +213,7 @@ fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
 }
 
 /// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the axis.
-pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
+fn put_node(nodes: &mut Vec<f64>, place: f64) {
     let next = nodes.partition_point(|&v| v < place);
     if next == 0 || next == nodes.len() {
         return;

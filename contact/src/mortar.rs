@@ -215,27 +215,44 @@ mod tests {
         }
     }
 
-    /// Faces that end inside the grid: the forces of a constant pressure sum up to it, face by face.
+    /// What arrives at the runner's nodes is the pressure times their own functions' integrals: whatever the ice's lines, the
+    /// same forces, with the pressure's resultant and moments.
     #[test]
-    fn a_constant_pressure_arrives_as_the_faces_own_consistent_forces() {
-        let grid = TensorGrid {
-            x: (0..=40).map(|i| -3.0 + 0.15 * f64::from(i)).collect(),
-            y: (0..=30).map(|i| -2.5 + 5.0 / 30.0 * f64::from(i)).collect(),
-            z: vec![-1.0, 0.0],
-        };
-        let rows = mortar_rows(&grid, &faces());
+    fn a_constant_pressure_arrives_as_the_same_forces_from_any_grid() {
         let hat = |n: &[f64], k: usize| {
             let low = if k > 0 { n[k] - n[k - 1] } else { 0.0 };
             0.5 * (low + n.get(k + 1).map_or(0.0, |next| next - n[k]))
         };
-        let mut forces = vec![0.0; 16];
-        for (node, row) in rows.iter().enumerate() {
-            let force = 7.0 * hat(&grid.x, node % 41) * hat(&grid.y, node / 41);
-            row.iter().for_each(|&(n, w)| forces[n] += w * force);
+        let forces = |grid: &TensorGrid| {
+            let mut forces = vec![0.0; 16];
+            for (node, row) in mortar_rows(grid, &faces()).iter().enumerate() {
+                let nx = grid.x.len();
+                let force = 7.0 * hat(&grid.x, node % nx) * hat(&grid.y, node / nx);
+                row.iter().for_each(|&(n, w)| forces[n] += w * force);
+            }
+            forces
+        };
+        let even = |n: i32| {
+            (0..=n)
+                .map(|i| -1.0 + 2.0 * f64::from(i) / f64::from(n))
+                .collect()
+        };
+        let finer = TensorGrid {
+            x: even(13),
+            y: even(9),
+            z: vec![-1.0, 0.0],
+        };
+        let (coarse, fine) = (forces(&grid()), forces(&finer));
+        for (a, b) in coarse.iter().zip(&fine) {
+            assert!((a - b).abs() < 1e-12, "{coarse:?} {fine:?}");
         }
-        // An inner node's function has the area of one face, 1, and no edge of the faces near it.
-        for inner in [5, 6, 9, 10] {
-            assert!((forces[inner] - 7.0).abs() < 1e-3, "{forces:?}");
-        }
+        let moment = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+            let place = |n: usize| (-1.5 + (n % 4) as f64, -1.5 + (n / 4) as f64);
+            (0..16)
+                .map(|n| fine[n] * f(place(n).0 + 0.3 * place(n).1, place(n).1))
+                .sum()
+        };
+        assert!((moment(&|_, _| 1.0) - 28.0).abs() < 1e-12);
+        assert!(moment(&|x, _| x).abs() < 1e-12 && moment(&|_, y| y).abs() < 1e-12);
     }
 }

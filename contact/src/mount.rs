@@ -1,7 +1,5 @@
 //! What holds an elastic runner.
 
-use crate::discretise::put_node;
-
 /// A stretch of the runner's top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
@@ -88,7 +86,21 @@ impl Mount {
             return;
         }
         let ends: Vec<[f64; 2]> = places.iter().map(Place::ends).collect();
-        ends.iter().flatten().for_each(|&end| put_node(nodes, end));
+        for (place, ends) in places.iter().zip(&ends) {
+            for &end in ends {
+                let [first, last] = [nodes[0], nodes[nodes.len() - 1]];
+                if first < end && end < last {
+                    // Nodes too near an end make way for it, but for the runner's own ends.
+                    let kept = [low, high, first, last];
+                    let near = 0.2 * place.length;
+                    nodes.retain(|x| (x - end).abs() > near || kept.contains(x));
+                    let at = nodes.partition_point(|&x| x < end);
+                    if nodes[at] != end {
+                        nodes.insert(at, end);
+                    }
+                }
+            }
+        }
         let longest = |middle: f64| {
             let over = places
                 .iter()
