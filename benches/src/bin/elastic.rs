@@ -135,6 +135,7 @@ fn problem(row: &Row, mount: usize, free: bool) -> (&'static str, Problem) {
             foundation: Foundation::HalfSpace,
             hardness: None,
         },
+        ice_surface: None,
         track_curvature: row.curvature,
         load: Load::Force {
             fz: 1000.0,
