@@ -6,6 +6,9 @@ use kufe_tests::contact::{contact_modulus, on_half_space};
 
 /// The reference table's runner; an unbounded hull has no top.
 const STEEL: ElasticRunner = ElasticRunner {
+    mount: kufe_contact::Mount::Top,
+    flank: None,
+    solid: None,
     youngs_modulus: 210e9,
     poissons_ratio: 0.30,
     top: f64::INFINITY,

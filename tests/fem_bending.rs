@@ -76,6 +76,26 @@ fn cells_with_tilted_columns_cost_stiffness_that_refinement_wins_back() {
     assert!(1.0 - fine < 0.5 * (1.0 - coarse), "{coarse} {fine}");
 }
 
+/// Its cells know only their constant shear along the beam; what is left are the strains across, those of plain hexahedra, which
+/// die out like the square of the number of cells over the height and the width.
+#[test]
+fn the_axial_element_gives_the_cantilever_of_beam_theory_within_two_percent() {
+    let [coarse, _] = cantilever([40, 2, 1], ElementKind::Hex8Axial, [0.0; 3]);
+    let [tip, stress] = cantilever([40, 8, 6], ElementKind::Hex8Axial, [0.0; 3]);
+    println!(
+        "axial: tip {coarse:.4} with one cell over the height, {tip:.4} and stress {stress:.4} with six and eight across"
+    );
+    assert!((tip - 1.0).abs() < 0.02, "{tip}");
+    assert!((stress - 1.0).abs() < 0.03, "{stress}");
+    assert!((0.7..1.0).contains(&coarse), "{coarse}");
+    // Columns of any height, as over a rounded underside.
+    let [shaken, _] = cantilever([60, 8, 6], ElementKind::Hex8Axial, [0.0, 0.1, 0.1]);
+    println!("axial: tip {shaken:.4} with heights and widths shaken by 0.1 cells");
+    assert!((shaken - 1.0).abs() < 0.03, "{shaken}");
+    let [plain, _] = cantilever([40, 8, 6], ElementKind::Hex8, [0.0; 3]);
+    assert!(plain < 0.5, "{plain}");
+}
+
 /// Cells 15 mm long and 8 mm high store a parasitic shear of about (l/h)^2 (1 - nu) / 2 times the bending energy.
 #[test]
 fn plain_hexahedra_lock_on_thin_steel() {

@@ -1,9 +1,11 @@
 //! The `kufe` command: `main` -> `run` -> one module a command.
 
+mod calculix;
 mod completions;
 mod discover;
 mod doctor;
 mod evaluate;
+mod export;
 mod fit;
 mod friction;
 mod hermite;
@@ -63,6 +65,8 @@ enum Command {
     Hull(hull::Args),
     /// Write the hexahedra of ice and runner, with their quality
     Mesh(mesh::Args),
+    /// Write a contact problem for another solver
+    Export(export::Args),
     /// Say what a file holds
     Info(info::Args),
     /// Make, draw, query and export lookup tables
@@ -100,6 +104,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Press(args) => press::run(&args, &global),
         Command::Hull(args) => hull::run(&args, &global),
         Command::Mesh(args) => mesh::run(&args, &global),
+        Command::Export(args) => export::run(&args, &global),
         Command::Info(args) => info::run(&args, &global),
         Command::Lut(args) => lut::run(&args, &global),
         Command::Init(args) => init::run(&args, &global),

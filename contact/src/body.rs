@@ -1,10 +1,13 @@
-//! One elastic body of a contact: stiffness, preconditioner, and the plane with which it touches.
+//! One elastic body of a contact on a tensor grid: stiffness, preconditioner, and the plane with which it touches.
 
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
-use kufe_fem::{Body as Solid, End, LayeredDiagonal, Material, MatrixFree, TensorOperator};
+use faer::Mat;
+use kufe_fem::{Body as Solid, End, Material, MatrixFree, TensorOperator};
 
-use crate::surface::SurfaceModes;
+use crate::fast_inverse::FastInverse;
+use crate::layered_inverse::LayeredInverse;
+use crate::member::Member;
 
 /// A rectangle of columns of the contact plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,13 +16,21 @@ pub(crate) struct Columns {
     pub first: [usize; 2],
     /// Number of columns along x and along y.
     pub count: [usize; 2],
+    /// Number of the plane's nodes along x.
+    pub plane_width: usize,
 }
 
 impl Columns {
-    /// The plane node (i, j) in this rectangle's own numbering, x fastest.
-    pub fn local(&self, [i, j]: [usize; 2]) -> Option<usize> {
-        let (i, j) = (i.checked_sub(self.first[0])?, j.checked_sub(self.first[1])?);
-        (i < self.count[0] && j < self.count[1]).then_some(j * self.count[0] + i)
+    /// A plane node's column along x and y in this rectangle.
+    pub fn local(&self, node: usize) -> Option<[usize; 2]> {
+        let i = (node % self.plane_width).checked_sub(self.first[0])?;
+        let j = (node / self.plane_width).checked_sub(self.first[1])?;
+        (i < self.count[0] && j < self.count[1]).then_some([i, j])
+    }
+
+    /// The plane node of a column of this rectangle.
+    pub fn node(&self, [i, j]: [usize; 2]) -> usize {
+        (self.first[1] + j) * self.plane_width + self.first[0] + i
     }
 }
 
@@ -38,20 +49,25 @@ pub(crate) struct Body {
     pub operator: TensorOperator,
     /// The stiffness on mapped hexahedra, where the body is none of tensor shape.
     mapped: Option<Mutex<Mapped>>,
-    /// P, spectrally equivalent to the stiffness.
-    pub preconditioner: LayeredDiagonal,
-    /// Surface response of P.
-    pub modes: SurfaceModes,
+    /// M, spectrally equivalent to the stiffness.
+    inverse: Inverse,
     /// Index of the contact plane along z.
     plane: usize,
     /// Columns of the contact plane that the body stands on.
     pub columns: Columns,
     /// +1 below, -1 above: the gap shrinks by sign times the vertical displacement.
-    pub sign: f64,
-    /// Factor by which the true surface response exceeds that of P on a half-space.
-    pub response: f64,
+    sign: f64,
     /// Young's modulus and Poisson's ratio.
     pub material: Material,
+    /// Entries held beside the operator's faces.
+    held: Vec<usize>,
+    load: Vec<f64>,
+}
+
+/// The preconditioner.
+enum Inverse {
+    Layered(LayeredInverse),
+    Mounted(FastInverse),
 }
 
 /// A matrix-free stiffness and vectors in its order, node by node.
@@ -62,30 +78,50 @@ struct Mapped {
 }
 
 impl Body {
-    /// Sets up the preconditioner and the surface response of a body.
-    ///
-    /// On a half-space both responses are 1 / |k| in the wave number: (1 - nu) / mu for elasticity,
-    /// 1 / sqrt(mu (lambda + 2 mu)) for P; `response` is their ratio.
+    /// A body that nothing but faces of its operator hold.
     pub fn new(operator: TensorOperator, material: Material, side: Side, columns: Columns) -> Self {
-        let [_, _, nz] = operator.shape();
-        let (plane, end, sign) = match side {
-            Side::Below => (nz - 1, End::High, 1.0),
-            Side::Above => (0, End::Low, -1.0),
+        let (end, sign) = match side {
+            Side::Below => (End::High, 1.0),
+            Side::Above => (End::Low, -1.0),
         };
-        let preconditioner = LayeredDiagonal::new(&operator, end);
-        let modes = SurfaceModes::new(&preconditioner);
-        let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
-        let response = (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt();
+        let inverse = LayeredInverse::new(&operator, end, columns, sign, material);
+        let inverse = Inverse::Layered(inverse);
+        Self::with_inverse(operator, inverse, material, side, columns)
+    }
+
+    /// A body above the plane with a preconditioner that knows its mount.
+    pub fn mounted(
+        operator: TensorOperator,
+        inverse: FastInverse,
+        material: Material,
+        columns: Columns,
+    ) -> Self {
+        let inverse = Inverse::Mounted(inverse);
+        Self::with_inverse(operator, inverse, material, Side::Above, columns)
+    }
+
+    fn with_inverse(
+        operator: TensorOperator,
+        inverse: Inverse,
+        material: Material,
+        side: Side,
+        columns: Columns,
+    ) -> Self {
+        let [_, _, nz] = operator.shape();
+        let (plane, sign) = match side {
+            Side::Below => (nz - 1, 1.0),
+            Side::Above => (0, -1.0),
+        };
         Body {
             operator,
             mapped: None,
-            preconditioner,
-            modes,
+            inverse,
             plane,
             columns,
             sign,
-            response,
             material,
+            held: Vec::new(),
+            load: Vec::new(),
         }
     }
 
@@ -100,41 +136,127 @@ impl Body {
         self
     }
 
-    /// Length of a displacement vector.
-    pub fn len(&self) -> usize {
-        3 * self.operator.node_count()
+    /// The same body with entries that the preconditioner's clamps hold, and forces from outside (none where empty) [N].
+    pub fn held_at(mut self, held: Vec<usize>, load: Vec<f64>) -> Self {
+        self.held = held;
+        self.load = load;
+        self
+    }
+
+    /// Which entries nothing holds.
+    pub fn free(&self) -> Vec<bool> {
+        let mut ones = vec![1.0; self.len()];
+        self.operator.mask(&mut ones);
+        self.held.iter().for_each(|&entry| ones[entry] = 0.0);
+        ones.iter().map(|&one| one > 0.0).collect()
     }
 
     /// Where the vertical displacements of the contact plane begin in this body's vector.
-    pub fn plane_start(&self) -> usize {
+    fn plane_start(&self) -> usize {
         let [nx, ny, nz] = self.operator.shape();
         (2 * nz + self.plane) * nx * ny
     }
 
-    /// `out` = K `u`, with 0 on held entries.
-    pub fn apply(&self, u: &[f64], out: &mut [f64]) {
+    /// Place of a plane node in this body's vector.
+    fn entry(&self, node: usize) -> Option<usize> {
+        let [i, j] = self.columns.local(node)?;
+        Some(self.plane_start() + j * self.columns.count[0] + i)
+    }
+
+    /// Vertical displacement of the body's own plane nodes, 0 beside its columns.
+    pub fn surface(&self, u: &[f64], plane_nodes: usize) -> Vec<f64> {
+        (0..plane_nodes)
+            .map(|node| self.entry(node).map_or(0.0, |entry| u[entry]))
+            .collect()
+    }
+}
+
+impl Member for Body {
+    fn len(&self) -> usize {
+        3 * self.operator.node_count()
+    }
+
+    fn free_dofs(&self) -> usize {
+        self.operator.free_dofs() - self.held.len()
+    }
+
+    fn apply(&self, u: &[f64], out: &mut [f64]) {
         let Some(mapped) = &self.mapped else {
             return self.operator.apply(u, out);
         };
         // The lock is never contended: one iteration runs at a time.
-        let mut mapped = mapped
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut mapped = mapped.lock().unwrap_or_else(PoisonError::into_inner);
         let Mapped {
             stiffness,
             displacement,
             force,
         } = &mut *mapped;
-        let nodes = u.len() / 3;
-        for (node, values) in displacement.chunks_exact_mut(3).enumerate() {
-            values.copy_from_slice(&[u[node], u[nodes + node], u[2 * nodes + node]]);
-        }
+        to_nodes(u, displacement);
         stiffness.apply(displacement, force);
-        for (node, values) in force.chunks_exact(3).enumerate() {
-            for c in 0..3 {
-                out[c * nodes + node] = values[c];
+        to_components(force, out);
+        self.operator.mask(out);
+        self.held.iter().for_each(|&entry| out[entry] = 0.0);
+    }
+
+    fn add_closing(&self, u: &[f64], closing: &mut [f64]) {
+        let start = self.plane_start();
+        let [nx, ny] = self.columns.count;
+        for j in 0..ny {
+            for i in 0..nx {
+                closing[self.columns.node([i, j])] += self.sign * u[start + j * nx + i];
             }
         }
-        self.operator.mask(out);
+    }
+
+    fn add_forces(&self, forces: &[(usize, f64)], out: &mut [f64]) {
+        for &(node, force) in forces {
+            if let Some(entry) = self.entry(node) {
+                out[entry] += self.sign * force;
+            }
+        }
+    }
+
+    fn begin(&self, residual: &[f64], closing: &mut [f64]) {
+        match &self.inverse {
+            Inverse::Layered(inverse) => inverse.begin(residual, closing),
+            Inverse::Mounted(inverse) => inverse.begin(residual, closing),
+        }
+    }
+
+    fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
+        match &self.inverse {
+            Inverse::Layered(inverse) => inverse.finish(multipliers, step),
+            Inverse::Mounted(inverse) => inverse.finish(multipliers, step),
+        }
+        self.held.iter().for_each(|&entry| step[entry] = 0.0);
+    }
+
+    fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
+        match &self.inverse {
+            Inverse::Layered(inverse) => inverse.green(nodes),
+            Inverse::Mounted(inverse) => inverse.green(nodes),
+        }
+    }
+
+    fn load(&self) -> &[f64] {
+        &self.load
+    }
+}
+
+/// From component after component to node by node.
+pub(crate) fn to_nodes(u: &[f64], out: &mut [f64]) {
+    let nodes = u.len() / 3;
+    for (node, values) in out.chunks_exact_mut(3).enumerate() {
+        values.copy_from_slice(&[u[node], u[nodes + node], u[2 * nodes + node]]);
+    }
+}
+
+/// From node by node to component after component.
+pub(crate) fn to_components(u: &[f64], out: &mut [f64]) {
+    let nodes = u.len() / 3;
+    for (node, values) in u.chunks_exact(3).enumerate() {
+        for c in 0..3 {
+            out[c * nodes + node] = values[c];
+        }
     }
 }

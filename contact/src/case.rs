@@ -25,6 +25,7 @@ mod check;
 mod error;
 mod hardness;
 mod ice;
+mod mount;
 mod problem;
 mod section;
 mod thickness;
@@ -39,6 +40,7 @@ use serde::{Deserialize, Serialize};
 pub use error::CaseError;
 pub use hardness::Hardness;
 pub use ice::{BedTable, IceTable, WavinessTable};
+pub use mount::{CarriesTable, HeldTable, MountTable};
 pub use problem::{FittedHull, StatedProblem};
 pub use section::SectionTable;
 pub use thickness::Thickness;
@@ -91,6 +93,9 @@ pub struct RunnerTable {
     /// A measured section, and wear; for shapes with a section.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub section: Option<SectionTable>,
+    /// Hexahedra of an elastic runner instead (Gmsh's .msh or .vtu), relative to the case's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
     /// Whether the runner deforms.
     #[serde(default)]
     pub elastic: bool,
@@ -100,6 +105,9 @@ pub struct RunnerTable {
     /// Poisson's ratio of the runner.
     #[serde(default = "steel_poisson")]
     pub poissons_ratio: f64,
+    /// What holds an elastic runner; its whole top where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount: Option<MountTable>,
 }
 
 /// The axis of a hull's file that points upwards.

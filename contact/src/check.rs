@@ -2,7 +2,7 @@
 
 use kufe_fem::Material;
 
-use crate::{Error, Foundation, Load, Method, Options, Problem};
+use crate::{ElasticRunner, Error, Foundation, Load, Method, Mount, Options, Problem, Tilt};
 
 /// Ranges of the numbers in a problem.
 pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
@@ -74,11 +74,18 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
         }
         _ => {}
     }
-    if problem.runner.elastic.is_some() && options.method != Method::Accelerated {
+    if let Some(elastic) = &problem.runner.elastic {
+        check_mount(problem, elastic)?;
+    }
+    let slow = match &problem.runner.elastic {
+        None => true,
+        Some(elastic) => elastic.solid.is_none() && options.method == Method::CholeskyActiveSet,
+    };
+    if options.method != Method::Accelerated && !slow {
         return out(
-            "elastic bodies under a checking method",
-            2.0,
-            "1, the ice alone",
+            "elastic bodies that the checking method cannot take",
+            1.0,
+            "0, or the active set for a runner on the ice's columns",
         );
     }
     if !(options.p_max_tolerance > 0.0 && options.p_max_tolerance.is_finite()) {
@@ -93,4 +100,69 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
         value: ice.youngs_modulus,
         expected: "an elastic solid",
     })
+}
+
+/// Places lie on the hull and are longer than nothing; loads without a mount balance the load.
+fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
+    let out = |name, value, expected| {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            expected,
+        })
+    };
+    if elastic.mount == Mount::Top {
+        return Ok(());
+    }
+    let extent = problem.runner.underside.extent();
+    let places = elastic.mount.places();
+    if places.is_empty() {
+        return out("places of the runner's mount", 0.0, "1 or more");
+    }
+    for place in places {
+        if !(place.length > 0.0 && place.length.is_finite()) {
+            return out(
+                "length of a mount's place",
+                place.length,
+                "a positive number of m",
+            );
+        }
+        let half = 0.5 * place.length;
+        let slack = 1e-9 * place.length;
+        if !(place.x - half >= extent[0] - slack && place.x + half <= extent[1] + slack) {
+            return out(
+                "middle of a mount's place",
+                place.x,
+                "a place within the runner's ends",
+            );
+        }
+    }
+    let Mount::Loads(loads) = &elastic.mount else {
+        return Ok(());
+    };
+    let Load::Force {
+        offset_x,
+        tilt: Tilt::Free,
+        ..
+    } = problem.load
+    else {
+        return out(
+            "held tilts of a runner without a mount",
+            2.0,
+            "0, a force with free tilt",
+        );
+    };
+    let sum = |f: &dyn Fn(&crate::LoadedPlace) -> f64| loads.iter().map(f).sum::<f64>();
+    if (sum(&|l| l.share) - 1.0).abs() > 1e-6 {
+        return out("sum of the loads' shares", sum(&|l| l.share), "1");
+    }
+    let line = sum(&|l| l.share * l.place.x);
+    if (line - offset_x).abs() > 1e-6 {
+        return out(
+            "line of action of the loads",
+            line,
+            "that of the normal force",
+        );
+    }
+    Ok(())
 }

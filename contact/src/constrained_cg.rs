@@ -23,7 +23,6 @@ pub(crate) struct Workspace {
     step: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
-    modal: Vec<f64>,
 }
 
 impl Level {
@@ -49,17 +48,11 @@ impl Level {
 
     pub fn workspace(&self) -> Workspace {
         let n = self.len();
-        let modal = self
-            .bodies
-            .iter()
-            .map(|b| b.preconditioner.mode_count())
-            .sum();
         Workspace {
             residual: vec![0.0; n],
             step: vec![0.0; n],
             direction: vec![0.0; n],
             image: vec![0.0; n],
-            modal: vec![0.0; modal],
         }
     }
 
@@ -99,7 +92,7 @@ impl Level {
         }
         let (turn, force) = self.precondition(constraint, &defect, balance, work);
         self.advance(1.0, turn, state, &work.step);
-        self.add_forces(constraint, &force, state);
+        add_to(constraint, &force, state);
         self.residual(state, &mut work.residual);
         progress.iterations += 1;
         // Now the step's defect and imbalance are 0, and stay so.
@@ -111,8 +104,9 @@ impl Level {
             let (turn, force) = self.precondition(constraint, &none, [0.0; 3], work);
             let rho = vector::dot(&work.residual, &work.step).max(0.0);
             // The multiplier's increment leaves the residual what truly is out of equilibrium.
-            self.add_forces(constraint, &force, state);
-            self.subtract_forces(constraint, &force, &mut work.residual);
+            add_to(constraint, &force, state);
+            let opposite: Vec<(usize, f64)> = forces_on(constraint, &force, -1.0);
+            self.add_forces(&opposite, &mut work.residual);
             let energy = self.energy(state).max(f64::MIN_POSITIVE);
             progress.residual = (rho / energy).sqrt();
             if progress.residual < next_check.max(tolerance) {
@@ -164,24 +158,6 @@ impl Level {
         }
     }
 
-    fn add_forces(&self, constraint: &Constraint, force: &[f64], state: &mut State) {
-        for (&node, f) in constraint.inside.iter().zip(force) {
-            state.force[node] += f;
-        }
-    }
-
-    fn subtract_forces(&self, constraint: &Constraint, force: &[f64], residual: &mut [f64]) {
-        let mut start = 0;
-        for body in &self.bodies {
-            for (&node, f) in constraint.inside.iter().zip(force) {
-                if let Some(entry) = self.entry(body, node) {
-                    residual[start + entry] -= body.sign * f;
-                }
-            }
-            start += body.len();
-        }
-    }
-
     fn advance(&self, factor: f64, turn: [f64; 3], state: &mut State, step: &[f64]) {
         for (q, t) in state.motion.iter_mut().zip(turn) {
             *q += factor * t;
@@ -199,26 +175,14 @@ impl Level {
         work: &mut Workspace,
     ) -> ([f64; 3], Vec<f64>) {
         let n = constraint.inside.len();
-        let mut side = Mat::from_fn(n, 1, |i, _| defect[i]);
-        let (mut start, mut modal_start) = (0, 0);
-        for body in &self.bodies {
-            let p = &body.preconditioner;
-            let modal = &mut work.modal[modal_start..modal_start + p.mode_count()];
-            p.gather(&work.residual[start..start + body.len()], modal);
-            let gathered = p.gathered(modal);
-            let trace = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
-                gathered[(a, b)] * body.modes.table[(a, b)]
-            });
-            let trace = body.modes.to_nodes(trace.as_ref());
-            for (i, &node) in constraint.inside.iter().enumerate() {
-                if let Some(local) = body.columns.local([node % self.nx, node / self.nx]) {
-                    let rows = body.columns.count[0];
-                    side[(i, 0)] -= body.sign * trace[(local % rows, local / rows)];
-                }
-            }
-            start += body.len();
-            modal_start += p.mode_count();
+        let mut closing = vec![0.0; self.gap.len()];
+        let mut start = 0;
+        for member in self.members() {
+            let residual = &work.residual[start..start + member.len()];
+            member.begin(residual, &mut closing);
+            start += member.len();
         }
+        let side = Mat::from_fn(n, 1, |i, _| defect[i] - closing[constraint.inside[i]]);
         let solved_side = constraint.factor.solve(&side);
         let solved = Mat::from_fn(n, 4, |i, j| {
             if j == 0 {
@@ -231,24 +195,23 @@ impl Level {
         let multipliers: Vec<f64> = (0..n)
             .map(|i| (1..4).map(|j| solved[(i, j)] * turn[j - 1]).sum::<f64>() - solved[(i, 0)])
             .collect();
-        let (mut start, mut modal_start) = (0, 0);
-        for body in &self.bodies {
-            let p = &body.preconditioner;
-            let modal = &mut work.modal[modal_start..modal_start + p.mode_count()];
-            let [rows, cols] = body.columns.count;
-            let mut plane = Mat::<f64>::zeros(rows, cols);
-            for (&node, m) in constraint.inside.iter().zip(&multipliers) {
-                if let Some(local) = body.columns.local([node % self.nx, node / self.nx]) {
-                    plane[(local % rows, local / rows)] = *m;
-                }
-            }
-            let load = body.modes.to_modes(plane.as_ref());
-            let mut gathered = p.gathered_mut(modal);
-            gathered -= faer::Scale(body.sign) * load;
-            p.spread(modal, &mut work.step[start..start + body.len()]);
-            start += body.len();
-            modal_start += p.mode_count();
+        let forces = forces_on(constraint, &multipliers, 1.0);
+        let mut start = 0;
+        for member in self.members() {
+            member.finish(&forces, &mut work.step[start..start + member.len()]);
+            start += member.len();
         }
         (turn, multipliers)
+    }
+}
+
+fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
+    let nodes = constraint.inside.iter().copied();
+    nodes.zip(force.iter().map(|f| factor * f)).collect()
+}
+
+fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
+    for (&node, f) in constraint.inside.iter().zip(force) {
+        state.force[node] += f;
     }
 }

@@ -9,6 +9,7 @@ use crate::grading::{Start, Zone, graded_axis};
 use crate::level::Level;
 use crate::motion::Motion;
 use crate::runner_body::runner_body;
+use crate::solid_body::SolidBody;
 use crate::stretch::Stretch;
 use crate::window::Patch;
 use crate::{Bed, Error, Foundation, Load, Problem};
@@ -87,7 +88,12 @@ pub(crate) fn discretise(
     };
     let extent = problem.runner.underside.extent();
     // An elastic hull is meshed whole, with nodes at its ends and sides.
-    let meshed = problem.runner.elastic.is_some() && extent.iter().all(|end| end.is_finite());
+    let on_columns = problem
+        .runner
+        .elastic
+        .as_ref()
+        .filter(|e| e.solid.is_none());
+    let meshed = on_columns.is_some() && extent.iter().all(|end| end.is_finite());
     let axis = |stretches: &[Stretch], axis: usize| {
         let mut zones: Vec<Zone> = stretches
             .iter()
@@ -108,8 +114,12 @@ pub(crate) fn discretise(
             Start::Beyond(low)
         };
         let mut nodes = graded_axis(start, high, &zones, resolution.growth);
-        if meshed {
+        // Contact up to a runner's own ends needs nodes there.
+        if problem.runner.elastic.is_some() && hull.iter().all(|end| end.is_finite()) {
             hull.iter().for_each(|&end| put_node(&mut nodes, end));
+        }
+        if let Some(elastic) = on_columns.filter(|_| meshed && axis == 0) {
+            elastic.mount.refine(&mut nodes, hull);
         }
         nodes
     };
@@ -153,12 +163,18 @@ pub(crate) fn discretise(
         problem, gap, material, patch, &grid, symmetry, under, operator,
     );
     let mut runner_mesh = None;
-    if let Some(elastic) = problem.runner.elastic {
+    if let Some(elastic) = &problem.runner.elastic {
         let fineness = (narrowest / resolution.cells, resolution.growth);
-        let for_solving = under == Reach::Patch;
-        let (body, mesh) = runner_body(problem, elastic, &grid, symmetry, fineness, for_solving)?;
-        level.bodies.push(body);
-        runner_mesh = Some(mesh);
+        if let Some(solid) = &elastic.solid {
+            level.solid = Some(SolidBody::new(solid.clone(), &grid));
+            runner_mesh = Some(solid.mesh().clone());
+        } else {
+            let for_solving = under == Reach::Patch;
+            let (body, mesh) =
+                runner_body(problem, elastic, &grid, symmetry, fineness, for_solving)?;
+            level.bodies.push(body);
+            runner_mesh = Some(mesh);
+        }
     }
     Ok(Discretisation {
         grid,
@@ -316,11 +332,12 @@ fn level(
     let columns = Columns {
         first: [0, 0],
         count: [nx, ny],
+        plane_width: nx,
     };
     let ice = Body::new(operator, material, Side::Below, columns);
     Level {
         bodies: vec![ice],
-        nx,
+        solid: None,
         gap: gaps,
         rows,
         bound,

@@ -107,7 +107,15 @@ impl<'a> Gap<'a> {
 
     /// The mirror planes x = 0 and y = 0 that hull, ice, track and load share.
     pub fn symmetry(&self) -> [bool; 2] {
-        let hull = self.problem.runner.underside.mirror_symmetric();
+        let mut hull = self.problem.runner.underside.mirror_symmetric();
+        if let Some(elastic) = &self.problem.runner.elastic {
+            // A mesh from elsewhere is what it is.
+            let own = elastic.solid.is_some();
+            hull = [
+                hull[0] && !own && elastic.mount.mirror_symmetric(),
+                hull[1] && !own,
+            ];
+        }
         let ice = self
             .problem
             .ice_surface

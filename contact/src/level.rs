@@ -4,16 +4,18 @@ use faer::Mat;
 use rayon::prelude::*;
 
 use crate::body::Body;
+use crate::member::Member;
 use crate::motion::{Motion, dot_rows};
 use crate::psor::{Sets, dot};
+use crate::solid_body::SolidBody;
 use crate::vector;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct Level {
-    /// Elastic bodies that share the columns of the contact plane.
+    /// Elastic bodies that share the columns of the contact plane; the ice first.
     pub bodies: Vec<Body>,
-    /// Nodes along x on the contact plane.
-    pub nx: usize,
+    /// A runner on hexahedra of its own.
+    pub solid: Option<SolidBody>,
     /// Undeformed gap; infinite where there is no hull [m].
     pub gap: Vec<f64>,
     /// Rows N of the rigid motion.
@@ -38,62 +40,56 @@ pub(crate) struct State {
 }
 
 impl Level {
+    /// The bodies, in the order of their parts of a displacement vector.
+    pub fn members(&self) -> impl Iterator<Item = &dyn Member> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Member);
+        bodies.chain(self.solid.iter().map(|solid| solid as &dyn Member))
+    }
+
     /// Length of a displacement vector.
     pub fn len(&self) -> usize {
-        self.bodies.iter().map(Body::len).sum()
+        self.members().map(Member::len).sum()
     }
 
-    /// The dense Green's matrix of the candidates: that of P, and that scaled to elasticity's.
+    /// The dense Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's.
     pub fn greens(&self) -> [Mat<f64>; 2] {
         let n = self.candidates.len();
-        let mut plain = Mat::zeros(n, n);
-        let mut scaled = Mat::zeros(n, n);
-        for body in &self.bodies {
-            let [first_x, first_y] = body.columns.first;
-            let nodes: Vec<[usize; 2]> = self
-                .candidates
-                .iter()
-                .map(|&n| [n % self.nx - first_x, n / self.nx - first_y])
-                .collect();
-            let mut green = Mat::zeros(n, n);
-            body.modes.add_green(&nodes, 1.0, &mut green);
-            plain += &green;
-            scaled += faer::Scale(body.response) * &green;
+        let mut sums = [Mat::zeros(n, n), Mat::zeros(n, n)];
+        for member in self.members() {
+            for (sum, green) in sums.iter_mut().zip(member.green(&self.candidates)) {
+                *sum += &green;
+            }
         }
-        [plain, scaled]
+        sums
     }
 
-    /// Place of a plane node in a body's vector.
-    pub fn entry(&self, body: &Body, node: usize) -> Option<usize> {
-        body.columns
-            .local([node % self.nx, node / self.nx])
-            .map(|local| body.plane_start() + local)
-    }
-
-    /// Vertical closing of the gap by the displacements: sum of sign times u_z on the plane.
+    /// Vertical closing of the gap by the displacements: B u.
     pub fn closing(&self, displacement: &[f64]) -> Vec<f64> {
         let mut closing = vec![0.0; self.gap.len()];
         let mut start = 0;
-        for body in &self.bodies {
-            for (node, c) in closing.iter_mut().enumerate() {
-                if let Some(entry) = self.entry(body, node) {
-                    *c += body.sign * displacement[start + entry];
-                }
-            }
-            start += body.len();
+        for member in self.members() {
+            member.add_closing(&displacement[start..start + member.len()], &mut closing);
+            start += member.len();
         }
         closing
+    }
+
+    /// Gap of the candidates without motion and contact forces: the undeformed one less what loads on the runner close.
+    pub fn unpressed_gap(&self) -> Vec<f64> {
+        let mut closing = vec![0.0; self.gap.len()];
+        for member in self.members().filter(|m| !m.load().is_empty()) {
+            member.begin(member.load(), &mut closing);
+        }
+        self.candidates
+            .iter()
+            .map(|&node| self.gap[node] - closing[node])
+            .collect()
     }
 
     /// Vertical displacement of the lowest body's plane, the ice surface.
     pub fn ice_surface(&self, displacement: &[f64]) -> Vec<f64> {
         let ice = &self.bodies[0];
-        (0..self.gap.len())
-            .map(|node| {
-                self.entry(ice, node)
-                    .map_or(0.0, |entry| displacement[entry])
-            })
-            .collect()
+        ice.surface(&displacement[..ice.len()], self.gap.len())
     }
 
     /// Gap of every plane node in a state.
@@ -145,24 +141,39 @@ impl Level {
     /// `out` = K u, body by body.
     pub fn apply(&self, u: &[f64], out: &mut [f64]) {
         let mut start = 0;
-        for body in &self.bodies {
-            let range = start..start + body.len();
-            body.apply(&u[range.clone()], &mut out[range]);
-            start += body.len();
+        for member in self.members() {
+            let range = start..start + member.len();
+            member.apply(&u[range.clone()], &mut out[range]);
+            start += member.len();
         }
     }
 
-    /// `out` = - K u - B^T f.
+    /// `out` += B^T f for the forces (node, value).
+    pub fn add_forces(&self, forces: &[(usize, f64)], out: &mut [f64]) {
+        let mut start = 0;
+        for member in self.members() {
+            member.add_forces(forces, &mut out[start..start + member.len()]);
+            start += member.len();
+        }
+    }
+
+    /// `out` = load - K u - B^T f.
     pub fn residual(&self, state: &State, out: &mut [f64]) {
         self.apply(&state.displacement, out);
+        let forces: Vec<(usize, f64)> = state
+            .force
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|(_, f)| *f != 0.0)
+            .collect();
+        self.add_forces(&forces, out);
         let mut start = 0;
-        for body in &self.bodies {
-            for (node, f) in state.force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
-                if let Some(entry) = self.entry(body, node) {
-                    out[start + entry] += body.sign * f;
-                }
+        for member in self.members() {
+            for (out, load) in out[start..].iter_mut().zip(member.load()) {
+                *out -= load;
             }
-            start += body.len();
+            start += member.len();
         }
         out.par_chunks_mut(vector::CHUNK)
             .for_each(|chunk| chunk.iter_mut().for_each(|r| *r = -*r));

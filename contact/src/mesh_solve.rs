@@ -33,7 +33,7 @@ pub(crate) fn solve_level(
 ) -> Result<(State, Progress), Error> {
     let level = &mesh.level;
     let greens = level.greens();
-    let base: Vec<f64> = level.candidates.iter().map(|&n| level.gap[n]).collect();
+    let base = level.unpressed_gap();
     let start = PlaneState {
         force: vec![0.0; level.candidates.len()],
         motion: [patch.motion, 0.0, 0.0],
@@ -50,7 +50,7 @@ pub(crate) fn solve_level(
         motion: found.motion,
     };
     hold_outer_faces(problem, material, mesh, forces, &mut state);
-    let mut progress = one_solve(mesh, material, &greens, &mut state, options);
+    let mut progress = one_solve(problem, mesh, material, &greens, &mut state, options);
     if matches!(problem.load, Load::Approach { .. })
         && problem.ice.foundation == Foundation::HalfSpace
     {
@@ -65,7 +65,7 @@ pub(crate) fn solve_level(
                 &lumped_forces(mesh, &state),
                 &mut state,
             );
-            let again = one_solve(mesh, material, &greens, &mut state, options);
+            let again = one_solve(problem, mesh, material, &greens, &mut state, options);
             progress.iterations += again.iterations;
             progress.converged &= again.converged;
             progress.residual = again.residual;
@@ -124,6 +124,7 @@ fn hold_outer_faces(
 
 /// Solves the equations of one mesh for held outer faces, from `state`.
 fn one_solve(
+    problem: &Problem,
     mesh: &Discretisation,
     material: Material,
     greens: &[Mat<f64>; 2],
@@ -135,7 +136,10 @@ fn one_solve(
     let level = &mesh.level;
     match options.method {
         Method::Accelerated => level.solve(state, greens, options.residual, ITERATIONS),
-        Method::CholeskyActiveSet => Progress::direct(active_set(mesh, material, state)),
+        Method::CholeskyActiveSet => {
+            let mount = problem.runner.elastic.as_ref().map(|e| &e.mount);
+            Progress::direct(active_set(mesh, material, mount, state))
+        }
         Method::PlainSor => {
             let held = state.displacement.clone();
             level.solve(state, greens, options.residual, ITERATIONS);

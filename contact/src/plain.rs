@@ -5,8 +5,11 @@ use faer::Mat;
 use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, Section, assemble};
 use kufe_mesh::TensorGrid;
 
+use crate::Mount;
+use crate::body::to_components;
 use crate::discretise::Discretisation;
 use crate::level::{Level, State};
+use crate::plain_runner::PlainRunner;
 use crate::psor::{PlaneState, dot};
 
 const RELAXATION: f64 = 1.7;
@@ -73,7 +76,12 @@ fn sections(grid: &TensorGrid, level: &Level, material: Material) -> Option<Vec<
 /// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.
 ///
 /// `state` enters with the held displacements and leaves solved. Returns whether it settled.
-pub(crate) fn active_set(mesh: &Discretisation, material: Material, state: &mut State) -> bool {
+pub(crate) fn active_set(
+    mesh: &Discretisation,
+    material: Material,
+    mount: Option<&Mount>,
+    state: &mut State,
+) -> bool {
     let level = &mesh.level;
     let Some(ice) = assembled(&mesh.grid, level, material, &state.displacement) else {
         return false;
@@ -98,13 +106,25 @@ pub(crate) fn active_set(mesh: &Discretisation, material: Material, state: &mut 
         }
     }
     factor.solve(&mut sides);
-    let response = Mat::from_fn(n, n, |i, j| {
+    let mut response = Mat::from_fn(n, n, |i, j| {
         map.index(vertical(i))
             .map_or(0.0, |index| sides[j * map.free_count() + index])
     });
-    let base: Vec<f64> = (0..n)
+    let mut base: Vec<f64> = (0..n)
         .map(|i| level.gap[level.candidates[i]] - unloaded[vertical(i)])
         .collect();
+    let mut runner = None;
+    if let Some(mount) = mount {
+        let Some(part) = PlainRunner::new(mesh, mount, state) else {
+            return false;
+        };
+        response += part.response(&level.candidates, level.gap.len());
+        let still = part.closing(&part.displacement(&[]), level.gap.len());
+        for (base, &node) in base.iter_mut().zip(&level.candidates) {
+            *base -= still[node];
+        }
+        runner = Some(part);
+    }
     let force = level.candidates.iter().map(|&c| state.force[c]).collect();
     let start = PlaneState {
         force,
@@ -120,7 +140,13 @@ pub(crate) fn active_set(mesh: &Discretisation, material: Material, state: &mut 
     }
     state.motion = found.motion;
     let u = factor.displacement(&ice.stiffness, &ice.constraints, &map, &loads);
-    to_components(&u, &mut state.displacement);
+    let (on_ice, on_runner) = state.displacement.split_at_mut(3 * nodes);
+    to_components(&u, on_ice);
+    if let Some(part) = runner {
+        let forces = state.force.iter().copied().enumerate();
+        let forces: Vec<(usize, f64)> = forces.filter(|(_, f)| *f != 0.0).collect();
+        on_runner.copy_from_slice(&part.displacement(&forces));
+    }
     found.settled
 }
 
@@ -195,14 +221,4 @@ pub(crate) fn projected_sor(
     }
     to_components(&u, &mut state.displacement);
     sweeps
-}
-
-/// From node by node to component by component.
-fn to_components(u: &[f64], out: &mut [f64]) {
-    let nodes = u.len() / 3;
-    for (node, values) in u.chunks_exact(3).enumerate() {
-        for c in 0..3 {
-            out[c * nodes + node] = values[c];
-        }
-    }
 }

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use kufe_mesh::{IceSurface, Underside};
 
+use crate::{Mount, RunnerSolid};
+
 /// A runner on ice under a load.
 #[derive(Clone)]
 pub struct Problem {
@@ -38,18 +40,41 @@ impl Runner {
     }
 }
 
-/// The elasticity of a runner and what holds it.
+/// The elasticity of a runner, its solid and what holds it.
 ///
-/// A bounded hull is meshed between its underside and its flat top, which its mount holds and moves. An unbounded
-/// one (the paraboloid) is a half-space above the contact plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A bounded hull is meshed between its underside and its flat top on the ice's columns, unless it brings a `solid`. An
+/// unbounded one (the paraboloid) is a half-space above the contact plane.
+#[derive(Clone, Debug)]
 pub struct ElasticRunner {
     /// Young's modulus [Pa].
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poissons_ratio: f64,
-    /// Height of the clamped top over the contact plane [m]; not used by an unbounded hull.
+    /// Height of the flat top over the contact plane [m]; not used by an unbounded hull, nor by a solid.
     pub top: f64,
+    /// What holds the meshed runner.
+    pub mount: Mount,
+    /// Steepest slope of the meshed solid's underside, where its mount's own ([`Mount::flank`]) is not to be taken.
+    ///
+    /// Where the hull is steeper the solid goes on straight at this slope: it gains steel beside the contact, the gap does
+    /// not change.
+    pub flank: Option<f64>,
+    /// A runner on hexahedra of its own.
+    pub solid: Option<Arc<RunnerSolid>>,
+}
+
+impl ElasticRunner {
+    /// A runner held at its flat top.
+    pub fn held_at_top(youngs_modulus: f64, poissons_ratio: f64, top: f64) -> Self {
+        ElasticRunner {
+            youngs_modulus,
+            poissons_ratio,
+            top,
+            mount: Mount::Top,
+            flank: None,
+            solid: None,
+        }
+    }
 }
 
 /// The pressed body.

@@ -35,7 +35,7 @@ pub(crate) fn scout(
             motion: [patch.motion, 0.0, 0.0],
             settled: false,
         };
-        let base: Vec<f64> = level.candidates.iter().map(|&n| level.gap[n]).collect();
+        let base = level.unpressed_gap();
         let found = level.plane_contact(&scaled, &base, start);
         let mut force = vec![0.0; level.gap.len()];
         for (&node, f) in level.candidates.iter().zip(&found.force) {

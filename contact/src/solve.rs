@@ -7,6 +7,7 @@ use crate::discretise::{Reach, Resolution, discretise};
 use crate::extrapolation::{Extrapolation, Raw, first_resolution};
 use crate::field::field;
 use crate::gap::Gap;
+use crate::member::Member;
 use crate::mesh_solve::{lumped_forces, solve_level};
 use crate::scout::scout;
 use crate::{Error, Iterate, Options, Problem, Solution};
@@ -50,12 +51,7 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             growth: growth(cells),
         };
         let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
-        let dofs = mesh
-            .level
-            .bodies
-            .iter()
-            .map(|b| b.operator.free_dofs())
-            .sum();
+        let dofs = mesh.level.members().map(Member::free_dofs).sum();
         let (state, progress) = solve_level(problem, material, &mesh, &patch, &forces, options)?;
         let pressure = field(&mesh, problem, &patch).of(&state);
         let raw = Raw {

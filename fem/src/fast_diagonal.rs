@@ -6,7 +6,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-use crate::tensor_axis::AxisModes;
+use crate::tensor_axis::{Axis, AxisModes};
 use crate::tensor_operator::TensorOperator;
 
 /// Inverse of the block diagonal of elasticity on a tensor grid.
@@ -39,9 +39,18 @@ struct Component {
 impl FastDiagonal {
     /// Diagonalises every axis once for each pair of held ends that occurs.
     pub fn new(operator: &TensorOperator) -> Self {
-        // Two layers give the vertical component a z axis of its own.
-        let variant = |c: usize, axis: usize| {
-            usize::from(c == 2 && axis == 2 && operator.lower_layer().is_some())
+        Self::with_first_axis(operator, None)
+    }
+
+    /// As [`FastDiagonal::new`]; where `first` is given, component x has that axis along x instead of the operator's own.
+    ///
+    /// For [`crate::hex8_axial`] `first` is the operator's first axis, [`Axis::averaged`].
+    pub fn with_first_axis(operator: &TensorOperator, first: Option<&Axis>) -> Self {
+        // Two layers give the vertical component a z axis of its own, an axis from outside component x one of x.
+        let variant = |c: usize, axis: usize| match (c, axis) {
+            (2, 2) => usize::from(operator.lower_layer().is_some()),
+            (0, 0) => usize::from(first.is_some()),
+            _ => 0,
         };
         let key = |c: usize, axis: usize| (axis, operator.held[c][axis], variant(c, axis));
         let mut wanted: Vec<(usize, [bool; 2], usize)> = Vec::new();
@@ -56,8 +65,9 @@ impl FastDiagonal {
         let solved: HashMap<(usize, [bool; 2], usize), AxisModes> = wanted
             .par_iter()
             .map(|&(axis, held, variant)| {
-                let modes = match axis {
-                    2 => operator.preconditioned_z(2 * variant).modes(held),
+                let modes = match (axis, first) {
+                    (2, _) => operator.preconditioned_z(2 * variant).modes(held),
+                    (0, Some(first)) if variant == 1 => first.modes(held),
                     _ => operator.axes[axis].modes(held),
                 };
                 ((axis, held, variant), modes)

@@ -5,6 +5,7 @@
 //! coefficients: neither derivatives nor their transpose need a multiplication.
 
 use crate::hex8::GAUSS;
+use crate::hex8_axial::LINES;
 use crate::lanes::Lanes;
 
 /// The body once for each Gauss point, its number a constant, so that every index in it is one.
@@ -210,19 +211,21 @@ fn traction(s: &[Lanes; 6], v: &[Lanes; 3]) -> [Lanes; 3] {
     ]
 }
 
-/// Corner forces K u of four cells; `inner` is given for cells with incompatible modes.
+/// Corner forces K u of four cells; `inner` is given for cells with incompatible modes, `axial` says that shear is averaged.
 #[inline(always)]
 pub(crate) fn apply(
     corners: &CornerField,
     u: &CornerField,
     material: &BatchMaterial,
     inner: Option<&InnerInverse>,
+    axial: bool,
 ) -> CornerField {
     let zero = Lanes::default();
     let (dx, du) = (component_derivatives(corners), component_derivatives(u));
     let mut cofactor = [[[zero; 3]; 3]; 8];
     let mut inverse_determinant = [zero; 8];
     let mut stresses = [[zero; 6]; 8];
+    let mut bracket = [zero; 8];
     each_gauss_point!(G, {
         let (j, natural) = (tensor_at::<G>(&dx), tensor_at::<G>(&du));
         let c = cofactors(&j);
@@ -236,17 +239,41 @@ pub(crate) fn apply(
         }
         cofactor[G] = c;
         inverse_determinant[G] = determinant.recip();
+        if axial {
+            // The bracket of eps_xx is added below, averaged.
+            bracket[G] = natural[0][1] * c[1][0] + natural[0][2] * c[2][0];
+            h[0][0] = natural[0][0] * c[0][0];
+        }
         stresses[G] = stress(&h, material, inverse_determinant[G]);
     });
     if let Some(inverse) = inner {
         add_inner_stress(&dx, material, inverse, &inverse_determinant, &mut stresses);
+    }
+    if axial {
+        average(&bracket, material, &inverse_determinant, &mut stresses);
+    }
+    // The stress xx that works on the bracket of eps_xx.
+    let mut on_bracket = [zero; 8];
+    for g in 0..8 {
+        on_bracket[g] = stresses[g][0];
+    }
+    if axial {
+        for [first, second] in LINES {
+            let mean = mean_of(&inverse_determinant, [first, second], &on_bracket);
+            on_bracket[first] = mean;
+            on_bracket[second] = mean;
+        }
     }
     // P_im = s_ij C_mj, gathered over Gauss points that share a sign pair.
     let mut p = [[[zero; 4]; 3]; 3];
     each_gauss_point!(G, {
         const PAIRS: [usize; 3] = [pair(G, 0), pair(G, 1), pair(G, 2)];
         for m in 0..3 {
-            let t = traction(&stresses[G], &cofactor[G][m]);
+            let mut acting = stresses[G];
+            if m > 0 {
+                acting[0] = on_bracket[G];
+            }
+            let t = traction(&acting, &cofactor[G][m]);
             for i in 0..3 {
                 p[i][m][PAIRS[m]] += t[i];
             }
@@ -260,6 +287,45 @@ pub(crate) fn apply(
         }
     }
     forces
+}
+
+/// Mean of two Gauss points' values weighted by det J, from the inverses.
+#[inline(always)]
+fn mean_of(
+    inverse_determinant: &[Lanes; 8],
+    [first, second]: [usize; 2],
+    values: &[Lanes; 8],
+) -> Lanes {
+    let (p, q) = (inverse_determinant[first], inverse_determinant[second]);
+    (values[first] * q + values[second] * p) * (p + q).recip()
+}
+
+/// Stresses of the averaged strains: zx and xy averaged, and the stress of eps_xx's averaged bracket (given times det J) added.
+#[inline(always)]
+fn average(
+    bracket: &[Lanes; 8],
+    material: &BatchMaterial,
+    inverse_determinant: &[Lanes; 8],
+    stresses: &mut [[Lanes; 6]; 8],
+) {
+    for line in LINES {
+        let [first, second] = line;
+        let (p, q) = (inverse_determinant[first], inverse_determinant[second]);
+        let strain = (bracket[first] + bracket[second]) * p * q * (p + q).recip();
+        let trace = material.lambda * strain;
+        let axial = trace + (material.mu + material.mu) * strain;
+        for g in line {
+            stresses[g][0] += axial;
+            stresses[g][1] += trace;
+            stresses[g][2] += trace;
+        }
+        for k in [4, 5] {
+            let values: [Lanes; 8] = std::array::from_fn(|g| stresses[g][k]);
+            let mean = mean_of(inverse_determinant, line, &values);
+            stresses[first][k] = mean;
+            stresses[second][k] = mean;
+        }
+    }
 }
 
 /// Adds the stress of the incompatible modes at the amplitudes that balance the stresses given.

@@ -3,7 +3,7 @@
 //! | type or function | what it is |
 //! |---|---|
 //! | [`Material`], [`Section`], [`Body`] | what a mesh is made of, checked once |
-//! | [`hex8`], [`hex8_incompatible`] | the trilinear hexahedron, and the one that bends without locking |
+//! | [`hex8`], [`hex8_incompatible`], [`hex8_axial`] | the trilinear hexahedron, and two that bend without locking |
 //! | [`Constraints`], [`add_pressure`], [`add_traction`], [`add_body_force`] | supports and loads |
 //! | [`equilibrium`] | loads in, displacements and reactions out |
 //! | [`nodal_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
@@ -39,6 +39,7 @@
 
 pub mod cg;
 pub mod hex8;
+pub mod hex8_axial;
 pub mod hex8_incompatible;
 
 mod assembly;

@@ -22,9 +22,10 @@ struct Batch {
 /// same bits for any number of threads.
 pub struct MatrixFree {
     dofs: usize,
-    /// Plain cells' batches first, then those with incompatible modes.
+    /// Plain cells' batches first, then those with averaged shear, then those with incompatible modes.
     batches: Vec<Batch>,
     plain: usize,
+    simple: usize,
     inner: Vec<InnerInverse>,
     cell_start: Vec<usize>,
     /// Where in `forces` the x force of each node's places stands; y and z follow at strides of [`LANES`].
@@ -46,12 +47,14 @@ impl MatrixFree {
         };
         let kinds = [
             of_kind(ElementKind::Hex8),
+            of_kind(ElementKind::Hex8Axial),
             of_kind(ElementKind::Hex8Incompatible),
         ];
         let plain = kinds[0].len().div_ceil(LANES);
+        let simple = plain + kinds[1].len().div_ceil(LANES);
         let groups: Vec<&[usize]> = kinds.iter().flat_map(|cells| cells.chunks(LANES)).collect();
         let batches: Vec<Batch> = groups.par_iter().map(|group| batch(body, group)).collect();
-        let inner = groups[plain..]
+        let inner = groups[simple..]
             .par_iter()
             .map(|group| inner_inverse(body, group))
             .collect();
@@ -79,6 +82,7 @@ impl MatrixFree {
             dofs: body.dofs(),
             batches,
             plain,
+            simple,
             inner,
             cell_start: graph.cell_start,
             slots,
@@ -106,7 +110,8 @@ impl MatrixFree {
     /// Where a vector has another length.
     pub fn apply(&mut self, u: &[f64], y: &mut [f64]) {
         assert_eq!((u.len(), y.len()), (self.dofs, self.dofs));
-        let (batches, plain, inner) = (&self.batches, self.plain, &self.inner);
+        let (batches, inner) = (&self.batches, &self.inner);
+        let (plain, simple) = (self.plain, self.simple);
         let tasks = self
             .forces
             .par_chunks_mut(BATCHES_A_TASK * FORCES)
@@ -117,6 +122,7 @@ impl MatrixFree {
             pulp::Arch::new().dispatch(Task {
                 batches,
                 plain,
+                simple,
                 inner,
                 first,
                 u,
@@ -147,6 +153,7 @@ impl MatrixFree {
 struct Task<'a> {
     batches: &'a [Batch],
     plain: usize,
+    simple: usize,
     inner: &'a [InnerInverse],
     first: usize,
     u: &'a [f64],
@@ -160,18 +167,21 @@ impl pulp::NullaryFnOnce for Task<'_> {
     fn call(self) {
         for (local, forces) in self.forces.chunks_exact_mut(FORCES).enumerate() {
             let b = self.first + local;
-            let inner = if b < self.plain {
-                None
-            } else {
-                Some(&self.inner[b - self.plain])
-            };
-            apply_batch(&self.batches[b], inner, self.u, forces);
+            let inner = b.checked_sub(self.simple).map(|b| &self.inner[b]);
+            let axial = (self.plain..self.simple).contains(&b);
+            apply_batch(&self.batches[b], inner, axial, self.u, forces);
         }
     }
 }
 
 #[inline(always)]
-fn apply_batch(batch: &Batch, inner: Option<&InnerInverse>, u: &[f64], forces: &mut [f64]) {
+fn apply_batch(
+    batch: &Batch,
+    inner: Option<&InnerInverse>,
+    axial: bool,
+    u: &[f64],
+    forces: &mut [f64],
+) {
     let mut local: CornerField = [[Lanes::default(); 3]; 8];
     for a in 0..8 {
         for l in 0..LANES {
@@ -182,7 +192,7 @@ fn apply_batch(batch: &Batch, inner: Option<&InnerInverse>, u: &[f64], forces: &
             }
         }
     }
-    let result = apply(&batch.corners, &local, &batch.material, inner);
+    let result = apply(&batch.corners, &local, &batch.material, inner, axial);
     for a in 0..8 {
         for i in 0..3 {
             let at = (3 * a + i) * LANES;
@@ -245,10 +255,12 @@ mod tests {
     #[test]
     fn matrix_free_product_equals_the_assembled_one() {
         let (plain, bending) = (ElementKind::Hex8, ElementKind::Hex8Incompatible);
+        let axial = ElementKind::Hex8Axial;
         let bodies = [
             body(|_| plain),
             body(|_| bending),
-            body(|cell| if cell % 3 == 0 { bending } else { plain }),
+            body(|_| axial),
+            body(|cell| [bending, plain, axial][cell % 3]),
         ];
         for body in bodies {
             let u: Vec<f64> = (0..body.dofs()).map(|i| (i as f64 * 0.37).sin()).collect();

@@ -1,7 +1,7 @@
 //! What a cell is made of and which element integrates it.
 
 use crate::hex8::{Corners, ElementMatrix};
-use crate::{Material, hex8, hex8_incompatible};
+use crate::{Material, hex8, hex8_axial, hex8_incompatible};
 
 /// Which eight-node hexahedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,6 +11,8 @@ pub enum ElementKind {
     Hex8,
     /// Trilinear with incompatible modes, for bodies that bend.
     Hex8Incompatible,
+    /// Trilinear with the shear of planes across its first axis averaged along it, for beams along that axis.
+    Hex8Axial,
 }
 
 /// Material and element of a cell.
@@ -28,6 +30,7 @@ impl Section {
         match self.kind {
             ElementKind::Hex8 => hex8::stiffness(corners, self.material),
             ElementKind::Hex8Incompatible => hex8_incompatible::stiffness(corners, self.material),
+            ElementKind::Hex8Axial => hex8_axial::stiffness(corners, self.material),
         }
     }
 }

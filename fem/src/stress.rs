@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::hex8::{self, GAUSS, Jacobian};
 use crate::hex8_incompatible::{Uncondensed, mode_gradients};
-use crate::{Body, ElementKind, NodeGraph};
+use crate::{Body, ElementKind, NodeGraph, hex8_axial};
 
 /// Displacements of one cell, ready to be differentiated.
 struct CellField {
@@ -14,6 +14,7 @@ struct CellField {
     displacement: [f64; 24],
     /// Amplitudes of the incompatible modes and the centre's Jacobian, where the cell has them.
     inner: Option<([f64; 9], Jacobian)>,
+    axial: bool,
 }
 
 impl CellField {
@@ -30,10 +31,14 @@ impl CellField {
             corners,
             displacement,
             inner,
+            axial: section.kind == ElementKind::Hex8Axial,
         }
     }
 
     fn strain(&self, xi: [f64; 3]) -> [f64; 6] {
+        if self.axial {
+            return hex8_axial::strain(&self.corners, &self.displacement, xi);
+        }
         let (gradients, determinant) = hex8::gradients(&self.corners, xi);
         let mut h = [[0.0; 3]; 3];
         let mut add = |value: &[f64], gradient: [f64; 3]| {
@@ -145,8 +150,16 @@ mod tests {
 
     #[test]
     fn a_linear_displacement_has_its_stress_at_every_gauss_point_and_node() {
-        for kind in [ElementKind::Hex8, ElementKind::Hex8Incompatible] {
-            let mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
+        for kind in [
+            ElementKind::Hex8,
+            ElementKind::Hex8Incompatible,
+            ElementKind::Hex8Axial,
+        ] {
+            let mut mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
+            // In planes across x, as the axial element wants them.
+            for (node, p) in mesh.points.iter_mut().enumerate() {
+                p[0] = (node % 4) as f64 / 3.0;
+            }
             let material = Material::new(9.0e9, 0.33).unwrap();
             let body = Body::uniform(mesh, material, kind).unwrap();
             let h = [[1e-3, 2e-4, 0.0], [-3e-4, 5e-4, 1e-4], [2e-4, 0.0, -7e-4]];

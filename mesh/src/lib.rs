@@ -64,7 +64,7 @@ pub use hull_check::{HullReport, HullWarning, check_hull};
 pub use hull_file::{HullFormat, load_hull};
 pub use ice_surface::{HeightMap, IceSurface, Interpolation, Waviness};
 pub use luge_steel::LugeSteel;
-pub use mapped_mesh::{graded_levels, mapped_runner_mesh};
+pub use mapped_mesh::{graded_levels, limit_slope, mapped_runner_mesh, mesh_over_heights};
 pub use paraboloid::Paraboloid;
 pub use points_file::load_points;
 pub use profile::Profile;

@@ -1,12 +1,13 @@
 //! The ranges of a case's values.
 
+use super::mount::check_mount;
 use super::{
     Case, CaseError, Hardness, IceTable, LoadTable, RunnerTable, SectionTable, Shape, Thickness,
     TiltWord,
 };
 use crate::ICE_TEMPERATURES;
 
-type Checked = Result<(), CaseError>;
+pub(super) type Checked = Result<(), CaseError>;
 
 impl Case {
     /// Checks every value against its range.
@@ -15,6 +16,7 @@ impl Case {
     /// [`CaseError`] naming the first key that is wrong.
     pub fn check(&self) -> Checked {
         check_runner(&self.runner)?;
+        check_mount(&self.runner, &self.load)?;
         check_ice(&self.ice)?;
         if let Some(radius) = self.track.radius_m {
             require(
@@ -46,7 +48,12 @@ impl Case {
 
 fn check_runner(runner: &RunnerTable) -> Checked {
     match (&runner.hull, &runner.shape) {
-        (None, None) => Err(combination("runner", "expected a hull or a shape")),
+        (None, None) if runner.mesh.is_some() => runner.check_mesh(),
+        _ if runner.mesh.is_some() => Err(combination(
+            "runner.mesh",
+            "either hull, shape or mesh, not two of them",
+        )),
+        (None, None) => Err(combination("runner", "expected a hull, a shape or a mesh")),
         (Some(_), Some(_)) => Err(combination(
             "runner.shape",
             "either hull or shape, not both",
@@ -295,7 +302,7 @@ fn poisson(key: &'static str, value: f64) -> Checked {
     )
 }
 
-fn positive(key: &'static str, value: f64) -> Checked {
+pub(super) fn positive(key: &'static str, value: f64) -> Checked {
     require(
         value.is_finite() && value > 0.0,
         key,
@@ -313,11 +320,16 @@ fn radius(key: &'static str, value: f64) -> Checked {
     )
 }
 
-fn finite(key: &'static str, value: f64) -> Checked {
+pub(super) fn finite(key: &'static str, value: f64) -> Checked {
     require(value.is_finite(), key, value, "a finite number")
 }
 
-fn require(holds: bool, key: &'static str, value: f64, expected: &'static str) -> Checked {
+pub(super) fn require(
+    holds: bool,
+    key: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Checked {
     if holds {
         return Ok(());
     }
@@ -465,7 +477,7 @@ p_max = 0.01
         let both = GOOD.replacen("[runner]", "[runner]\nhull = \"a.obj\"", 1);
         assert!(error(&both).contains("runner.shape: either hull or shape"));
         let neither = GOOD.replacen("shape = {", "# shape = {", 1);
-        assert!(error(&neither).contains("line 1: runner: expected a hull or a shape"));
+        assert!(error(&neither).contains("line 1: runner: expected a hull, a shape or a mesh"));
         let scaled = GOOD.replacen("[runner]", "[runner]\nscale = 0.001", 1);
         assert!(error(&scaled).contains("runner.scale: belongs to a hull"));
     }

@@ -59,6 +59,12 @@ pub enum CaseError {
     /// The ice's surface cannot be read.
     #[error("ice.surface: {0}")]
     IceSurface(kufe_mesh::MeshError),
+    /// The runner's mesh cannot be read, or makes no runner.
+    #[error("runner.mesh: {reason}")]
+    Mesh {
+        /// The reader's own words, with the file.
+        reason: String,
+    },
     /// The case cannot be written as TOML.
     #[error("the case cannot be written as TOML: {reason}")]
     Unwritable {
@@ -105,6 +111,7 @@ impl CaseError {
             | CaseError::Hull(_)
             | CaseError::Section(_)
             | CaseError::IceSurface(_)
+            | CaseError::Mesh { .. }
             | CaseError::Unwritable { .. } => {}
         }
         self

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use kufe_mesh::{
     Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
-    Rocker, Section, Underside, load_hull,
+    Rocker, Section, Underside, load_hull, read_gmsh, read_vtu,
 };
 
 use super::check::combination;
+use super::mount::mesh_error;
 use super::{Case, CaseError, ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis};
-use crate::{ElasticRunner, Load, Problem, Runner, Tilt};
+use crate::{ElasticRunner, Load, Problem, Runner, RunnerSolid, Tilt};
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
@@ -45,12 +46,17 @@ impl Case {
     /// As [`problem`](Self::problem).
     pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
         self.check()?;
-        let (underside, hull) = underside(&self.runner, base)?;
-        let elastic = self
-            .runner
-            .elastic
-            .then(|| self.elastic_runner())
-            .transpose()?;
+        let (underside, hull, elastic) = match &self.runner.mesh {
+            Some(path) => {
+                let (underside, elastic) = self.meshed(&base.join(path))?;
+                (underside, None, Some(elastic))
+            }
+            None => {
+                let (underside, hull) = underside(&self.runner, base)?;
+                let elastic = self.runner.elastic.then(|| self.elastic_runner());
+                (underside, hull, elastic.transpose()?)
+            }
+        };
         let mut problem = Problem {
             runner: Runner { underside, elastic },
             ice: self.ice.ice(),
@@ -73,7 +79,41 @@ impl Case {
         Ok(StatedProblem { problem, hull })
     }
 
-    /// The runner's elasticity; its mount holds the flat top.
+    /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised stiffness.
+    ///
+    /// Its mount holds the nodes at its highest place, all of them or those over the places held.
+    fn meshed(&self, path: &Path) -> Result<(Arc<dyn Underside>, ElasticRunner), CaseError> {
+        let named =
+            |reason: &dyn std::fmt::Display| mesh_error(format!("{}: {reason}", path.display()));
+        let bytes =
+            std::fs::read(path).map_err(|error| named(&format!("cannot be read: {error}")))?;
+        let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let mut mesh = match ending.as_deref() {
+            Some("msh") => read_gmsh(&bytes).map_err(|error| named(&error))?,
+            Some("vtu") => read_vtu(&bytes).map_err(|error| named(&error))?,
+            _ => return Err(named(&"expected hexahedra in a .msh or a .vtu file")),
+        };
+        let scale = self.runner.scale.unwrap_or(1.0);
+        mesh.points.iter_mut().flatten().for_each(|v| *v *= scale);
+        let heights = || mesh.points.iter().map(|p| p[2]);
+        let top = heights().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = heights().fold(f64::INFINITY, f64::min);
+        let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
+        let held = |p: [f64; 3]| {
+            top - p[2] <= 1e-6 * (top - lowest) && mount.as_ref().is_none_or(|m| m.over(p[0]))
+        };
+        let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
+        let solid = RunnerSolid::new(mesh, modulus, ratio, held).map_err(|error| named(&error))?;
+        let underside =
+            FittedUnderside::new(&solid.underside(), 0.0).map_err(|error| named(&error))?;
+        let elastic = ElasticRunner {
+            solid: Some(Arc::new(solid)),
+            ..ElasticRunner::held_at_top(modulus, ratio, top)
+        };
+        Ok((Arc::new(underside), elastic))
+    }
+
+    /// The runner's elasticity and what holds its flat top.
     fn elastic_runner(&self) -> Result<ElasticRunner, CaseError> {
         let top = match &self.runner.shape {
             Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. }) => *height_m,
@@ -85,10 +125,22 @@ impl Case {
                 ));
             }
         };
+        let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
+        if mount.is_some() && top.is_infinite() {
+            return Err(combination(
+                "runner.mount",
+                "expected a shape with a top: a paraboloid has none",
+            ));
+        }
         Ok(ElasticRunner {
-            youngs_modulus: self.runner.youngs_modulus_pa,
-            poissons_ratio: self.runner.poissons_ratio,
-            top,
+            mount: mount.unwrap_or_default(),
+            // A luge steel is flat across: a gentle limit adds nothing to its bending stiffness.
+            flank: matches!(self.runner.shape, Some(Shape::Luge { .. })).then_some(0.25),
+            ..ElasticRunner::held_at_top(
+                self.runner.youngs_modulus_pa,
+                self.runner.poissons_ratio,
+                top,
+            )
         })
     }
 }

@@ -1,0 +1,148 @@
+//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks and mounts.
+//!
+//! ```sh
+//! elastic       # 6 cells over half the patch
+//! elastic 8     # another number
+//! ```
+
+use std::sync::Arc;
+
+use kufe_benches::{ICE, best_of, peak_bytes};
+use kufe_contact::{
+    ElasticRunner, Foundation, Ice, Load, LoadedPlace, Mount, Options, Place, Problem, Runner,
+    Tilt, solve,
+};
+use kufe_mesh::{BobRunner, LugeSteel, MeshError, Underside};
+
+/// A runner of the gallery.
+struct Row {
+    name: &'static str,
+    underside: Arc<dyn Underside>,
+    top: f64,
+    flank: Option<f64>,
+    curvature: f64,
+    /// Middle and length of its mount's place in front; the other is its mirror image [m].
+    place: [f64; 2],
+}
+
+fn bob(
+    name: &'static str,
+    rocker_radius: f64,
+    section_radius: f64,
+    curvature: f64,
+) -> Result<Row, MeshError> {
+    let bob = BobRunner {
+        rocker_radius,
+        section_radius,
+        width: f64::min(0.01, 2.0 * section_radius),
+        ..BobRunner::default()
+    };
+    Ok(Row {
+        name,
+        underside: Arc::new(bob.swept()?),
+        top: bob.height,
+        flank: None,
+        curvature,
+        place: [0.25, 0.04],
+    })
+}
+
+fn luge(name: &'static str, tilt: f64, curvature: f64) -> Result<Row, MeshError> {
+    let luge = LugeSteel {
+        tilt,
+        ..LugeSteel::default()
+    };
+    Ok(Row {
+        name,
+        underside: Arc::new(luge.swept()?),
+        top: luge.height,
+        flank: Some(0.25),
+        curvature,
+        place: [0.15, 0.012],
+    })
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let cells = match std::env::args().nth(1) {
+        Some(word) => word.parse()?,
+        None => 6,
+    };
+    let gallery = [
+        bob("bob, section 5 mm, rocker 30 m", 30.0, 0.005, 0.0)?,
+        bob("bob, section 2 mm", 30.0, 0.002, 0.0)?,
+        bob("bob, rocker 20 m", 20.0, 0.005, 0.0)?,
+        bob("bob, rocker 45 m", 45.0, 0.005, 0.0)?,
+        bob("bob, track 40 m", 30.0, 0.005, 1.0 / 40.0)?,
+        bob("bob, track 20 m: its ends", 30.0, 0.005, 1.0 / 20.0)?,
+        luge("luge, tilt 0.02", 0.02, 0.0)?,
+        luge("luge, track 40 m", 0.02, 1.0 / 40.0)?,
+    ];
+    println!("### Elastic runners, 1 kN, {cells} cells over half the patch, residual 1e-9\n");
+    println!("| runner | mount | iterations | unknowns | p_max | time |");
+    println!("|---|---|---|---|---|---|");
+    for row in &gallery {
+        for (mount, tilt) in [(0, "fixed"), (1, "fixed"), (2, "free")] {
+            let (name, problem) = problem(row, mount, tilt == "free");
+            let options = Options {
+                cells: Some(cells),
+                ..Options::default()
+            };
+            let (seconds, solved) = best_of(1, || solve(&problem, &options));
+            match solved {
+                Ok(s) => println!(
+                    "| {} | {name} | {} | {} | {:.1} MPa | {seconds:.2} s |",
+                    row.name,
+                    s.iterations,
+                    s.dofs,
+                    1e-6 * s.p_max
+                ),
+                Err(error) => println!("| {} | {name} | {error} | | | |", row.name),
+            }
+        }
+    }
+    println!(
+        "\nPeak memory of all of them: {:.2} GB",
+        peak_bytes() as f64 / 1e9
+    );
+    Ok(())
+}
+
+fn problem(row: &Row, mount: usize, free: bool) -> (&'static str, Problem) {
+    let [x, length] = row.place;
+    let places = [-x, x].map(|x| Place { x, length });
+    let loads = places.map(|place| LoadedPlace { place, share: 0.5 });
+    let (name, mount) = match mount {
+        0 => ("top", Mount::Top),
+        1 => ("two places", Mount::Places(places.to_vec())),
+        _ => ("two loads", Mount::Loads(loads.to_vec())),
+    };
+    let level = Tilt::Fixed {
+        pitch: 0.0,
+        roll: 0.0,
+    };
+    let problem = Problem {
+        runner: Runner {
+            underside: row.underside.clone(),
+            elastic: Some(ElasticRunner {
+                mount,
+                flank: row.flank,
+                ..ElasticRunner::held_at_top(210e9, 0.3, row.top)
+            }),
+        },
+        ice: Ice {
+            youngs_modulus: ICE.0,
+            poissons_ratio: ICE.1,
+            foundation: Foundation::HalfSpace,
+            hardness: None,
+        },
+        ice_surface: None,
+        track_curvature: row.curvature,
+        load: Load::Force {
+            fz: 1000.0,
+            offset_x: 0.0,
+            offset_y: 0.0,
+            tilt: if free { Tilt::Free } else { level },
+        },
+    };
+    (name, problem)
+}

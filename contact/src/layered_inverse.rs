@@ -1,0 +1,102 @@
+//! The preconditioner of a body that nothing but faces holds.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use faer::Mat;
+use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
+
+use crate::body::Columns;
+use crate::surface::SurfaceModes;
+
+/// P^-1 by layers, with the contact plane as the end of the elimination.
+pub(crate) struct LayeredInverse {
+    preconditioner: LayeredDiagonal,
+    modes: SurfaceModes,
+    columns: Columns,
+    sign: f64,
+    /// Factor by which the true surface response exceeds that of P on a half-space.
+    response: f64,
+    /// What stands between a beginning and its finish.
+    modal: Mutex<Vec<f64>>,
+}
+
+impl LayeredInverse {
+    /// With the contact plane at `end` of z.
+    pub fn new(
+        operator: &TensorOperator,
+        end: End,
+        columns: Columns,
+        sign: f64,
+        material: Material,
+    ) -> Self {
+        let preconditioner = LayeredDiagonal::new(operator, end);
+        LayeredInverse {
+            modes: SurfaceModes::new(&preconditioner),
+            columns,
+            sign,
+            response: response(operator, material),
+            modal: Mutex::new(vec![0.0; preconditioner.mode_count()]),
+            preconditioner,
+        }
+    }
+
+    fn modal(&self) -> MutexGuard<'_, Vec<f64>> {
+        // Never contended: one iteration runs at a time.
+        self.modal.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// See [`crate::member::Member::begin`].
+    pub fn begin(&self, residual: &[f64], closing: &mut [f64]) {
+        let mut modal = self.modal();
+        self.preconditioner.gather(residual, &mut modal);
+        let gathered = self.preconditioner.gathered(&modal);
+        let answer = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
+            gathered[(a, b)] * self.modes.table[(a, b)]
+        });
+        let trace = self.modes.to_nodes(answer.as_ref());
+        let [nx, ny] = self.columns.count;
+        for j in 0..ny {
+            for i in 0..nx {
+                closing[self.columns.node([i, j])] += self.sign * trace[(i, j)];
+            }
+        }
+    }
+
+    /// See [`crate::member::Member::finish`].
+    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
+        let [nx, ny] = self.columns.count;
+        let mut plane = Mat::<f64>::zeros(nx, ny);
+        for &(node, m) in multipliers {
+            if let Some([i, j]) = self.columns.local(node) {
+                plane[(i, j)] = m;
+            }
+        }
+        let load = self.modes.to_modes(plane.as_ref());
+        let mut modal = self.modal();
+        let mut gathered = self.preconditioner.gathered_mut(&mut modal);
+        gathered -= faer::Scale(self.sign) * load;
+        self.preconditioner.spread(&mut modal, step);
+    }
+
+    /// See [`crate::member::Member::green`]; the second one is scaled to elasticity's response.
+    pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
+        let n = nodes.len();
+        let local: Vec<[usize; 2]> = nodes
+            .iter()
+            .filter_map(|&node| self.columns.local(node))
+            .collect();
+        assert_eq!(local.len(), n, "contact candidates over the body");
+        let mut green = Mat::zeros(n, n);
+        self.modes.add_green(&local, 1.0, &mut green);
+        let scaled = faer::Scale(self.response) * &green;
+        [green, scaled]
+    }
+}
+
+/// Factor by which the true surface response exceeds that of P on a half-space.
+///
+/// Both are 1 / |k| in the wave number: (1 - nu) / mu for elasticity, 1 / sqrt(mu (lambda + 2 mu)) for P.
+pub(crate) fn response(operator: &TensorOperator, material: Material) -> f64 {
+    let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
+    (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt()
+}

@@ -1,0 +1,196 @@
+//! A runner on hexahedra of its own: held somewhere, touched from below.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use kufe_fem::{
+    BlockMatrix, Body, Constraints, DofMap, ElementKind, Factor, Material, assemble, boundary_faces,
+};
+use kufe_mesh::{HexMesh, Hull};
+
+use crate::Error;
+
+/// The stiffness of a runner of unstructured hexahedra, factorised, and the faces that may touch the ice.
+///
+/// Cells have incompatible modes, so that thin steel bends. The factor is made once and serves every mesh of the ice.
+pub struct RunnerSolid {
+    body: Body,
+    pub(crate) stiffness: BlockMatrix,
+    pub(crate) map: DofMap,
+    pub(crate) factor: Factor,
+    /// Faces of the underside, nodes counter-clockwise seen from below.
+    pub(crate) faces: Vec<[usize; 4]>,
+    /// Nodes of the underside.
+    pub(crate) surface: Vec<usize>,
+    /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were asked for [m/N].
+    responses: Mutex<HashMap<usize, Vec<f64>>>,
+}
+
+impl std::fmt::Debug for RunnerSolid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RunnerSolid")
+            .field("nodes", &self.body.node_count())
+            .field("underside", &self.faces.len())
+            .field("factor", &self.factor)
+            .finish()
+    }
+}
+
+/// Largest vertical part of the outward unit normal of a face that faces down.
+const DOWN: f64 = -0.2;
+/// Right-hand sides solved at once.
+const BATCH: usize = 32;
+
+impl RunnerSolid {
+    /// A solid of one material whose nodes where `held` are clamped; z points up.
+    ///
+    /// The underside is what faces down and hangs together with the lowest face.
+    ///
+    /// # Errors
+    /// [`Error::RunnerMesh`] where a cell is inside out, nothing is held, what is held leaves a mechanism, or nothing faces
+    /// down.
+    pub fn new(
+        mesh: HexMesh,
+        youngs_modulus: f64,
+        poissons_ratio: f64,
+        held: impl Fn([f64; 3]) -> bool,
+    ) -> Result<Self, Error> {
+        let bad = |reason: String| Error::RunnerMesh { reason };
+        let said = |error: kufe_fem::Error| Error::RunnerMesh {
+            reason: error.to_string(),
+        };
+        let material = Material::new(youngs_modulus, poissons_ratio).map_err(said)?;
+        let faces = underside(&mesh);
+        if faces.is_empty() {
+            return Err(bad("no face of its mesh faces down".into()));
+        }
+        let clamped: Vec<usize> = (0..mesh.points.len())
+            .filter(|&node| held(mesh.points[node]))
+            .collect();
+        if clamped.is_empty() {
+            return Err(bad("its mount holds no node of its mesh".into()));
+        }
+        let body = Body::uniform(mesh, material, ElementKind::Hex8Incompatible).map_err(said)?;
+        let mut constraints = Constraints::new(body.node_count());
+        constraints.clamp(clamped).map_err(said)?;
+        let map = constraints.dof_map();
+        let stiffness = assemble(&body);
+        let factor = Factor::of_body(&stiffness, &map, &body.mesh().points).map_err(said)?;
+        let mut surface: Vec<usize> = faces.iter().flatten().copied().collect();
+        surface.sort_unstable();
+        surface.dedup();
+        Ok(RunnerSolid {
+            body,
+            stiffness,
+            map,
+            factor,
+            faces,
+            surface,
+            responses: Mutex::default(),
+        })
+    }
+
+    /// The hexahedra.
+    pub fn mesh(&self) -> &HexMesh {
+        self.body.mesh()
+    }
+
+    /// The underside as triangles, for a smooth surface through its nodes.
+    pub fn underside(&self) -> Hull {
+        let number: HashMap<usize, u32> = self
+            .surface
+            .iter()
+            .enumerate()
+            .map(|(k, &node)| (node, k as u32))
+            .collect();
+        let triangles = self.faces.iter().flat_map(|face| {
+            let [a, b, c, d] = face.map(|node| number[&node]);
+            [[a, b, c], [a, c, d]]
+        });
+        Hull {
+            positions: self
+                .surface
+                .iter()
+                .map(|&node| self.mesh().points[node])
+                .collect(),
+            triangles: triangles.collect(),
+        }
+    }
+
+    /// Vertical displacements of the underside's nodes, in the order of `surface`, under 1 N upwards on each of `nodes` [m/N].
+    pub(crate) fn responses(&self, nodes: &[usize]) -> Vec<Vec<f64>> {
+        let mut known = self
+            .responses
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let missing: Vec<usize> = nodes
+            .iter()
+            .copied()
+            .filter(|node| !known.contains_key(node))
+            .collect();
+        let free = self.map.free_count();
+        for batch in missing.chunks(BATCH) {
+            let mut sides = vec![0.0; free * batch.len()];
+            for (column, &node) in sides.chunks_exact_mut(free).zip(batch) {
+                if let Some(index) = self.map.index(3 * node + 2) {
+                    column[index] = 1.0;
+                }
+            }
+            self.factor.solve(&mut sides);
+            for (column, &node) in sides.chunks_exact(free).zip(batch) {
+                let vertical = |&node: &usize| {
+                    self.map
+                        .index(3 * node + 2)
+                        .map_or(0.0, |index| column[index])
+                };
+                known.insert(node, self.surface.iter().map(vertical).collect());
+            }
+        }
+        nodes.iter().map(|node| known[node].clone()).collect()
+    }
+}
+
+/// Faces that face down and hang together, over edges, with the one whose centre is lowest.
+fn underside(mesh: &HexMesh) -> Vec<[usize; 4]> {
+    let down: Vec<[usize; 4]> = boundary_faces(mesh)
+        .into_iter()
+        .filter(|face| {
+            let [a, b, c, d] = face.map(|node| mesh.points[node]);
+            let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+            let (p, q) = (minus(c, a), minus(d, b));
+            let normal = [
+                p[1] * q[2] - p[2] * q[1],
+                p[2] * q[0] - p[0] * q[2],
+                p[0] * q[1] - p[1] * q[0],
+            ];
+            let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+            normal[2] < DOWN * length
+        })
+        .collect();
+    let mut by_edge: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+    let edges = |face: &[usize; 4]| {
+        let face = *face;
+        (0..4).map(move |k| {
+            let (a, b) = (face[k], face[(k + 1) % 4]);
+            [a.min(b), a.max(b)]
+        })
+    };
+    for (index, face) in down.iter().enumerate() {
+        for edge in edges(face) {
+            by_edge.entry(edge).or_default().push(index);
+        }
+    }
+    let height = |face: &[usize; 4]| face.iter().map(|&n| mesh.points[n][2]).sum::<f64>();
+    let lowest = (0..down.len()).min_by(|&a, &b| height(&down[a]).total_cmp(&height(&down[b])));
+    let mut reached = vec![false; down.len()];
+    let mut open: Vec<usize> = lowest.into_iter().collect();
+    while let Some(index) = open.pop() {
+        if !std::mem::replace(&mut reached[index], true) {
+            open.extend(edges(&down[index]).flat_map(|edge| by_edge[&edge].iter().copied()));
+        }
+    }
+    down.into_iter()
+        .zip(reached)
+        .filter_map(|(face, reached)| reached.then_some(face))
+        .collect()
+}

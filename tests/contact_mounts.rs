@@ -1,0 +1,340 @@
+//! Elastic runners on their mounts: the same answer by a slow way, beams on a soft foundation, balance of forces.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use kufe_contact::{
+    ElasticRunner, Foundation, Ice, Load, LoadedPlace, Method, Mount, Options, Place, Problem,
+    Runner, Solution, Tilt, solve,
+};
+use kufe_fem::{Body, ElementKind, Material, assemble};
+use kufe_mesh::{BobRunner, LugeSteel, Underside};
+use kufe_tests::contact::{Formula, ICE_E, ICE_NU};
+
+const STEEL: (f64, f64) = (210e9, 0.3);
+
+fn pressed(underside: Arc<dyn Underside>, elastic: ElasticRunner, ice: Ice, load: Load) -> Problem {
+    Problem {
+        runner: Runner {
+            underside,
+            elastic: Some(elastic),
+        },
+        ice,
+        ice_surface: None,
+        track_curvature: 0.0,
+        load,
+    }
+}
+
+fn steel(top: f64, mount: Mount) -> ElasticRunner {
+    ElasticRunner {
+        mount,
+        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, top)
+    }
+}
+
+fn ice(foundation: Foundation) -> Ice {
+    Ice {
+        youngs_modulus: ICE_E,
+        poissons_ratio: ICE_NU,
+        foundation,
+        hardness: None,
+    }
+}
+
+fn force(fz: f64, offset_x: f64, tilt: Tilt) -> Load {
+    Load::Force {
+        fz,
+        offset_x,
+        offset_y: 0.0,
+        tilt,
+    }
+}
+
+const LEVEL: Tilt = Tilt::Fixed {
+    pitch: 0.0,
+    roll: 0.0,
+};
+
+fn held(places: &[(f64, f64)]) -> Mount {
+    Mount::Places(
+        places
+            .iter()
+            .map(|&(x, length)| Place { x, length })
+            .collect(),
+    )
+}
+
+fn carried(places: &[(f64, f64, f64)]) -> Mount {
+    Mount::Loads(
+        places
+            .iter()
+            .map(|&(x, length, share)| LoadedPlace {
+                place: Place { x, length },
+                share,
+            })
+            .collect(),
+    )
+}
+
+fn at(cells: usize) -> Options {
+    Options {
+        cells: Some(cells),
+        residual: 1e-11,
+        ..Options::default()
+    }
+}
+
+/// A short runner, so that the slow way stays quick.
+fn short_bob() -> (Arc<dyn Underside>, f64) {
+    let bob = BobRunner {
+        length: 0.3,
+        rocker_radius: 8.0,
+        height: 0.02,
+        ..BobRunner::default()
+    };
+    (Arc::new(bob.swept().unwrap()), bob.height)
+}
+
+#[test]
+fn every_mount_gives_the_pressures_of_exact_responses_by_cholesky() {
+    let (hull, top) = short_bob();
+    let mounts = [
+        (Mount::Top, 0.0, LEVEL),
+        (held(&[(-0.08, 0.02), (0.08, 0.02)]), 0.0, LEVEL),
+        (held(&[(-0.08, 0.02), (0.03, 0.01)]), 0.0, Tilt::Free),
+        (
+            carried(&[(-0.08, 0.02, 0.5), (0.08, 0.02, 0.5)]),
+            0.0,
+            Tilt::Free,
+        ),
+        (
+            carried(&[(-0.1, 0.02, 0.4), (0.05, 0.02, 0.6)]),
+            -0.01,
+            Tilt::Free,
+        ),
+    ];
+    for (mount, offset, tilt) in mounts {
+        let load = force(800.0, offset, tilt);
+        let foundation = Foundation::RigidBed { thickness: 0.02 };
+        let problem = pressed(
+            hull.clone(),
+            steel(top, mount.clone()),
+            ice(foundation),
+            load,
+        );
+        let fast = solve(&problem, &at(3)).unwrap();
+        let slow = solve(
+            &problem,
+            &Options {
+                method: Method::CholeskyActiveSet,
+                ..at(3)
+            },
+        )
+        .unwrap();
+        let pairs = fast.surface.pressure.iter().zip(&slow.surface.pressure);
+        let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / slow.p_max;
+        println!(
+            "{mount:?}: p_max {:.3} MPa, difference {worst:.1e}, {} iterations, {} unknowns",
+            1e-6 * fast.p_max,
+            fast.iterations,
+            fast.dofs
+        );
+        assert!(worst < 1e-6, "{mount:?}: {worst:.1e}");
+        assert!((fast.approach / slow.approach - 1.0).abs() < 1e-6);
+        assert!(
+            (fast.pitch - slow.pitch).abs() < 1e-9,
+            "{} {}",
+            fast.pitch,
+            slow.pitch
+        );
+    }
+}
+
+/// A flat steel 20 mm x 8 mm on a soft layer 0.5 mm thick, bonded to a rigid bed: each column of the layer is pressed by
+/// itself, k = M w / t per length with M = lambda + 2 mu, and the steel is a beam. Loaded in its middle it lifts off at
+/// x = pi / (2 l), l = (k / 4 E I)^(1/4), and presses in the middle with
+///
+/// p = F l / (2 w) (cosh pi + cos pi + 2) / sinh pi
+///
+/// (M. Hetenyi, Beams on Elastic Foundation, 1946, section 22: the free beam of length pi / l, whose ends neither press nor
+/// lift). The beam's shear, the load's 4 mm and the layer beside the steel, which
+/// cells of a millimetre draw down with it, are worth a per cent or two each.
+#[test]
+fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lifts_off_where_that_does()
+ {
+    let (width, height, thickness, load) = (0.02, 0.008, 0.0005, 200.0);
+    let (soft, ratio) = (2.5e6, 0.0);
+    let flat = Formula {
+        height: move |x: f64, y: f64| {
+            if x.abs() <= 0.3 && y.abs() <= 0.5 * width {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        },
+        extent: [-0.3, 0.3, -0.5 * width, 0.5 * width],
+        symmetric: [true; 2],
+    };
+    let foundation = Foundation::RigidBed { thickness };
+    let layer = Ice {
+        youngs_modulus: soft,
+        poissons_ratio: ratio,
+        foundation,
+        hardness: None,
+    };
+    let mount = carried(&[(0.0, 0.004, 1.0)]);
+    let problem = pressed(
+        Arc::new(flat),
+        steel(height, mount),
+        layer,
+        force(load, 0.0, Tilt::Free),
+    );
+    let s = solve(&problem, &at(10)).unwrap();
+    let k = soft * width / thickness;
+    let l = (k / (4.0 * STEEL.0 * width * height.powi(3) / 12.0)).powf(0.25);
+    let expected = load * l / (2.0 * width) * (PI.cosh() + PI.cos() + 2.0) / PI.sinh();
+    let (nx, middle) = (s.surface.x.len(), s.surface.y.len() / 2);
+    let line = &s.surface.pressure[middle * nx..(middle + 1) * nx];
+    let found = line.iter().copied().fold(0.0, f64::max);
+    println!(
+        "middle {:.4} of beam theory, length {:.4} of it, {} iterations",
+        found / expected,
+        s.length * l / PI,
+        s.iterations
+    );
+    assert!((found / expected - 1.0).abs() < 0.04, "{found} {expected}");
+    assert!((s.length * l / PI - 1.0).abs() < 0.06, "{}", s.length);
+    assert!((s.fz / load - 1.0).abs() < 1e-8);
+}
+
+/// Sum of the vertical forces that the steel's top, held or loaded, passes on: K u there.
+fn passed_on_by_the_top(s: &Solution, kind: ElementKind) -> f64 {
+    let field = s.runner_volume.as_ref().unwrap();
+    let material = Material::new(STEEL.0, STEEL.1).unwrap();
+    let body = Body::uniform(field.mesh.clone(), material, kind).unwrap();
+    let u: Vec<f64> = field.displacement.iter().flatten().copied().collect();
+    let mut forces = vec![0.0; u.len()];
+    assemble(&body).apply(&u, &mut forces);
+    let top = field.mesh.points.iter().map(|p| p[2]).fold(0.0, f64::max);
+    let on_top = (0..field.mesh.points.len()).filter(|&n| field.mesh.points[n][2] > top - 1e-12);
+    -on_top.map(|n| forces[3 * n + 2]).sum::<f64>()
+}
+
+/// What the ice's lower side bears.
+fn borne_by_the_bed(s: &Solution) -> f64 {
+    let material = Material::new(ICE_E, ICE_NU).unwrap();
+    let mesh = s.volume.grid.hex_mesh();
+    let [nx, ny, _] = s.volume.grid.shape();
+    let body = Body::uniform(mesh, material, ElementKind::Hex8).unwrap();
+    let u: Vec<f64> = s.volume.displacement.iter().flatten().copied().collect();
+    let mut forces = vec![0.0; u.len()];
+    assemble(&body).apply(&u, &mut forces);
+    // The far sides are held too.
+    let held = (0..body.node_count()).filter(|&n| {
+        let (i, j, k) = (n % nx, n / nx % ny, n / nx / ny);
+        k == 0
+            || i == nx - 1
+            || j == ny - 1
+            || (!s.symmetry[0] && i == 0)
+            || (!s.symmetry[1] && j == 0)
+    });
+    held.map(|n| forces[3 * n + 2]).sum()
+}
+
+#[test]
+fn action_equals_reaction_through_both_bodies() {
+    let (hull, top) = short_bob();
+    let mounts = [
+        (Mount::Top, ElementKind::Hex8, LEVEL),
+        (
+            held(&[(-0.08, 0.02), (0.08, 0.02)]),
+            ElementKind::Hex8Axial,
+            LEVEL,
+        ),
+        (
+            carried(&[(0.0, 0.02, 1.0)]),
+            ElementKind::Hex8Axial,
+            Tilt::Free,
+        ),
+    ];
+    for (mount, kind, tilt) in mounts {
+        let foundation = Foundation::RigidBed { thickness: 0.02 };
+        let problem = pressed(
+            hull.clone(),
+            steel(top, mount.clone()),
+            ice(foundation),
+            force(800.0, 0.0, tilt),
+        );
+        let s = solve(&problem, &at(4)).unwrap();
+        let copies: f64 = s
+            .symmetry
+            .iter()
+            .map(|&m| if m { 2.0 } else { 1.0 })
+            .product();
+        let (from_top, on_bed) = (
+            copies * passed_on_by_the_top(&s, kind),
+            copies * borne_by_the_bed(&s),
+        );
+        println!("{mount:?}: {from_top:.9} N from the top, {on_bed:.9} N on the bed");
+        assert!(
+            (from_top / 800.0 - 1.0).abs() < 1e-8,
+            "{mount:?}: {from_top}"
+        );
+        assert!((on_bed / 800.0 - 1.0).abs() < 1e-8, "{mount:?}: {on_bed}");
+    }
+}
+
+/// The gap knows no sides: steel with this hull on flat ice presses as ice with this hull on flat steel.
+#[test]
+fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
+    let hull = Arc::new(kufe_mesh::Paraboloid::new(30.0, 0.005).unwrap());
+    let options = Options {
+        p_max_tolerance: 0.003,
+        ..Options::default()
+    };
+    let peak = |above: (f64, f64), below: (f64, f64)| {
+        let runner = ElasticRunner::held_at_top(above.0, above.1, f64::INFINITY);
+        let half_space = Ice {
+            youngs_modulus: below.0,
+            poissons_ratio: below.1,
+            foundation: Foundation::HalfSpace,
+            hardness: None,
+        };
+        let problem = pressed(
+            hull.clone(),
+            runner,
+            half_space,
+            force(1000.0, 0.0, Tilt::Free),
+        );
+        solve(&problem, &options).unwrap().p_max
+    };
+    let (one, other) = (peak(STEEL, (ICE_E, ICE_NU)), peak((ICE_E, ICE_NU), STEEL));
+    println!("{one:.5e} {other:.5e}");
+    assert!((one / other - 1.0).abs() < 0.005, "{one} {other}");
+}
+
+/// Where the hull is steep the meshed solid is not: the gap is the hull's, and what steel is added stands beside the contact.
+#[test]
+fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
+    let bob = BobRunner::default();
+    let luge = LugeSteel::default();
+    let hulls: [(Arc<dyn Underside>, f64); 2] = [
+        (Arc::new(bob.swept().unwrap()), bob.height),
+        (Arc::new(luge.swept().unwrap()), luge.height),
+    ];
+    for (hull, top) in hulls {
+        let peak = |flank: f64| {
+            let mut runner = steel(top, Mount::Top);
+            runner.flank = Some(flank);
+            let half_space = ice(Foundation::HalfSpace);
+            let problem = pressed(hull.clone(), runner, half_space, force(1000.0, 0.0, LEVEL));
+            let s = solve(&problem, &at(4)).unwrap();
+            (s.p_max, s.iterations)
+        };
+        let ((gentle, few), (steep, many)) = (peak(Mount::Top.flank()), peak(2.0));
+        println!("{gentle:.6e} in {few} iterations, {steep:.6e} in {many}");
+        assert!((gentle / steep - 1.0).abs() < 1e-4, "{gentle} {steep}");
+        assert!(few <= 45 && few < many, "{few} {many}");
+    }
+}

@@ -1,0 +1,214 @@
+//! Runners on hexahedra of their own, matched to the ice by a mortar.
+
+use std::sync::Arc;
+
+use kufe_contact::{
+    ElasticRunner, Foundation, Ice, Load, Mount, Options, Problem, Runner, RunnerSolid, Solution,
+    Tilt, solve,
+};
+use kufe_mesh::{
+    BobRunner, FittedUnderside, HexMesh, Underside, graded_levels, mapped_runner_mesh,
+};
+use kufe_tests::contact::{Formula, ICE_E, ICE_NU};
+use kufe_tests::meshes::block;
+
+const STEEL: (f64, f64) = (210e9, 0.3);
+
+fn solid(mesh: HexMesh, material: (f64, f64), top: f64) -> Arc<RunnerSolid> {
+    let held = |p: [f64; 3]| p[2] > top - 1e-9;
+    Arc::new(RunnerSolid::new(mesh, material.0, material.1, held).unwrap())
+}
+
+fn pressed(
+    underside: Arc<dyn Underside>,
+    solid: Arc<RunnerSolid>,
+    ice: (f64, f64),
+    thickness: f64,
+    load: Load,
+) -> Problem {
+    let elastic = ElasticRunner {
+        solid: Some(solid),
+        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, 0.0)
+    };
+    Problem {
+        runner: Runner {
+            underside,
+            elastic: Some(elastic),
+        },
+        ice: Ice {
+            youngs_modulus: ice.0,
+            poissons_ratio: ice.1,
+            foundation: Foundation::RigidBed { thickness },
+            hardness: None,
+        },
+        ice_surface: None,
+        track_curvature: 0.0,
+        load,
+    }
+}
+
+fn held_level(fz: f64) -> Load {
+    Load::Force {
+        fz,
+        offset_x: 0.0,
+        offset_y: 0.0,
+        tilt: Tilt::Fixed {
+            pitch: 0.0,
+            roll: 0.0,
+        },
+    }
+}
+
+fn at(cells: usize) -> Options {
+    Options {
+        cells: Some(cells),
+        ..Options::default()
+    }
+}
+
+/// Pressures at nodes well inside a rectangle of half lengths `a` and `b`.
+fn inside(s: &Solution, a: f64, b: f64) -> Vec<f64> {
+    let nx = s.surface.x.len();
+    let field = s.surface.pressure.iter().enumerate();
+    field
+        .filter(|(n, _)| s.surface.x[n % nx].abs() < a && s.surface.y[n / nx].abs() < b)
+        .map(|(_, p)| *p)
+        .collect()
+}
+
+/// A block of skewed cells, both materials with nu = 0: columns that do not feel each other carry one pressure, F / A, and
+/// the block's own compression is F H / (E A), whatever lines cut its faces.
+#[test]
+fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
+    let (a, b, height, thickness, fz) = (0.03, 0.02, 0.01, 0.001, 1200.0);
+    let mut mesh = block([7, 5, 3], [2.0 * a, 2.0 * b, height]);
+    for p in &mut mesh.points {
+        let rim = (p[0] * (2.0 * a - p[0]) / (a * a)) * (p[1] * (2.0 * b - p[1]) / (b * b));
+        p[0] += 0.15 * a * rim * (p[1] / b - 0.8) - a;
+        p[1] += 0.1 * b * rim - b;
+    }
+    let soft = 1e7;
+    let flat = Formula {
+        height: move |x: f64, y: f64| {
+            if x.abs() <= a && y.abs() <= b {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        },
+        extent: [-a, a, -b, b],
+        symmetric: [true; 2],
+    };
+    let steel = solid(mesh, (STEEL.0, 0.0), height);
+    let problem = pressed(
+        Arc::new(flat),
+        steel,
+        (soft, 0.0),
+        thickness,
+        held_level(fz),
+    );
+    let s = solve(&problem, &at(6)).unwrap();
+    let expected = fz / (4.0 * a * b);
+    // Beside the block the layer is drawn down over about its thickness: stay away from the rim.
+    let found = inside(&s, a - 6.0 * thickness, b - 6.0 * thickness);
+    let (least, most) = found
+        .iter()
+        .fold((f64::INFINITY, 0.0f64), |m, p| (m.0.min(*p), m.1.max(*p)));
+    println!(
+        "{} nodes: {:.6} to {:.6} of F / A",
+        found.len(),
+        least / expected,
+        most / expected
+    );
+    assert!(found.len() > 20);
+    // The layer beside the block is drawn down over a cell, and bears its share.
+    let middle = inside(&s, 0.3 * a, 0.3 * b);
+    let mean = middle.iter().sum::<f64>() / middle.len() as f64;
+    assert!(
+        found.iter().all(|p| (p / mean - 1.0).abs() < 5e-3),
+        "{least} {most} {mean}"
+    );
+    assert!((mean / expected - 1.0).abs() < 0.12, "{mean} {expected}");
+    // Approach: the layer's and the block's compression under that pressure.
+    let approach = mean * (thickness / soft + height / STEEL.0);
+    assert!(
+        (s.approach / approach - 1.0).abs() < 2e-3,
+        "{} {approach}",
+        s.approach
+    );
+    assert!((s.fz / fz - 1.0).abs() < 1e-8);
+}
+
+/// A short runner as hexahedra with a smooth surface through their nodes, and the same runner meshed on the ice's columns.
+#[test]
+fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
+    let bob = BobRunner {
+        length: 0.2,
+        rocker_radius: 8.0,
+        height: 0.02,
+        ..BobRunner::default()
+    };
+    let hull = bob.swept().unwrap();
+    let axis = |half: f64, n: usize, power: f64| -> Vec<f64> {
+        (0..=n)
+            .map(|i| 2.0 * i as f64 / n as f64 - 1.0)
+            .map(|t: f64| half * t.signum() * t.abs().powf(power))
+            .collect()
+    };
+    let (x, y) = (axis(0.1, 44, 1.6), axis(0.0035, 40, 2.2));
+    let levels = graded_levels(5, 2.5).unwrap();
+    let mesh = mapped_runner_mesh(&x, &y, &hull, bob.height, &levels).unwrap();
+    let steel = solid(mesh, STEEL, bob.height);
+    let surface = FittedUnderside::new(&steel.underside(), 0.0).unwrap();
+    for (at_x, at_y) in [(0.0, 0.0), (0.02, 2e-4), (-0.05, -1e-3)] {
+        let error = surface.height(at_x, at_y) - hull.height(at_x, at_y);
+        assert!(error.abs() < 2e-7, "{error:e}");
+    }
+    let own = pressed(
+        Arc::new(surface),
+        steel.clone(),
+        (ICE_E, ICE_NU),
+        0.02,
+        held_level(600.0),
+    );
+    let own = solve(&own, &at(8)).unwrap();
+    let mut on_columns = pressed(
+        Arc::new(hull),
+        steel.clone(),
+        (ICE_E, ICE_NU),
+        0.02,
+        held_level(600.0),
+    );
+    on_columns.runner.elastic = Some(ElasticRunner {
+        mount: Mount::Top,
+        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, bob.height)
+    });
+    let on_columns = solve(&on_columns, &at(8)).unwrap();
+    println!(
+        "own mesh {:.3} MPa in {} iterations, on columns {:.3} MPa in {}",
+        1e-6 * own.p_max,
+        own.iterations,
+        1e-6 * on_columns.p_max,
+        on_columns.iterations
+    );
+    assert!((own.p_max / on_columns.p_max - 1.0).abs() < 0.01);
+    // The mesh has no flanks beyond 3.5 mm.
+    assert!((own.approach / on_columns.approach - 1.0).abs() < 0.02);
+    assert!(own.iterations <= 45, "{}", own.iterations);
+    assert!((own.fz / 600.0 - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn meshes_that_make_no_runner_are_refused_with_the_reason() {
+    let mesh = || block([2, 2, 2], [0.1; 3]);
+    let refused = |mesh: HexMesh, top: f64| {
+        let held = |p: [f64; 3]| p[2] > top;
+        RunnerSolid::new(mesh, STEEL.0, STEEL.1, held)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused(mesh(), 1.0).contains("holds no node"));
+    let mut inverted = mesh();
+    inverted.cells[0].swap(0, 6);
+    assert!(refused(inverted, 0.05).contains("cell 0"));
+}
