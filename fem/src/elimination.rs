@@ -134,13 +134,7 @@ impl WithSimd for Forward<'_, '_> {
             let coefficients = column.coefficients(step - 1);
             let coupling = column.elimination.coupling[step];
             let (before, rest) = column.values.split_at_mut(step);
-            forward(
-                simd,
-                coupling,
-                coefficients,
-                &before[step - 1],
-                &mut rest[0],
-            );
+            forward(simd, coupling, coefficients, before[step - 1], rest[0]);
         }
     }
 }
@@ -164,7 +158,7 @@ impl WithSimd for Backward<'_, '_> {
             let coefficients = column.coefficients(step);
             let coupling = column.elimination.coupling[step + 1];
             let (here, after) = column.values.split_at_mut(step + 1);
-            backward(simd, coupling, coefficients, &after[0], &mut here[step]);
+            backward(simd, coupling, coefficients, after[0], here[step]);
         }
     }
 }
