@@ -1,15 +1,19 @@
 """kufe beside the programs people would use instead, in one run: whole process, work alone, true error, ratio.
 
-    python benches/peers/compare.py target/release/fields
+    python benches/peers/compare.py target/release/fields [--slow]
 
+`--slow` measures instead what a peer's user who sizes no windows gets: 64 contacts in the window of the largest.
 Every figure is the fastest of three processes. A peer gets the coarsest of its grids from which on every finer one
 is at least as good as what is asked, in a window sized by Hertz' formulas: its user has to know the patch already.
 """
+import math
 import os
 import subprocess
 import sys
 import time
 from pathlib import Path
+
+from hertz import hertz, points
 
 HERE = Path(__file__).parent
 ROUNDS = 3
@@ -63,8 +67,24 @@ def table(title, asked, mine, mode):
         row(f"{label}, {n} x {n}, window sized by hand", error, whole, work, base)
 
 
+def one_window(fields, asked):
+    """64 contacts by Tamaas in the window of the largest, fine enough for 16 points across the smallest."""
+    sized = [hertz(*case) for case in points()]
+    shape = [math.ceil(16 * 1.2 * max(s[axis] for s in sized) / min(s[axis] for s in sized)) for axis in (0, 1)]
+    whole, (worst, seconds) = measured([fields, "all", str(asked)])
+    base = (whole, seconds)
+    print(f"\n### 64 contacts in one window, asked {100 * asked:g} %\n")
+    print("| program | true error | whole process | work alone | times kufe's: process / work |")
+    print("|---|---|---|---|---|")
+    row("kufe, no window", worst, whole, seconds, None)
+    whole, (error, work) = measured(script("tamaas_hertz.py", "window", *shape), 1)
+    row(f"Tamaas, one window of {shape[0]} x {shape[1]}", error, whole, work, base)
+
+
 def main():
     fields = sys.argv[1]
+    if "--slow" in sys.argv[2:]:
+        return one_window(fields, 0.005)
     os.environ.setdefault("OMP_NUM_THREADS", str(os.cpu_count()))
     for asked in (0.005, 0.001):
         table("One contact: rocker 30 m, section 5 mm, 1 kN", asked, measured([fields, "one", str(asked)]), "one")

@@ -6,15 +6,20 @@
 //! | `limits` | the solver's kernels beside the machine's bandwidth and faer's matrix products |
 //! | `fields` | one field, 64 fields, and fields for other programs to compare with |
 //! | `lookup` | one evaluation of a table |
-//! | `guard` | three fixed small cases whose instructions are counted |
+//! | `growth` | cost against size, with exponents and a picture |
+//! | `guard` | four fixed small cases whose instructions are counted |
 //!
 //! ```
 //! let (seconds, sum) = kufe_benches::best_of(3, || (0..1000u64).sum::<u64>());
 //! assert!(seconds > 0.0 && sum == 499_500);
 //! ```
 
+mod chart;
 mod measured;
 mod needle;
+mod table;
 
+pub use chart::{Chart, Line, draw};
 pub use measured::{Cost, again, best_of, peak_bytes};
 pub use needle::{ICE, NeedleBlock, needle_block};
+pub use table::{pressure_table, random_queries};

@@ -4,6 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
+use crate::elimination::{Elimination, End};
 use crate::tensor_axis::{Axis, AxisModes};
 use crate::tensor_operator::TensorOperator;
 
@@ -23,33 +24,14 @@ pub struct LayeredDiagonal {
     components: [Component; 3],
 }
 
-/// The end of z that elimination goes towards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The plane of the lowest z.
-    Low,
-    /// The plane of the highest z.
-    High,
-}
-
 #[derive(Clone, Debug)]
 struct Component {
     x: AxisModes,
     y: AxisModes,
-    /// Planes that no held face takes away, in the order of elimination.
-    planes: Vec<usize>,
-    /// c_x theta_a + c_y theta_b, a fastest.
-    shift: Vec<f64>,
-    /// c_z K_z and M_z between a plane and the one before it in that order.
-    coupling: Vec<[f64; 2]>,
-    /// One over the pivots, plane by plane in that order.
-    inverse_pivots: Vec<f64>,
+    z: Elimination,
     /// Where this component's modal values start.
     start: usize,
 }
-
-/// Pairs of modes that one task eliminates: a column of them through all planes stays in a core's cache.
-const PAIRS: usize = 256;
 
 impl LayeredDiagonal {
     /// Diagonalises x and y once for each pair of held ends that occurs, and eliminates z towards `end`.
@@ -92,7 +74,7 @@ impl LayeredDiagonal {
                 end,
                 start,
             );
-            start += component.inverse_pivots.len();
+            start += component.z.inverse_pivots.len();
             component
         });
         assert!(
@@ -107,7 +89,10 @@ impl LayeredDiagonal {
 
     /// Length of a modal vector.
     pub fn mode_count(&self) -> usize {
-        self.components.iter().map(|c| c.inverse_pivots.len()).sum()
+        self.components
+            .iter()
+            .map(|c| c.z.inverse_pivots.len())
+            .sum()
     }
 
     /// Modes of the vertical displacement along x and along y.
@@ -119,8 +104,8 @@ impl LayeredDiagonal {
     pub fn end_response(&self) -> MatRef<'_, f64> {
         let vertical = &self.components[2];
         let [mx, my] = vertical.pairs();
-        let last = vertical.inverse_pivots.len() - mx * my;
-        columns(&vertical.inverse_pivots[last..], mx, my)
+        let last = vertical.z.inverse_pivots.len() - mx * my;
+        columns(&vertical.z.inverse_pivots[last..], mx, my)
     }
 
     /// What the end plane has gathered of the vertical component, modes of x by modes of y: times
@@ -139,7 +124,7 @@ impl LayeredDiagonal {
     fn end_plane(&self) -> std::ops::Range<usize> {
         let vertical = &self.components[2];
         let [mx, my] = vertical.pairs();
-        let end = vertical.start + vertical.inverse_pivots.len();
+        let end = vertical.start + vertical.z.inverse_pivots.len();
         end - mx * my..end
     }
 
@@ -150,16 +135,8 @@ impl LayeredDiagonal {
         for (c, component) in self.components.iter().enumerate() {
             let modal = &mut modal[component.range()];
             component.to_modes(self.shape, &r[c * nodes..(c + 1) * nodes], modal);
-            component.by_columns(
-                modal,
-                #[inline(always)]
-                |first, column| {
-                    component.forward(first, column);
-                    if c < 2 {
-                        component.backward(first, column);
-                    }
-                },
-            );
+            let passes = if c < 2 { [true, true] } else { [true, false] };
+            component.z.run(modal, passes);
         }
     }
 
@@ -168,13 +145,7 @@ impl LayeredDiagonal {
         let nodes: usize = self.shape.iter().product();
         assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
         let vertical = &self.components[2];
-        vertical.by_columns(
-            &mut modal[vertical.range()],
-            #[inline(always)]
-            |first, column| {
-                vertical.backward(first, column);
-            },
-        );
+        vertical.z.run(&mut modal[vertical.range()], [false, true]);
         for (c, component) in self.components.iter().enumerate() {
             let z = &mut z[c * nodes..(c + 1) * nodes];
             component.leave_modes(self.shape, &modal[component.range()], z);
@@ -197,45 +168,13 @@ impl Component {
         end: End,
         start: usize,
     ) -> Self {
-        let mut planes: Vec<usize> =
-            (usize::from(held[0])..z.len() - usize::from(held[1])).collect();
-        if end == End::Low {
-            planes.reverse();
-        }
         let mut shift = Vec::with_capacity(x.values.len() * y.values.len());
         for theta_y in &y.values {
             let y = coefficients[1] * theta_y;
             shift.extend(x.values.iter().map(|theta| coefficients[0] * theta + y));
         }
-        let entry = |k: usize, other: usize| {
-            let place = 1 + other - k;
-            [coefficients[2] * z.stiffness[k][place], z.mass[k][place]]
-        };
-        let coupling: Vec<[f64; 2]> = std::iter::once([0.0; 2])
-            .chain(planes.windows(2).map(|w| entry(w[1], w[0])))
-            .collect();
-        let pairs = shift.len();
-        let mut inverse_pivots = vec![0.0; pairs * planes.len()];
-        for (step, &plane) in planes.iter().enumerate() {
-            let (before, rest) = inverse_pivots.split_at_mut(step * pairs);
-            let before = &before[step.saturating_sub(1) * pairs..];
-            let [k, m] = entry(plane, plane);
-            let [k_off, m_off] = coupling[step];
-            for (i, pivot) in rest[..pairs].iter_mut().enumerate() {
-                let off = k_off + shift[i] * m_off;
-                let taken = before.get(i).map_or(0.0, |inverse| off * off * inverse);
-                *pivot = (k + shift[i] * m - taken).recip();
-            }
-        }
-        Component {
-            x,
-            y,
-            planes,
-            shift,
-            coupling,
-            inverse_pivots,
-            start,
-        }
+        let z = Elimination::new(z, held, coefficients[2], shift, end);
+        Component { x, y, z, start }
     }
 
     fn pairs(&self) -> [usize; 2] {
@@ -243,7 +182,7 @@ impl Component {
     }
 
     fn range(&self) -> std::ops::Range<usize> {
-        self.start..self.start + self.inverse_pivots.len()
+        self.start..self.start + self.z.inverse_pivots.len()
     }
 
     /// `modal` = (Qx x Qy)^T `r`, plane by plane in the order of elimination.
@@ -251,7 +190,7 @@ impl Component {
         let [mx, my] = self.pairs();
         modal
             .par_chunks_mut(mx * my)
-            .zip(&self.planes)
+            .zip(&self.z.planes)
             .for_each_init(
                 || vec![0.0; mx * ny],
                 |half, (modal, &k)| {
@@ -273,11 +212,11 @@ impl Component {
     /// `z` = (Qx x Qy) `modal`, plane by plane; 0 on held planes.
     fn leave_modes(&self, [nx, ny, _]: [usize; 3], modal: &[f64], z: &mut [f64]) {
         let [mx, my] = self.pairs();
-        let upwards = self.planes.first() < self.planes.last();
+        let upwards = self.z.planes.first() < self.z.planes.last();
         let step_of = |k: usize| {
             let (low, high) = match upwards {
-                true => (self.planes[0], self.planes[self.planes.len() - 1]),
-                false => (self.planes[self.planes.len() - 1], self.planes[0]),
+                true => (self.z.planes[0], self.z.planes[self.z.planes.len() - 1]),
+                false => (self.z.planes[self.z.planes.len() - 1], self.z.planes[0]),
             };
             (low..=high)
                 .contains(&k)
@@ -299,76 +238,6 @@ impl Component {
                 );
             },
         );
-    }
-
-    /// Work on blocks of pairs, each through all planes: the first pair and the block's slice of every plane.
-    fn by_columns(&self, modal: &mut [f64], work: impl Fn(usize, &mut [&mut [f64]]) + Sync) {
-        let pairs = self.shift.len();
-        let mut blocks: Vec<Vec<&mut [f64]>> = (0..pairs.div_ceil(PAIRS))
-            .map(|_| Vec::with_capacity(self.planes.len()))
-            .collect();
-        for plane in modal.chunks_exact_mut(pairs) {
-            for (block, part) in blocks.iter_mut().zip(plane.chunks_mut(PAIRS)) {
-                block.push(part);
-            }
-        }
-        blocks
-            .par_iter_mut()
-            .enumerate()
-            .for_each(|(block, column)| {
-                pulp::Arch::new().dispatch(
-                    #[inline(always)]
-                    || work(block * PAIRS, column),
-                );
-            });
-    }
-
-    /// The block's inverse pivots at one step, and its shifts.
-    #[inline(always)]
-    fn block(&self, step: usize, first: usize, length: usize) -> (&[f64], &[f64]) {
-        let at = step * self.shift.len() + first;
-        (
-            &self.inverse_pivots[at..at + length],
-            &self.shift[first..first + length],
-        )
-    }
-
-    /// y_i = r_i - T_(i,i-1) y_(i-1) / pivot_(i-1).
-    #[inline(always)]
-    fn forward(&self, first: usize, column: &mut [&mut [f64]]) {
-        for step in 1..column.len() {
-            let (before, rest) = column.split_at_mut(step);
-            let (before, here) = (&before[step - 1], &mut rest[0]);
-            let (inverse, shift) = self.block(step - 1, first, here.len());
-            let [k, m] = self.coupling[step];
-            for (((y, before), inverse), shift) in
-                here.iter_mut().zip(before.iter()).zip(inverse).zip(shift)
-            {
-                *y -= (k + shift * m) * (before * inverse);
-            }
-        }
-    }
-
-    /// z_i = (y_i - T_(i,i+1) z_(i+1)) / pivot_i.
-    #[inline(always)]
-    fn backward(&self, first: usize, column: &mut [&mut [f64]]) {
-        let last = column.len() - 1;
-        let (inverse, _) = self.block(last, first, column[last].len());
-        column[last]
-            .iter_mut()
-            .zip(inverse)
-            .for_each(|(y, i)| *y *= i);
-        for step in (0..last).rev() {
-            let (here, after) = column.split_at_mut(step + 1);
-            let (here, after) = (&mut here[step], &after[0]);
-            let (inverse, shift) = self.block(step, first, here.len());
-            let [k, m] = self.coupling[step + 1];
-            for (((y, after), inverse), shift) in
-                here.iter_mut().zip(after.iter()).zip(inverse).zip(shift)
-            {
-                *y = (*y - (k + shift * m) * after) * inverse;
-            }
-        }
     }
 }
 

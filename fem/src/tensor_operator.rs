@@ -4,7 +4,8 @@ use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
 use crate::tensor_axis::Axis;
-use crate::tensor_kernel::{Factors, Plane, Scratch};
+use crate::tensor_factors::Factors;
+use crate::tensor_kernel::{Plane, Scratch};
 
 /// Which components are held on which faces: `held[c][axis]` is (low face, high face).
 pub type HeldFaces = [[[bool; 2]; 3]; 3];
@@ -241,8 +242,8 @@ fn mask_plane(plane: &mut [f64], held: [[bool; 2]; 3], shape: [usize; 3], k: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layered_diagonal::{End, LayeredDiagonal};
     use crate::{Body, ElementKind, FastDiagonal, Material, Section, assemble};
+    use crate::{End, LayeredDiagonal};
 
     /// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer than a register.
     #[test]

@@ -1,9 +1,10 @@
-//! Three small pieces of work whose instructions `benches/guard` counts; always the same work, on one thread.
+//! Four small pieces of work whose instructions `benches/guard` counts; always the same work, on one thread.
 //!
 //! ```sh
 //! guard contact   # one contact on one small mesh
 //! guard lookup    # a table evaluated at a hundred thousand points
 //! guard linear    # a linear solve's two kernels, ten times
+//! guard telemetry # a run of the sample data driven, recorded, prepared and evaluated
 //! ```
 
 use std::path::Path;
@@ -12,6 +13,8 @@ use kufe_benches::needle_block;
 use kufe_contact::case::Case;
 use kufe_contact::{Options, solve};
 use kufe_lut::{Axes, Lookup, Mode, Quantity, Solved, Table};
+use kufe_sled::sample_data::{drive_sample, sample_plan};
+use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let word = std::env::args().nth(1).unwrap_or_default();
@@ -19,8 +22,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "contact" => contact(),
         "lookup" => lookup(),
         "linear" => linear(),
+        "telemetry" => telemetry(),
         _ => {
-            println!("usage: guard contact | lookup | linear");
+            println!("usage: guard contact | lookup | linear | telemetry");
             Ok(())
         }
     }
@@ -84,5 +88,21 @@ fn linear() -> Result<(), Box<dyn std::error::Error>> {
         block.preconditioner.apply(&out, &mut u, &mut modal);
     }
     println!("{}", u.iter().map(|u| u * u).sum::<f64>());
+    Ok(())
+}
+
+fn telemetry() -> Result<(), Box<dyn std::error::Error>> {
+    let model = Model::published();
+    let vehicle = Vehicle::new(&model)?;
+    let runs = drive_sample(&sample_plan(1)[..1], &model)?;
+    let prepared = prepare_all(
+        &runs,
+        &vehicle,
+        model.noise.as_ref(),
+        &PrepareOptions::default(),
+    )?;
+    for run in evaluate(&prepared, &vehicle) {
+        println!("{} {}", run.run, run.series.len());
+    }
     Ok(())
 }

@@ -6,12 +6,14 @@
 //! |---|---|---|
 //! | operator | reading u and writing K u, 48 bytes a node | a stream triad on every thread |
 //! | preconditioner | four matrix products a component | faer's product of the same shapes on every thread |
+//! | table evaluation | reading the four corners of a cell | such reads at places known beforehand, on one thread |
 
 use std::hint::black_box;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use kufe_benches::{again, best_of, needle_block};
+use kufe_benches::{again, best_of, needle_block, pressure_table, random_queries};
+use kufe_lut::{Lookup, Mode, Quantity};
 use rayon::prelude::*;
 
 /// Numbers in each of the triad's three arrays: far more than any cache holds.
@@ -62,6 +64,47 @@ fn tables() {
             100.0 * n[5] / n[3]
         );
     }
+    let (evaluation, reads) = table_evaluation();
+    println!(
+        "\nTable of 64 x 64 nodes, bilinear, one thread: {evaluation:.1} ns an evaluation; its four corners alone, read at places \
+         known beforehand, {reads:.1} ns ({:.0} %).",
+        100.0 * reads / evaluation
+    );
+}
+
+/// Nanoseconds of an evaluation of a table, and of reading the four corners of each query's cell.
+fn table_evaluation() -> (f64, f64) {
+    const SIZE: usize = 64;
+    let table = pressure_table(SIZE).unwrap_or_else(|error| panic!("{error}"));
+    let lookup = Lookup::new(&table, Quantity::PMax, Mode::Bilinear)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let queries = random_queries();
+    let per_query = 1e9 / queries.len() as f64;
+    let (evaluation, _) = best_of(ROUNDS, || {
+        queries
+            .iter()
+            .map(|&(fz, k)| lookup.at(black_box(fz), black_box(k)).value)
+            .sum::<f64>()
+    });
+    let values: Vec<f64> = table.nodes().iter().map(|node| node.p_max).collect();
+    let corners: Vec<usize> = queries
+        .iter()
+        .map(|&(fz, k)| {
+            let below =
+                |axis: &[f64], v: f64| axis.partition_point(|&b| b <= v).clamp(1, SIZE - 1) - 1;
+            below(table.axes().fz(), fz) * SIZE + below(table.axes().curvature(), k)
+        })
+        .collect();
+    let (reads, _) = best_of(ROUNDS, || {
+        corners
+            .iter()
+            .map(|&i| {
+                let i = black_box(i);
+                values[i] + values[i + 1] + values[i + SIZE] + values[i + SIZE + 1]
+            })
+            .sum::<f64>()
+    });
+    (per_query * evaluation, per_query * reads)
 }
 
 /// Bytes a second of a = b + s c, counting one write and two reads a number.

@@ -52,7 +52,7 @@ fn tables() {
     println!("### One linear solve, residual 1e-8, aspect ratio over 100\n");
     println!("| unknowns | iterations | set-up | iterations' time | peak memory |");
     println!("|---|---|---|---|---|");
-    for cells in ["24", "47", "70", "100"] {
+    for cells in ["24", "47", "70", "100", "150"] {
         let w = again(&["linear", cells]);
         println!(
             "| {} | {} | {:.3} s | {:.2} s | {:.2} GB |",

@@ -1,0 +1,98 @@
+"""One linear solve of elasticity on a graded block beside pyamg's smoothed aggregation, both to 1e-8.
+
+    python benches/peers/pyamg_needle.py target/release/solver
+
+The block, its supports and its load are those of `solver linear`; the matrix is put together from the 1-D ones here.
+"""
+import resource
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pyamg
+import scipy.sparse as sp
+
+CELLS = 40
+E, NU, PATCH = 9.0e9, 0.33, (0.0251, 0.000137)
+
+
+def axis(half):
+    """Even to the patch's half width, then in geometric progression to 0.3 m."""
+    even = CELLS // 3
+    ratio = (0.3 / half) ** (1 / (CELLS - even))
+    return np.concatenate([half * np.arange(even + 1) / even, half * ratio ** np.arange(1, CELLS - even + 1)])
+
+
+def matrices(nodes):
+    """Stiffness, mass and gradient (int phi_i' phi_j) of linear elements."""
+    n, h = len(nodes), np.diff(nodes)
+    build = lambda a, b, c, d: sp.diags([np.r_[a, 0] + np.r_[0, d], b, c], [0, 1, -1], shape=(n, n)).tocsr()
+    half = np.full(n - 1, 0.5)
+    return build(1 / h, -1 / h, -1 / h, 1 / h), build(h / 3, h / 6, h / 6, h / 3), build(-half, -half, half, half)
+
+
+def main():
+    solver = sys.argv[1]
+    said = subprocess.run([solver, "linear", str(CELLS)], check=True, capture_output=True, text=True).stdout.split()
+    dofs, iterations, set_up, seconds, peak = map(float, said)
+    x, y, z = axis(PATCH[0]), axis(PATCH[1]), -axis(PATCH[1])[::-1]
+    lam, mu = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
+    k, m, d = zip(*(matrices(nodes) for nodes in (x, y, z)))
+    kron = lambda f: sp.kron(f[2], sp.kron(f[1], f[0]))
+
+    def block(c, e):
+        factors = list(m)
+        if c == e:
+            total = 0
+            for a in range(3):
+                one = list(m)
+                one[a] = (lam + 2 * mu if a == c else mu) * k[a]
+                total = total + kron(one)
+            return total
+        factors[c], factors[e] = lam * d[c], d[e].T
+        first = kron(factors)
+        factors[c], factors[e] = mu * d[c].T, d[e]
+        return first + kron(factors)
+
+    n = len(x) * len(y) * len(z)
+    stiffness = sp.bmat([[block(c, e) for e in range(3)] for c in range(3)]).tocsr()
+    zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
+    points = np.stack([xx, yy, zz], -1).reshape(n, 3)
+    held = [
+        (points[:, 0] == x[-1]) | (points[:, 1] == y[-1]) | (points[:, 2] == z[0]) | ((points[:, c] == 0) if c < 2 else False)
+        for c in range(3)
+    ]
+    # Node by node, as aggregation wants it; only what is free.
+    order = np.arange(3 * n).reshape(3, n).T.ravel()
+    free = ~np.stack(held, 1).ravel()
+    order = order[free]
+    stiffness = stiffness[order][:, order]
+    inside = np.clip(1 - (xx[-1] / PATCH[0]) ** 2 - (yy[-1] / PATCH[1]) ** 2, 0, None)
+    load = np.zeros(3 * n)
+    lumped = lambda nodes: np.r_[np.diff(nodes), 0] / 2 + np.r_[0, np.diff(nodes)] / 2
+    load[3 * n - inside.size :] = (-1e8 * np.sqrt(inside) * np.outer(lumped(y), lumped(x))).ravel()
+    load = load[order]
+    rigid = np.zeros((3 * n, 6))
+    for c in range(3):
+        rigid[c::3, c] = 1
+    rigid[1::3, 3], rigid[2::3, 3] = -points[:, 2], points[:, 1]
+    rigid[0::3, 4], rigid[2::3, 4] = points[:, 2], -points[:, 0]
+    rigid[0::3, 5], rigid[1::3, 5] = -points[:, 1], points[:, 0]
+    begun = time.perf_counter()
+    hierarchy = pyamg.smoothed_aggregation_solver(stiffness, B=rigid[free], strength=("symmetric", {"theta": 0.08}))
+    theirs_set_up = time.perf_counter() - begun
+    residuals = []
+    hierarchy.solve(load, tol=1e-8, accel="cg", maxiter=400, residuals=residuals)
+    theirs = time.perf_counter() - begun
+    reached = residuals[-1] / np.linalg.norm(load)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    print("### One linear solve beside algebraic multigrid, aspect ratio over 100\n")
+    print("| program | unknowns | iterations | set-up and solve | peak memory | times kufe's |")
+    print("|---|---|---|---|---|---|")
+    print(f"| kufe, energy error 1e-8 | {dofs:.0f} | {iterations:.0f} | {set_up + seconds:.2f} s | {peak / 1e9:.2f} GB | 1 |")
+    print(f"| pyamg, residual {reached:.0e} ({theirs_set_up:.1f} s set-up) | {len(load)} | {len(residuals) - 1} | {theirs:.1f} s | {memory / 1e9:.2f} GB "
+          f"| {theirs / (set_up + seconds):.0f} |")
+
+
+main()

@@ -1,0 +1,253 @@
+//! Cost against size: time and memory over unknowns, points of a table, runs and candidates, with fitted exponents.
+//!
+//! ```sh
+//! growth docs/performance   # prints the table and draws growth.svg there
+//! ```
+//!
+//! Every size is measured in a process of its own. Exponents are the slopes of least squares through the logarithms.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kufe_benches::{Chart, ICE, Line, again, best_of, needle_block, peak_bytes};
+use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Tilt, solve};
+use kufe_discover::{Gram, Scores};
+use kufe_fem::cg;
+use kufe_mesh::Paraboloid;
+use kufe_sled::sample_data::{drive_sample, sample_plan};
+use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// What grows: its name here, what is counted, the work, and the sizes asked for.
+const SERIES: [(&str, &str, &str, &[&str]); 4] = [
+    (
+        "linear",
+        "unknowns",
+        "linear solve, residual 1e-8",
+        &["14", "22", "32", "47", "70"],
+    ),
+    (
+        "points",
+        "points",
+        "contacts of a sweep, 0.5 % each",
+        &["4", "8", "16", "32", "64"],
+    ),
+    (
+        "runs",
+        "runs",
+        "runs of 60 s x 500 Hz evaluated",
+        &["4", "8", "16", "32", "64"],
+    ),
+    (
+        "candidates",
+        "candidates",
+        "candidates scored on 20 runs",
+        &["32", "64", "128", "256", "512"],
+    ),
+];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        [what, size] => {
+            let size = size
+                .parse()
+                .unwrap_or_else(|_| panic!("{size}: expected a number"));
+            let [count, seconds] = match *what {
+                "linear" => linear(size),
+                "points" => points(size),
+                "runs" => runs(size),
+                "candidates" => candidates(size),
+                _ => panic!("{what}: expected linear, points, runs or candidates"),
+            };
+            println!("{count} {seconds} {}", peak_bytes());
+        }
+        [folder] => tables(Some(Path::new(folder))),
+        _ => tables(None),
+    }
+}
+
+fn tables(folder: Option<&Path>) {
+    println!("### Cost against size\n");
+    println!(
+        "| work | sizes | time at the largest | grows as | memory at the largest | grows as |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let (mut times, mut memories) = (Vec::new(), Vec::new());
+    for (name, counted, work, sizes) in SERIES {
+        let measured: Vec<[f64; 3]> = sizes
+            .iter()
+            .map(|size| {
+                let words = again(&[name, size]);
+                [0, 1, 2].map(|i| words[i].parse().unwrap_or(f64::NAN))
+            })
+            .collect();
+        let pairs =
+            |value: usize| -> Vec<[f64; 2]> { measured.iter().map(|m| [m[0], m[value]]).collect() };
+        let (time, memory) = (pairs(1), pairs(2));
+        let last = measured[measured.len() - 1];
+        println!(
+            "| {work} | {:.0} to {:.0} {counted} | {:.3} s | size^{:.2} | {:.0} MB | size^{:.2} |",
+            measured[0][0],
+            last[0],
+            last[1],
+            exponent(&time),
+            last[2] / 1e6,
+            exponent(&memory),
+        );
+        times.push(Line {
+            name: format!("{counted}: {work}"),
+            points: time,
+        });
+        let points = memory.iter().map(|m| [m[0], m[1] / 1e6]).collect();
+        memories.push(Line {
+            name: counted.to_string(),
+            points,
+        });
+    }
+    println!("\nMemory is the whole process's, some 5 MB of it before any work.");
+    if let Some(folder) = folder {
+        let charts = [
+            Chart {
+                title: "Time",
+                unit: "time [s]",
+                lines: times,
+            },
+            Chart {
+                title: "Memory",
+                unit: "peak memory [MB]",
+                lines: memories,
+            },
+        ];
+        kufe_benches::draw(&folder.join("growth.svg"), &charts)
+            .unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// Slope of least squares through the logarithms.
+fn exponent(points: &[[f64; 2]]) -> f64 {
+    let logs: Vec<[f64; 2]> = points.iter().map(|p| p.map(f64::ln)).collect();
+    let n = logs.len() as f64;
+    let mean = [0, 1].map(|i| logs.iter().map(|l| l[i]).sum::<f64>() / n);
+    let cross: f64 = logs
+        .iter()
+        .map(|l| (l[0] - mean[0]) * (l[1] - mean[1]))
+        .sum();
+    let square: f64 = logs.iter().map(|l| (l[0] - mean[0]).powi(2)).sum();
+    cross / square
+}
+
+/// A quarter of a needle-shaped patch under one force a node, solved to 1e-8.
+fn linear(cells: usize) -> [f64; 2] {
+    let block = needle_block(cells);
+    let nodes = block.operator.node_count();
+    let mut load = vec![0.0; 3 * nodes];
+    let [nx, ny, nz] = block.operator.shape();
+    for j in 0..ny {
+        for i in 0..nx {
+            let inside = 1.0
+                - (block.grid.x[i] / block.patch[0]).powi(2)
+                - (block.grid.y[j] / block.patch[1]).powi(2);
+            load[2 * nodes + block.grid.node(i, j, nz - 1)] = -inside.max(0.0).sqrt();
+        }
+    }
+    block.operator.mask(&mut load);
+    let mut modal = vec![0.0; block.preconditioner.mode_count()];
+    let mut u = vec![0.0; 3 * nodes];
+    let mut workspace = cg::Workspace::default();
+    let options = cg::Options {
+        stop: cg::Stop::Energy(1e-8),
+        ..cg::Options::default()
+    };
+    let (seconds, _) = best_of(2, || {
+        u.fill(0.0);
+        cg::solve(
+            |v, out| block.operator.apply(v, out),
+            |r, out| block.preconditioner.apply(r, out, &mut modal),
+            &load,
+            &mut u,
+            &mut workspace,
+            &options,
+        )
+        .unwrap_or_else(|error| panic!("{error}"))
+    });
+    [block.operator.free_dofs() as f64, seconds]
+}
+
+/// Hertz contacts of loads and rocker radii in geometric progression, all cores at it.
+fn points(count: usize) -> [f64; 2] {
+    let problem = |i: usize| {
+        let t = i as f64 / 63.0;
+        let hull = Paraboloid::new(15.0 * 16f64.powf((7.0 * t).fract()), 0.005)
+            .unwrap_or_else(|error| panic!("{error}"));
+        Problem {
+            runner: Runner::rigid(Arc::new(hull)),
+            ice: Ice {
+                youngs_modulus: ICE.0,
+                poissons_ratio: ICE.1,
+                foundation: Foundation::HalfSpace,
+                hardness: None,
+            },
+            track_curvature: 0.0,
+            load: Load::Force {
+                fz: 250.0 * 16f64.powf(t),
+                offset_x: 0.0,
+                offset_y: 0.0,
+                tilt: Tilt::Free,
+            },
+        }
+    };
+    let options = Options {
+        p_max_tolerance: 0.005,
+        ..Options::default()
+    };
+    let (seconds, _) = best_of(2, || {
+        (0..count)
+            .into_par_iter()
+            // Sizes share their mix of loads.
+            .map(|i| solve(&problem(i * 64 / count), &options).map(|s| s.p_max))
+            .collect::<Result<Vec<f64>, _>>()
+            .unwrap_or_else(|error| panic!("{error}"))
+    });
+    [count as f64, seconds]
+}
+
+/// Runs of the sample data from their recordings in memory to what their drivers lose.
+fn runs(count: usize) -> [f64; 2] {
+    let model = Model::published();
+    let vehicle = Vehicle::new(&model).unwrap_or_else(|error| panic!("{error}"));
+    let plan: Vec<_> = sample_plan(1).into_iter().cycle().take(count).collect();
+    let runs = drive_sample(&plan, &model).unwrap_or_else(|error| panic!("{error}"));
+    let (seconds, _) = best_of(3, || {
+        let options = PrepareOptions::default();
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
+            .unwrap_or_else(|error| panic!("{error}"));
+        evaluate(&prepared, &vehicle).len()
+    });
+    [count as f64, seconds]
+}
+
+/// Candidates scored against a residual: products of all columns run by run, then what each explains.
+fn candidates(count: usize) -> [f64; 2] {
+    const RUNS: usize = 20;
+    const SAMPLES: usize = 1000;
+    const BASE: usize = 3;
+    let columns: Vec<DMatrix<f64>> = (0..RUNS)
+        .map(|run| {
+            DMatrix::from_fn(SAMPLES, BASE + count + 1, |i, j| {
+                ((i * (j + 2)) as f64 * 0.37 + run as f64).sin()
+            })
+        })
+        .collect();
+    let windows = DMatrix::zeros(0, BASE + count + 1);
+    let (seconds, _) = best_of(3, || {
+        let grams: Vec<Gram> = columns
+            .par_iter()
+            .map(|columns| Gram::new(columns, 0, &windows, &[]))
+            .collect();
+        Scores::new(&grams, BASE).total_information(0)
+    });
+    [count as f64, seconds]
+}

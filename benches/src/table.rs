@@ -1,0 +1,41 @@
+//! A table of pressures and places to ask it at.
+
+use kufe_lut::{Axes, Solved, Table};
+
+const QUERIES: usize = 1 << 20;
+
+/// A table of `size` x `size` nodes: unevenly spaced breakpoints, pressures that follow the load's power law.
+pub fn pressure_table(size: usize) -> Result<Table, kufe_lut::Error> {
+    let t = |i: usize| i as f64 / (size - 1) as f64;
+    let fz = (0..size).map(|i| 200.0 * 40f64.powf(t(i))).collect();
+    let curvature = (0..size).map(|j| -0.02 + 0.048 * t(j).sqrt()).collect();
+    let axes = Axes::new(fz, curvature, None)?;
+    let nodes = axes.points().into_iter().map(|point| {
+        let p_max = 1.4e8 * (point.fz / 1e3).cbrt() * (1.0 - 30.0 * point.curvature).powf(0.6);
+        Solved {
+            p_max,
+            p_max_error: 0.0,
+            p_mean: p_max / 1.5,
+            area: 1e-5,
+            length: 0.05,
+            width: 3e-4,
+            approach: 1e-5,
+        }
+    });
+    let nodes = nodes.collect();
+    Table::new(axes, nodes, Vec::new())
+}
+
+/// The same million loads [N] and curvatures [1/m] each time.
+pub fn random_queries() -> Vec<(f64, f64)> {
+    let mut state = 1u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..QUERIES)
+        .map(|_| (200.0 + 7800.0 * random(), -0.02 + 0.048 * random()))
+        .collect()
+}
