@@ -17,8 +17,13 @@ impl MaxT {
     /// Flips the sign of whole runs: under the null a run's scores are as likely positive as negative, whatever the
     /// correlation within it. Westfall and Young's single-step max-T over the rows of `u` (candidates by runs).
     pub fn by_sign_flips(u: &DMatrix<f64>, flips: usize, seed: u64) -> Self {
+        let norms: Vec<f64> = (0..u.nrows()).map(|c| u.row(c).norm()).collect();
+        Self::with_norms(u, &norms, flips, seed)
+    }
+
+    /// The same for sums of scores over given norms, which signs must not change; rows of norm 0 take no part.
+    pub fn with_norms(u: &DMatrix<f64>, norms: &[f64], flips: usize, seed: u64) -> Self {
         let (count, runs) = u.shape();
-        let norms: Vec<f64> = (0..count).map(|c| u.row(c).norm()).collect();
         let mut maxima: Vec<f64> = (0..flips)
             .into_par_iter()
             .map(|k| {
@@ -31,7 +36,7 @@ impl MaxT {
                     }
                 }
                 sums.iter()
-                    .zip(&norms)
+                    .zip(norms)
                     .filter(|(_, norm)| **norm > 0.0)
                     .fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
             })

@@ -23,24 +23,12 @@ pub struct Gram {
 }
 
 impl Gram {
-    /// Sums of products of `columns`, the first `levels` of which are the run's own level and are taken out.
+    /// From the products of all columns with each other, the first `levels` of which are the run's own level and are
+    /// taken out.
     ///
     /// `windows` holds, one row a window, products with the same columns (levels included).
-    pub fn new(
-        columns: &DMatrix<f64>,
-        levels: usize,
-        windows: &DMatrix<f64>,
-        norms: &[f64],
-    ) -> Self {
-        let full = columns.tr_mul(columns);
+    pub fn new(full: &DMatrix<f64>, levels: usize, windows: &DMatrix<f64>, norms: &[f64]) -> Self {
         let m = full.ncols();
-        if levels == 0 {
-            return Self {
-                g: full,
-                windows: windows.clone(),
-                window_norms: norms.to_vec(),
-            };
-        }
         let own = full.view((0, 0), (levels, levels)).into_owned();
         let inverse = ridge_inverse(own);
         let rest = m - levels;
@@ -231,7 +219,7 @@ mod tests {
                 // A window that is the first candidate itself must score like it.
                 let w = DMatrix::from_fn(1, m, |_, k| x.column(levels + base).dot(&x.column(k)));
                 let norm = x.column(levels + base).norm_squared();
-                Gram::new(x, levels, &w, &[norm])
+                Gram::new(&x.tr_mul(x), levels, &w, &[norm])
             })
             .collect();
         let scores = Scores::new(&grams, base);

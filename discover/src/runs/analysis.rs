@@ -1,26 +1,33 @@
-//! One look at the residuals: every candidate against sign-flips and against twins.
+//! One look at the residuals: every candidate against sign-flips, what noisy inputs add taken off.
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use super::candidates::Candidate;
+use super::corrected::noise_products;
 use super::data::Frame;
 use super::design::{Design, Window};
-use super::fit::residuals;
 use super::twins::TwinMaker;
-use crate::flips::{MaxT, gumbel_tail, statistics};
+use crate::flips::MaxT;
 use crate::score::{Scores, cross_information};
+
+/// What is asked of a place beyond its critical T: runs repeat the same manoeuvre at the same place, so that a small error
+/// of the model repeats there as well.
+const PLACES: f64 = 1.5;
 
 /// How a look is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Number of twins.
-    pub twins: u64,
+    /// Pairs of twins a run.
+    pub pairs: u64,
     /// Number of sign-flips.
     pub flips: usize,
     /// Largest p-value of a claim.
     pub alpha: f64,
-    /// Factors of the twins' bias between which a claim must hold: how far the sensors' noise is trusted.
+    /// Largest p-value of a claim about a window of distance.
+    pub alpha_local: f64,
+    /// Largest p-value of a claim beyond the catalogue.
+    pub alpha_beyond: f64,
+    /// Factors of what noise adds between which a claim must hold: how far the sensors' noise is trusted.
     pub trust: [f64; 2],
     /// Seed.
     pub seed: u64,
@@ -31,18 +38,18 @@ pub struct Look {
 pub struct Seen {
     /// Share of its direction that a refit of the base leaves.
     pub left: f64,
-    /// Size in its own unit, corrected for the twins' bias.
+    /// Size in its own unit.
     pub size: f64,
-    /// T, corrected.
+    /// Standard error of the size.
+    pub error: f64,
+    /// T: the sum of its scores over their deviation.
     pub t: f64,
-    /// T of the twins' mean: what noisy inputs alone produce.
+    /// T of what was taken off: what noisy inputs alone produce.
     pub bias_t: f64,
-    /// Smallest |T| over the trusted range of the noise, 0 where the sign changes.
-    pub robust_t: f64,
-    /// p-value by sign-flips, max-T.
-    pub p_flips: f64,
-    /// p-value against the twins' largest statistics.
-    pub p_twins: f64,
+    /// Whether it stands out over the whole trusted range of the noise, with one sign.
+    pub holds: bool,
+    /// p-value by sign-flips, max-T over its kind.
+    pub p_value: f64,
     /// What it explains, in units of the noise's variance.
     pub gain: f64,
     /// The same by sizes fitted on other runs.
@@ -57,109 +64,118 @@ pub struct Seen {
 pub struct Seeing {
     /// Regular candidates, then windows.
     pub seen: Vec<Seen>,
-    /// |T| needed.
-    pub critical: f64,
-    /// Corrected scores, candidates by runs.
+    /// Scores, candidates by runs.
     pub u: DMatrix<f64>,
     /// Products of the regular candidates beyond the base.
     pub cross: DMatrix<f64>,
 }
 
 /// Looks once.
-pub fn look(
-    design: &Design,
-    frames: &[Frame],
-    maker: &TwinMaker,
-    options: &Look,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Seeing {
+pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look) -> Seeing {
     let base = design.fitted();
-    let grams = design.grams(frames);
-    let scores = Scores::new(&grams, base);
-    let rows = residuals(design.chain, frames);
-    progress("simulating twins");
-    let twins: Vec<Scores> = (0..options.twins)
-        .into_par_iter()
-        .map(|k| {
-            let twin = maker.make(frames, design.chain, &rows, k);
-            let grams: Vec<_> = twin.iter().map(|frame| design.gram(frame)).collect();
-            Scores::new(&grams, base)
-        })
+    let products = design.products(frames);
+    let mut noise = noise_products(design, frames, maker, 0);
+    for k in 1..options.pairs {
+        for (sum, more) in noise
+            .iter_mut()
+            .zip(noise_products(design, frames, maker, k))
+        {
+            *sum += more;
+        }
+    }
+    noise.iter_mut().for_each(|d| *d /= options.pairs as f64);
+    let grams: Vec<_> = products
+        .iter()
+        .zip(&noise)
+        .map(|(p, d)| p.corrected(d, 1.0))
         .collect();
+    let scores = Scores::new(&grams, base);
+    let at = |share: f64| {
+        let grams: Vec<_> = products
+            .iter()
+            .zip(&noise)
+            .map(|(p, d)| p.corrected(d, share))
+            .collect();
+        Scores::new(&grams, base)
+    };
+    let plain = at(0.0);
+    let ends: Vec<Scores> = options.trust.iter().map(|share| at(*share)).collect();
     let (count, runs) = scores.u.shape();
     let regular = design.candidates.len();
     let usable: Vec<bool> = (0..count)
         .map(|c| {
+            let information = scores.total_information(c);
             let touched = (0..runs)
                 .filter(|i| scores.information[(c, *i)] > 1e-9)
                 .count();
-            let needed = if c < regular { 4 } else { 4.max(runs / 8) };
-            scores.left(c) > 2e-3 && scores.total_information(c) > 1e-6 && touched >= needed
+            let enough = if c < regular {
+                // A direction that is mostly noise says nothing.
+                touched >= 4 && information > 0.2 * plain.total_information(c)
+            } else {
+                let window = &design.windows[c - regular];
+                let there = frames.iter().filter(|f| f.track == window.track).count();
+                touched >= 4 && 2 * touched > there
+            };
+            scores.left(c) > 2e-3 && information > 1e-6 && enough
         })
         .collect();
-    let many = twins.len() as f64;
-    let mut mean = DMatrix::zeros(count, runs);
-    for twin in &twins {
-        mean += &twin.u / many;
-    }
-    let keep = |mut u: DMatrix<f64>| {
-        for (c, usable) in usable.iter().enumerate() {
-            if !usable {
-                u.row_mut(c).fill(0.0);
-            }
-        }
-        u
+    let u = scores.u.clone();
+    let norms = norms(&scores, &usable, design);
+    let part = |from: usize, to: usize, seed: u64| {
+        let rows = u.rows(from, to - from).into_owned();
+        MaxT::with_norms(&rows, &norms[from..to], options.flips, seed)
     };
-    let u = keep(&scores.u - &mean);
-    // A twin judged by the other twins, as the data are.
-    let maxima: Vec<f64> = twins
-        .par_iter()
-        .map(|twin| {
-            let others = (&mean * many - &twin.u) / (many - 1.0);
-            statistics(&keep(&twin.u - others))
-                .iter()
-                .fold(0.0_f64, |m, t| m.max(t.abs()))
-        })
-        .collect();
-    let null = MaxT::by_sign_flips(&u, options.flips, options.seed);
-    let critical = null.critical(options.alpha);
-    let t = statistics(&u);
-    let ends: Vec<Vec<f64>> = options
-        .trust
-        .iter()
-        .map(|f| statistics(&keep(&scores.u - &mean * *f)))
-        .collect();
-    let bias = statistics(&keep(mean));
+    let named = design.candidates.iter().filter(|c| !c.is_unknown()).count();
+    assert!(
+        design.candidates[named..].iter().all(Candidate::is_unknown),
+        "candidates beyond the catalogue come last"
+    );
+    // Three families, each with a chance of a false claim of its own: the catalogue, what lies beyond it, places.
+    let nulls = [
+        (part(0, named, options.seed), options.alpha),
+        (
+            part(named, regular, options.seed ^ 0xBE40),
+            options.alpha_beyond,
+        ),
+        (
+            part(regular, count, options.seed ^ 0x10CA),
+            options.alpha_local,
+        ),
+    ];
+    let criticals = nulls.each_ref().map(|(null, alpha)| null.critical(*alpha));
+    let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
+    let t_all = ts(&u, &norms);
+    let ends: Vec<Vec<f64>> = ends.iter().map(|s| ts(&s.u, &norms)).collect();
     let seen = (0..count)
         .map(|c| {
             let information = scores.total_information(c).max(1e-300);
             let scale = typical(design, c);
             let sum: f64 = u.row(c).sum();
+            let t = t_all[c];
             let size = sum / information;
             let n = runs as f64;
-            let error = {
-                let spread: f64 = (0..runs)
-                    .map(|i| (u[(c, i)] - size * scores.information[(c, i)]).powi(2))
-                    .sum();
-                (spread * n / (n - 1.0).max(1.0)).sqrt() / information
-            };
-            let robust_t = if ends.iter().all(|e| e[c].signum() == t[c].signum()) {
-                ends.iter().fold(t[c].abs(), |m, e| m.min(e[c].abs()))
+            let spread: f64 = (0..runs)
+                .map(|i| (u[(c, i)] - size * scores.information[(c, i)]).powi(2))
+                .sum();
+            let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / information;
+            let robust_t = if ends.iter().all(|e| e[c].signum() == t.signum()) {
+                ends.iter().fold(t.abs(), |m, e| m.min(e[c].abs()))
             } else {
                 0.0
             };
+            let (null, critical) = (&nulls[family(c)].0, criticals[family(c)]);
             Seen {
                 left: scores.left(c),
                 size: size * scale,
-                t: t[c],
-                bias_t: bias[c],
-                robust_t,
-                p_flips: if usable[c] { null.p_value(t[c]) } else { 1.0 },
-                p_twins: if usable[c] {
-                    gumbel_tail(&maxima, t[c].abs())
+                error: error * scale,
+                t,
+                bias_t: if norms[c] > 0.0 {
+                    (plain.u.row(c).sum() - sum) / norms[c]
                 } else {
-                    1.0
+                    0.0
                 },
+                holds: robust_t >= critical * if c < regular { 0.85 } else { PLACES },
+                p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 gain: sum * sum / information,
                 held_gain: held_gain(&u, &scores.information, c),
                 detectable: (critical + 1.28) * error * scale,
@@ -169,10 +185,55 @@ pub fn look(
         .collect();
     Seeing {
         seen,
-        critical,
         u,
         cross: cross_information(&grams, base),
     }
+}
+
+fn ts(u: &DMatrix<f64>, norms: &[f64]) -> Vec<f64> {
+    norms
+        .iter()
+        .enumerate()
+        .map(|(c, norm)| {
+            if *norm > 0.0 {
+                u.row(c).sum() / norm
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}
+
+/// What sums of scores are measured in: a regular candidate's own scatter; a window's information times what the windows
+/// of its kind scatter by in the median, because the few runs on one track tell too little of their own.
+fn norms(scores: &Scores, usable: &[bool], design: &Design) -> Vec<f64> {
+    let regular = design.candidates.len();
+    let mut norms: Vec<f64> = (0..scores.u.nrows())
+        .map(|c| {
+            if usable[c] {
+                scores.u.row(c).norm()
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    for l in 0..design.local.len() {
+        let mine: Vec<usize> = (regular..norms.len())
+            .filter(|c| usable[*c] && design.windows[c - regular].local == l)
+            .collect();
+        let mut inflation: Vec<f64> = mine
+            .iter()
+            .map(|c| norms[*c].powi(2) / scores.total_information(*c))
+            .collect();
+        inflation.sort_by(f64::total_cmp);
+        let Some(middle) = inflation.get(inflation.len() / 2) else {
+            continue;
+        };
+        for c in &mine {
+            norms[*c] = (middle * scores.total_information(*c)).sqrt();
+        }
+    }
+    norms
 }
 
 fn typical(design: &Design, c: usize) -> f64 {
@@ -222,9 +283,8 @@ impl Seeing {
     pub fn claimable(&self, c: usize, candidate: &Candidate, alpha: f64) -> bool {
         let s = &self.seen[c];
         s.usable
-            && s.p_flips <= alpha
-            && s.p_twins <= alpha
-            && s.robust_t >= 0.85 * self.critical
+            && s.p_value <= alpha
+            && s.holds
             && s.held_gain > 0.0
             && (candidate.low..=candidate.high).contains(&s.size)
     }

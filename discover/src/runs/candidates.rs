@@ -33,7 +33,12 @@ pub struct Candidate {
     pub track: Option<String>,
     /// What would tell it from its rivals.
     pub decides: String,
+    /// A recorded column outside the model, handed to the expression under [`CARRIER`].
+    pub carrier: Option<String>,
 }
+
+/// The name under which an expression sees the column of [`Candidate::carrier`].
+const CARRIER: &str = "humidity_pct";
 
 impl Candidate {
     /// The effect at an amplitude.
@@ -62,6 +67,35 @@ impl Candidate {
             }
         }
         local
+    }
+
+    /// The stretch of distance on which it acts, where it has one [m].
+    pub fn window(&self) -> Option<(f64, f64)> {
+        let Kind::Catalogue(effect) = &self.kind else {
+            return None;
+        };
+        let of = |name: &str| {
+            let at = effect
+                .info()
+                .parameters
+                .iter()
+                .position(|p| p.name == name)?;
+            Some(self.values[at])
+        };
+        Some((of("from_m")?, of("to_m")?))
+    }
+
+    /// Whether it is no effect of the catalogue but a dependence on a column.
+    pub fn is_unknown(&self) -> bool {
+        self.effect.starts_with("unknown:")
+    }
+
+    /// The values of its carrier in a run.
+    pub fn carried<'a>(&self, frame: &'a super::data::Frame) -> Option<&'a [f64]> {
+        match self.carrier.as_deref()? {
+            "pitch_rate_radps" => Some(&frame.rate[1]),
+            name => frame.extra.get(name).map(Vec::as_slice),
+        }
     }
 
     /// Name with the amplitude's key.
@@ -137,6 +171,7 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 values: defaults.clone(),
                 track: None,
                 decides: info.decides.to_owned(),
+                carrier: None,
             };
             match (info.level, info.name) {
                 (Level::Track, "slope" | "track-profile") => out.track.push(candidate),
@@ -238,13 +273,17 @@ fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidat
         values: vec![0.0],
         track: track.clone(),
         decides: String::new(),
+        carrier: None,
         kind: Kind::Custom(custom),
     }
 }
 
-/// Dependences on single columns beyond the catalogue: a slope and a bend of the friction, of the grip and of a side force.
+/// Dependences on single columns beyond the catalogue: a slope and a bend of the friction and of the grip, and a side force.
+///
+/// Columns that the model has no name for, the pitch rate among them, are handed in as carriers: they are judged, but no
+/// simulation could follow them.
 pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
-    let columns = [
+    let known = [
         ("v_mps", Column::Speed),
         ("fz_n", Column::Load),
         ("alpha_rad", Column::Slip),
@@ -254,29 +293,41 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
         ("roll_acceleration_radps2", Column::RollRate),
         ("t_s", Column::Time),
     ];
+    let mut columns: Vec<(String, Option<String>)> = known
+        .iter()
+        .filter(|(_, column)| data.available.contains(column))
+        .map(|(name, _)| ((*name).to_owned(), None))
+        .collect();
+    let mut carried = vec!["pitch_rate_radps".to_owned()];
+    if let Some(frame) = data.frames.first() {
+        let everywhere = |name: &&String| data.frames.iter().all(|f| f.extra.contains_key(*name));
+        let own = |name: &&String| name.as_str() != "humidity_pct" && name.as_str() != "distance_m";
+        carried.extend(frame.extra.keys().filter(everywhere).filter(own).cloned());
+    }
+    columns.extend(carried.into_iter().map(|name| (name.clone(), Some(name))));
     let mut out = Vec::new();
-    for (name, column) in columns {
-        if !data.available.contains(&column) {
-            continue;
-        }
-        let Some((centre, scale)) = spread(data, mass, name) else {
+    for (name, carrier) in columns {
+        let Some((centre, scale)) = spread(data, mass, &name) else {
             continue;
         };
-        let z = format!("(({name} - {centre:.6e}) / {scale:.6e})");
+        let x = if carrier.is_some() { CARRIER } else { &name };
+        let z = format!("(({x} - {centre:.6e}) / {scale:.6e})");
+        let size = format!("abs({x}) / {scale:.6e}");
         let mut forms = vec![
             (Channel::Grip, z.clone(), 0.02, ""),
             (Channel::Grip, format!("{z}^2"), 0.02, ""),
-            (Channel::Lateral, format!("{name} / {scale:.6e}"), 10.0, "N"),
-            (
-                Channel::Lateral,
-                format!("{name} * abs({name}) / {:.6e}", scale * scale),
-                10.0,
-                "N",
-            ),
+            (Channel::Lateral, format!("{x} / {scale:.6e}"), 10.0, "N"),
         ];
         if along {
             forms.push((Channel::Friction, z.clone(), 1e-4, ""));
             forms.push((Channel::Friction, format!("{z}^2"), 1e-4, ""));
+        }
+        if centre.abs() < scale {
+            // Signs change: the column's size is a form of its own.
+            forms.push((Channel::Grip, size.clone(), 0.02, ""));
+            if along {
+                forms.push((Channel::Friction, size, 1e-4, ""));
+            }
         }
         for (channel, text, typical, unit) in forms {
             let Ok(expression) = Expression::parse(&text) else {
@@ -307,6 +358,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
                 values: vec![0.0],
                 track: None,
                 decides: format!("runs in which {name} is varied by itself"),
+                carrier: carrier.clone(),
             });
         }
     }
@@ -323,8 +375,10 @@ fn spread(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
             "delta_rad" => &frame.steer,
             "gamma_rad" => &frame.roll_split,
             "roll_rate_radps" => &frame.rate[0],
+            "pitch_rate_radps" => &frame.rate[1],
             "roll_acceleration_radps2" => &frame.rate_slope[0],
-            _ => &frame.t,
+            "t_s" => &frame.t,
+            other => frame.extra.get(other)?,
         };
         let unit = if name == "fz_n" { mass } else { 1.0 };
         all.extend(column.iter().map(|x| unit * x));

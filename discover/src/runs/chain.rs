@@ -5,12 +5,14 @@
 //! side:   m a_y - (F_y,f0 + F_y,r + F_air,y + F_ext)  [N]
 //! yaw:    J_zz dyaw/dt - (l_f F_y,f0 - l_r F_y,r)     [N m]
 //! track:  d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y             [m/s2]   slope positive downhill; free of friction
+//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)        [m/s2]   where the slope holds along the sled's way
 //! ```
 //!
-//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r to the centre of gravity. The balance along
-//! the sled's own axis holds at any bank, which runs on different lines feel differently.
+//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta = atan(v_y/v_x) to the centre of
+//! gravity. Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of
+//! two smoothed signals is not the smoothed product.
 
-use kufe_friction::MagicFormula;
+use kufe_friction::{LateralDerivatives, MagicFormula};
 use kufe_sled::effects::{Active, Conditions, Effects, Forces, Kind, Measured, State};
 use kufe_sled::{Vehicle, aero, to_centre_of_gravity};
 
@@ -47,6 +49,8 @@ pub struct Chain {
     pub base: [f64; BASE],
     /// Effects.
     pub effects: Effects,
+    /// Whether the track's slope holds along the sled's way rather than along its axis.
+    pub along_path: bool,
     /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
     pub frozen: Vec<String>,
 }
@@ -62,18 +66,24 @@ impl Chain {
         chain
     }
 
-    /// Residuals of one run.
+    /// Residuals of one run, low-passed and thinned to rows.
     pub fn residuals(&self, frame: &Frame) -> Rows {
-        let n = frame.len();
-        let mut rows: Rows = std::array::from_fn(|_| Vec::with_capacity(n));
-        let effects = self.on_track(&frame.track);
-        let laws = self.laws();
-        let humidity = frame.extra.get("humidity_pct");
-        let wear = frame.extra.get("distance_m");
-        for i in 0..n {
-            let humidity = humidity.map_or(f64::NAN, |x| x[i]);
-            let distance = wear.map_or(frame.distance_before, |x| x[i]);
-            self.one(frame, i, &effects, &laws, (humidity, distance), &mut rows);
+        self.raw(frame).map(|channel| frame.rows(&channel))
+    }
+
+    /// Residuals of one run at every kept sample.
+    pub fn raw(&self, frame: &Frame) -> Rows {
+        let mut rows: Rows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
+        let here = Here::new(self, frame);
+        for i in 0..frame.len() {
+            let m = here.measured(i, self.vehicle.sled.mass_kg);
+            let values = here.residual(i, &m);
+            for (row, value) in rows.iter_mut().zip(values) {
+                row.push(value);
+            }
+        }
+        if frame.slope.is_empty() {
+            rows[3].clear();
         }
         rows
     }
@@ -98,126 +108,12 @@ impl Chain {
         ]
     }
 
-    fn one(
-        &self,
-        frame: &Frame,
-        i: usize,
-        effects: &Effects,
-        laws: &[MagicFormula; 2],
-        (humidity_pct, distance): (f64, f64),
-        rows: &mut Rows,
-    ) {
-        let sled = &self.vehicle.sled;
-        let mut m = Measured {
-            acceleration: [
-                frame.acceleration[0][i],
-                frame.acceleration[1][i],
-                frame.acceleration[2][i],
-            ],
-            slip: frame.slip[i],
-            slip_rate: frame.slip_rate[i],
-            steering: frame.steer[i],
-            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
-            mass: sled.mass_kg,
-        };
-        effects.correct(&mut m);
-        let rate = [frame.rate[0][i], frame.rate[1][i], frame.rate[2][i]];
-        let rate_slope = [
-            frame.rate_slope[0][i],
-            frame.rate_slope[1][i],
-            frame.rate_slope[2][i],
-        ];
-        let a = to_centre_of_gravity(m.acceleration, rate, rate_slope, m.accelerometer);
-        let v = frame.v[i].max(0.5);
-        let turn = |x: f64| (x - sled.slip_x_m) / v;
-        let chassis = m.slip - rate[2] * turn(0.0);
-        let slip = [
-            m.slip - rate[2] * turn(sled.l_f_m) + m.steering,
-            m.slip - rate[2] * turn(-sled.l_r_m),
-        ];
-        let slip_rate = [
-            m.slip_rate - rate_slope[2] * turn(sled.l_f_m) + frame.steer_rate[i],
-            m.slip_rate - rate_slope[2] * turn(-sled.l_r_m),
-        ];
-        let wheelbase = sled.l_f_m + sled.l_r_m;
-        let (weight, pitch) = (m.mass * a[2], sled.j_yy_kgm2 * rate_slope[1]);
-        let front_z = (sled.l_r_m * weight - pitch) / wheelbase;
-        let rear_z = (sled.l_f_m * weight + pitch) / wheelbase;
-
-        let air_density = aero::air_density(frame.air_pa, frame.air_c);
-        let drag = aero::drag(sled, v, air_density, -chassis);
-        let (sg, cg) = frame.roll_split[i].sin_cos();
-        let (sd, cd) = m.steering.sin_cos();
-        let curvature = -rate[1] / v;
-        let mu = |runner: &kufe_sled::RunnerFriction, load: f64| {
-            self.base[0] * runner.mu(load, curvature)
-        };
-
-        // One Newton step settles how the front runner's load hangs on its side force through the roll split.
-        let mut front_load = front_z / cg;
-        if sg != 0.0 {
-            let law = laws[0].derivatives(slip[0], front_load);
-            let residual = cg * front_load + sg * cd * law.fy - front_z;
-            front_load -= residual / (cg + sg * cd * law.fz);
-        }
-        let front = laws[0].derivatives(slip[0], front_load);
-        let rear = laws[1].derivatives(slip[1], rear_z);
-        let load = [front_load, rear_z];
-        let mut forces = Forces {
-            along: [
-                -mu(&self.vehicle.front, front_load) * front_load * slip[0].cos(),
-                -mu(&self.vehicle.rear, rear_z) * rear_z * slip[1].cos(),
-            ],
-            across: [front.fy, rear.fy],
-            stiffness: [front.alpha, rear.alpha],
-            body_along: 0.0,
-            body_across: 0.0,
-        };
-        if !effects.is_empty() {
-            let state = State {
-                conditions: Conditions {
-                    t: frame.t[i],
-                    s: frame.s[i],
-                    v,
-                    fz: f64::NAN,
-                    ice_c: frame.ice_c,
-                    air_c: frame.air_c,
-                    air_pa: frame.air_pa,
-                    humidity_pct,
-                    distance,
-                    air_density,
-                    drag_area: sled.cda_m2,
-                },
-                slip,
-                slip_rate,
-                load,
-                chassis_slip: chassis,
-                steering: m.steering,
-                roll_split: frame.roll_split[i],
-                roll_rate: rate[0],
-                roll_acceleration: rate_slope[0],
-                yaw_rate: rate[2],
-                acceleration: a,
-                mass: m.mass,
-            };
-            effects.act("", &state, &mut forces);
-        }
-        let (fx, fy) = (forces.along[0], forces.across[0]);
-        let front_load = (front_z - sg * (sd * fx + cd * fy)) / cg;
-        let front_x = cd * fx - sd * fy;
-        let front_y = cg * (sd * fx + cd * fy) - sg * front_load;
-        let (sa, ca) = chassis.sin_cos();
-        rows[0].push(m.mass * a[0] - (front_x + forces.along[1] + drag * ca + forces.body_along));
-        rows[1].push(m.mass * a[1] - (front_y + forces.across[1] - drag * sa + forces.body_across));
-        rows[2].push(
-            sled.j_zz_kgm2 * rate_slope[2] - (sled.l_f_m * front_y - sled.l_r_m * forces.across[1]),
-        );
-        if let Some(slope) = frame.slope.get(i) {
-            let slope = slope + effects.slope("", frame.s[i]);
-            let (sin, cos) = m.slip.sin_cos();
-            let forward = frame.v_slope[i] * cos - frame.v[i] * sin * m.slip_rate;
-            let across = -frame.v[i] * sin - sled.slip_x_m * rate[2];
-            rows[3].push(forward - GRAVITY * slope.sin() - a[0] - rate[2] * across);
+    /// The unit in which an active amplitude is fitted.
+    pub fn scale(&self, effect: usize, parameter: usize) -> f64 {
+        let active = &self.effects.active[effect];
+        match &active.kind {
+            Kind::Catalogue(kind) => kind.info().parameters[parameter].typical,
+            Kind::Custom(_) => active.values[parameter].abs().max(1e-9),
         }
     }
 
@@ -240,5 +136,291 @@ impl Chain {
             }
         }
         free
+    }
+}
+
+/// What one sample says before any law is asked.
+#[derive(Clone, Copy)]
+pub struct Instant {
+    /// What the effects see; the loads are those of the laws that were asked last.
+    pub state: State,
+    signals: Measured,
+    front_z: f64,
+    rear_z: f64,
+    curvature: f64,
+    drag: f64,
+    yaw_slope: f64,
+    split: (f64, f64),
+    steer: (f64, f64),
+    chassis: (f64, f64),
+    laws: [LateralDerivatives; 2],
+}
+
+/// A chain on one run: the effects that act there, the laws, the weather.
+pub struct Here<'a> {
+    chain: &'a Chain,
+    frame: &'a Frame,
+    effects: Effects,
+    laws: [MagicFormula; 2],
+    humidity: Option<&'a Vec<f64>>,
+    wear: Option<&'a Vec<f64>>,
+}
+
+impl<'a> Here<'a> {
+    /// Prepares a run.
+    pub fn new(chain: &'a Chain, frame: &'a Frame) -> Self {
+        Self {
+            chain,
+            frame,
+            effects: chain.on_track(&frame.track),
+            laws: chain.laws(),
+            humidity: frame.extra.get("humidity_pct"),
+            wear: frame.extra.get("distance_m"),
+        }
+    }
+
+    /// The signals of a sample, corrected by the active effects.
+    pub fn measured(&self, i: usize, mass: f64) -> Measured {
+        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
+        let mut m = Measured {
+            acceleration: std::array::from_fn(|axis| frame.acceleration[axis][i]),
+            slip: frame.slip[i],
+            slip_rate: frame.slip_rate[i],
+            steering: frame.steer[i],
+            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
+            mass,
+        };
+        self.effects.correct(&mut m);
+        m
+    }
+
+    /// The motion of a sample, from its corrected signals.
+    pub fn instant(&self, i: usize, m: &Measured) -> Instant {
+        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
+        let rate: [f64; 3] = std::array::from_fn(|axis| frame.rate[axis][i]);
+        let rate_slope: [f64; 3] = std::array::from_fn(|axis| frame.rate_slope[axis][i]);
+        let a = to_centre_of_gravity(m.acceleration, rate, rate_slope, m.accelerometer);
+        let v = frame.v[i].max(0.5);
+        let turn = |x: f64| (x - sled.slip_x_m) / v;
+        let chassis = m.slip - rate[2] * turn(0.0);
+        let wheelbase = sled.l_f_m + sled.l_r_m;
+        let (weight, pitch) = (m.mass * a[2], sled.j_yy_kgm2 * rate_slope[1]);
+        let air_density = aero::air_density(frame.air_pa, frame.air_c);
+        Instant {
+            state: State {
+                conditions: Conditions {
+                    t: frame.t[i],
+                    s: frame.s[i],
+                    v,
+                    fz: f64::NAN,
+                    ice_c: frame.ice_c,
+                    air_c: frame.air_c,
+                    air_pa: frame.air_pa,
+                    humidity_pct: self.humidity.map_or(f64::NAN, |x| x[i]),
+                    distance: self.wear.map_or(frame.distance_before, |x| x[i]),
+                    air_density,
+                    drag_area: sled.cda_m2,
+                },
+                slip: [
+                    m.slip - rate[2] * turn(sled.l_f_m) + m.steering,
+                    m.slip - rate[2] * turn(-sled.l_r_m),
+                ],
+                slip_rate: [
+                    m.slip_rate - rate_slope[2] * turn(sled.l_f_m) + frame.steer_rate[i],
+                    m.slip_rate - rate_slope[2] * turn(-sled.l_r_m),
+                ],
+                load: [f64::NAN; 2],
+                chassis_slip: chassis,
+                steering: m.steering,
+                roll_split: frame.roll_split[i],
+                roll_rate: rate[0],
+                roll_acceleration: rate_slope[0],
+                yaw_rate: rate[2],
+                acceleration: a,
+                mass: m.mass,
+            },
+            signals: *m,
+            front_z: (sled.l_r_m * weight - pitch) / wheelbase,
+            rear_z: (sled.l_f_m * weight + pitch) / wheelbase,
+            curvature: -rate[1] / v,
+            drag: aero::drag(sled, v, air_density, -chassis),
+            yaw_slope: rate_slope[2],
+            split: frame.roll_split[i].sin_cos(),
+            steer: m.steering.sin_cos(),
+            chassis: chassis.sin_cos(),
+            laws: [LateralDerivatives::default(); 2],
+        }
+    }
+
+    /// Forces of the base laws, which stay with `at`.
+    fn base_forces(&self, at: &mut Instant) -> Forces {
+        let (sg, cg) = at.split;
+        let cd = at.steer.1;
+        let slip = at.state.slip;
+        // One Newton step settles how the front runner's load hangs on its side force through the roll split.
+        let mut front_load = at.front_z / cg;
+        let mut front = self.laws[0].derivatives(slip[0], front_load);
+        if sg != 0.0 {
+            let residual = cg * front_load + sg * cd * front.fy - at.front_z;
+            let step = residual / (cg + sg * cd * front.fz);
+            front_load -= step;
+            front.fy -= front.fz * step;
+        }
+        at.laws = [front, self.laws[1].derivatives(slip[1], at.rear_z)];
+        self.as_forces(at, front_load)
+    }
+
+    /// The same from the laws of a motion close by, to first order.
+    fn base_forces_near(&self, at: &mut Instant, known: &Instant) -> Forces {
+        let (sg, cg) = at.split;
+        let cd = at.steer.1;
+        at.laws = known.laws;
+        for (runner, law) in at.laws.iter_mut().enumerate() {
+            law.fy += law.alpha * (at.state.slip[runner] - known.state.slip[runner]);
+        }
+        let front = &mut at.laws[0];
+        let mut front_load = known.state.load[0];
+        let residual = cg * front_load + sg * cd * front.fy - at.front_z;
+        let step = residual / (cg + sg * cd * front.fz);
+        front_load -= step;
+        front.fy -= front.fz * step;
+        let rear = &mut at.laws[1];
+        rear.fy += rear.fz * (at.rear_z - known.rear_z);
+        self.as_forces(at, front_load)
+    }
+
+    fn as_forces(&self, at: &mut Instant, front_load: f64) -> Forces {
+        at.state.load = [front_load, at.rear_z];
+        let vehicle = &self.chain.vehicle;
+        let along = |runner: usize, law: &kufe_sled::RunnerFriction| {
+            let load = at.state.load[runner];
+            let mu = self.chain.base[0] * law.mu(load, at.curvature);
+            -mu * load * at.state.slip[runner].cos()
+        };
+        Forces {
+            along: [along(0, &vehicle.front), along(1, &vehicle.rear)],
+            across: at.laws.map(|law| law.fy),
+            stiffness: at.laws.map(|law| law.alpha),
+            body_along: 0.0,
+            body_across: 0.0,
+        }
+    }
+
+    fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
+        if !self.effects.is_empty() {
+            self.effects.act("", &at.state, &mut forces);
+        }
+        forces
+    }
+
+    /// Forces of the base laws, and with the chain's effects.
+    pub fn forces(&self, at: &mut Instant) -> [Forces; 2] {
+        let base = self.base_forces(at);
+        [base, self.with_effects(at, base)]
+    }
+
+    /// Residual with base multiplier `b` moved by a small `step`; `base` are the base laws' forces.
+    pub fn residual_with_base(
+        &self,
+        i: usize,
+        at: &Instant,
+        base: &Forces,
+        b: usize,
+        step: f64,
+    ) -> [f64; CHANNELS] {
+        let mut forces = *base;
+        let change = step / self.chain.base[b];
+        match b {
+            0 => forces.along.iter_mut().for_each(|f| *f *= 1.0 + change),
+            _ => {
+                let runner = (b - 1) / 2;
+                let (law, by) = (&self.laws[runner], &at.laws[runner]);
+                forces.across[runner] += if b % 2 == 1 {
+                    law.mu_zeta * change * by.mu_zeta
+                } else {
+                    law.k_n_per_rad * change * by.k_n_per_rad
+                };
+            }
+        }
+        self.close(i, at, &self.with_effects(at, forces))
+    }
+
+    /// What the balances leave of these forces; 0 in the track channel without a survey.
+    pub fn close(&self, i: usize, at: &Instant, forces: &Forces) -> [f64; CHANNELS] {
+        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
+        let (m, a) = (&at.signals, &at.state.acceleration);
+        let ((sg, cg), (sd, cd), (sa, ca)) = (at.split, at.steer, at.chassis);
+        let (fx, fy) = (forces.along[0], forces.across[0]);
+        let front_load = (at.front_z - sg * (sd * fx + cd * fy)) / cg;
+        let front_x = cd * fx - sd * fy;
+        let front_y = cg * (sd * fx + cd * fy) - sg * front_load;
+        let track = match frame.slope.get(i) {
+            None => 0.0,
+            Some(slope) => {
+                let slope = slope + self.effects.slope("", frame.s[i]);
+                let gravity = GRAVITY * slope.sin();
+                if self.chain.along_path {
+                    frame.v_slope[i] - gravity - a[0] * ca + a[1] * sa
+                } else {
+                    let (sin, cos) = m.slip.sin_cos();
+                    let forward = frame.v_slope[i] * cos - frame.v[i] * sin * m.slip_rate;
+                    let rate = at.state.yaw_rate;
+                    let across = -frame.v[i] * sin - sled.slip_x_m * rate;
+                    forward - gravity - a[0] - rate * across
+                }
+            }
+        };
+        [
+            m.mass * a[0] - (front_x + forces.along[1] + at.drag * ca + forces.body_along),
+            m.mass * a[1] - (front_y + forces.across[1] - at.drag * sa + forces.body_across),
+            sled.j_zz_kgm2 * at.yaw_slope - (sled.l_f_m * front_y - sled.l_r_m * forces.across[1]),
+            track,
+        ]
+    }
+
+    /// Residual of a sample with these corrected signals.
+    pub fn residual(&self, i: usize, m: &Measured) -> [f64; CHANNELS] {
+        let mut at = self.instant(i, m);
+        let [_, forces] = self.forces(&mut at);
+        self.close(i, &at, &forces)
+    }
+
+    /// Residual of a sample with one more effect at a small size, `at` and `forces` being those without it.
+    pub fn residual_with(
+        &self,
+        i: usize,
+        effect: &Active,
+        at: &Instant,
+        forces: &Forces,
+    ) -> [f64; CHANNELS] {
+        if effect
+            .track
+            .as_deref()
+            .is_some_and(|only| only != self.frame.track)
+        {
+            return self.close(i, at, forces);
+        }
+        match &effect.kind {
+            Kind::Custom(custom) => {
+                let mut forces = *forces;
+                custom.act(effect.values[0], &at.state, &mut forces);
+                self.close(i, at, &forces)
+            }
+            Kind::Catalogue(kind) => {
+                let mut m = at.signals;
+                kind.correct(&effect.values, &mut m);
+                if m == at.signals {
+                    let mut forces = *forces;
+                    kind.act(&effect.values, &at.state, &mut forces);
+                    return self.close(i, at, &forces);
+                }
+                // Another signal is another motion.
+                let mut other = self.instant(i, &m);
+                let base = self.base_forces_near(&mut other, at);
+                let mut forces = self.with_effects(&other, base);
+                kind.act(&effect.values, &other.state, &mut forces);
+                self.close(i, &other, &forces)
+            }
+        }
     }
 }

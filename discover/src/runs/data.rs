@@ -9,10 +9,19 @@ use kufe_sled::{Entry, Model, Noise, Run, read_index, read_run};
 use crate::Error;
 use crate::smooth::Kernel;
 
-/// Corner of the common low pass [Hz].
-pub const CUTOFF_HZ: f64 = 4.0;
+/// Corner of the low pass of every signal, before the balances are taken [Hz].
+pub const CUTOFF_HZ: f64 = 16.0;
 /// Samples a second that are kept [1/s].
-pub const RATE_HZ: f64 = 20.0;
+pub const RATE_HZ: f64 = 50.0;
+/// Corner of the low pass of the balances [Hz].
+const ROW_CUTOFF_HZ: f64 = 4.0;
+/// Rows a second [1/s].
+const ROW_RATE_HZ: f64 = 10.0;
+
+/// The kernel of every signal with `dt` [s] between samples.
+pub fn signal_kernel(dt: f64) -> Kernel {
+    Kernel::new(dt, CUTOFF_HZ.min(0.2 / dt), RATE_HZ)
+}
 
 /// One run, or one segment of a single long run.
 #[derive(Clone, Debug)]
@@ -31,8 +40,10 @@ pub struct Frame {
     pub air_pa: f64,
     /// Distance run before this run in its session [m].
     pub distance_before: f64,
-    /// Samples of the recording and the time between them, for noise at the recorded rate.
-    pub recorded: (usize, f64),
+    /// Time between samples of the recording [s].
+    pub recorded_dt: f64,
+    /// Low pass from kept samples to rows.
+    pub sieve: Kernel,
     /// Time [s].
     pub t: Vec<f64>,
     /// Distance along the track [m].
@@ -68,6 +79,43 @@ impl Frame {
     pub fn len(&self) -> usize {
         self.t.len()
     }
+
+    /// A signal at kept samples, low-passed and thinned to rows.
+    pub fn rows(&self, x: &[f64]) -> Vec<f64> {
+        self.sieve.smooth(x)
+    }
+
+    /// Number of rows.
+    pub fn row_count(&self) -> usize {
+        self.sieve.centres(self.len()).count()
+    }
+
+    /// The samples `from..to` alone.
+    pub fn piece(&self, from: usize, to: usize) -> Self {
+        let mut piece = self.clone();
+        for column in piece
+            .acceleration
+            .iter_mut()
+            .chain(&mut piece.rate)
+            .chain(&mut piece.rate_slope)
+            .chain(piece.extra.values_mut())
+            .chain([
+                &mut piece.t,
+                &mut piece.s,
+                &mut piece.v,
+                &mut piece.v_slope,
+                &mut piece.slip,
+                &mut piece.slip_rate,
+                &mut piece.steer,
+                &mut piece.steer_rate,
+                &mut piece.roll_split,
+                &mut piece.slope,
+            ])
+        {
+            *column = column.get(from..to).map_or_else(Vec::new, <[f64]>::to_vec);
+        }
+        piece
+    }
 }
 
 /// All runs with what is known of the whole set.
@@ -83,8 +131,6 @@ pub struct Data {
     pub available: Vec<Column>,
     /// Whether one run was cut into segments.
     pub segmented: bool,
-    /// The smoothing that all channels went through.
-    pub kernel: Kernel,
     /// What a reader should know: constant columns, segments, remarks of the reader.
     pub remarks: Vec<String>,
 }
@@ -166,13 +212,13 @@ fn same_samples(a: &Run, b: &Run) -> bool {
 /// # Errors
 /// [`Error::TooFew`] where a run is shorter than the smoothing needs.
 pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, Error> {
-    let Some(first) = runs.first() else {
+    if runs.is_empty() {
         return Err(Error::TooFew {
             what: "runs".to_owned(),
             found: 0,
             needed: 1,
         });
-    };
+    }
     let mut remarks: Vec<String> = runs
         .iter()
         .flat_map(|run| {
@@ -181,12 +227,11 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
                 .map(|r| format!("run {}: {r}", run.entry.run))
         })
         .collect();
-    let kernel = Kernel::new(first.dt_s, CUTOFF_HZ.min(0.2 / first.dt_s), RATE_HZ);
     let segmented = runs.len() == 1;
     let mut frames = Vec::new();
     let mut before: BTreeMap<&str, f64> = BTreeMap::new();
     for run in runs {
-        let own = Kernel::new(run.dt_s, CUTOFF_HZ.min(0.2 / run.dt_s), RATE_HZ);
+        let own = signal_kernel(run.dt_s);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let mut frame = frame(run, &own, surveys)?;
         frame.distance_before = *travelled;
@@ -196,15 +241,16 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
             remarks.push(format!(
                 "one run only: it is cut into {} segments of {:.0} s that stand for runs; what differs from run to run cannot be seen",
                 frames.len(),
-                frames[0].len() as f64 / RATE_HZ
+                frames[0].t.last().unwrap_or(&0.0) - frames[0].t[0]
             ));
         } else {
             frames.push(frame);
         }
     }
+    let seen = estimate(runs);
     let (noise, noise_estimated) = match model.noise {
-        Some(noise) => (noise, false),
-        None => (estimate(runs), true),
+        Some(stated) => (quieter(&stated, &seen, &mut remarks), false),
+        None => (seen, true),
     };
     turn_slopes(&mut frames, &mut remarks);
     let available = available(runs, &frames, &mut remarks);
@@ -214,14 +260,16 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
         noise_estimated,
         available,
         segmented,
-        kernel,
         remarks,
     })
 }
 
 fn frame(run: &Run, kernel: &Kernel, surveys: &Surveys) -> Result<Frame, Error> {
     let n = run.len();
-    let needed = 2 * kernel.margin() + 20 * kernel.stride;
+    let kept_dt = kernel.stride as f64 * run.dt_s;
+    let sieve = Kernel::new(kept_dt, ROW_CUTOFF_HZ.min(0.2 / kept_dt), ROW_RATE_HZ);
+    // A second of rows at least.
+    let needed = 2 * kernel.margin() + (2 * sieve.margin() + 10 * sieve.stride) * kernel.stride;
     if n < needed {
         return Err(Error::TooFew {
             what: format!("run {}: samples", run.entry.run),
@@ -270,7 +318,8 @@ fn frame(run: &Run, kernel: &Kernel, surveys: &Surveys) -> Result<Frame, Error> 
         air_c: run.entry.conditions.air_c,
         air_pa: run.entry.conditions.air_pa,
         distance_before: 0.0,
-        recorded: (n, run.dt_s),
+        recorded_dt: run.dt_s,
+        sieve,
         t: kernel.centres(n).map(|i| i as f64 * run.dt_s).collect(),
         acceleration: [
             smooth("ax_mps2", 0.0),
@@ -333,48 +382,59 @@ pub fn interpolate(profile: &[(f64, f64)], s: f64) -> f64 {
 /// Cuts one long run into segments of at least 10 s, about 24 of them, with a second left out between neighbours.
 fn cut(frame: &Frame) -> Vec<Frame> {
     let n = frame.len();
-    let gap = RATE_HZ as usize;
+    let gap = ((n as f64 / (frame.t[n - 1] - frame.t[0]).max(1e-9)).round() as usize).max(1);
     let length = (n / 24).max(10 * gap).min(n);
     let count = (n / length).max(1);
     (0..count)
         .map(|k| {
             let (from, to) = (
                 k * length,
-                ((k + 1) * length - gap).min(n).max(k * length + 1),
+                if count == 1 {
+                    n
+                } else {
+                    (k + 1) * length - gap
+                },
             );
-            let part = |x: &Vec<f64>| x.get(from..to).map_or_else(Vec::new, <[f64]>::to_vec);
-            let mut piece = frame.clone();
+            let mut piece = frame.piece(from, to);
             piece.name = format!(
                 "{} {:.0}-{:.0} s",
                 frame.name,
                 frame.t[from],
                 frame.t[to - 1]
             );
-            piece.recorded.0 = (to - from) * (frame.recorded.0 / n).max(1);
-            for column in piece
-                .acceleration
-                .iter_mut()
-                .chain(&mut piece.rate)
-                .chain(&mut piece.rate_slope)
-                .chain(piece.extra.values_mut())
-                .chain([
-                    &mut piece.t,
-                    &mut piece.s,
-                    &mut piece.v,
-                    &mut piece.v_slope,
-                    &mut piece.slip,
-                    &mut piece.slip_rate,
-                    &mut piece.steer,
-                    &mut piece.steer_rate,
-                    &mut piece.roll_split,
-                    &mut piece.slope,
-                ])
-            {
-                *column = part(column);
-            }
             piece
         })
         .collect()
+}
+
+/// What is stated, where the recordings are not quieter still: white noise shows in full in third differences.
+fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
+    let mut lowered = Vec::new();
+    let mut least = |name: &str, stated: f64, seen: f64| {
+        if seen < 0.9 * stated {
+            lowered.push(format!("{name} {stated:.2e} stated, {seen:.2e} seen"));
+        }
+        stated.min(seen)
+    };
+    let noise = Noise {
+        accel_mps2: least("accelerometer [m/s2]", stated.accel_mps2, seen.accel_mps2),
+        rate_radps: least("rates [rad/s]", stated.rate_radps, seen.rate_radps),
+        speed_mps: least("speed [m/s]", stated.speed_mps, seen.speed_mps),
+        slip_rad: least("slip [rad]", stated.slip_rad, seen.slip_rad),
+        steer_rad: least("steering [rad]", stated.steer_rad, seen.steer_rad),
+        roll_split_rad: least(
+            "roll split [rad]",
+            stated.roll_split_rad,
+            seen.roll_split_rad,
+        ),
+    };
+    if !lowered.is_empty() {
+        remarks.push(format!(
+            "sensors quieter from sample to sample than [noise] states are taken as they are: {}",
+            lowered.join("; ")
+        ));
+    }
+    noise
 }
 
 /// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.
@@ -406,11 +466,12 @@ fn estimate(runs: &[Run]) -> Noise {
 
 fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> Vec<Column> {
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
+    let first = |name: &str| runs[0].columns.get(name).and_then(|x| x.first());
     let varies = |name: &str| {
         runs.iter().any(|run| {
             run.columns
                 .get(name)
-                .is_some_and(|x| x.iter().any(|value| *value != x[0]))
+                .is_some_and(|x| x.iter().any(|value| Some(value) != first(name)))
         })
     };
     let mut list = vec![Column::Time];
@@ -444,7 +505,10 @@ fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> Vec<C
         (Column::IceTemperature, spread(|f| f.ice_c)),
         (Column::AirTemperature, spread(|f| f.air_c)),
         (Column::AirPressure, spread(|f| f.air_pa)),
-        (Column::Wear, spread(|f| f.distance_before)),
+        (
+            Column::Wear,
+            varies("distance_m") || spread(|f| f.distance_before),
+        ),
     ] {
         if varies {
             list.push(column);

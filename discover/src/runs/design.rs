@@ -1,10 +1,11 @@
 //! Directions: how the rows change with each parameter.
 
+use kufe_sled::effects::Active;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::chain::{BASE, Chain};
+use super::chain::{BASE, CHANNELS, Chain, Here};
 use super::data::Frame;
 use super::whiten::Whitener;
 use crate::score::Gram;
@@ -85,79 +86,149 @@ impl Design<'_> {
 
     /// Columns of one run: its levels, fitted parameters, candidates, and the residual last; all whitened.
     pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
-        let rest = self.whitener.apply(&self.chain.residuals(frame));
-        let direction = |chain: &Chain, step: f64| -> Vec<f64> {
-            let moved = self.whitener.apply(&chain.residuals(frame));
-            moved
-                .iter()
-                .zip(&rest)
-                .map(|(m, r)| (r - m) / step)
-                .collect()
-        };
-        let step = 1e-3;
-        let base: Vec<Vec<f64>> = (0..BASE)
-            .map(|b| {
-                let mut chain = self.chain.clone();
-                chain.base[b] += step;
-                direction(&chain, step)
+        self.with_locals(frame, &[]).0
+    }
+
+    /// The same, and beside them the directions of local candidates that act everywhere.
+    pub fn columns_and_locals(&self, frame: &Frame) -> (DMatrix<f64>, DMatrix<f64>) {
+        self.with_locals(frame, self.local)
+    }
+
+    fn with_locals(&self, frame: &Frame, locals: &[Candidate]) -> (DMatrix<f64>, DMatrix<f64>) {
+        const STEP: f64 = 1e-3;
+        let chain = self.chain;
+        let mass = chain.vehicle.sled.mass_kg;
+        let here = Here::new(chain, frame);
+        let moved: Vec<Chain> = chain
+            .free()
+            .into_iter()
+            .map(|(e, p)| {
+                let mut moved = chain.clone();
+                moved.effects.active[e].values[p] += 0.01 * chain.scale(e, p);
+                moved
             })
             .collect();
-        let n = rest.len();
-        let grip: Vec<f64> = (0..n)
-            .map(|i| base[1][i] + base[2][i] + base[3][i] + base[4][i])
+        let moved: Vec<Here> = moved.iter().map(|c| Here::new(c, frame)).collect();
+        let trials: Vec<(Active, Option<&[f64]>)> = self
+            .candidates
+            .iter()
+            .chain(locals)
+            .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
             .collect();
-        let mut columns: Vec<Vec<f64>> = vec![base[0].clone(), grip];
-        columns.extend(self.free_base.iter().map(|b| base[*b].clone()));
-        for (e, p) in self.chain.free() {
-            let mut chain = self.chain.clone();
-            let scale = self.scale(e, p);
-            chain.effects.active[e].values[p] += 0.01 * scale;
-            columns.push(direction(&chain, 0.01));
+        let n = frame.len();
+        let (first_trial, count) = (BASE + moved.len(), BASE + moved.len() + trials.len() + 1);
+        let mut raw: [Vec<Vec<f64>>; 3] = std::array::from_fn(|c| {
+            let samples = if self.whitener.used[c] { n } else { 0 };
+            vec![vec![0.0; samples]; count]
+        });
+        for i in 0..n {
+            let m = here.measured(i, mass);
+            let mut at = here.instant(i, &m);
+            let [base, own] = here.forces(&mut at);
+            let rest = here.close(i, &at, &own);
+            let mut put = |k: usize, values: [f64; CHANNELS], step: f64| {
+                for (c, raw) in raw.iter_mut().enumerate() {
+                    if let Some(to) = raw[k].get_mut(i) {
+                        *to = (rest[c] - values[c]) / step;
+                    }
+                }
+            };
+            for (k, (trial, carried)) in trials.iter().enumerate() {
+                let moved = match carried {
+                    None => here.residual_with(i, trial, &at, &own),
+                    Some(x) => {
+                        let mut at = at;
+                        at.state.conditions.humidity_pct = x[i];
+                        here.residual_with(i, trial, &at, &own)
+                    }
+                };
+                put(first_trial + k, moved, 0.01);
+            }
+            for (k, other) in moved.iter().enumerate() {
+                let m = other.measured(i, mass);
+                put(BASE + k, other.residual(i, &m), 0.01);
+            }
+            for b in 0..BASE {
+                put(b, here.residual_with_base(i, &at, &base, b, STEP), STEP);
+            }
+            for (c, raw) in raw.iter_mut().enumerate() {
+                if let Some(to) = raw[count - 1].get_mut(i) {
+                    *to = rest[c];
+                }
+            }
         }
-        for candidate in self.candidates {
-            columns.push(direction(
-                &self.chain.with(candidate.active(0.01 * candidate.typical)),
-                0.01,
-            ));
+        // Low-passed, thinned and whitened, the channels one below the other.
+        let per_channel = frame.row_count();
+        let mut all: Vec<Vec<f64>> = vec![Vec::new(); count];
+        for (c, raw) in raw
+            .iter()
+            .enumerate()
+            .filter(|(c, _)| self.whitener.used[*c])
+        {
+            for (to, x) in all.iter_mut().zip(raw) {
+                to.extend(frame.rows(x).iter().map(|x| x / self.whitener.sd[c]));
+            }
         }
-        columns.push(rest);
-        let mut matrix = DMatrix::zeros(n, columns.len());
-        for (k, column) in columns.iter().enumerate() {
-            matrix.column_mut(k).copy_from_slice(column);
-        }
-        matrix
+        let rows = per_channel * self.whitener.count();
+        let grip: Vec<f64> = (0..rows)
+            .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
+            .collect();
+        let regular = first_trial + self.candidates.len();
+        let order: Vec<&[f64]> = [all[0].as_slice(), grip.as_slice()]
+            .into_iter()
+            .chain(self.free_base.iter().map(|b| all[*b].as_slice()))
+            .chain(all[BASE..regular].iter().map(Vec::as_slice))
+            .chain([all[count - 1].as_slice()])
+            .collect();
+        let gather = |columns: &[&[f64]]| {
+            let mut matrix = DMatrix::zeros(rows, columns.len());
+            for (k, column) in columns.iter().enumerate() {
+                matrix.column_mut(k).copy_from_slice(column);
+            }
+            matrix
+        };
+        let locals: Vec<&[f64]> = all[regular..count - 1].iter().map(Vec::as_slice).collect();
+        (gather(&order), gather(&locals))
     }
 
-    /// The unit in which an active amplitude is fitted.
-    pub fn scale(&self, effect: usize, parameter: usize) -> f64 {
-        let active = &self.chain.effects.active[effect];
-        match &active.kind {
-            kufe_sled::effects::Kind::Catalogue(kind) => kind.info().parameters[parameter].typical,
-            kufe_sled::effects::Kind::Custom(_) => active.values[parameter].abs().max(1e-9),
-        }
-    }
-
-    /// Sums of products of all runs, in their order.
-    pub fn grams(&self, frames: &[Frame]) -> Vec<Gram> {
-        frames.par_iter().map(|frame| self.gram(frame)).collect()
-    }
-
-    /// Sums of products of one run.
-    pub fn gram(&self, frame: &Frame) -> Gram {
-        let columns = self.columns(frame);
-        let (products, norms) = self.window_products(frame, &columns);
-        Gram::new(&columns, LEVELS, &products, &norms)
+    /// Plain products of the columns of all runs, and of their windows.
+    pub fn products(&self, frames: &[Frame]) -> Vec<Products> {
+        frames
+            .par_iter()
+            .map(|frame| {
+                let (columns, locals) = self.columns_and_locals(frame);
+                let (windows, window_norms) = self.window_products(frame, &columns, &locals);
+                let place = frame.rows(&frame.s);
+                let shares = self
+                    .windows
+                    .iter()
+                    .map(|w| {
+                        let inside = place.iter().filter(|s| (w.from..w.to).contains(*s));
+                        let here = w.track == frame.track;
+                        let count = if here { inside.count() } else { 0 };
+                        (w.local, count as f64 / place.len().max(1) as f64)
+                    })
+                    .collect();
+                Products {
+                    full: columns.tr_mul(&columns),
+                    windows,
+                    window_norms,
+                    shares,
+                }
+            })
+            .collect()
     }
 
     /// Products of the windows' directions with all columns: sums over bins, then over each window's bins.
-    fn window_products(&self, frame: &Frame, columns: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
+    fn window_products(
+        &self,
+        frame: &Frame,
+        columns: &DMatrix<f64>,
+        locals: &DMatrix<f64>,
+    ) -> (DMatrix<f64>, Vec<f64>) {
         let m = columns.ncols();
         let mut products = DMatrix::zeros(self.windows.len(), m);
         let mut norms = vec![0.0; self.windows.len()];
-        if self.windows.is_empty() {
-            return (products, norms);
-        }
-        let low = frame.s.iter().copied().fold(f64::INFINITY, f64::min);
         let own = |w: &&Window| w.track == frame.track;
         let Some(start) = self.windows.iter().find(own).map(|w| w.from) else {
             return (products, norms);
@@ -169,22 +240,13 @@ impl Design<'_> {
             .map(|w| ((w.to - start) / BIN_M).round() as usize)
             .max()
             .unwrap_or(0);
-        debug_assert!(low >= start - 1e-9 || !low.is_finite());
-        let rest = columns.column(m - 1);
-        let per_channel = columns.nrows() / self.whitener.count().max(1);
-        for (l, local) in self.local.iter().enumerate() {
-            let moved = self.chain.with(local.active(0.01 * local.typical));
-            let moved = self.whitener.apply(&moved.residuals(frame));
+        let place = frame.rows(&frame.s);
+        for l in 0..locals.ncols() {
             let mut sums = vec![0.0; (bins + 1) * m];
             let mut squares = vec![0.0; bins + 1];
-            for (row, y) in moved.iter().enumerate() {
-                let c = (rest[row] - y) / 0.01;
-                if c == 0.0 {
-                    continue;
-                }
-                let s = frame.s[row % per_channel];
-                let bin = ((s - start) / BIN_M) as usize;
-                if bin >= bins {
+            for (row, c) in locals.column(l).iter().enumerate() {
+                let bin = ((place[row % place.len()] - start) / BIN_M) as usize;
+                if *c == 0.0 || bin >= bins {
                     continue;
                 }
                 squares[bin + 1] += c * c;
@@ -212,5 +274,45 @@ impl Design<'_> {
             }
         }
         (products, norms)
+    }
+}
+
+/// Products of one run's columns, levels first, and of its windows with them.
+pub struct Products {
+    /// Columns with columns.
+    pub full: DMatrix<f64>,
+    /// Windows with columns, one row a window.
+    pub windows: DMatrix<f64>,
+    /// Windows with themselves.
+    pub window_norms: Vec<f64>,
+    /// Local candidate of each window and its share of the run's rows.
+    pub shares: Vec<(usize, f64)>,
+}
+
+impl Products {
+    /// The run's sums for scores, `share` of what noise adds taken off.
+    ///
+    /// `noise` belongs to the columns with the local candidates behind them; what it adds to a window is taken to be even
+    /// along the run.
+    pub fn corrected(&self, noise: &DMatrix<f64>, share: f64) -> Gram {
+        let m = self.full.ncols();
+        let full = &self.full - noise.view((0, 0), (m, m)) * share;
+        let mut windows = self.windows.clone();
+        let mut norms = self.window_norms.clone();
+        for (w, (local, part)) in self.shares.iter().enumerate() {
+            let part = part * share;
+            if part > 0.0 {
+                norms[w] = (norms[w] - part * noise[(m + local, m + local)]).max(0.0);
+                for k in 0..m {
+                    windows[(w, k)] -= part * noise[(m + local, k)];
+                }
+            }
+        }
+        Gram::new(&full, LEVELS, &windows, &norms)
+    }
+
+    /// Nothing taken off but the run's own levels.
+    pub fn plain(&self) -> Gram {
+        Gram::new(&self.full, LEVELS, &self.windows, &self.window_norms)
     }
 }

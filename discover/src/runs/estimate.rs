@@ -1,13 +1,13 @@
 //! Fitted parameters with intervals: bias of noisy inputs taken off, errors from the scatter of whole runs.
 
-use nalgebra::DMatrix;
-use rayon::prelude::*;
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::chain::Chain;
+use super::corrected::noise_products;
 use super::data::Frame;
 use super::design::{Design, LEVELS};
-use super::fit::residuals;
+use super::fit::stepped;
 use super::twins::TwinMaker;
 use super::whiten::Whitener;
 use crate::score::ridge_inverse;
@@ -15,7 +15,7 @@ use crate::score::ridge_inverse;
 /// A parameter in its own unit (base parameters: as multipliers).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Value, the twins' bias taken off.
+    /// Value.
     pub value: f64,
     /// Standard error.
     pub error: f64,
@@ -25,69 +25,76 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// Estimates of all fitted parameters at the fitted chain.
+/// How far the deviations of the sensors are trusted: their squares' relative standard error.
+pub const STATED: f64 = 0.1;
+/// The same where they are estimated from the recordings.
+pub const ESTIMATED: f64 = 0.5;
+
+/// Estimates of all fitted parameters, and the chain that holds them.
 ///
-/// One Gauss-Newton step from the fit on each twin shows how noisy inputs move the estimates; their mean is taken off.
-/// The error is the sandwich over runs, inv(J'J) sum_i (J_i'r_i)(J_i'r_i)' inv(J'J), with Student's t of R - 1.
+/// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
+/// errors are the sandwich over runs, `inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`, `s_i` run i's corrected score, with Student's t
+/// of R - 1; `trust` of the way from least squares is added to them. With `settle` false the values stay at least squares.
+#[allow(clippy::too_many_arguments)]
 pub fn estimate(
     chain: &Chain,
     whitener: &Whitener,
     frames: &[Frame],
     free: &[usize],
     maker: &TwinMaker,
-    twins: u64,
-) -> Vec<Estimate> {
-    let design = Design {
-        chain,
-        whitener,
-        free_base: free,
-        candidates: &[],
-        local: &[],
-        windows: &[],
-    };
-    let p = design.fitted();
-    let full = |frames: &[Frame]| -> Vec<DMatrix<f64>> {
-        frames
+    trust: f64,
+    settle: bool,
+) -> (Vec<Estimate>, Chain) {
+    const STEPS: u64 = 3;
+    let mut settled = chain.clone();
+    let mut errors = Vec::new();
+    for round in 0..STEPS {
+        let design = Design {
+            chain: &settled,
+            whitener,
+            free_base: free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        };
+        let p = design.fitted();
+        let products = design.products(frames);
+        let noise = noise_products(&design, frames, maker, 4_000_037 + round);
+        let runs: Vec<DMatrix<f64>> = products
             .iter()
-            .map(|f| {
-                let x = design.columns(f);
-                x.tr_mul(&x)
+            .zip(&noise)
+            .map(|(x, d)| {
+                let c = &x.full - d;
+                c.view((LEVELS, LEVELS), (p + 1, p + 1)).into_owned()
             })
-            .collect()
-    };
-    let real = full(frames);
-    let rows = residuals(chain, frames);
-    let steps: Vec<Vec<f64>> = (0..twins)
-        .into_par_iter()
-        .map(|k| step(&full(&maker.make(frames, chain, &rows, 4_000_037 + k)), p).0)
-        .collect();
-    let (_, errors) = step(&real, p);
+            .collect();
+        let (step, e) = solve(&runs, p);
+        errors = e;
+        settled = stepped(&settled, free, step.as_slice(), 1.0);
+    }
     let scales: Vec<f64> = vec![1.0; free.len()]
         .into_iter()
-        .chain(chain.free().iter().map(|(e, q)| design.scale(*e, *q)))
+        .chain(chain.free().iter().map(|(e, q)| chain.scale(*e, *q)))
         .collect();
-    let current: Vec<f64> = free
-        .iter()
-        .map(|b| chain.base[*b])
-        .chain(
-            chain
-                .free()
-                .iter()
-                .map(|(e, q)| chain.effects.active[*e].values[*q]),
-        )
-        .collect();
+    let values = |chain: &Chain, like: &Chain| -> Vec<f64> {
+        let amplitudes = like.free();
+        free.iter()
+            .map(|b| chain.base[*b])
+            .chain(
+                amplitudes
+                    .iter()
+                    .map(|(e, q)| chain.effects.active[*e].values[*q]),
+            )
+            .collect()
+    };
+    let (fitted, moved) = (values(chain, chain), values(&settled, chain));
     let n = frames.len() as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
-    (0..p)
+    let estimates = (0..fitted.len())
         .map(|k| {
-            let mean = steps.iter().map(|s| s[k]).sum::<f64>() / steps.len() as f64;
-            let scatter = steps.iter().map(|s| (s[k] - mean).powi(2)).sum::<f64>()
-                / (steps.len() as f64 - 1.0);
-            // The twins' own scatter is a second account of the error; the larger one counts.
-            let error =
-                (errors[k].powi(2).max(scatter) + scatter / steps.len() as f64).sqrt() * scales[k];
-            let value = current[k] - mean * scales[k];
+            let value = if settle { moved[k] } else { fitted[k] };
+            let error = (errors[k] * scales[k]).hypot(trust * (moved[k] - fitted[k]));
             Estimate {
                 value,
                 error,
@@ -95,25 +102,20 @@ pub fn estimate(
                 high: value + quantile * error,
             }
         })
-        .collect()
+        .collect();
+    (estimates, if settle { settled } else { chain.clone() })
 }
 
 /// One step and its sandwich errors.
-fn step(grams: &[DMatrix<f64>], p: usize) -> (Vec<f64>, Vec<f64>) {
-    let own: Vec<DMatrix<f64>> = grams
-        .iter()
-        .map(|g| g.view((LEVELS, LEVELS), (p + 1, p + 1)).into_owned())
-        .collect();
-    solve(&own, p)
-}
-
-fn solve(grams: &[DMatrix<f64>], p: usize) -> (Vec<f64>, Vec<f64>) {
+fn solve(grams: &[DMatrix<f64>], p: usize) -> (DVector<f64>, Vec<f64>) {
     let mut total = DMatrix::zeros(p + 1, p + 1);
     for gram in grams {
         total += gram;
     }
     let inverse = ridge_inverse(total.view((0, 0), (p, p)).into_owned());
-    let step = &inverse * total.view((0, p), (p, 1));
+    let step = (&inverse * total.view((0, p), (p, 1)))
+        .column(0)
+        .into_owned();
     let mut meat = DMatrix::zeros(p, p);
     for gram in grams {
         let score = gram.view((0, p), (p, 1)) - gram.view((0, 0), (p, p)) * &step;
@@ -121,8 +123,6 @@ fn solve(grams: &[DMatrix<f64>], p: usize) -> (Vec<f64>, Vec<f64>) {
     }
     let n = grams.len() as f64;
     let covariance = &inverse * meat * &inverse * (n / (n - 1.0).max(1.0));
-    (
-        step.column(0).iter().copied().collect(),
-        (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect(),
-    )
+    let errors = (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
+    (step, errors)
 }

@@ -30,7 +30,8 @@ pub fn free_base(chain: &Chain, frames: &[Frame], used: [bool; CHANNELS]) -> Vec
         windows: &[],
     };
     let mut norms = [0.0; BASE];
-    for frame in frames {
+    // Which parameters have leverage shows in any few runs.
+    for frame in frames.iter().take(6) {
         let columns = design.columns(frame);
         for (b, norm) in norms.iter_mut().enumerate() {
             *norm += columns.column(LEVELS + b).norm_squared();
@@ -51,9 +52,10 @@ pub fn free_base(chain: &Chain, frames: &[Frame], used: [bool; CHANNELS]) -> Vec
     free
 }
 
-/// Fits base and effects by Gauss-Newton on whitened rows.
+/// Fits base and effects by Gauss-Newton, each channel over its own residual's deviation.
 ///
-/// The whitening is renewed in each of the first rounds. Steps are halved until the sum of squares falls; amplitudes stay in their bounds.
+/// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
+/// are halved until it falls; amplitudes stay in their bounds.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -63,63 +65,87 @@ pub fn fit(
     free_base: &[usize],
     used: [bool; CHANNELS],
 ) -> Result<(Chain, Whitener), Error> {
-    let mut chain = chain.clone();
-    let mut whitener = Whitener::estimate(&residuals(&chain, frames), used);
-    for round in 0..12 {
+    const ROUNDS: usize = 14;
+    /// Changes of the criterion below this are far inside the noise.
+    const ENOUGH: f64 = 1e-3;
+    let plain = Whitener {
+        sd: [1.0; CHANNELS],
+        used,
+    };
+    let mut best: Option<(f64, Chain, Whitener, DVector<f64>)> = None;
+    let mut trial = chain.clone();
+    let mut share = 1.0;
+    for _ in 0..ROUNDS {
         let design = Design {
-            chain: &chain,
-            whitener: &whitener,
+            chain: &trial,
+            whitener: &plain,
             free_base,
             candidates: &[],
             local: &[],
             windows: &[],
         };
         let p = design.fitted();
-        let with_levels: Vec<DMatrix<f64>> =
-            frames.par_iter().map(|f| full_gram(&design, f)).collect();
-        let mut total = DMatrix::zeros(LEVELS + p + 1, LEVELS + p + 1);
-        for gram in &with_levels {
-            total += gram;
-        }
-        if !total.iter().all(|x| x.is_finite()) {
-            return Err(Error::BaseFit {
-                reason: "a residual is not a finite number".to_owned(),
-            });
-        }
-        let step = joint_step(&total, p);
-        let before = total[(LEVELS + p, LEVELS + p)];
-        let scales: Vec<f64> = chain
-            .free()
-            .iter()
-            .map(|(e, q)| design.scale(*e, *q))
+        let blocks: Vec<Vec<(DMatrix<f64>, usize)>> = frames
+            .par_iter()
+            .map(|frame| channel_grams(&design, frame))
             .collect();
-        let mut share = 1.0;
-        let mut moved = 0.0;
-        for _ in 0..8 {
-            let trial = stepped(&chain, free_base, &scales, &step, share);
-            let after: f64 = residuals(&trial, frames)
-                .iter()
-                .map(|rows| whitener.apply(rows).iter().map(|x| x * x).sum::<f64>())
-                .sum();
-            if after <= before {
-                moved = (before - after).abs() / before;
-                chain = trial;
+        let m = LEVELS + p + 1;
+        let mut sums = vec![(DMatrix::zeros(m, m), 0); plain.count()];
+        for run in &blocks {
+            for (sum, (gram, n)) in sums.iter_mut().zip(run) {
+                sum.0 += gram;
+                sum.1 += n;
+            }
+        }
+        if !sums.iter().all(|(g, _)| g.iter().all(|x| x.is_finite())) {
+            if best.is_none() {
+                return Err(Error::BaseFit {
+                    reason: "a residual is not a finite number".to_owned(),
+                });
+            }
+            sums.clear();
+        }
+        let mut whitener = plain.clone();
+        let mut total = DMatrix::zeros(m, m);
+        let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
+        for (k, (gram, n)) in sums.iter().enumerate() {
+            let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
+            let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
+            whitener.sd[plain.channel(k)] = sd;
+            total += gram / (sd * sd);
+            criterion += *n as f64 * sd.ln();
+        }
+        let gained = best.as_ref().map_or(f64::INFINITY, |b| b.0 - criterion);
+        if gained >= 0.0 {
+            let step = joint_step(&total, p);
+            best = Some((criterion, trial.clone(), whitener, step));
+            share = 1.0;
+            if gained < ENOUGH {
                 break;
             }
+        } else {
             share *= 0.5;
+            if share < 0.01 {
+                break;
+            }
         }
-        if round < 4 {
-            whitener = Whitener::estimate(&residuals(&chain, frames), used);
-        } else if moved < 1e-7 {
-            break;
-        }
+        let (_, from, _, step) = best.as_ref().expect("the first round sets it");
+        trial = stepped(from, free_base, step.as_slice(), share);
     }
+    let (_, chain, whitener, _) = best.expect("the first round sets it");
     Ok((chain, whitener))
 }
 
-fn full_gram(design: &Design, frame: &Frame) -> DMatrix<f64> {
+/// Products of a run's columns by channel, with the number of rows.
+fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
     let columns = design.columns(frame);
-    columns.tr_mul(&columns)
+    let n = frame.row_count();
+    (0..design.whitener.count())
+        .map(|k| {
+            let block = columns.rows(k * n, n);
+            (block.tr_mul(&block), n)
+        })
+        .collect()
 }
 
 /// The Gauss-Newton step of base and effects together.
@@ -129,27 +155,14 @@ fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
     (ridge_inverse(jj) * jr).column(0).into_owned()
 }
 
-/// Takes each run's levels out of its sums of products.
-pub fn without_levels(gram: &DMatrix<f64>) -> DMatrix<f64> {
-    let m = gram.ncols();
-    let rest = m - LEVELS;
-    let own = ridge_inverse(gram.view((0, 0), (LEVELS, LEVELS)).into_owned());
-    let cross = gram.view((0, LEVELS), (LEVELS, rest)).into_owned();
-    gram.view((LEVELS, LEVELS), (rest, rest)) - cross.tr_mul(&(own * &cross))
-}
-
-fn stepped(
-    chain: &Chain,
-    free_base: &[usize],
-    scales: &[f64],
-    step: &DVector<f64>,
-    share: f64,
-) -> Chain {
+/// The chain moved by a share of a step: base multipliers, then amplitudes in their units; all stay in their bounds.
+pub fn stepped(chain: &Chain, free_base: &[usize], step: &[f64], share: f64) -> Chain {
     let mut trial = chain.clone();
     for (k, b) in free_base.iter().enumerate() {
         trial.base[*b] = (chain.base[*b] + share * step[k]).clamp(0.02, 50.0);
     }
     for (k, (e, q)) in chain.free().into_iter().enumerate() {
+        let scale = chain.scale(e, q);
         let active = &mut trial.effects.active[e];
         let (low, high) = match &active.kind {
             kufe_sled::effects::Kind::Catalogue(kind) => {
@@ -158,10 +171,10 @@ fn stepped(
             }
             kufe_sled::effects::Kind::Custom(custom) => (custom.low, custom.high),
         };
-        let value = active.values[q] + share * scales[k] * step[free_base.len() + k];
+        let value = active.values[q] + share * scale * step[free_base.len() + k];
         // An amplitude of exactly 0 would count as switched off.
         active.values[q] = if value == 0.0 {
-            1e-12 * scales[k]
+            1e-12 * scale
         } else {
             value.clamp(low, high)
         };

@@ -4,9 +4,10 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::chain::{CHANNEL_NAMES, CHANNELS, Chain};
+use super::corrected::noise_products;
 use super::data::Frame;
 use super::design::{Design, LEVELS};
-use super::fit::{residuals, without_levels};
+use super::fit::residuals;
 use super::twins::TwinMaker;
 use super::whiten::Whitener;
 use crate::random::{below, stream};
@@ -32,11 +33,12 @@ pub fn channels(
             0.0
         }
     };
-    let sensors = {
-        let mut quiet = maker.clone();
-        quiet.beyond = [0.0; CHANNELS];
-        quiet.make(frames, after, &residuals(after, frames), 2_000_003)
-    };
+    let quiet = maker.sensors_only();
+    let sensors: Vec<Frame> = frames
+        .par_iter()
+        .enumerate()
+        .map(|(i, frame)| quiet.pair(frame, after, 2_000_003, i).plus)
+        .collect();
     (0..CHANNELS)
         .filter(|c| used[*c])
         .map(|c| ChannelGap {
@@ -64,11 +66,12 @@ pub fn explainable_closed(
     seed: u64,
 ) -> Interval {
     let p = before.fitted();
-    let columns: Vec<_> = training.par_iter().map(|f| before.columns(f)).collect();
-    let m = columns[0].ncols() - LEVELS;
+    let products = before.products(training);
+    let noise = noise_products(before, training, maker, 3_000_017);
+    let m = products[0].full.ncols() - LEVELS;
     let mut total = nalgebra::DMatrix::zeros(m, m);
-    for x in &columns {
-        total += without_levels(&x.tr_mul(x));
+    for (x, d) in products.iter().zip(&noise) {
+        total += (&x.full - d).view((LEVELS, LEVELS), (m, m));
     }
     // The base's own directions are fitted along, so that f is what goes beyond them.
     let coefficients: DVector<f64> =
@@ -76,35 +79,24 @@ pub fn explainable_closed(
             * total.view((0, m - 1), (m - 1, 1)))
         .column(0)
         .into_owned();
-    let pairs = |frames: &[Frame]| -> Vec<(f64, f64)> {
-        frames
-            .par_iter()
-            .map(|frame| {
-                let x = before.columns(frame);
-                let n = x.nrows();
-                let own = x.columns(0, LEVELS).into_owned();
-                let f: DVector<f64> =
-                    x.columns(LEVELS + p, m - 1 - p) * coefficients.rows(p, m - 1 - p);
-                let inverse = ridge_inverse(own.tr_mul(&own));
-                let free = &f - &own * (&inverse * own.tr_mul(&f));
-                let r_before = x.column(m + LEVELS - 1).into_owned();
-                let r_after = DVector::from_vec(before.whitener.apply(&after.residuals(frame)));
-                assert_eq!(r_after.len(), n);
-                (free.dot(&r_before), free.dot(&r_after))
-            })
-            .collect()
+    let pair = |frame: &Frame| -> (f64, f64) {
+        let x = before.columns(frame);
+        let f: DVector<f64> = x.columns(LEVELS + p, m - 1 - p) * coefficients.rows(p, m - 1 - p);
+        let r_before = x.column(m + LEVELS - 1).into_owned();
+        let r_after = DVector::from_vec(before.whitener.apply(&after.residuals(frame)));
+        (f.dot(&r_before), f.dot(&r_after))
     };
-    let mut measured = pairs(others);
-    let rows = residuals(after, others);
-    let count = 8;
-    for k in 0..count {
-        let twin = maker.make(others, after, &rows, 3_000_017 + k);
-        // In a twin of the final model nothing is left to find: both products show bias alone.
-        for (pair, bias) in measured.iter_mut().zip(pairs(&twin)) {
-            pair.0 -= bias.1 / count as f64;
-            pair.1 -= bias.1 / count as f64;
-        }
-    }
+    let measured: Vec<(f64, f64)> = others
+        .par_iter()
+        .enumerate()
+        .map(|(i, frame)| {
+            let (b, a) = pair(frame);
+            // In a twin of the final model nothing is left to find: both products show bias alone.
+            let twins = maker.pair(frame, after, 3_000_017, i);
+            let bias = 0.5 * (pair(&twins.plus).1 + pair(&twins.minus).1) - pair(&twins.truth).1;
+            (b - bias, a - bias)
+        })
+        .collect();
     // No more than all can be closed; less than -1 says no more than "worse". Without anything explainable there: NaN.
     let closed = |picked: &mut dyn Iterator<Item = usize>| -> f64 {
         let (b, a) = picked.fold((0.0, 0.0), |(b, a), i| {
@@ -184,10 +176,12 @@ pub fn stand_out(
         };
         for track in tracks {
             let mine = |f: &Frame| track.as_ref().is_none_or(|t| *t == f.track);
+            let values: Vec<Vec<f64>> = frames.iter().map(|f| f.rows(of(f))).collect();
             let mut all: Vec<f64> = frames
                 .iter()
-                .filter(|f| mine(f))
-                .flat_map(|f| of(f).iter().copied())
+                .zip(&values)
+                .filter(|(f, _)| mine(f))
+                .flat_map(|(_, x)| x.iter().copied())
                 .collect();
             all.sort_by(f64::total_cmp);
             let parts = if track.is_some() { 40 } else { 10 };
@@ -200,8 +194,8 @@ pub fn stand_out(
                     let channel = whitener.channel(k);
                     let mut u = vec![0.0; frames.len()];
                     let mut sums = vec![(0.0, 0.0); frames.len()];
-                    for (i, frame) in frames.iter().enumerate().filter(|(_, f)| mine(f)) {
-                        let x = of(frame);
+                    for (i, _) in frames.iter().enumerate().filter(|(_, f)| mine(f)) {
+                        let x = &values[i];
                         let per = white[i].len() / whitener.count();
                         for j in 0..per {
                             if x[j] >= pair[0] && x[j] < pair[1] {

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::candidates::Candidate;
+use super::corrected::noise_products;
 use super::data::Frame;
 use super::design::{Design, LEVELS};
+use super::twins::TwinMaker;
 use crate::flips::by_session_permutation;
 use crate::random::{shuffle, stream};
 use crate::score::ridge_inverse;
@@ -45,6 +47,7 @@ pub fn judge(
     design: &Design,
     frames: &[Frame],
     candidates: &[Candidate],
+    maker: &TwinMaker,
     alpha: f64,
     seed: u64,
 ) -> Levels {
@@ -56,17 +59,18 @@ pub fn judge(
     let mut level_of = vec![0; q];
     let mut spread = vec![[0.0; LEVELS]; q];
     let mut raw: Vec<Vec<[f64; LEVELS]>> = vec![Vec::new(); q];
-    for frame in frames {
-        let columns = design.columns(frame);
-        let m = columns.ncols();
-        let own = columns.columns(0, LEVELS).into_owned();
-        let square = own.tr_mul(&own);
+    let products = design.products(frames);
+    let noise = noise_products(design, frames, maker, 6_000_029);
+    for (products, noise) in products.iter().zip(&noise) {
+        let matrix = &products.full - noise;
+        let m = matrix.ncols();
+        let square = matrix.view((0, 0), (LEVELS, LEVELS)).into_owned();
         let inverse = ridge_inverse(square.clone());
-        let level = &inverse * own.tr_mul(&columns.column(m - 1));
+        let level = &inverse * matrix.view((0, m - 1), (LEVELS, 1)).column(0);
         levels.push([level[0], level[1]]);
         weights.push([square[(0, 0)], square[(1, 1)]]);
         for (c, raw) in raw.iter_mut().enumerate() {
-            let z = &inverse * own.tr_mul(&columns.column(first + c));
+            let z = &inverse * matrix.view((0, first + c), (LEVELS, 1)).column(0);
             for k in 0..LEVELS {
                 spread[c][k] += z[k] * z[k] * square[(k, k)];
             }

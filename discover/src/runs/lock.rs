@@ -11,8 +11,9 @@ pub struct Locked {
     pub held: Vec<usize>,
 }
 
-/// A rule without chance: the last run of every session of at least three runs; with six sessions or more, one whole
-/// session (the middle one by name); with three tracks or more, the track with the fewest runs. Of segments, every fourth.
+/// A rule without chance: of every second session of at least three runs its last run; with six sessions or more, one
+/// whole session (the middle one by name); with three tracks or more, the one with the fewest runs if it holds no more
+/// than a quarter of them (what is peculiar to a locked track could not be found). Of segments, every fourth.
 pub fn lock(frames: &[Frame], segmented: bool) -> Locked {
     let mut held = vec![false; frames.len()];
     if segmented {
@@ -25,7 +26,7 @@ pub fn lock(frames: &[Frame], segmented: bool) -> Locked {
             list
         };
         let sessions = names(|f| &f.session);
-        for session in &sessions {
+        for session in sessions.iter().skip(1).step_by(2) {
             let runs: Vec<usize> = (0..frames.len())
                 .filter(|i| frames[*i].session == *session)
                 .collect();
@@ -43,9 +44,11 @@ pub fn lock(frames: &[Frame], segmented: bool) -> Locked {
         }
         let tracks = names(|f| &f.track);
         if tracks.len() >= 3
-            && let Some(least) = tracks
+            && let Some((count, least)) = tracks
                 .iter()
-                .min_by_key(|t| frames.iter().filter(|f| f.track == **t).count())
+                .map(|t| (frames.iter().filter(|f| f.track == *t).count(), t))
+                .min_by_key(|(count, _)| *count)
+            && 4 * count <= frames.len()
         {
             (0..frames.len())
                 .filter(|i| frames[*i].track == *least)

@@ -3,6 +3,7 @@
 pub(crate) mod analysis;
 pub(crate) mod candidates;
 pub(crate) mod chain;
+pub(crate) mod corrected;
 pub(crate) mod data;
 pub(crate) mod design;
 pub(crate) mod estimate;

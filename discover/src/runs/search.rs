@@ -1,14 +1,15 @@
 //! The search: fit, look, name, add, look again; at the end, once, the locked-away runs.
 
-use kufe_sled::effects::{Effects, Kind};
+use kufe_sled::effects::{Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle};
 
 use super::analysis::{Look, Seeing, best_windows, look};
 use super::candidates::{Candidate, Candidates, list, unknown};
 use super::chain::{BASE_NAMES, CHANNEL_NAMES, CHANNELS, Chain};
+use super::corrected::noise_products;
 use super::data::{Data, Frame};
-use super::design::{Design, windows};
-use super::estimate::{Estimate, estimate};
+use super::design::{Design, Products, windows};
+use super::estimate::{ESTIMATED, Estimate, STATED, estimate};
 use super::fit::{fit, free_base, residuals};
 use super::levels::judge;
 use super::track::TrackChannel;
@@ -16,6 +17,7 @@ use super::twins::TwinMaker;
 use super::whiten::Whitener;
 use super::{gap, lock};
 use crate::report::{Detectable, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict};
+use crate::score::{Scores, cross_information};
 use crate::{Error, Options};
 
 /// What a search found, with the model that carries it.
@@ -27,11 +29,14 @@ pub struct Found {
 }
 
 /// Largest p-value of a claim within runs; session claims and track claims have thresholds of their own, 0.05 in all.
-const ALPHA: f64 = 0.025;
-const ALPHA_LEVELS: f64 = 0.015;
+const ALPHA: f64 = 0.02;
+const ALPHA_LOCAL: f64 = 0.01;
+const ALPHA_SESSIONS: f64 = 0.008;
+const ALPHA_RUNS: f64 = 0.004;
+const ALPHA_BEYOND: f64 = 0.005;
 const ALPHA_TRACK: f64 = 0.0005;
-/// The track channel is used where it closes within this many survey deviations.
-const CLOSES_WITHIN: f64 = 0.5;
+/// The track channel is used where its runs agree within this many times what the sensors' noise scatters.
+const AGREES_WITHIN: f64 = 3.0;
 const MOST_STEPS: usize = 4;
 
 /// Searches runs for what the model lacks.
@@ -49,10 +54,11 @@ pub fn search(
     // An effect of one's own without a value is a candidate, not a part of the model.
     own.active
         .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
-    let chain = Chain {
+    let mut chain = Chain {
         vehicle: Vehicle::new(model)?,
         base: [1.0; 5],
         effects: own,
+        along_path: false,
         frozen: Vec::new(),
     };
     let locked = lock::lock(&data.frames, data.segmented);
@@ -75,6 +81,9 @@ pub fn search(
     }
     let mut remarks = data.remarks.clone();
     let used = channels_in_use(data, model, options, &mut remarks);
+    if used[3] {
+        chain.along_path = closes_along_path(&chain, &training);
+    }
     let candidates = list(data, &trial, used[0]);
     let mut searcher = Searcher {
         data,
@@ -85,20 +94,15 @@ pub fn search(
         used,
         candidates: &candidates,
         steps: Vec::new(),
+        owners: Vec::new(),
         depends: Vec::new(),
         remarks,
         first: None,
+        by_forces: Vec::new(),
     };
     (searcher.progress)("fitting the base model");
     let free = free_base(&chain, &training, used);
     let (base, whitener) = fit(&chain, &training, &free, used)?;
-    let maker = searcher.maker(&base);
-    if maker.noise_scale < 0.95 {
-        searcher.remarks.push(format!(
-            "the noise stated for the sensors is more than the residuals hold; twins use {:.2} times it",
-            maker.noise_scale
-        ));
-    }
     if data.noise_estimated {
         let n = &data.noise;
         searcher.remarks.push(format!(
@@ -120,6 +124,16 @@ pub fn search(
         bins,
         level_note,
     )
+}
+
+/// Whether the track channel closes better with the slope along the sled's way than along its axis.
+fn closes_along_path(chain: &Chain, frames: &[Frame]) -> bool {
+    let closure = |along_path: bool| {
+        let mut chain = chain.clone();
+        chain.along_path = along_path;
+        TrackChannel::new(&chain, frames, &[]).map_or(f64::INFINITY, |c| c.closure())
+    };
+    closure(true) < closure(false)
 }
 
 fn channels_in_use(
@@ -157,9 +171,13 @@ struct Searcher<'a> {
     used: [bool; CHANNELS],
     candidates: &'a Candidates,
     steps: Vec<Step>,
+    /// The step of each effect that was added.
+    owners: Vec<usize>,
     depends: Vec<String>,
     remarks: Vec<String>,
     first: Option<Vec<Detectable>>,
+    /// What the forces alone say of each candidate's size, with its standard error.
+    by_forces: Vec<(Candidate, f64, f64)>,
 }
 
 /// What a look leads to.
@@ -177,6 +195,27 @@ struct Pick {
     track_error: Option<f64>,
 }
 
+/// Where a search stands: the model so far and what was made for it.
+struct Stand<'a> {
+    chain: &'a Chain,
+    whitener: &'a Whitener,
+    free: &'a [usize],
+    maker: &'a TwinMaker,
+}
+
+impl<'a> Stand<'a> {
+    fn design(&self, candidates: &'a [Candidate]) -> Design<'a> {
+        Design {
+            chain: self.chain,
+            whitener: self.whitener,
+            free_base: self.free,
+            candidates,
+            local: &[],
+            windows: &[],
+        }
+    }
+}
+
 impl Searcher<'_> {
     fn maker(&self, chain: &Chain) -> TwinMaker {
         TwinMaker::new(
@@ -188,11 +227,19 @@ impl Searcher<'_> {
         )
     }
 
+    /// After a first name the next ones are held to half of the chance of an error.
+    fn share(&self) -> f64 {
+        if self.steps.is_empty() { 1.0 } else { 0.5 }
+    }
+
     fn look_options(&self) -> Look {
+        let share = self.share();
         Look {
-            twins: self.options.twins,
+            pairs: self.options.twins.div_ceil(40).max(1),
             flips: self.options.flips,
-            alpha: ALPHA,
+            alpha: share * ALPHA,
+            alpha_local: share * ALPHA_LOCAL,
+            alpha_beyond: share * ALPHA_BEYOND,
             trust: if self.data.noise_estimated {
                 [0.5, 1.6]
             } else {
@@ -213,16 +260,17 @@ impl Searcher<'_> {
         for number in 0..=MOST_STEPS {
             (self.progress)(&format!("look {}", number + 1));
             let whitener = Whitener::estimate(&residuals(&chain, self.training), self.used);
-            let pick = match self.within_runs(&chain, &whitener, free) {
-                Some(pick) => Some(pick),
-                None => match self.between_runs(&chain, &whitener, free, &mut note) {
-                    Some(pick) => Some(pick),
-                    None => match self.on_the_track(&chain) {
-                        Some(pick) => Some(pick),
-                        None => self.beyond_the_catalogue(&chain, &whitener, free),
-                    },
-                },
+            let maker = self.maker(&chain);
+            let at = Stand {
+                chain: &chain,
+                whitener: &whitener,
+                free,
+                maker: &maker,
             };
+            let pick = self
+                .within_runs(&at)
+                .or_else(|| self.between_runs(&at, &mut note))
+                .or_else(|| self.on_the_track(&chain, &maker));
             let Some(pick) = pick else { break };
             if number == MOST_STEPS {
                 self.remarks.push(format!(
@@ -232,6 +280,10 @@ impl Searcher<'_> {
                 break;
             }
             (self.progress)(&format!("adding {}", pick.candidate.label()));
+            if pick.candidate.carrier.is_some() {
+                self.tell_column(&chain, pick);
+                break;
+            }
             if let Some(bias) = pick.bias_t.filter(|b| b.abs() > 1.0) {
                 self.remarks.push(format!(
                     "{}: noisy inputs alone would show T = {bias:.1}; it was taken off",
@@ -266,10 +318,25 @@ impl Searcher<'_> {
             let (next, _) = fit(&next, self.training, free, self.used)?;
             let after = gap_of(&next, self.training, pick.channel);
             chain = next;
+            // Another stretch or another amplitude of an effect belongs to the same step.
+            let known = self
+                .steps
+                .iter()
+                .position(|s| s.effect == pick.candidate.effect);
+            if let Some(known) = known {
+                let step = &mut self.steps[known];
+                if pick.candidate.track.is_some() {
+                    step.place = format!("{}; {}", step.place, pick.place);
+                }
+                step.gap_after = after;
+                self.owners.push(known);
+                continue;
+            }
+            self.owners.push(self.steps.len());
             self.steps.push(Step {
                 effect: pick.candidate.effect.clone(),
                 class: pick.class,
-                channel: self.channel_name(pick.channel, &pick.candidate),
+                channel: CHANNEL_NAMES[pick.channel].0.to_owned(),
                 place: pick.place,
                 p_value: pick.p_value,
                 parameters,
@@ -287,37 +354,60 @@ impl Searcher<'_> {
         Ok((chain, note))
     }
 
-    fn channel_name(&self, channel: usize, _candidate: &Candidate) -> String {
-        CHANNEL_NAMES[channel].0.to_owned()
+    /// A dependence on a column that no simulation knows ends the search: nothing can be switched on for it.
+    fn tell_column(&mut self, chain: &Chain, pick: Pick) {
+        let gap = gap_of(chain, self.training, pick.channel);
+        self.remarks.push(format!(
+            "{}: the model has no such column, so that nothing was switched on",
+            pick.candidate.effect
+        ));
+        self.steps.push(Step {
+            effect: pick.candidate.effect,
+            class: pick.class,
+            channel: CHANNEL_NAMES[pick.channel].0.to_owned(),
+            place: pick.place,
+            p_value: pick.p_value,
+            parameters: Vec::new(),
+            gap_before: gap,
+            gap_after: gap,
+            unit: CHANNEL_NAMES[pick.channel].1.to_owned(),
+            explainable_gap_closed: Interval {
+                value: 0.0,
+                low: 0.0,
+                high: 0.0,
+            },
+            rivals: pick.rivals,
+        });
     }
 
-    fn within_runs(&mut self, chain: &Chain, whitener: &Whitener, free: &[usize]) -> Option<Pick> {
-        if whitener.count() == 0 {
+    fn within_runs(&mut self, at: &Stand) -> Option<Pick> {
+        if at.whitener.count() == 0 {
             return None;
         }
-        let regular = self.fresh(chain, &self.candidates.regular);
+        let mut regular = self.fresh(at.chain, &self.candidates.regular);
+        regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
+        // A person's own effect may bear such a name, too.
+        regular.sort_by_key(Candidate::is_unknown);
         let all_windows = windows(self.training, self.candidates.local.len());
         let design = Design {
-            chain,
-            whitener,
-            free_base: free,
-            candidates: &regular,
             local: &self.candidates.local,
             windows: &all_windows,
+            ..at.design(&regular)
         };
-        let maker = self.maker(chain);
-        let seeing = look(
-            &design,
-            self.training,
-            &maker,
-            &self.look_options(),
-            self.progress,
-        );
+        let options = self.look_options();
+        let seeing = look(&design, self.training, at.maker, &options);
         if self.first.is_none() {
-            self.first = Some(detectable(&seeing, &regular));
+            let named = regular.iter().filter(|c| !c.is_unknown()).count();
+            self.first = Some(detectable(&seeing, &regular[..named]));
         }
+        self.by_forces = regular
+            .iter()
+            .zip(&seeing.seen)
+            .filter(|(_, seen)| seen.usable && seen.left > 0.05)
+            .map(|(c, seen)| (c.clone(), seen.size, seen.error))
+            .collect();
         let places = best_windows(&seeing, &self.candidates.local, &all_windows, regular.len());
-        self.choose(chain, whitener, free, &seeing, &regular, &places)
+        self.choose(at, &seeing, &regular, &places, &options)
     }
 
     /// Candidates that are not already part of the chain.
@@ -327,8 +417,7 @@ impl Searcher<'_> {
                 !chain.effects.active.iter().any(|e| {
                     e.effect_name() == c.effect
                         && e.track == c.track
-                        && (e.values[c.parameter] != 0.0
-                            || (c.effect == "saturation" && e.values[2] != 0.0))
+                        && e.values[c.parameter] != 0.0
                 })
             })
             .cloned()
@@ -337,60 +426,142 @@ impl Searcher<'_> {
 
     fn choose(
         &self,
-        chain: &Chain,
-        whitener: &Whitener,
-        free: &[usize],
+        at: &Stand,
         seeing: &Seeing,
         regular: &[Candidate],
         places: &[(Candidate, usize)],
+        options: &Look,
     ) -> Option<Pick> {
-        // All claimable ones, regular and windows, by what they explain.
-        let mut pool: Vec<(Candidate, usize)> = regular.iter().cloned().zip(0..).collect();
-        pool.extend(places.iter().cloned());
-        let best = pool
+        let gain = |c: usize| seeing.seen[c].gain;
+        let alpha_of = |candidate: &Candidate| match (&candidate.track, candidate.is_unknown()) {
+            (_, true) => options.alpha_beyond,
+            (Some(_), _) => options.alpha_local,
+            _ => options.alpha,
+        };
+        let most = (0..regular.len())
+            .map(|c| (&regular[c], c))
+            .chain(places.iter().map(|(candidate, c)| (candidate, *c)))
+            .filter(|(candidate, c)| seeing.claimable(*c, candidate, alpha_of(candidate)))
+            .map(|(_, c)| gain(c))
+            .fold(0.0, f64::max);
+        // Windows that compete, with edges found to a few metres, are judged as ordinary candidates beside all others.
+        let close: Vec<(Candidate, usize)> = places
             .iter()
-            .filter(|(candidate, at)| seeing.claimable(*at, candidate, ALPHA))
-            .max_by(|a, b| seeing.seen[a.1].gain.total_cmp(&seeing.seen[b.1].gain))?
-            .clone();
-        // Rivals judged together with the windows as ordinary candidates.
-        let list: Vec<Candidate> = pool.iter().map(|(c, _)| c.clone()).collect();
-        let design = Design {
-            chain,
-            whitener,
-            free_base: free,
-            candidates: &list,
-            local: &[],
-            windows: &[],
+            .filter(|(_, c)| most > 0.0 && gain(*c) > 0.3 * most)
+            .map(|(candidate, c)| (self.refined(at, candidate), *c))
+            .collect();
+        let list: Vec<Candidate> = regular
+            .iter()
+            .chain(close.iter().map(|(candidate, _)| candidate))
+            .cloned()
+            .collect();
+        let mut together = Seeing {
+            seen: seeing.seen[..regular.len()].to_vec(),
+            u: seeing.u.rows(0, regular.len()).into_owned(),
+            cross: seeing.cross.clone(),
         };
-        let grams = design.grams(self.training);
-        let cross = crate::score::cross_information(&grams, design.fitted());
-        let mut u = nalgebra::DMatrix::zeros(list.len(), self.training.len());
-        for (row, (_, at)) in pool.iter().enumerate() {
-            u.row_mut(row).copy_from(&seeing.u.row(*at));
-        }
-        let together = Seeing {
-            seen: pool
+        if !close.is_empty() {
+            let design = at.design(&list);
+            let noise = noise_products(&design, self.training, at.maker, 0);
+            let grams: Vec<_> = design
+                .products(self.training)
                 .iter()
-                .map(|(_, at)| seeing.seen[*at].clone())
-                .collect(),
-            critical: seeing.critical,
-            u,
-            cross,
+                .zip(&noise)
+                .map(|(p, d)| p.corrected(d, 1.0))
+                .collect();
+            let scores = Scores::new(&grams, design.fitted());
+            together.cross = cross_information(&grams, design.fitted());
+            let rows = together.u.nrows();
+            together.u = together.u.insert_rows(rows, close.len(), 0.0);
+            for (k, (candidate, c)) in close.iter().enumerate() {
+                together
+                    .u
+                    .row_mut(rows + k)
+                    .copy_from(&scores.u.row(rows + k));
+                let information = scores.total_information(rows + k).max(1e-300);
+                let sum: f64 = scores.u.row(rows + k).sum();
+                let mut seen = seeing.seen[*c].clone();
+                seen.size = sum / information * candidate.typical;
+                seen.gain = sum * sum / information;
+                together.seen.push(seen);
+            }
+        }
+        let best = |wanted: bool| {
+            (0..list.len())
+                .filter(|c| list[*c].is_unknown() == wanted)
+                .filter(|c| together.claimable(*c, &list[*c], alpha_of(&list[*c])))
+                .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
-        let named = pool.iter().position(|(_, at)| *at == best.1)?;
-        let (class, rivals) = self.rivals(&together, &list, named);
+        // What the catalogue knows comes first, unless a column beyond it takes all that the name explains and more.
+        let mut named = match (best(false), best(true)) {
+            (Some(known), Some(other)) => {
+                let more = together.seen[other].gain > together.seen[known].gain;
+                let t = |a: usize, b: usize| together.beyond(a, b) * together.seen[a].t.signum();
+                if more && t(known, other) < 2.0 && t(other, known) > 3.0 {
+                    other
+                } else {
+                    known
+                }
+            }
+            (known, other) => known.or(other)?,
+        };
+        let (mut class, mut rivals) = self.rivals(&together, &list, named);
+        // Of a class of places, the effect that already acts elsewhere is the simpler account.
+        let known = (regular.len()..list.len()).find(|c| {
+            list[named].track.is_some()
+                && *c != named
+                && class.contains(&list[*c].effect)
+                && self.steps.iter().any(|s| s.effect == list[*c].effect)
+        });
+        if let Some(known) = known {
+            named = known;
+            (class, rivals) = self.rivals(&together, &list, named);
+        }
         let seen = &together.seen[named];
         Some(Pick {
-            place: self.place_of(&list[named], chain),
-            channel: self.strongest_channel(chain, &list[named], seen.size),
+            place: self.place_of(&list[named], at),
+            channel: self.strongest_channel(at.chain, &list[named], seen.size),
             candidate: list[named].clone(),
             size: seen.size,
             class,
             rivals,
-            p_value: seen.p_flips.max(seen.p_twins),
+            p_value: seen.p_value,
             bias_t: Some(seen.bias_t),
             track_error: None,
         })
+    }
+
+    /// A window with its edges moved to where it explains most.
+    fn refined(&self, at: &Stand, candidate: &Candidate) -> Candidate {
+        const MOVES: [f64; 7] = [-7.5, -5.0, -2.5, 0.0, 2.5, 5.0, 7.5];
+        let (Some(track), Some((from, to))) = (&candidate.track, candidate.window()) else {
+            return candidate.clone();
+        };
+        let there: Vec<Frame> = self
+            .training
+            .iter()
+            .filter(|f| f.track == *track)
+            .cloned()
+            .collect();
+        let trials: Vec<Candidate> = MOVES
+            .iter()
+            .flat_map(|a| MOVES.iter().map(move |b| (from + a, to + b)))
+            .filter(|(a, b)| b - a >= 5.0)
+            .map(|(a, b)| candidate.within(track, a, b))
+            .collect();
+        let design = at.design(&trials);
+        let grams: Vec<_> = design
+            .products(&there)
+            .iter()
+            .map(Products::plain)
+            .collect();
+        let scores = Scores::new(&grams, design.fitted());
+        let gain = |c: usize| -> f64 {
+            scores.u.row(c).sum().powi(2) / scores.total_information(c).max(1e-300)
+        };
+        (0..trials.len())
+            .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+            .map_or_else(|| candidate.clone(), |c| trials[c].clone())
     }
 
     /// The class: rivals that the named effect does not stand out beside.
@@ -407,7 +578,8 @@ impl Searcher<'_> {
         let mut rivals: Vec<Rival> = Vec::new();
         for (j, candidate) in list.iter().enumerate() {
             let s = &seeing.seen[j];
-            if candidate.effect == *name || !s.usable || s.t.abs() < 1.5 {
+            let stranger = candidate.is_unknown() && !list[named].is_unknown();
+            if candidate.effect == *name || stranger || !s.usable || s.t.abs() < 1.5 {
                 continue;
             }
             let beyond = seeing.beyond(named, j);
@@ -438,33 +610,37 @@ impl Searcher<'_> {
         (class, rivals)
     }
 
-    fn place_of(&self, candidate: &Candidate, chain: &Chain) -> String {
+    fn place_of(&self, candidate: &Candidate, stand: &Stand) -> String {
         let on = candidate
             .track
             .as_ref()
             .map_or(String::new(), |t| format!(" on track {t}"));
-        if let Kind::Catalogue(effect) = &candidate.kind {
-            let at = |name: &str| effect.info().parameters.iter().position(|p| p.name == name);
-            if let (Some(from), Some(to), Some(_)) = (at("from_m"), at("to_m"), &candidate.track) {
-                return format!(
-                    "s {:.0}-{:.0} m{on}",
-                    candidate.values[from], candidate.values[to]
-                );
+        if let (Some(_), Some((from, to))) = (&candidate.track, candidate.window()) {
+            return format!("s {from:.0}-{to:.0} m{on}");
+        }
+        let form = match &candidate.kind {
+            Kind::Custom(custom) => {
+                format!("; form {} on {:?}", custom.text, custom.channel).to_lowercase()
             }
+            Kind::Catalogue(_) => String::new(),
+        };
+        if candidate.is_unknown() {
+            return format!("all runs{form}");
         }
         // The share of samples that carries half of the effect tells where it acts.
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
-        let rest = chain.residuals(frame);
-        let moved = chain
+        let rest = stand.chain.raw(frame);
+        let moved = stand
+            .chain
             .with(candidate.active(candidate.typical))
-            .residuals(frame);
+            .raw(frame);
         let mut size: Vec<(f64, usize)> = (0..frame.len())
             .map(|i| {
                 (
                     (0..3)
-                        .map(|c| ((rest[c][i] - moved[c][i]) / scale_of(&rest[c])).powi(2))
+                        .map(|c| ((rest[c][i] - moved[c][i]) / stand.whitener.sd[c]).powi(2))
                         .sum::<f64>(),
                     i,
                 )
@@ -510,36 +686,29 @@ impl Searcher<'_> {
             .unwrap_or(1)
     }
 
-    fn between_runs(
-        &mut self,
-        chain: &Chain,
-        whitener: &Whitener,
-        free: &[usize],
-        note: &mut Option<String>,
-    ) -> Option<Pick> {
-        let list = self.fresh(chain, &self.candidates.levels);
-        if list.is_empty() || whitener.count() == 0 {
+    fn between_runs(&mut self, at: &Stand, note: &mut Option<String>) -> Option<Pick> {
+        let list = self.fresh(at.chain, &self.candidates.levels);
+        if list.is_empty() || at.whitener.count() == 0 {
             return None;
         }
-        let design = Design {
-            chain,
-            whitener,
-            free_base: free,
-            candidates: &list,
-            local: &[],
-            windows: &[],
+        let design = at.design(&list);
+        let share = self.share();
+        let alpha_of = |candidate: &Candidate| match candidate.level {
+            Level::Run => share * ALPHA_RUNS,
+            _ => share * ALPHA_SESSIONS,
         };
         let levels = judge(
             &design,
             self.training,
             &list,
-            ALPHA_LEVELS,
+            at.maker,
+            ALPHA_SESSIONS,
             self.options.seed,
         );
         let best = (0..list.len())
             .filter(|c| {
                 let s = &levels.seen[*c];
-                s.p_value <= ALPHA_LEVELS && (list[*c].low..=list[*c].high).contains(&s.size)
+                s.p_value <= alpha_of(&list[*c]) && (list[*c].low..=list[*c].high).contains(&s.size)
             })
             .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
         let Some(named) = best else {
@@ -582,7 +751,7 @@ impl Searcher<'_> {
         let seen = &levels.seen[named];
         Some(Pick {
             place: "a level from session to session".to_owned(),
-            channel: self.strongest_channel(chain, &list[named], seen.size),
+            channel: self.strongest_channel(at.chain, &list[named], seen.size),
             candidate: list[named].clone(),
             size: seen.size,
             class,
@@ -593,7 +762,7 @@ impl Searcher<'_> {
         })
     }
 
-    fn on_the_track(&mut self, chain: &Chain) -> Option<Pick> {
+    fn on_the_track(&mut self, chain: &Chain, maker: &TwinMaker) -> Option<Pick> {
         if !self.used[3] || !chain.frozen.is_empty() {
             return None;
         }
@@ -610,18 +779,39 @@ impl Searcher<'_> {
                 "no [survey] in the model: a slope deviation of 0.002 rad is assumed".to_owned(),
             );
         }
-        let closes = channel.closure();
-        if closes > CLOSES_WITHIN * sd {
+        let quiet = maker.sensors_only();
+        let twins: Vec<Frame> = self
+            .training
+            .iter()
+            .enumerate()
+            .map(|(i, frame)| quiet.pair(frame, chain, 5_000_003, i).plus)
+            .collect();
+        let expected = TrackChannel::new(chain, &twins, &[])?.scatter();
+        if channel.scatter() > AGREES_WITHIN * expected {
             let told = format!(
-                "the speed's derivative, the accelerometer and the track's slope disagree by {closes:.4} rad in the mean square, beyond {CLOSES_WITHIN} survey deviations: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged"
+                "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
+                channel.scatter()
             );
             if self.steps.is_empty() {
                 self.remarks.push(told);
             }
             return None;
         }
+        // A sensor's fault also shows in the forces: what they contradict is no candidate.
+        let agrees = |c: usize| {
+            let seen = channel.judge(c, sd);
+            let forces = self
+                .by_forces
+                .iter()
+                .find(|(known, ..)| known.effect == list[c].effect && known.key == list[c].key);
+            forces.is_none_or(|(_, size, error)| {
+                (seen.size - size).abs() < 3.0 * seen.error.hypot(*error)
+            })
+        };
+        let able: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
         let at = |factor: f64| -> Option<usize> {
-            (0..list.len())
+            able.iter()
+                .copied()
                 .filter(|c| channel.judge(*c, sd * factor).p_value <= ALPHA_TRACK)
                 .max_by(|a, b| {
                     let z = |c: usize| {
@@ -634,7 +824,7 @@ impl Searcher<'_> {
         if let Some(named) = at(1.0) {
             let seen = channel.judge(named, sd);
             let mut class = vec![list[named].effect.clone()];
-            for j in (0..list.len()).filter(|j| *j != named) {
+            for j in able.iter().copied().filter(|j| *j != named) {
                 if channel.beyond(named, j, sd).abs() < 2.0 {
                     class.push(list[j].effect.clone());
                 }
@@ -698,76 +888,38 @@ impl Searcher<'_> {
         })
     }
 
-    /// What no effect of the catalogue explains: a dependence on one column.
-    fn beyond_the_catalogue(
-        &mut self,
-        chain: &Chain,
-        whitener: &Whitener,
-        free: &[usize],
-    ) -> Option<Pick> {
-        // After a named effect a leftover is told as bins that are not clean, not as another column.
-        if whitener.count() == 0 || !self.steps.is_empty() {
-            return None;
-        }
-        (self.progress)("looking beyond the catalogue");
-        let list = self.fresh(
-            chain,
-            &unknown(self.data, self.model.sled.mass_kg, self.used[0]),
-        );
-        let design = Design {
-            chain,
-            whitener,
-            free_base: free,
-            candidates: &list,
-            local: &[],
-            windows: &[],
-        };
-        let maker = self.maker(chain);
-        let mut options = self.look_options();
-        options.alpha = 0.01;
-        let seeing = look(&design, self.training, &maker, &options, self.progress);
-        let best = (0..list.len())
-            .filter(|c| seeing.claimable(*c, &list[*c], options.alpha))
-            .max_by(|a, b| seeing.seen[*a].gain.total_cmp(&seeing.seen[*b].gain))?;
-        let (class, rivals) = self.rivals(&seeing, &list, best);
-        let seen = &seeing.seen[best];
-        let form = match &list[best].kind {
-            Kind::Custom(custom) => {
-                format!("{} on {:?}", custom.text, custom.channel).to_lowercase()
-            }
-            Kind::Catalogue(_) => String::new(),
-        };
-        Some(Pick {
-            place: format!("all runs; form {form}"),
-            channel: self.strongest_channel(chain, &list[best], seen.size),
-            candidate: list[best].clone(),
-            size: seen.size,
-            class,
-            rivals,
-            p_value: seen.p_flips.max(seen.p_twins),
-            bias_t: Some(seen.bias_t),
-            track_error: None,
-        })
-    }
-
     /// Leaves out again what the others have made superfluous.
     fn backward(&mut self, mut chain: Chain, free: &[usize]) -> Result<(Chain, Whitener), Error> {
-        let already = chain.effects.active.len() - self.steps.len();
+        let already = chain.effects.active.len() - self.owners.len();
         let mut step = 0;
         while self.steps.len() > 1 && step < self.steps.len() {
-            let estimates = self.estimates(&chain, free);
+            let whitener = Whitener::estimate(&residuals(&chain, self.training), self.used);
+            let estimates = self
+                .estimates(&chain, &whitener, free)
+                .0
+                .split_off(free.len());
             let weak = chain
                 .free()
                 .iter()
                 .zip(&estimates)
-                .filter(|((e, _), _)| *e == already + step)
+                .filter(|((e, _), _)| *e >= already && self.owners[*e - already] == step)
                 .all(|(_, est)| (est.value / est.error.max(1e-300)).abs() < 1.5);
-            if weak && self.steps[step].channel != "track" {
+            if weak && self.owners.contains(&step) && self.steps[step].channel != "track" {
                 self.remarks.push(format!(
                     "{} became superfluous once the others were there and was removed",
                     self.steps[step].effect
                 ));
-                chain.effects.active.remove(already + step);
+                let owners = std::mem::take(&mut self.owners);
+                let mut place = 0;
+                chain.effects.active.retain(|_| {
+                    place += 1;
+                    place <= already || owners[place - 1 - already] != step
+                });
+                self.owners = owners
+                    .into_iter()
+                    .filter(|o| *o != step)
+                    .map(|o| o - usize::from(o > step))
+                    .collect();
                 self.steps.remove(step);
                 chain = fit(&chain, self.training, free, self.used)?.0;
             } else {
@@ -777,18 +929,21 @@ impl Searcher<'_> {
         fit(&chain, self.training, free, self.used)
     }
 
-    /// Base parameters (as multipliers) first, then the effects' amplitudes.
-    fn estimates(&self, chain: &Chain, free: &[usize]) -> Vec<Estimate> {
-        let whitener = Whitener::estimate(&residuals(chain, self.training), self.used);
-        estimate(
-            chain,
-            &whitener,
-            self.training,
-            free,
-            &self.maker(chain),
-            self.options.twins.min(24),
-        )
-        .split_off(free.len())
+    /// Base parameters (as multipliers) first, then the effects' amplitudes, and the chain that holds them.
+    fn estimates(
+        &self,
+        chain: &Chain,
+        whitener: &Whitener,
+        free: &[usize],
+    ) -> (Vec<Estimate>, Chain) {
+        // Where the noise is only estimated its bias is not known well enough to be taken off.
+        let (trust, settle) = if self.data.noise_estimated {
+            (ESTIMATED, false)
+        } else {
+            (STATED, true)
+        };
+        let maker = self.maker(chain);
+        estimate(chain, whitener, self.training, free, &maker, trust, settle)
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -803,26 +958,10 @@ impl Searcher<'_> {
         bins: Vec<crate::report::Bin>,
         level_note: Option<String>,
     ) -> Result<Found, Error> {
-        let maker = self.maker(&after);
-        let all = estimate(
-            &after,
-            after_whitener,
-            self.training,
-            free,
-            &maker,
-            self.options.twins.min(24),
-        );
-        // Where the noise is only estimated its bias is not known well enough to be taken off.
-        let trusted = !self.data.noise_estimated;
-        let mut settled = after.clone();
-        for (b, est) in free.iter().zip(&all) {
-            settled.base[*b] = if trusted { est.value } else { after.base[*b] };
-        }
-        let already = after.effects.active.len() - self.steps.len();
+        let (all, settled) = self.estimates(&after, after_whitener, free);
+        let maker = self.maker(&settled);
+        let already = after.effects.active.len() - self.owners.len();
         for ((e, q), est) in after.free().into_iter().zip(&all[free.len()..]) {
-            let fitted = after.effects.active[e].values[q];
-            let shift = if trusted { 0.0 } else { fitted - est.value };
-            settled.effects.active[e].values[q] = est.value + shift;
             if e < already {
                 continue;
             }
@@ -833,29 +972,26 @@ impl Searcher<'_> {
                 }
                 Kind::Custom(custom) => ("value".to_owned(), custom.unit.clone()),
             };
-            self.steps[e - already].parameters.push(Fitted {
-                name,
-                value: est.value + shift,
-                low: est.low + shift,
-                high: est.high + shift,
-                unit,
-            });
+            self.steps[self.owners[e - already]]
+                .parameters
+                .push(Fitted {
+                    name,
+                    value: est.value,
+                    low: est.low,
+                    high: est.high,
+                    unit,
+                });
         }
         let base_parameters = free
             .iter()
             .zip(&all)
             .map(|(b, est)| {
                 let scale = base_value(self.model, *b);
-                let shift = if trusted {
-                    0.0
-                } else {
-                    after.base[*b] - est.value
-                };
                 Fitted {
                     name: BASE_NAMES[*b].to_owned(),
-                    value: (est.value + shift) * scale,
-                    low: (est.low + shift) * scale,
-                    high: (est.high + shift) * scale,
+                    value: est.value * scale,
+                    low: est.low * scale,
+                    high: est.high * scale,
                     unit: if BASE_NAMES[*b].ends_with("rad") {
                         "N/rad"
                     } else {
@@ -870,7 +1006,17 @@ impl Searcher<'_> {
             .iter()
             .filter_map(|e| as_candidate(e, &self.candidates.local))
             .collect();
-        let directions: Vec<Candidate> = regular.iter().chain(&locals).cloned().collect();
+        let found_levels = self
+            .candidates
+            .levels
+            .iter()
+            .filter(|c| self.steps.iter().any(|s| s.effect == c.effect));
+        let directions: Vec<Candidate> = regular
+            .iter()
+            .chain(found_levels)
+            .chain(&locals)
+            .cloned()
+            .collect();
         if !self.steps.is_empty() && whitener.count() > 0 && !held.is_empty() {
             let design = Design {
                 chain: base,
@@ -890,6 +1036,10 @@ impl Searcher<'_> {
             );
             for step in &mut self.steps {
                 step.explainable_gap_closed = closed.clone();
+                if step.channel == CHANNEL_NAMES[3].0 {
+                    // The forces do not show it: what is closed shows in the track's bins, of which these runs have few.
+                    step.explainable_gap_closed = track_closed(base, &settled, held);
+                }
             }
         }
         let training = gap::channels(base, &after, self.training, &maker, self.used);
@@ -920,9 +1070,13 @@ impl Searcher<'_> {
         // Noisy inputs make bins stand out in every run alike; a place counts only where twins show none.
         let strong = |bins: &[crate::report::Bin]| bins.iter().any(|b| b.p_value <= 0.002);
         let stands_out = self.steps.is_empty() && strong(&bins_after) && {
-            let rows = residuals(&after, self.training);
-            (0..10).all(|k| {
-                let twin = maker.make(self.training, &after, &rows, 5_000_011 + k);
+            (0..6).all(|k| {
+                let twin: Vec<Frame> = self
+                    .training
+                    .iter()
+                    .enumerate()
+                    .map(|(i, frame)| maker.pair(frame, &after, 5_000_011 + k, i).plus)
+                    .collect();
                 !strong(&gap::stand_out(
                     &after,
                     after_whitener,
@@ -1010,6 +1164,20 @@ impl Searcher<'_> {
                     .to_owned()
             }
         }
+    }
+}
+
+/// Share of the track channel's mean square, its scatter taken off, that is closed on other runs, without an error of its own.
+fn track_closed(before: &Chain, after: &Chain, frames: &[Frame]) -> Interval {
+    let of = |chain: &Chain| TrackChannel::new(chain, frames, &[]).map(|c| c.closure().powi(2));
+    let value = match (of(before), of(after)) {
+        (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),
+        _ => 0.0,
+    };
+    Interval {
+        value,
+        low: -1.0,
+        high: 1.0,
     }
 }
 

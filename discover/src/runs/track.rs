@@ -35,6 +35,7 @@ pub struct TrackChannel {
     directions: Vec<Vec<f64>>,
     typical: Vec<f64>,
     inflation: f64,
+    scatter: f64,
 }
 
 impl TrackChannel {
@@ -64,8 +65,8 @@ impl TrackChannel {
         let mut by_bin: BTreeMap<(String, i64), Vec<Vec<f64>>> = BTreeMap::new();
         for (frame, columns) in frames.iter().zip(&all) {
             let mut sums: BTreeMap<i64, (f64, Vec<f64>)> = BTreeMap::new();
-            for i in 0..frame.len() {
-                let bin = (frame.s[i] / BIN_M).floor() as i64;
+            for (i, s) in frame.rows(&frame.s).iter().enumerate() {
+                let bin = (s / BIN_M).floor() as i64;
                 let entry = sums
                     .entry(bin)
                     .or_insert_with(|| (0.0, vec![0.0; columns.len()]));
@@ -118,6 +119,7 @@ impl TrackChannel {
             directions,
             typical: candidates.iter().map(|c| c.typical).collect(),
             inflation: (1.0 + rho) / (1.0 - rho),
+            scatter: common.sqrt(),
         })
     }
 
@@ -126,6 +128,11 @@ impl TrackChannel {
         let n = self.bins.len() as f64;
         let square = self.bins.iter().map(|b| b.2 * b.2 - b.3).sum::<f64>() / n;
         square.max(0.0).sqrt() / GRAVITY
+    }
+
+    /// Root mean square scatter of single runs about the bins' means [m/s2].
+    pub fn scatter(&self) -> f64 {
+        self.scatter
     }
 
     fn weights(&self, slope_sd: f64) -> Vec<f64> {

@@ -1,17 +1,18 @@
 //! Twins: data simulated from the fitted model and sent through the whole measurement chain.
 //!
-//! A twin takes the measured motion as the truth, moves the measured accelerations to where the model says they are, and
-//! adds each sensor's white noise at the recorded rate, smoothed and differentiated as the data were; what the residual
-//! holds beyond that comes back as a shifted copy of itself with a random sign, run by run. Nothing is missing from the
-//! model in a twin: what a statistic shows there is bias of noisy inputs and chance.
+//! A twin takes the measured motion as the truth and moves the measured accelerations to where the model says they are:
+//! nothing is missing from the model there. Each sensor's white noise at the recorded rate is added, smoothed and
+//! differentiated as the data were; what the residual holds beyond that comes back as a shifted copy of itself with a
+//! random sign. Twins come in pairs of opposite noise, so that in a pair's mean everything odd in the noise cancels and
+//! what is left is what noisy inputs do to products of signals.
 
 use kufe_sled::Noise;
 use rand::Rng;
+use rayon::prelude::*;
 
 use super::chain::{CHANNELS, Chain, Rows};
-use super::data::{CUTOFF_HZ, Frame, RATE_HZ};
+use super::data::{Frame, signal_kernel};
 use crate::random::{below, normal, sign, stream};
-use crate::smooth::Kernel;
 
 /// How twins are made.
 #[derive(Clone, Debug)]
@@ -19,9 +20,17 @@ pub struct TwinMaker {
     noise: Noise,
     /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
     pub beyond: [f64; CHANNELS],
-    /// By how much the stated noise had to be lowered because the residual is quieter; 1 where it fits.
-    pub noise_scale: f64,
     seed: u64,
+}
+
+/// A run without noise and with it, in both signs.
+pub struct Pair {
+    /// The model's own run.
+    pub truth: Frame,
+    /// With noise.
+    pub plus: Frame,
+    /// With the opposite noise.
+    pub minus: Frame,
 }
 
 impl TwinMaker {
@@ -36,30 +45,23 @@ impl TwinMaker {
         let mut maker = Self {
             noise,
             beyond: [0.0; CHANNELS],
-            noise_scale: 1.0,
             seed,
         };
-        let power = |rows: &[Rows], c: usize| -> f64 {
-            let (sum, count) = rows
-                .iter()
-                .flat_map(|r| r[c].iter())
-                .fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
-            if count > 0.0 { sum / count } else { 0.0 }
-        };
-        let real: Vec<Rows> = frames.iter().map(|f| chain.residuals(f)).collect();
-        let quiet = maker.make(frames, chain, &real, 1_000_003);
-        let simulated: Vec<Rows> = quiet.iter().map(|f| chain.residuals(f)).collect();
-        let mut least: f64 = 1.0;
-        for c in (0..CHANNELS).filter(|c| used[*c]) {
-            let (have, explained) = (power(&real, c), power(&simulated, c));
-            if have > 0.0 && explained > 1.05 * have {
-                least = least.min(have / explained);
-            }
-        }
-        maker.noise_scale = least.sqrt();
-        maker.noise = scaled(noise, maker.noise_scale);
+        let powers: Vec<[[f64; CHANNELS]; 2]> = frames
+            .par_iter()
+            .enumerate()
+            .map(|(i, frame)| {
+                let power = |rows: Rows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
+                let pair = maker.pair(frame, chain, 1_000_003, i);
+                [
+                    power(chain.residuals(frame)),
+                    power(chain.residuals(&pair.plus)),
+                ]
+            })
+            .collect();
         for (c, used) in used.iter().enumerate() {
-            let (have, explained) = (power(&real, c), power(&simulated, c) * least);
+            let have: f64 = powers.iter().map(|p| p[0][c]).sum();
+            let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
             if *used && have > 0.0 {
                 maker.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
             }
@@ -67,24 +69,34 @@ impl TwinMaker {
         maker
     }
 
-    /// The `k`-th twin of these runs; `residuals` are those of the real runs under the same chain.
-    pub fn make(&self, frames: &[Frame], chain: &Chain, residuals: &[Rows], k: u64) -> Vec<Frame> {
-        frames
-            .iter()
-            .zip(residuals)
-            .enumerate()
-            .map(|(i, (frame, rows))| {
-                let mut rng = stream(self.seed, 0x7417 + k, i as u64);
-                let mut twin = truth(frame, chain, rows);
-                self.add_rest(&mut twin, chain, rows, &mut rng);
-                self.add_noise(&mut twin, &mut rng);
-                twin
-            })
-            .collect()
+    /// The same with the sensors' noise alone.
+    pub fn sensors_only(&self) -> Self {
+        Self {
+            beyond: [0.0; CHANNELS],
+            ..self.clone()
+        }
     }
 
-    fn add_rest(&self, twin: &mut Frame, chain: &Chain, rows: &Rows, rng: &mut impl Rng) {
-        let n = twin.len();
+    /// The `k`-th pair of twins of a run, the `i`-th of its set.
+    pub fn pair(&self, frame: &Frame, chain: &Chain, k: u64, i: usize) -> Pair {
+        let mut rng = stream(self.seed, 0x7417 + k, i as u64);
+        let rows = chain.raw(frame);
+        let truth = truth(frame, chain, &rows);
+        let (mut plus, mut minus) = (truth.clone(), truth.clone());
+        self.add_rest(&mut plus, &mut minus, chain, &rows, &mut rng);
+        self.add_noise(&mut plus, &mut minus, &mut rng);
+        Pair { truth, plus, minus }
+    }
+
+    fn add_rest(
+        &self,
+        plus: &mut Frame,
+        minus: &mut Frame,
+        chain: &Chain,
+        rows: &Rows,
+        rng: &mut impl Rng,
+    ) {
+        let n = plus.len();
         let shift = below(rng, n);
         let flip = sign(rng);
         let sled = &chain.vehicle.sled;
@@ -96,55 +108,64 @@ impl TwinMaker {
         };
         for i in 0..n {
             let yaw = rest(2, i) / sled.j_zz_kgm2;
-            twin.rate_slope[2][i] += yaw;
-            twin.acceleration[0][i] += rest(0, i) / sled.mass_kg - sled.accel_y_m * yaw;
-            twin.acceleration[1][i] += rest(1, i) / sled.mass_kg + sled.accel_x_m * yaw;
-            twin.v_slope[i] += rest(3, i);
+            let ahead = rest(0, i) / sled.mass_kg - sled.accel_y_m * yaw;
+            let aside = rest(1, i) / sled.mass_kg + sled.accel_x_m * yaw;
+            for (twin, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                twin.rate_slope[2][i] += way * yaw;
+                twin.acceleration[0][i] += way * ahead;
+                twin.acceleration[1][i] += way * aside;
+                twin.v_slope[i] += way * rest(3, i);
+            }
         }
     }
 
-    fn add_noise(&self, twin: &mut Frame, rng: &mut impl Rng) {
-        let (recorded, dt) = twin.recorded;
-        let kernel = Kernel::new(dt, CUTOFF_HZ.min(0.2 / dt), RATE_HZ);
-        let n = twin.len();
-        // Long enough for n outputs whatever was cut away at the ends.
-        let length = recorded.max((n - 1) * kernel.stride + 2 * kernel.margin() + 1);
+    fn add_noise(&self, plus: &mut Frame, minus: &mut Frame, rng: &mut impl Rng) {
+        let kernel = signal_kernel(plus.recorded_dt);
+        let n = plus.len();
+        let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let mut white = |sd: f64| -> Vec<f64> { (0..length).map(|_| sd * normal(rng)).collect() };
-        let add = |to: &mut [f64], what: Vec<f64>| {
-            for (x, e) in to.iter_mut().zip(what) {
+        let add = |to: &mut [f64], against: &mut [f64], what: Vec<f64>| {
+            for ((x, y), e) in to.iter_mut().zip(against).zip(what) {
                 *x += e;
+                *y -= e;
             }
         };
         let noise = self.noise;
         for axis in 0..3 {
-            let e = white(noise.accel_mps2);
-            add(&mut twin.acceleration[axis], kernel.smooth(&e));
+            let e = kernel.smooth(&white(noise.accel_mps2));
+            add(
+                &mut plus.acceleration[axis],
+                &mut minus.acceleration[axis],
+                e,
+            );
             let e = white(noise.rate_radps);
-            add(&mut twin.rate[axis], kernel.smooth(&e));
-            add(&mut twin.rate_slope[axis], kernel.slope(&e));
+            add(
+                &mut plus.rate[axis],
+                &mut minus.rate[axis],
+                kernel.smooth(&e),
+            );
+            let slope = kernel.slope(&e);
+            add(
+                &mut plus.rate_slope[axis],
+                &mut minus.rate_slope[axis],
+                slope,
+            );
         }
         let e = white(noise.speed_mps);
-        add(&mut twin.v, kernel.smooth(&e));
-        add(&mut twin.v_slope, kernel.slope(&e));
+        add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
+        add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
         let e = white(noise.slip_rad);
-        add(&mut twin.slip, kernel.smooth(&e));
-        add(&mut twin.slip_rate, kernel.slope(&e));
+        add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
+        add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
         let e = white(noise.steer_rad);
-        add(&mut twin.steer, kernel.smooth(&e));
-        add(&mut twin.steer_rate, kernel.slope(&e));
-        let e = white(noise.roll_split_rad);
-        add(&mut twin.roll_split, kernel.smooth(&e));
-    }
-}
-
-fn scaled(noise: Noise, factor: f64) -> Noise {
-    Noise {
-        accel_mps2: noise.accel_mps2 * factor,
-        rate_radps: noise.rate_radps * factor,
-        speed_mps: noise.speed_mps * factor,
-        slip_rad: noise.slip_rad * factor,
-        steer_rad: noise.steer_rad * factor,
-        roll_split_rad: noise.roll_split_rad * factor,
+        add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
+        add(
+            &mut plus.steer_rate,
+            &mut minus.steer_rate,
+            kernel.slope(&e),
+        );
+        let e = kernel.smooth(&white(noise.roll_split_rad));
+        add(&mut plus.roll_split, &mut minus.roll_split, e);
     }
 }
 
@@ -159,7 +180,7 @@ fn truth(frame: &Frame, chain: &Chain, rows: &Rows) -> Frame {
         twin.acceleration[1][i] -= sled.accel_x_m * yaw + side / sled.mass_kg;
     }
     if !rows[3].is_empty() {
-        let left = chain.residuals(&twin);
+        let left = chain.raw(&twin);
         for (slope, r) in twin.v_slope.iter_mut().zip(&left[3]) {
             *slope -= r;
         }

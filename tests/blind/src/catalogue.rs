@@ -76,6 +76,7 @@ pub fn all() -> Vec<Spec> {
         ("white", R::White),
         ("ar1", R::Coloured),
         ("unstated-noise", R::UnstatedNoise),
+        ("quiet", R::Quiet),
         ("session-drift", R::SessionDrift),
         ("survey", R::Survey),
         ("mistuned", R::Mistuned),

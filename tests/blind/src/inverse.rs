@@ -92,12 +92,12 @@ pub fn residuals(
             let front = front_forces(sled, sample, slip_f, front_z);
             let area = sled.cda_m2 * (1.0 + sled.yaw_drag_per_deg * beta.to_degrees().abs());
             let drag = 0.5 * at.air_density() * area * v * v;
-            let along = (front[0] + rear[0] - drag) / m;
+            let along = (front[0] + rear[0] - drag * beta.cos()) / m;
             Residual {
                 x_mps2: f[0] - along,
                 v_mps2: speed_dot[i]
                     - (along * beta.cos() + f[1] * beta.sin() - 9.81 * slope(distance).sin()),
-                y_mps2: f[1] - (front[1] + rear[1]) / m,
+                y_mps2: f[1] - (front[1] + rear[1] - drag * beta.sin()) / m,
                 yaw_radps2: w_dot[2]
                     - (sled.l_f_m * front[1] - sled.l_r_m * rear[1]) / sled.j_zz_kgm2,
             }

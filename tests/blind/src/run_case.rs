@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::answer::{Answer, Case, Hides};
 use crate::campaign::{Campaign, Layout};
 use crate::catalogue::Spec;
-use crate::drive::SAMPLE_S;
+use crate::drive::{SAMPLE_S, Truth};
 use crate::hidden::{Hidden, Kind, Place};
 use crate::noise::Source;
 use crate::sensors::{Noise, Sample};
@@ -19,6 +19,7 @@ pub enum Recipe {
     White,
     Coloured,
     UnstatedNoise,
+    Quiet,
     SessionDrift,
     Survey,
     Mistuned,
@@ -48,6 +49,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
         Recipe::White => noise.colour = 0.0,
         Recipe::Coloured => noise.colour = 0.85,
         Recipe::UnstatedNoise => state_noise = false,
+        Recipe::Quiet => noise = noise.times(0.25),
         Recipe::SessionDrift => layout.session_drift = 0.05,
         Recipe::Survey => {
             layout.survey_sd_rad = 0.002;
@@ -76,16 +78,20 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
         // the survey is wrong in these, and saying so is true
         tolerated.extend(["track-profile".to_owned(), "slope".to_owned()]);
     }
+    let stated_noise = Noise::default();
     let sled = draw_sled(source);
     let mut campaign = Campaign::draw(&layout, case_seed);
-    let gauge = Gauge::new(&campaign, &sled, &noise, case_seed);
+    let gauge = (!kinds.is_empty()).then(|| Gauge::new(&campaign, &sled, &noise, case_seed));
     let mut hidden = Vec::new();
     let mut hides = Vec::new();
-    for kind in kinds {
+    for (kind, gauge) in kinds
+        .into_iter()
+        .zip(std::iter::repeat(gauge.as_ref()).flatten())
+    {
         let (effect, answer) = hide(
             kind,
             spec.share.unwrap_or(0.02),
-            &gauge,
+            gauge,
             &campaign,
             &layout,
             source,
@@ -103,6 +109,25 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
             "steer-offset",
         ] {
             tolerated.push(name.to_owned());
+        }
+    }
+    // An effect that makes the sled slide away is made smaller: nobody measures such runs.
+    while let Some(gauge) = &gauge {
+        let slides = (0..campaign.runs.len()).any(|k| {
+            let slip = |truth: &Truth| truth.velocity_mps[1].atan2(truth.velocity_mps[0]).abs();
+            campaign
+                .truth(k, &sled, &hidden)
+                .iter()
+                .any(|t| slip(t) > 0.25)
+        });
+        if !slides {
+            break;
+        }
+        for (effect, answer) in hidden.iter_mut().zip(&mut hides) {
+            effect.size *= 0.7;
+            answer.size = effect.size;
+            let channels = channels(effect.kind);
+            answer.share = gauge.share(&gauge.signature(effect, channels));
         }
     }
     campaign.misjudge_tracks(&hidden);
@@ -132,7 +157,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
         files.push((format!("track_{}.csv", track.name), table.into_bytes()));
     }
     files.push(("runs.csv".to_owned(), index.into_bytes()));
-    let stated = state_noise.then_some(&noise);
+    let stated = state_noise.then_some(&stated_noise);
     let model = model_file(&sled, &hidden, mistuning, stated_survey_rad, stated, source);
     files.push(("model.toml".to_owned(), model.into_bytes()));
 
@@ -173,6 +198,15 @@ fn draw_sled(source: &mut Source) -> Sled {
     sled
 }
 
+/// The channels in which an effect shows.
+fn channels(kind: Kind) -> Channels {
+    if kind.entry().longitudinal {
+        Channels::Longitudinal
+    } else {
+        Channels::Lateral
+    }
+}
+
 /// Sizes an effect to a share of the noise and writes down its answer.
 fn hide(
     kind: Kind,
@@ -183,11 +217,7 @@ fn hide(
     source: &mut Source,
 ) -> (Hidden, Hides) {
     let entry = kind.entry();
-    let channels = if entry.longitudinal {
-        Channels::Longitudinal
-    } else {
-        Channels::Lateral
-    };
+    let channels = channels(kind);
     let sign = if entry.both_signs { source.sign() } else { 1.0 };
     let mut effect = Hidden::new(kind, sign * entry.start);
     if matches!(

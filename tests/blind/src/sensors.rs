@@ -40,6 +40,19 @@ impl Default for Noise {
 }
 
 impl Noise {
+    /// Sensors `factor` times as noisy.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            accel_mps2: factor * self.accel_mps2,
+            rate_radps: factor * self.rate_radps,
+            speed_mps: factor * self.speed_mps,
+            slip_rad: factor * self.slip_rad,
+            steer_rad: factor * self.steer_rad,
+            roll_split_rad: factor * self.roll_split_rad,
+            colour: self.colour,
+        }
+    }
+
     /// No noise at all.
     pub fn none() -> Self {
         Self {

@@ -158,7 +158,7 @@ pub struct Forces {
 
 /// Forces of the ice and the air on the sled, hidden effects included.
 ///
-/// Front: `F_f0 = R_x(gamma) R_z(delta) F_f`, solved for the runner's own normal load.
+/// The air holds against the velocity. Front: `F_f0 = R_x(gamma) R_z(delta) F_f`, solved for the runner's own normal load.
 pub fn forces(sled: &Sled, at: &Conditions, m: &Motion, hidden: &[Hidden]) -> Forces {
     let mut factor = at.session_mu;
     let (mut add, mut add_front, mut grip, mut drag, mut wind) =
@@ -248,8 +248,8 @@ pub fn forces(sled: &Sled, at: &Conditions, m: &Motion, hidden: &[Hidden]) -> Fo
 
     let scrub = slip_drag * ((front_y * m.slip_f_rad).abs() + (rear_y * m.slip_r_rad).abs());
     Forces {
-        x_n: f0_x + rear_x - air - scrub,
-        y_n: f0_y + rear_y + external_y,
+        x_n: f0_x + rear_x - air * m.beta_rad.cos() - scrub,
+        y_n: f0_y + rear_y + external_y - air * m.beta_rad.sin(),
         yaw_nm: sled.l_f_m * f0_y - sled.l_r_m * rear_y,
     }
 }
