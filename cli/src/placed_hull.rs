@@ -86,6 +86,7 @@ mod tests {
                 foundation: Foundation::RigidBed { thickness: 0.05 },
                 hardness: None,
             },
+            ice_surface: None,
             track_curvature: 0.01,
             load: Load::Force {
                 fz: 1000.0,

@@ -190,6 +190,7 @@ fn points(count: usize) -> [f64; 2] {
                 foundation: Foundation::HalfSpace,
                 hardness: None,
             },
+            ice_surface: None,
             track_curvature: 0.0,
             load: Load::Force {
                 fz: 250.0 * 16f64.powf(t),
