@@ -66,6 +66,11 @@ impl Extrapolation {
 }
 
 /// Cells of the first of two meshes whose extrapolation should meet the tolerance on a smooth contact.
-pub(crate) fn first_resolution(tolerance: f64) -> f64 {
-    (0.21 / tolerance.sqrt()).ceil().clamp(4.0, 16.0)
+///
+/// Where the pressure peaks at the hull's ends, fewer than [`ENDS`] cells miss the peak by several per cent in either
+/// direction, and two such meshes may agree by accident.
+pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
+    const ENDS: f64 = 7.0;
+    let least = if smooth { 4.0 } else { ENDS };
+    (0.21 / tolerance.sqrt()).ceil().clamp(least, 16.0)
 }

@@ -26,7 +26,7 @@ pub(crate) fn scout(
 ) -> Result<(Patch, Forces), Error> {
     capacity(problem)?;
     let mut patch = first_guess(problem, gap);
-    for _ in 0..20 {
+    for _ in 0..30 {
         let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull)?;
         let level = &mesh.level;
         let [_, scaled] = level.greens();
@@ -54,7 +54,7 @@ pub(crate) fn scout(
         }
     }
     Err(Error::NotConverged {
-        iterations: 20,
+        iterations: 30,
         residual: f64::INFINITY,
         tolerance: 0.15,
     })
@@ -66,7 +66,7 @@ fn similar(a: &Patch, b: &Patch) -> bool {
         (a.low - b.low).abs() < 0.3 * a.half()
             && (a.high - b.high).abs() < 0.3 * a.half()
             && b.half() > 0.75 * a.half()
-            && b.finest() > 0.7 * a.finest()
+            && b.finest() > 0.85 * a.finest()
     };
     a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(a, b)) && close(&a.y, &b.y)
 }

@@ -16,6 +16,13 @@ fn growth(cells: f64) -> f64 {
     3.0 / cells
 }
 
+/// A mesh whose own pressure asks for cells below this part of its smallest is graded anew, with as many cells: two
+/// meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
+const COARSE: f64 = 0.6;
+
+/// How often a mesh is graded anew; each time its smallest cell may become three times smaller.
+const REGRADINGS: usize = 6;
+
 /// Ratio of the resolutions of successive meshes.
 const REFINEMENT: f64 = 1.5;
 
@@ -39,10 +46,13 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     let material = check(problem, options)?;
     let gap = Gap::new(problem)?;
     let (mut patch, mut forces) = scout(problem, &gap, material)?;
-    let mut cells = options
-        .cells
-        .map_or_else(|| first_resolution(options.p_max_tolerance), |c| c as f64);
+    let mut cells = options.cells.map_or_else(
+        || first_resolution(options.p_max_tolerance, patch.is_even()),
+        |c| c as f64,
+    );
     let mut history = Vec::new();
+    // Whether the previous mesh was graded like this one, and how often that was not so.
+    let (mut similar, mut regraded) = (true, 0);
     let (mut earlier, mut previous): (Option<Raw>, Option<Raw>) = (None, None);
     for level in 0.. {
         let resolution = Resolution {
@@ -74,7 +84,9 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
                 problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
             ));
         }
-        let smooth = patch.x.iter().chain([&patch.y]).all(|s| s.finest() == 1.0);
+        let wants_finer_ends =
+            regraded < REGRADINGS && pressure.patch.finest() < COARSE * patch.finest();
+        let smooth = patch.is_even();
         let limit = previous.map(|before| {
             let limit = Extrapolation::new(before, raw, smooth);
             earlier
@@ -82,14 +94,19 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
                 .and_then(|first| Extrapolation::geometric(first, before, raw))
                 .unwrap_or(limit)
         });
-        if let Some(limit) = limit.filter(|l| l.error <= options.p_max_tolerance * l.p_max) {
+        let reached = |l: &Extrapolation| l.error <= options.p_max_tolerance * l.p_max;
+        // That a finer grading changes nothing is as good as that no finer one is wanted.
+        let graded = !wants_finer_ends || !similar;
+        if let Some(limit) = limit.filter(|l| graded && reached(l)) {
             return Ok(solution(
                 problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
             ));
         }
-        earlier = previous;
+        let refinement = if wants_finer_ends { 1.0 } else { REFINEMENT };
+        earlier = previous.filter(|_| similar && !wants_finer_ends);
         previous = Some(raw);
-        if dofs as f64 * REFINEMENT.powi(3) > options.max_dofs as f64 {
+        similar = !wants_finer_ends;
+        if dofs as f64 * REFINEMENT.max(refinement.powi(3)) > options.max_dofs as f64 {
             let estimate = limit.map_or(f64::INFINITY, |l| l.error / l.p_max);
             return Err(Error::AccuracyNotReached {
                 dofs,
@@ -98,8 +115,13 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             });
         }
         forces = lumped_forces(&mesh, &state);
-        patch = pressure.patch.with_sizes_of(&patch);
-        cells = (cells * REFINEMENT).round();
+        patch = if wants_finer_ends {
+            regraded += 1;
+            pressure.patch
+        } else {
+            pressure.patch.with_sizes_of(&patch)
+        };
+        cells = (cells * refinement).round();
     }
     unreachable!("the loop ends by accuracy or by its limit of unknowns")
 }

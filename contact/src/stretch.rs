@@ -13,7 +13,7 @@ pub(crate) struct Stretch {
 }
 
 /// Finest spacing over the even one.
-const FINEST: f64 = 3e-3;
+const FINEST: f64 = 2e-4;
 /// Largest change of the wanted spacing over the distance.
 const GRADIENT: f64 = 0.35;
 /// How much coarser than by the measure of [`wanted_sizes`] is still good.

@@ -29,6 +29,17 @@ impl Patch {
         self
     }
 
+    /// Smallest wanted spacing over the even one.
+    pub fn finest(&self) -> f64 {
+        let stretches = self.x.iter().chain([&self.y]);
+        stretches.map(Stretch::finest).fold(1.0, f64::min)
+    }
+
+    /// Whether even cells do everywhere: a smooth contact away from its hull's ends.
+    pub fn is_even(&self) -> bool {
+        self.finest() == 1.0
+    }
+
     /// From its first to its last point along x [m].
     pub fn span_x(&self) -> [f64; 2] {
         match (self.x.first(), self.x.last()) {
