@@ -237,6 +237,26 @@ fn bad_table_files_are_told_by_key_and_value() {
             "[accuracy]\np_max = 0.0\n[axes]",
             "accuracy.p_max = 0",
         ),
+        (
+            "[axes]",
+            "[accuracy]\nsmallest_interval = 0.5\n[axes]",
+            "accuracy.smallest_interval = 0.5",
+        ),
+        (
+            "{ values = [0.0, 0.02] }",
+            "{ values = [0.0, 0.02], flush = { curvature_1pm = 0.01, scale_1pm_per_n = 1e-8 } }",
+            "flush: expected curvatures from one end to another",
+        ),
+        (
+            "{ values = [0.0, 0.02] }",
+            "{ from = 0.0, to = 0.02, flush = { curvature_1pm = 0.03, scale_1pm_per_n = 1e-8 } }",
+            "flush.curvature_1pm = 0.03",
+        ),
+        (
+            "{ values = [0.0, 0.02] }",
+            "{ from = 0.0, to = 0.02, flush = { curvature_1pm = 0.01, scale_1pm_per_n = 0.0 } }",
+            "flush.scale_1pm_per_n = 0",
+        ),
     ] {
         let bench = bench(&good.replace(from, to));
         let (code, said) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
@@ -250,6 +270,31 @@ fn bad_table_files_are_told_by_key_and_value() {
     bench.write("table.toml", format!("case = \"absent.toml\"\n{good}"));
     let (code, said) = fails(&bench, &["lut", "table.toml"]);
     assert!(code == 3 && said.contains("absent.toml"), "{said}");
+}
+
+#[test]
+fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
+    let bench = bench(
+        "[axes]\nfz_n = { values = [1000.0] }\ncurvature_1pm = { values = [0.0] }\n[accuracy]\np_max = 1e-5\n",
+    );
+    let (code, said) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("1 solves stayed short")
+            && said.contains("1.00e-5")
+            && said.contains("1000 N"),
+        "{said}"
+    );
+    let table = json(&std::fs::read_to_string(bench.path("t.lut")).unwrap());
+    let error = table["accuracy"]["solver_p_max"].as_f64().unwrap();
+    assert!(error > 1e-5 && error < 1e-3, "{error}");
+    let looked = json(&bench.succeeds(&[
+        "lut", "query", "t.lut", "--fz", "1000", "--radius", "inf", "--json",
+    ]));
+    let (p_max, stated) = (&looked["p_max_pa"], &looked["p_max_error_pa"]);
+    // Hertz's peak is 138.52 MPa.
+    assert!((p_max.as_f64().unwrap() / 138.52e6 - 1.0).abs() < 1e-3);
+    assert!((stated.as_f64().unwrap() / p_max.as_f64().unwrap() / error - 1.0).abs() < 1e-12);
 }
 
 #[test]

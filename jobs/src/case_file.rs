@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe_contact::case::{Case, FittedHull, StatedProblem};
-use kufe_contact::{Error, Problem, Solution, SurfaceField};
+use kufe_contact::{Error, Solution, SurfaceField};
 
 use crate::Failure;
 
@@ -76,16 +76,6 @@ impl LoadedCase {
         self.case
             .stated(&self.base)
             .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
-    }
-
-    /// The problem alone, with what its hull's reader should be warned of.
-    ///
-    /// # Errors
-    /// As [`stated`](Self::stated).
-    pub fn problem(&self) -> Result<(Problem, Vec<String>), Failure> {
-        let stated = self.stated()?;
-        let warnings = self.hull_warnings(stated.hull.as_ref());
-        Ok((stated.problem, warnings))
     }
 
     /// What is odd about the hull, ready to be shown.

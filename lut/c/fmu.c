@@ -13,11 +13,11 @@ enum {
   VR_USE_CURVATURE, VR_SMOOTH
 };
 
-/* What resources/table.bin starts with; doubles follow: fz, log_fz, curvature, values, jets. */
+/* What resources/table.bin starts with; doubles follow: flush (4 or none), fz, log_fz, curvature, values, jets. */
 typedef struct {
   char magic[8];
   char token[64];
-  uint32_t n_fz, n_curvature, logarithmic, zero;
+  uint32_t n_fz, n_curvature, logarithmic, reduced;
 } Head;
 
 #define LONGEST_AXIS 4096u
@@ -69,7 +69,7 @@ static const char *load(Unit *unit, const char *path, const char *token) {
     return "resources/table.bin has an axis of impossible length";
   }
   n = (uint64_t)head.n_fz * head.n_curvature;
-  count = 2 * (uint64_t)head.n_fz + head.n_curvature + 5 * n;
+  count = (head.reduced ? 4 : 0) + 2 * (uint64_t)head.n_fz + head.n_curvature + 5 * n;
   if (fseek(file, 0, SEEK_END) != 0 || (length = ftell(file)) < 0 ||
       (uint64_t)length != sizeof head + 8 * count ||
       fseek(file, (long)sizeof head, SEEK_SET) != 0) {
@@ -90,7 +90,8 @@ static const char *load(Unit *unit, const char *path, const char *token) {
   unit->table.n_fz = (int)head.n_fz;
   unit->table.n_curvature = (int)head.n_curvature;
   unit->table.logarithmic = head.logarithmic != 0;
-  unit->table.fz = unit->numbers;
+  unit->table.flush = head.reduced ? unit->numbers : NULL;
+  unit->table.fz = unit->numbers + (head.reduced ? 4 : 0);
   unit->table.log_fz = unit->table.fz + head.n_fz;
   unit->table.curvature = unit->table.log_fz + head.n_fz;
   unit->table.values = unit->table.curvature + head.n_curvature;

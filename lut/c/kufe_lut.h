@@ -20,7 +20,9 @@ typedef struct {
   int n_curvature;         /* breakpoints of the curvature, at least 1 */
   const double *fz;        /* forces [N], increasing */
   const double *log_fz;    /* their natural logarithms */
-  const double *curvature; /* curvatures [1/m], increasing */
+  const double *curvature; /* curvatures [1/m] or reduced curvatures, increasing */
+  const double *flush;     /* 0, or what defines reduced curvatures: flush curvature [1/m], scale [1/(m N)], and
+                              the curvatures [1/m] of 0 and of 1 */
   const double *values;    /* plain values */
   const double *jets;      /* value, slopes and twist of the smooth mode, four a node */
   int logarithmic;         /* whether the jets are of the values' logarithms */
@@ -76,6 +78,22 @@ static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_nan_(void) {
   return looked;
 }
 
+static KUFE_LUT_UNUSED double kufe_lut_asinh_(double x) {
+  double size = fabs(x);
+  return copysign(log1p(size + size * size / (1.0 + sqrt(1.0 + size * size))), x);
+}
+
+/* The place on the second axis of a force and a curvature: the curvature itself, or the reduced curvature
+   (s(curvature) - s(from)) / (s(to) - s(from)) with s(k) = asinh((k - flush) / (scale * fz)). */
+static KUFE_LUT_UNUSED double kufe_lut_place_on_(const double *flush, double fz, double curvature) {
+  double width, from, to;
+  if (!flush) return curvature;
+  width = flush[1] * fz;
+  from = kufe_lut_asinh_((flush[2] - flush[0]) / width);
+  to = kufe_lut_asinh_((flush[3] - flush[0]) / width);
+  return (kufe_lut_asinh_((curvature - flush[0]) / width) - from) / (to - from);
+}
+
 /* Piecewise bilinear with clipping, as Simulink's n-D Lookup Table (linear point-slope, clip, use last value). */
 static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_bilinear(const kufe_lut_table *t, double fz,
                                                          double curvature) {
@@ -85,7 +103,7 @@ static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_bilinear(const kufe_lut_table *t
   int n = t->n_curvature;
   if (isnan(fz) || isnan(curvature)) return kufe_lut_nan_();
   x = kufe_lut_find_(t->fz, t->n_fz, fz);
-  y = kufe_lut_find_(t->curvature, n, curvature);
+  y = kufe_lut_find_(t->curvature, n, kufe_lut_place_on_(t->flush, x.clipped, curvature));
   tx = kufe_lut_part_(t->fz, x.low, x.high, x.clipped);
   ty = kufe_lut_part_(t->curvature, y.low, y.high, y.clipped);
   v00 = t->values[x.low * n + y.low];
@@ -110,7 +128,7 @@ static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_smooth(const kufe_lut_table *t, 
   int n = t->n_curvature;
   if (isnan(fz) || isnan(curvature)) return kufe_lut_nan_();
   x = kufe_lut_find_(t->fz, t->n_fz, fz);
-  y = kufe_lut_find_(t->curvature, n, curvature);
+  y = kufe_lut_find_(t->curvature, n, kufe_lut_place_on_(t->flush, x.clipped, curvature));
   hx = t->log_fz[x.high] - t->log_fz[x.low];
   hy = t->curvature[y.high] - t->curvature[y.low];
   tx = kufe_lut_part_(t->log_fz, x.low, x.high, log(x.clipped));

@@ -1,6 +1,6 @@
 //! The breakpoints of a table.
 
-use crate::{Error, Point};
+use crate::{Error, Flush, Point};
 
 /// Longest axis of a table.
 pub const MAX_AXIS: usize = 4096;
@@ -15,6 +15,7 @@ pub const MAX_NODES: usize = 1 << 20;
 pub struct Axes {
     fz: Vec<f64>,
     curvature: Vec<f64>,
+    flush: Option<Flush>,
     rocker_radius: Option<Vec<f64>>,
 }
 
@@ -38,6 +39,7 @@ impl Axes {
         let axes = Axes {
             fz,
             curvature,
+            flush: None,
             rocker_radius,
         };
         let found = axes.node_count();
@@ -50,14 +52,48 @@ impl Axes {
         Ok(axes)
     }
 
+    /// Axes whose second one holds reduced curvatures.
+    ///
+    /// # Errors
+    /// As [`Axes::new`]; [`Error::AxisValue`] where a reduced curvature is not between 0 and 1.
+    pub fn reduced(fz: Vec<f64>, reduced: Vec<f64>, flush: Flush) -> Result<Self, Error> {
+        if let Some(index) = reduced.iter().position(|t| !(0.0..=1.0).contains(t)) {
+            return Err(Error::AxisValue {
+                axis: "reduced_curvature",
+                index,
+                value: reduced[index],
+                expected: "a number between 0 and 1",
+            });
+        }
+        let mut axes = Axes::new(fz, reduced, None)?;
+        axes.flush = Some(flush);
+        Ok(axes)
+    }
+
     /// Normal forces [N].
     pub fn fz(&self) -> &[f64] {
         &self.fz
     }
 
-    /// Track curvatures, positive in a valley [1/m].
+    /// Track curvatures, positive in a valley [1/m]; reduced ones, from 0 to 1, where [`Axes::flush`] says so.
     pub fn curvature(&self) -> &[f64] {
         &self.curvature
+    }
+
+    /// What the reduced curvatures stand for, where the second axis holds such.
+    pub fn flush(&self) -> Option<&Flush> {
+        self.flush.as_ref()
+    }
+
+    /// The track curvature [1/m] at a force [N] and a place on the second axis.
+    pub fn curvature_at(&self, fz: f64, place: f64) -> f64 {
+        self.flush.map_or(place, |flush| flush.curvature(fz, place))
+    }
+
+    /// Smallest and largest track curvature at a force [1/m].
+    pub fn curvature_range(&self, fz: f64) -> [f64; 2] {
+        [self.curvature[0], self.curvature[self.curvature.len() - 1]]
+            .map(|place| self.curvature_at(fz, place))
     }
 
     /// Rocker radii where the table has that axis [m].
@@ -87,7 +123,11 @@ impl Axes {
             [high.saturating_sub(1), high]
         };
         let i = cell(&self.fz, point.fz);
-        let j = cell(&self.curvature, point.curvature);
+        let place = match &self.flush {
+            None => point.curvature,
+            Some(flush) => flush.reduced(point.fz, point.curvature),
+        };
+        let j = cell(&self.curvature, place);
         let k = match (&self.rocker_radius, point.rocker_radius) {
             (Some(radii), Some(radius)) => cell(radii, radius),
             _ => [0, 0],
@@ -99,7 +139,8 @@ impl Axes {
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::with_capacity(self.node_count());
         for &fz in &self.fz {
-            for &curvature in &self.curvature {
+            for &place in &self.curvature {
+                let curvature = self.curvature_at(fz, place);
                 match &self.rocker_radius {
                     None => points.push(Point {
                         fz,

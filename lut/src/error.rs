@@ -25,6 +25,19 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
+    /// A number of a reduced curvature axis is out of its range.
+    #[error("flush.{key} = {value}: expected {expected}")]
+    FlushValue {
+        /// The number's key.
+        key: &'static str,
+        /// The value found.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// Reduced curvatures were asked of axes that cannot have them.
+    #[error("flush: expected curvatures from one end to another, and no rocker radii")]
+    FlushPlan,
     /// The axes span more nodes than a table may hold.
     #[error("the axes span {found} nodes: expected at most {limit}")]
     TooManyNodes {

@@ -87,11 +87,13 @@ impl Table {
             fz.len() as u32,
             curvature.len() as u32,
             u32::from(logarithmic),
-            0,
+            u32::from(self.axes().flush().is_some()),
         ] {
             bytes.extend(count.to_le_bytes());
         }
-        let mut numbers = fz.to_vec();
+        let mut numbers = Vec::new();
+        numbers.extend(self.axes().flush().iter().flat_map(|flush| flush.numbers()));
+        numbers.extend(fz);
         numbers.extend(fz.iter().map(|fz| fz.ln()));
         numbers.extend(curvature);
         numbers.extend(rough.parts().0);

@@ -34,6 +34,13 @@ impl Table {
         array(&mut text, &format!("{name}_fz"), fz);
         array(&mut text, &format!("{name}_log_fz"), &log_fz);
         array(&mut text, &format!("{name}_curvature"), curvature);
+        let flush = match self.axes().flush() {
+            None => "0".to_string(),
+            Some(flush) => {
+                array(&mut text, &format!("{name}_flush"), &flush.numbers());
+                format!("{name}_flush")
+            }
+        };
         for quantity in Quantity::ALL {
             let own = format!("{name}_{}", quantity.name());
             let rough = Lookup::with_rocker(self, quantity, Mode::Bilinear, rocker_radius)?;
@@ -45,7 +52,7 @@ impl Table {
             array(&mut text, &format!("{own}_jets"), &jets);
             text += &format!(
                 "static KUFE_LUT_UNUSED const kufe_lut_table {own} = {{ {}, {}, {name}_fz, {name}_log_fz, \
-                 {name}_curvature, {own}_values, {own}_jets, {} }};\n",
+                 {name}_curvature, {flush}, {own}_values, {own}_jets, {} }};\n",
                 fz.len(),
                 curvature.len(),
                 u8::from(logarithmic)

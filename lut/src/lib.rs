@@ -7,6 +7,7 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`Table`] | nodes, checks between them, and where they come from; reads and writes `.lut` files |
+//! | [`Axes`], [`Flush`] | the breakpoints; curvatures as seen from where the runner lies flush |
 //! | [`Lookup`] | one quantity, ready for evaluation in a [`Mode`] |
 //! | [`sweep`] | fills a [`Plan`] from a solver's answers |
 //! | [`curvature_from_pitch`] | the input that a sled measures |
@@ -15,7 +16,9 @@ mod axes;
 mod csv_file;
 mod each;
 mod error;
+mod flush;
 mod fmu;
+mod grid;
 mod header;
 mod lookup;
 mod mat_file;
@@ -34,6 +37,7 @@ mod write;
 
 pub use axes::{Axes, MAX_AXIS, MAX_NODES};
 pub use error::Error;
+pub use flush::Flush;
 pub use lookup::{Looked, Lookup, Mode};
 pub use picture::draw;
 pub use pitch::{MIN_SPEED, curvature_from_pitch, radius_from_pitch};

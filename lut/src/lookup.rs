@@ -2,16 +2,16 @@
 
 use crate::axes::MAX_AXIS;
 use crate::smooth::{Jet, jets};
-use crate::{Error, Quantity, Table};
+use crate::{Error, Flush, Quantity, Table};
 
 /// How values between the nodes are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mode {
-    /// Piecewise bilinear on the plain axes and values, as Simulink's n-D Lookup Table computes it with
+    /// Piecewise bilinear on the table's own axes and values, as Simulink's n-D Lookup Table computes it with
     /// "linear point-slope", "clip" and "use last table value" (MathWorks guideline jc_0626).
     Bilinear,
     /// C1 and monotone where the data are: bicubic Hermite patches of the logarithm of the quantity over
-    /// the logarithm of the force and the plain curvature.
+    /// the logarithm of the force and the (reduced) curvature.
     Smooth,
 }
 
@@ -61,6 +61,8 @@ pub struct Lookup {
     mode: Mode,
     fz: Axis,
     curvature: Axis,
+    /// What the second axis' reduced curvatures stand for, where it holds such.
+    flush: Option<Flush>,
     /// Plain values, rows of constant force.
     values: Vec<f64>,
     /// Smooth mode only: jets of the scaled values over the scaled axes.
@@ -184,6 +186,7 @@ impl Lookup {
             mode,
             fz,
             curvature,
+            flush: axes.flush().copied(),
             values,
             jets,
             logarithmic,
@@ -203,7 +206,10 @@ impl Lookup {
             };
         }
         let x = self.fz.place(fz);
-        let y = self.curvature.place(curvature);
+        let y = self.curvature.place(match &self.flush {
+            None => curvature,
+            Some(flush) => flush.reduced(x.clipped, curvature),
+        });
         let value = match self.mode {
             Mode::Bilinear => self.bilinear(&x, &y),
             Mode::Smooth => self.smooth(&x, &y),
@@ -262,6 +268,11 @@ impl Lookup {
     /// Mode.
     pub fn mode(&self) -> Mode {
         self.mode
+    }
+
+    /// Whether the table's second axis holds reduced curvatures.
+    pub fn is_reduced(&self) -> bool {
+        self.flush.is_some()
     }
 
     /// What the C code needs: plain values, jets (empty in bilinear mode) and whether they are of logarithms.

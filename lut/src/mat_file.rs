@@ -20,6 +20,9 @@ impl Table {
     /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, as rows) and every figure as an array
     /// over them, force first, named as in `result.json`; with `case_json`, `case_sha256` and `version` as text.
     ///
+    /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush` holds the four numbers that
+    /// define them (flush curvature, scale, ends) and `curvature_1pm` the curvature of every node.
+    ///
     /// In Simulink's n-D Lookup Table: breakpoints 1 `fz_n`, breakpoints 2 `curvature_1pm`, table data `p_max_pa`.
     ///
     /// # Errors
@@ -37,14 +40,27 @@ impl Table {
         let axes = self.axes();
         let row = |name, values: &[f64]| doubles(name, &[1, values.len()], values);
         writer.write_all(&row("fz_n", axes.fz()))?;
-        writer.write_all(&row("curvature_1pm", axes.curvature()))?;
         let mut shape = vec![axes.fz().len(), axes.curvature().len()];
+        match axes.flush() {
+            None => writer.write_all(&row("curvature_1pm", axes.curvature()))?,
+            Some(flush) => {
+                writer.write_all(&row("reduced_curvature", axes.curvature()))?;
+                writer.write_all(&row("flush", &flush.numbers()))?;
+                let points = axes.points();
+                let curvatures = self.column_major(|node| points[node].curvature);
+                writer.write_all(&doubles("curvature_1pm", &shape, &curvatures))?;
+            }
+        }
         if let Some(radii) = axes.rocker_radius() {
             writer.write_all(&row("rocker_radius_m", radii))?;
             shape.push(radii.len());
         }
         for (n, key) in Solved::KEYS.into_iter().enumerate() {
-            writer.write_all(&doubles(key, &shape, &self.column_major(n)))?;
+            writer.write_all(&doubles(
+                key,
+                &shape,
+                &self.column_major(|node| self.nodes()[node].to_array()[n]),
+            ))?;
         }
         for (name, text) in [
             ("case_json", self.case.to_string()),
@@ -56,14 +72,14 @@ impl Table {
         Ok(())
     }
 
-    /// Figure `n` of every node, force fastest.
-    fn column_major(&self, n: usize) -> Vec<f64> {
+    /// A value of every node, force fastest.
+    fn column_major(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let axes = self.axes();
         let mut values = Vec::with_capacity(self.nodes().len());
         for k in 0..axes.rockers() {
             for j in 0..axes.curvature().len() {
                 for i in 0..axes.fz().len() {
-                    values.push(self.nodes()[axes.node(i, j, k)].to_array()[n]);
+                    values.push(value(axes.node(i, j, k)));
                 }
             }
         }

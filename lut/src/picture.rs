@@ -64,7 +64,7 @@ impl Map {
         };
         let fz = table.axes().fz();
         let fz = widened(fz, 0.1 * fz[0]);
-        let curvature = widened(table.axes().curvature(), 1e-3);
+        let curvature = widened(&table.axes().curvature_range(fz.0), 1e-3);
         let mut values = Vec::with_capacity((CELLS + 1) * (CELLS + 1));
         for i in 0..=CELLS {
             let force = fz.0 * (fz.1 / fz.0).powf(i as f64 / CELLS as f64);
@@ -197,11 +197,9 @@ where
             WHITE.mix(0.45).stroke_width(1),
         )
     }))?;
-    let nodes = table.axes().fz().iter().flat_map(|&fz| {
-        let curvatures = table.axes().curvature().iter();
-        curvatures.map(move |&curvature| (curvature, fz))
-    });
-    chart.draw_series(nodes.map(|at| Circle::new(at, 2, BLACK.filled())))?;
+    let nodes = table.axes().points().into_iter();
+    chart
+        .draw_series(nodes.map(|node| Circle::new((node.curvature, node.fz), 2, BLACK.filled())))?;
     if map.curvature.0 < 0.0 && map.curvature.1 > 0.0 {
         let straight = [(0.0, map.fz.0), (0.0, map.fz.1)];
         let line = DashedPathElement::new(straight, 6, 6, WHITE.mix(0.9));

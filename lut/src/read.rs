@@ -4,8 +4,8 @@ use std::io::Read;
 
 use serde_json::{Map, Value};
 
-use crate::write::{FORMAT, FORMAT_VERSION, figure};
-use crate::{Axes, Check, Error, MAX_AXIS, Point, Solved, Table};
+use crate::write::{FORMAT, FORMAT_VERSION, REDUCED_VERSION, figure};
+use crate::{Axes, Check, Error, Flush, MAX_AXIS, Point, Solved, Table};
 
 /// Most bytes that a reader of tables takes in.
 pub const MAX_FILE_BYTES: u64 = 512 << 20;
@@ -54,14 +54,15 @@ fn from_value(value: &Value) -> Result<Table, Error> {
         return Err(wrong("format", text(top, "format")?, FORMAT));
     }
     let version = get(top, "format_version", "the file")?;
-    if version.as_u64() != Some(FORMAT_VERSION) {
-        return Err(wrong(
-            "format_version",
-            &version.to_string(),
-            &FORMAT_VERSION.to_string(),
-        ));
-    }
-    let axes = read_axes(get(top, "axes", "the file")?)?;
+    let reduced = match version.as_u64() {
+        Some(FORMAT_VERSION) => false,
+        Some(REDUCED_VERSION) => true,
+        _ => {
+            let expected = format!("{FORMAT_VERSION} or {REDUCED_VERSION}");
+            return Err(wrong("format_version", &version.to_string(), &expected));
+        }
+    };
+    let axes = read_axes(get(top, "axes", "the file")?, reduced)?;
     let nodes = read_nodes(
         &axes,
         object(get(top, "quantities", "the file")?, "quantities")?,
@@ -84,28 +85,41 @@ fn from_value(value: &Value) -> Result<Table, Error> {
     Ok(table)
 }
 
-fn read_axes(value: &Value) -> Result<Axes, Error> {
+fn read_axes(value: &Value, reduced: bool) -> Result<Axes, Error> {
     let axes = list(value, "axes")?;
-    const NAMES: [&str; 3] = ["fz_n", "curvature_1pm", "rocker_radius_m"];
-    if axes.len() != 2 && axes.len() != 3 {
+    let names = match reduced {
+        false => ["fz_n", "curvature_1pm", "rocker_radius_m"],
+        true => ["fz_n", "reduced_curvature", ""],
+    };
+    if axes.len() != 2 && (axes.len() != 3 || reduced) {
         return Err(wrong(
             "axes",
             &format!("{} axes", axes.len()),
-            "fz_n, curvature_1pm and perhaps rocker_radius_m",
+            match reduced {
+                false => "fz_n, curvature_1pm and perhaps rocker_radius_m",
+                true => "fz_n and reduced_curvature",
+            },
         ));
     }
     let mut read = Vec::new();
+    let mut flush = None;
     for (n, axis) in axes.iter().enumerate() {
         let place = format!("axes[{n}]");
         let map = object(axis, &place)?;
-        known(map, &["name", "unit", "values"], &place)?;
-        if text(map, "name")? != NAMES[n] {
-            return Err(wrong(&place, text(map, "name")?, NAMES[n]));
+        if reduced && n == 1 {
+            let keys = ["name", "unit", "values", "flush", "curvature_1pm"];
+            known(map, &keys, &place)?;
+            flush = Some(read_flush(get(map, "flush", &place)?)?);
+        } else {
+            known(map, &["name", "unit", "values"], &place)?;
+        }
+        if text(map, "name")? != names[n] {
+            return Err(wrong(&place, text(map, "name")?, names[n]));
         }
         let values = list(get(map, "values", &place)?, &place)?;
         if values.len() > MAX_AXIS {
             return Err(Error::AxisLength {
-                axis: NAMES[n],
+                axis: names[n],
                 found: values.len(),
                 limit: MAX_AXIS,
             });
@@ -120,7 +134,20 @@ fn read_axes(value: &Value) -> Result<Axes, Error> {
     let rocker = (read.len() == 3).then(|| read.pop()).flatten();
     let curvature = read.pop().unwrap_or_default();
     let fz = read.pop().unwrap_or_default();
-    Axes::new(fz, curvature, rocker)
+    match flush {
+        None => Axes::new(fz, curvature, rocker),
+        Some(flush) => Axes::reduced(fz, curvature, flush),
+    }
+}
+
+fn read_flush(value: &Value) -> Result<Flush, Error> {
+    const PLACE: &str = "axes[1].flush";
+    const KEYS: [&str; 4] = ["curvature_1pm", "scale_1pm_per_n", "from_1pm", "to_1pm"];
+    let map = object(value, PLACE)?;
+    known(map, &KEYS, PLACE)?;
+    let at = |key: &str| number(get(map, key, PLACE)?, &format!("{PLACE}.{key}"));
+    let [curvature, scale, from, to] = KEYS.map(at);
+    Flush::new(curvature?, scale?, [from?, to?])
 }
 
 fn read_nodes(axes: &Axes, quantities: &Map<String, Value>) -> Result<Vec<Solved>, Error> {

@@ -1,7 +1,8 @@
 //! Filling a table: given points, or points placed until the interpolation is as good as asked.
 
 use crate::each::each;
-use crate::refine::{Refinement, refine, spread};
+use crate::grid::spread;
+use crate::refine::{Refinement, refine};
 use crate::table::finite;
 use crate::{Axes, Check, Error, Mode, Point, Solved, Table};
 
@@ -26,6 +27,9 @@ pub struct Plan {
     pub fz: Spacing,
     /// Track curvatures [1/m].
     pub curvature: Spacing,
+    /// Where the runner lies flush: its curvature [1/m] and scale [1/(m N)], see [`crate::Flush`]. The table's second axis
+    /// then holds reduced curvatures; needs a range of curvatures and no rocker axis.
+    pub flush: Option<[f64; 2]>,
     /// Rocker radii [m]; `None`: the case's own runner.
     pub rocker_radius: Option<Spacing>,
     /// Relative interpolation error of the peak pressure, asked of every mode in `modes`.
@@ -56,6 +60,7 @@ impl Plan {
             checks,
             fz,
             curvature,
+            flush: None,
             rocker_radius: None,
             interpolation: 0.01,
             modes: Mode::ALL.to_vec(),
@@ -172,7 +177,7 @@ pub fn sweep_batches<E: From<Error>>(
         }
         Ok(solved)
     };
-    if plan.is_fixed() {
+    if plan.is_fixed() && plan.flush.is_none() {
         let values = |spacing: &Spacing| match spacing {
             Spacing::Values(values) => values.clone(),
             Spacing::Range { from, to } => vec![*from, *to],

@@ -4,12 +4,14 @@ use std::io::Write;
 
 use serde_json::{Map, Value, json};
 
-use crate::{Axes, Check, Error, Mode, Point, Quantity, Solved, Table};
+use crate::{Axes, Check, Error, Flush, Mode, Point, Quantity, Solved, Table};
 
 /// What the key `format` says.
 pub(crate) const FORMAT: &str = "kufe-lut";
 /// What the key `format_version` says.
 pub(crate) const FORMAT_VERSION: u64 = 1;
+/// What the key `format_version` says where the second axis holds reduced curvatures.
+pub(crate) const REDUCED_VERSION: u64 = 2;
 
 impl Table {
     /// Writes the table as JSON; the same table gives the same bytes.
@@ -18,9 +20,13 @@ impl Table {
     /// [`Error::Write`] where the writer fails, [`Error::RockerOutside`] where a check lies off the
     /// rocker axis.
     pub fn write(&self, writer: &mut dyn Write) -> Result<(), Error> {
+        let format_version = match self.axes().flush() {
+            None => FORMAT_VERSION,
+            Some(_) => REDUCED_VERSION,
+        };
         let entries = [
             ("format", json!(FORMAT)),
-            ("format_version", json!(FORMAT_VERSION)),
+            ("format_version", json!(format_version)),
             ("version", json!(self.version)),
             ("case_sha256", json!(self.case_sha256)),
             ("case", self.case.clone()),
@@ -98,14 +104,29 @@ fn axis_lines(axes: &Axes) -> Vec<String> {
     let line = |name: &str, unit: &str, values: &[f64]| {
         json!({ "name": name, "unit": unit, "values": values }).to_string()
     };
-    let mut lines = vec![
-        line("fz_n", "N", axes.fz()),
-        line("curvature_1pm", "1/m", axes.curvature()),
-    ];
+    let curvature = match axes.flush() {
+        None => line("curvature_1pm", "1/m", axes.curvature()),
+        Some(flush) => reduced_line(axes, flush),
+    };
+    let mut lines = vec![line("fz_n", "N", axes.fz()), curvature];
     if let Some(radii) = axes.rocker_radius() {
         lines.push(line("rocker_radius_m", "m", radii));
     }
     lines
+}
+
+/// The reduced axis, with the curvature of every node for readers that only want that.
+fn reduced_line(axes: &Axes, flush: &Flush) -> String {
+    let [curvature, scale, from, to] = flush.numbers();
+    let curvatures: Vec<f64> = axes.points().iter().map(|p| p.curvature).collect();
+    json!({
+        "name": "reduced_curvature",
+        "unit": "1",
+        "values": axes.curvature(),
+        "flush": { "curvature_1pm": curvature, "scale_1pm_per_n": scale, "from_1pm": from, "to_1pm": to },
+        "curvature_1pm": nested(axes, &curvatures),
+    })
+    .to_string()
 }
 
 /// Rows of columns (of rockers), as `numpy.array` takes them.

@@ -3,10 +3,28 @@
 mod common;
 
 use common::runner;
-use kufe_lut::{Axes, Check, Error, Lookup, Mode, Point, Quantity, Table};
+use kufe_lut::{Axes, Check, Error, Flush, Lookup, Mode, Point, Quantity, Table};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
+
+/// A table over reduced curvatures.
+fn reduced() -> Table {
+    let flush = Flush::new(0.02, 1e-6, [-0.02, 0.03]).unwrap();
+    let places = vec![0.0, 0.2, 0.5, 0.55, 0.8, 1.0];
+    let axes = Axes::reduced(vec![200.0, 500.0, 1300.0, 3000.0, 8000.0], places, flush).unwrap();
+    let nodes = axes.points().iter().map(runner).collect();
+    let point = Point {
+        fz: 777.0,
+        curvature: 0.0201,
+        rocker_radius: None,
+    };
+    let checks = vec![Check {
+        point,
+        solved: runner(&point),
+    }];
+    Table::new(axes, nodes, checks).unwrap()
+}
 
 fn table(rocker: bool) -> Table {
     let axes = Axes::new(
@@ -69,8 +87,7 @@ fn written(table: &Table, folder: &Path) {
 
 #[test]
 fn a_file_read_back_is_the_same_table_to_the_bit() {
-    for rocker in [false, true] {
-        let table = table(rocker);
+    for table in [table(false), table(true), reduced()] {
         let mut bytes = Vec::new();
         table.write(&mut bytes).unwrap();
         let back = Table::read(&mut bytes.as_slice()).unwrap();
@@ -133,6 +150,81 @@ fn broken_files_are_named_by_place() {
     assert!(told(&deep).contains("recursion"));
     let huge = good.replacen("[200.0", &format!("[{}200.0", "1.0,".repeat(5000)), 1);
     assert!(told(&huge).contains("axis fz_n has"));
+}
+
+#[test]
+fn broken_reduced_axes_are_named_by_place() {
+    let mut bytes = Vec::new();
+    reduced().write(&mut bytes).unwrap();
+    let good = String::from_utf8(bytes).unwrap();
+    for (from, to, expected) in [
+        ("\"format_version\": 2", "\"format_version\": 1", "axes[1]"),
+        (
+            "\"scale_1pm_per_n\":1e-6",
+            "\"scale_1pm_per_n\":-1.0",
+            "flush.scale_1pm_per_n = -1",
+        ),
+        (
+            "\"from_1pm\":-0.02",
+            "\"from_1pm\":0.7",
+            "flush.curvature_1pm = 0.02",
+        ),
+        (
+            "\"to_1pm\"",
+            "\"two_1pm\"",
+            "axes[1].flush: found the key two_1pm",
+        ),
+        (
+            "0.8,1.0]",
+            "0.8,1.5]",
+            "axis reduced_curvature, value 5 = 1.5",
+        ),
+    ] {
+        assert!(good.contains(from), "{from}\n{}", &good[..900]);
+        let text = Table::read(&mut good.replacen(from, to, 1).as_bytes())
+            .unwrap_err()
+            .to_string();
+        assert!(text.contains(expected), "{text} lacks {expected}");
+    }
+}
+
+#[test]
+fn numpy_reads_reduced_curvatures_and_computes_the_bilinear_mode_from_them() {
+    let Some(python) = python("scipy") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let table = reduced();
+    written(&table, folder.path());
+    let out = run_python(
+        &python,
+        folder.path(),
+        "import json, numpy as np\n\
+         from scipy.io import loadmat\n\
+         from scipy.interpolate import RegularGridInterpolator\n\
+         t = json.load(open('front.lut'))\n\
+         fz, second = t['axes']\n\
+         flush = [second['flush'][k] for k in ('curvature_1pm', 'scale_1pm_per_n', 'from_1pm', 'to_1pm')]\n\
+         def reduced(f, k):\n\
+         \x20 s = lambda c: np.arcsinh((c - flush[0]) / (flush[1] * f))\n\
+         \x20 return (s(k) - s(flush[2])) / (s(flush[3]) - s(flush[2]))\n\
+         p = RegularGridInterpolator((fz['values'], second['values']), np.array(t['quantities']['p_max']['values']))\n\
+         m = loadmat('front.mat')\n\
+         assert np.array_equal(m['flush'][0], flush) and np.array_equal(m['reduced_curvature'][0], second['values'])\n\
+         assert np.array_equal(m['curvature_1pm'], second['curvature_1pm'])\n\
+         assert np.array_equal(m['p_max_pa'], t['quantities']['p_max']['values'])\n\
+         csv = np.genfromtxt('front.csv', delimiter=',', names=True)\n\
+         assert np.array_equal(csv['curvature_1pm'], np.ravel(second['curvature_1pm']))\n\
+         for f, k in ((250.0, 0.0), (1234.5, 0.0212), (7000.0, 0.0299)):\n\
+         \x20 print(f, k, repr(float(p([f, reduced(f, k)])[0])))\n",
+    );
+    let lookup = Lookup::new(&table, Quantity::PMax, Mode::Bilinear).unwrap();
+    assert_eq!(out.lines().count(), 3);
+    for line in out.lines() {
+        let numbers: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
+        let own = lookup.at(numbers[0], numbers[1]).value;
+        assert!((own / numbers[2] - 1.0).abs() < 1e-13, "{own} {line}");
+    }
 }
 
 #[test]
@@ -212,13 +304,14 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let (front, rear) = (table(false), table(true));
+    let (front, rear, flush) = (table(false), table(true), reduced());
     let write = |table: &Table, name: &str, radius| {
         let mut file = std::fs::File::create(folder.path().join(format!("{name}.h"))).unwrap();
         table.write_header(name, radius, &mut file).unwrap();
     };
     write(&front, "front", None);
     write(&rear, "2-rear", Some(25.0));
+    write(&flush, "flush", None);
     let mut points = Vec::new();
     for i in 0..40 {
         for j in 0..40 {
@@ -233,7 +326,7 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
         (500.0, f64::NAN),
     ]);
     let mut main = String::from(
-        "#include <stdio.h>\n#include \"front.h\"\n#include \"2-rear.h\"\n\
+        "#include <stdio.h>\n#include \"front.h\"\n#include \"2-rear.h\"\n#include \"flush.h\"\n\
          static void show(kufe_lut_looked l) { printf(\"%.17g %d\\n\", l.value, l.out_of_range); }\n\
          int main(void) {\n  static const double at[][2] = {\n",
     );
@@ -248,7 +341,7 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
         writeln!(main, "    {{ {}, {} }},", c(fz), c(curvature)).unwrap();
     }
     main += "  };\n  for (unsigned n = 0; n < sizeof at / sizeof at[0]; ++n) {\n";
-    for own in ["front", "lut_2_rear"] {
+    for own in ["front", "lut_2_rear", "flush"] {
         for quantity in Quantity::ALL {
             for mode in Mode::ALL {
                 writeln!(
@@ -288,7 +381,7 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
     let output = Command::new(folder.path().join("main")).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     let mut lines = text.lines();
-    let lookups: Vec<Lookup> = [(&front, None), (&rear, Some(25.0))]
+    let lookups: Vec<Lookup> = [(&front, None), (&rear, Some(25.0)), (&flush, None)]
         .into_iter()
         .flat_map(|(table, radius)| {
             Quantity::ALL.into_iter().flat_map(move |quantity| {
@@ -311,7 +404,7 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
                     "{value} {}",
                     own.value
                 );
-                if lookup.mode() == Mode::Bilinear {
+                if lookup.mode() == Mode::Bilinear && !lookup.is_reduced() {
                     assert_eq!(value, own.value);
                 }
             }
@@ -341,13 +434,18 @@ fn an_export_of_a_rocker_table_asks_for_one_of_its_radii() {
 #[test]
 fn the_fmu_is_valid_and_simulates_what_the_library_computes() {
     let Some(python) = python("fmpy") else { return };
+    for table in [table(false), reduced()] {
+        the_fmu_agrees(&python, &table);
+    }
+}
+
+fn the_fmu_agrees(python: &str, table: &Table) {
     let folder = tempfile::tempdir().unwrap();
-    let table = table(false);
     let mut file = std::fs::File::create(folder.path().join("front.fmu")).unwrap();
     table.write_fmu("front <&>", None, &mut file).unwrap();
     drop(file);
     let out = run_python(
-        &python,
+        python,
         folder.path(),
         "import numpy as np, fmpy\n\
          from fmpy.validation import validate_fmu\n\
@@ -382,7 +480,7 @@ fn the_fmu_is_valid_and_simulates_what_the_library_computes() {
         } else {
             kufe_lut::curvature_from_pitch(number(5), number(6))
         };
-        let own = Lookup::new(&table, Quantity::PMax, mode)
+        let own = Lookup::new(table, Quantity::PMax, mode)
             .unwrap()
             .at(number(4), curvature);
         let pressure = number(8);
@@ -401,5 +499,5 @@ fn the_fmu_is_valid_and_simulates_what_the_library_computes() {
             inside += 1;
         }
     }
-    assert!(inside > 100 && outside > 50, "{inside} {outside}");
+    assert!(inside > 100 && outside > 40, "{inside} {outside}");
 }

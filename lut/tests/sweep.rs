@@ -99,6 +99,86 @@ fn a_kink_is_refined_where_it_is() {
     assert!((finest[0] - 1.0 / 30.0).abs() < 3e-3, "{finest:?}");
 }
 
+/// A runner of bounded length: its peak depends on force and on `(curvature - flush) / (scale force)`, with a V beside 0.
+fn fits_the_track(point: &Point) -> Result<Solved, Infallible> {
+    let u = (point.curvature - FLUSH[0]) / (FLUSH[1] * point.fz);
+    let v = u + 0.3;
+    let p_max = 1e6
+        * point.fz.sqrt()
+        * if v < 0.0 {
+            1.0 - 0.2 * v / (1.0 - v).powf(0.7)
+        } else {
+            1.0 + 0.8 * v / (1.0 + v).powf(0.6)
+        };
+    Ok(Solved {
+        p_max,
+        ..runner(&Point {
+            curvature: 0.0,
+            ..*point
+        })
+    })
+}
+
+const FLUSH: [f64; 2] = [1.0 / 30.0, 1e-8];
+
+#[test]
+fn reduced_curvatures_resolve_a_v_that_moves_with_the_load() {
+    let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 1.0 / 12.0));
+    plan.modes = vec![Mode::Smooth];
+    plan.max_nodes = 1000;
+    let plain = sweep(&plan, fits_the_track).unwrap();
+    assert!(
+        matches!(plain.shortfall, Some(Error::ToleranceNotReached { .. })),
+        "plain curvatures do as well: the test shows nothing"
+    );
+    plan.flush = Some(FLUSH);
+    let swept = sweep(&plan, fits_the_track).unwrap();
+    assert!(swept.shortfall.is_none(), "{:?}", swept.shortfall);
+    let flush = *swept.table.axes().flush().unwrap();
+    let lookup = Lookup::new(&swept.table, Quantity::PMax, Mode::Smooth).unwrap();
+    for (n, mut point) in held_out(2000).into_iter().enumerate() {
+        // Half of them spread over curvatures, half over reduced ones, which the V fills.
+        let t = (n as f64 + 0.5) / 2000.0;
+        point.curvature = match n % 2 {
+            0 => -0.02 + (1.0 / 12.0 + 0.02) * t,
+            _ => flush.curvature(point.fz, t),
+        };
+        let truth = fits_the_track(&point).unwrap().p_max;
+        let looked = lookup.at(point.fz, point.curvature);
+        assert!(!looked.out_of_range);
+        assert!((looked.value / truth - 1.0).abs() < 0.015, "{point}");
+    }
+    for (point, node) in swept.table.axes().points().iter().zip(swept.table.nodes()) {
+        let looked = lookup.at(point.fz, point.curvature).value;
+        assert!((looked / node.p_max - 1.0).abs() < 1e-9, "{point}");
+    }
+    assert!(lookup.at(300.0, 0.0834).out_of_range && lookup.at(300.0, -0.0201).out_of_range);
+    assert!(lookup.at(300.0, f64::NAN).value.is_nan());
+}
+
+#[test]
+fn no_interval_is_halved_below_the_smallest() {
+    let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 1.0 / 12.0));
+    plan.modes = vec![Mode::Smooth];
+    plan.max_nodes = 100_000;
+    plan.smallest_interval = 0.01;
+    let swept = sweep(&plan, fits_the_track).unwrap();
+    let text = swept.shortfall.unwrap().to_string();
+    assert!(text.contains("as small as they may be"), "{text}");
+    let axes = swept.table.axes();
+    let parts = |values: Vec<f64>| {
+        let whole = values[values.len() - 1] - values[0];
+        let parts = values
+            .windows(2)
+            .map(move |pair| (pair[1] - pair[0]) / whole);
+        parts.fold(f64::INFINITY, f64::min)
+    };
+    // Halves of the last interval above 1.5 times the smallest.
+    let finest = parts(axes.curvature().to_vec());
+    assert!((0.0075..0.015).contains(&finest), "{finest}");
+    assert!(parts(axes.fz().iter().map(|fz| fz.ln()).collect()) >= 0.0075);
+}
+
 #[test]
 fn the_table_has_the_same_bytes_for_any_number_of_threads() {
     let bytes = |threads| {

@@ -21,7 +21,11 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
     }
     let mut axes = Map::new();
     axes.insert("fz_n".into(), axis(table.axes().fz()));
-    axes.insert("curvature_1pm".into(), axis(table.axes().curvature()));
+    let range = table.axes().curvature_range(table.axes().fz()[0]);
+    axes.insert(
+        "curvature_1pm".into(),
+        json!({ "points": table.axes().curvature().len(), "from": range[0], "to": range[1] }),
+    );
     if let Some(radii) = table.axes().rocker_radius() {
         axes.insert("rocker_radius_m".into(), axis(radii));
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kufe_contact::case::{Case, CaseError, Shape};
+use kufe_contact::case::{Case, CaseError, FittedHull, Shape, StatedProblem};
 use kufe_contact::{Load, Options, Problem, Solution};
 use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
 
@@ -29,12 +29,16 @@ pub enum SolveError {
     /// The case at this point is no case.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// The hull is too coarse for the load there.
+    #[error(transparent)]
+    Hull(Failure),
 }
 
 /// Solves points of one case.
 pub struct Solver {
     loaded: LoadedCase,
     base: Problem,
+    hull: Option<FittedHull>,
     tolerance: f64,
 }
 
@@ -55,8 +59,11 @@ impl Solver {
                 wanted.case.display()
             )));
         }
-        let (base, warnings) = loaded.problem()?;
-        for warning in warnings {
+        let StatedProblem {
+            problem: base,
+            hull,
+        } = loaded.stated()?;
+        for warning in loaded.hull_warnings(hull.as_ref()) {
             watch.warn(&warning);
         }
         let own = loaded.case.accuracy.p_max;
@@ -69,6 +76,7 @@ impl Solver {
             tolerance: wanted.p_max.unwrap_or(asked),
             loaded,
             base,
+            hull,
         })
     }
 
@@ -115,7 +123,10 @@ impl Solver {
         if let Load::Force { fz, .. } = &mut problem.load {
             *fz = point.fz;
         }
-        let solution = best(&problem, self.tolerance)?;
+        let solution = best(&problem, self.tolerance, Options::default())?;
+        self.loaded
+            .fine_enough(self.hull.as_ref(), &solution)
+            .map_err(SolveError::Hull)?;
         Ok(Solved {
             p_max: solution.p_max,
             p_max_error: solution.p_max_error,
@@ -165,26 +176,35 @@ impl Solver {
             SweepError::Solve {
                 point,
                 source: SolveError::Contact(error),
-            } => match self.loaded.failure(&error) {
-                Failure::NotConverged(text) => Failure::NotConverged(format!("{text}, at {point}")),
-                Failure::BadInput(text) => Failure::BadInput(format!("{text}, at {point}")),
-                other => other,
-            },
+            } => at(&point, self.loaded.failure(&error)),
+            SweepError::Solve {
+                point,
+                source: SolveError::Hull(failure),
+            } => at(&point, failure),
             other => Failure::bad_input(other),
         }
     }
 }
 
+/// A failure with the point that it happened at.
+fn at(point: &Point, failure: Failure) -> Failure {
+    match failure {
+        Failure::NotConverged(text) => Failure::NotConverged(format!("{text}, at {point}")),
+        Failure::BadInput(text) => Failure::BadInput(format!("{text}, at {point}")),
+        other => other,
+    }
+}
+
 /// The solution at this tolerance or, where the largest mesh does not reach it, at the one that it does reach.
 ///
-/// Its `p_max_error` tells which of the two it is. Where rounded ends begin to carry the load the peak is known to a
-/// per cent or two only; a table without those points would be no table.
-fn best(problem: &Problem, mut tolerance: f64) -> Result<Solution, kufe_contact::Error> {
+/// Its `p_max_error` tells which of the two it is: a table without such points would be no table.
+fn best(
+    problem: &Problem,
+    mut tolerance: f64,
+    mut options: Options,
+) -> Result<Solution, kufe_contact::Error> {
     loop {
-        let options = Options {
-            p_max_tolerance: tolerance,
-            ..Options::default()
-        };
+        options.p_max_tolerance = tolerance;
         match kufe_contact::solve(problem, &options) {
             // The meshes depend on the tolerance, so a solve at the estimate need not reach it: ask for a little less.
             Err(kufe_contact::Error::AccuracyNotReached { estimate, .. })
@@ -227,4 +247,43 @@ fn read_hull(path: &Path) -> Result<Vec<u8>, Failure> {
         )));
     }
     std::fs::read(path).map_err(|error| told(format!("cannot be read: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paraboloid() -> Problem {
+        let text = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }\n\
+                    [ice]\nyoungs_modulus_pa = 9e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n[load]\nfz_n = 1000";
+        let case = Case::parse(text).unwrap_or_else(|error| panic!("{error}"));
+        case.problem(Path::new(""))
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[test]
+    fn a_point_short_of_its_tolerance_keeps_the_best_answer_with_its_error() {
+        let small = Options {
+            max_dofs: 30_000,
+            ..Options::default()
+        };
+        let asked = 1e-4;
+        let solution = best(&paraboloid(), asked, small).expect("an answer");
+        let error = solution.p_max_error / solution.p_max;
+        assert!(error > asked && error < LARGEST_ERROR, "{error}");
+        // Hertz's peak of this contact.
+        assert!((solution.p_max / 138.52e6 - 1.0).abs() < error);
+    }
+
+    #[test]
+    fn a_point_that_no_mesh_comes_near_is_an_error() {
+        let tiny = Options {
+            max_dofs: 100,
+            ..Options::default()
+        };
+        assert!(matches!(
+            best(&paraboloid(), 1e-4, tiny),
+            Err(kufe_contact::Error::AccuracyNotReached { .. })
+        ));
+    }
 }

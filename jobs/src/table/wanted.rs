@@ -32,7 +32,7 @@ struct AxesToml {
     /// Normal force [N].
     fz_n: AxisToml,
     /// Track curvature, positive in a valley, 0 on a straight [1/m].
-    curvature_1pm: Option<AxisToml>,
+    curvature_1pm: Option<CurvatureToml>,
     /// Track radius instead, positive in a valley, inf on a straight [m].
     radius_m: Option<AxisToml>,
     /// Rocker radius of a parametric runner [m].
@@ -49,6 +49,30 @@ struct AxisToml {
     from: Option<f64>,
     /// Where it ends.
     to: Option<f64>,
+}
+
+/// An axis of curvatures, perhaps seen from where the runner lies flush.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct CurvatureToml {
+    /// The values, and no others.
+    values: Option<Vec<f64>>,
+    /// Where the range begins.
+    from: Option<f64>,
+    /// Where it ends.
+    to: Option<f64>,
+    /// Where the runner lies flush on the track: the table is made over reduced curvatures.
+    flush: Option<FlushToml>,
+}
+
+/// What reduced curvatures are made of.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FlushToml {
+    /// The rocker's curvature [1/m].
+    curvature_1pm: f64,
+    /// Width of the peak pressure's minimum over the load, about 10 / (E* L^3) for a half-length L [1/(m N)].
+    scale_1pm_per_n: f64,
 }
 
 /// How accurate the table must be.
@@ -135,11 +159,13 @@ impl Wanted {
 
 fn plan(file: &TableToml) -> Result<Plan, String> {
     let curvature = match (&file.axes.curvature_1pm, &file.axes.radius_m) {
-        (Some(axis), None) => spacing("axes.curvature_1pm", axis)?,
+        (Some(axis), None) => spacing("axes.curvature_1pm", &axis.spacing())?,
         (None, Some(axis)) => as_curvature(spacing("axes.radius_m", axis)?)?,
         _ => return Err("axes: expected either curvature_1pm or radius_m".into()),
     };
     let mut plan = Plan::new(spacing("axes.fz_n", &file.axes.fz_n)?, curvature);
+    let flush = file.axes.curvature_1pm.as_ref().and_then(|axis| axis.flush);
+    plan.flush = flush.map(|flush| [flush.curvature_1pm, flush.scale_1pm_per_n]);
     if let Some(axis) = &file.axes.rocker_radius_m {
         plan.rocker_radius = Some(spacing("axes.rocker_radius_m", axis)?);
     }
@@ -166,6 +192,16 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         plan.smallest_interval = smallest;
     }
     Ok(plan)
+}
+
+impl CurvatureToml {
+    fn spacing(&self) -> AxisToml {
+        AxisToml {
+            values: self.values.clone(),
+            from: self.from,
+            to: self.to,
+        }
+    }
 }
 
 fn within(key: &str, found: Option<usize>, default: usize, most: usize) -> Result<usize, String> {
