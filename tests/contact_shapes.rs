@@ -314,10 +314,6 @@ fn a_hair_of_track_curvature_moves_the_peaks_at_the_ends_by_a_hair() {
         };
         solve(&problem, &options).unwrap().p_max
     };
-    let peaks: Vec<f64> = (0..4)
-        .map(|i| p_max(0.033_453_333_333 + 1e-10 * f64::from(i)))
-        .collect();
-    for pair in peaks.windows(2) {
-        assert!((pair[1] / pair[0] - 1.0).abs() < 0.01, "{peaks:?}");
-    }
+    let peaks = [0.033_453_333_333_333_33, 0.033_453_33].map(p_max);
+    assert!((peaks[1] / peaks[0] - 1.0).abs() < 0.01, "{peaks:?}");
 }
