@@ -282,7 +282,7 @@ fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
     assert!(
         said.contains("1 solves stayed short")
             && said.contains("1.00e-5")
-            && said.contains("1000 N"),
+            && said.contains("fz_n = 1000"),
         "{said}"
     );
     let table = json(&std::fs::read_to_string(bench.path("t.lut")).unwrap());
