@@ -20,8 +20,9 @@ from scipy.interpolate import RegularGridInterpolator
 
 E, NU, FORCE, ROCKER, SECTION = 9.0e9, 0.33, 1000.0, 30.0, 0.005
 WAVES = 'waviness = { amplitude_m = 4.0e-6, wavelength_m = 0.02 }'
-# Relative error asked of kufe's peak pressure: its last mesh is the map's.
-ACCURACY = 0.001
+# Relative error asked of kufe's peak pressure, whose last mesh is the map's; the conformal peak is not had to 0.1 %.
+ACCURACY = {"conformal": 0.003}
+FINE = 0.001
 # Points along and across in a cell over which a map is averaged.
 INNER = 6
 
@@ -78,7 +79,7 @@ def tamaas(height, window, points):
     return x, y, pressure, time.perf_counter() - begun
 
 
-def kufe(command, folder, rocker, ice):
+def kufe(command, folder, rocker, ice, accuracy):
     """result.json and the map of one shape."""
     if not isinstance(ice, str):
         height, (xs, ys) = ice
@@ -88,7 +89,7 @@ def kufe(command, folder, rocker, ice):
     (folder / "case.toml").write_text(
         f"[runner]\nshape = {{ kind = \"paraboloid\", rocker_radius_m = {rocker}, section_radius_m = {SECTION} }}\n"
         f"[ice]\nyoungs_modulus_pa = {E}\npoissons_ratio = {NU}\nthickness_m = \"half-space\"\n{ice}\n"
-        f"[load]\nfz_n = {FORCE}\n[accuracy]\np_max = {ACCURACY}\n"
+        f"[load]\nfz_n = {FORCE}\n[accuracy]\np_max = {accuracy}\n"
     )
     subprocess.run([command, "press", folder / "case.toml", "-o", folder, "--quiet"], check=True, stderr=subprocess.DEVNULL)
     file = OpenEXR.File(str(folder / "pressure.exr"), separate_channels=True)
@@ -115,7 +116,7 @@ def main():
     for name in sys.argv[2:] or SHAPES:
         height, window, points, rocker, ice = SHAPES[name]
         with tempfile.TemporaryDirectory() as folder:
-            result, at = kufe(command, Path(folder), rocker, ice)
+            result, at = kufe(command, Path(folder), rocker, ice, ACCURACY.get(name, FINE))
         x, y, pressure, theirs = tamaas(height, window, points)
         p_max = result["p_max_pa"]
         peak = p_max / pressure.max() - 1

@@ -36,7 +36,7 @@ impl<'a> Hermite<'a> {
         let value = self.values[left]
             + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)));
         // A cubic may swing over zero between two values that are not positive: no contact is there.
-        if self.values[left].max(self.values[right]) <= 0.0 {
+        if self.values[left] <= 0.0 && self.values[right] <= 0.0 {
             value.min(0.0)
         } else {
             value
