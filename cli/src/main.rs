@@ -16,11 +16,14 @@ mod mesh;
 mod outline;
 mod output;
 mod patches;
+mod placed_hull;
 mod press;
 mod pressure_exr;
 mod pressure_map;
 mod pressure_png;
 mod reference;
+mod read_map;
+mod report;
 mod rim;
 mod schema;
 mod simulate;
@@ -40,6 +43,7 @@ Examples:
   kufe press                        solve a built-in bobsled runner into out/
   kufe init case.toml               write a commented case to edit
   kufe press case.toml -o out/      solve it
+  kufe report out/                  one page to look at: out/report.html
   kufe info out/pressure.exr        say what the map holds
 
 Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
@@ -85,6 +89,8 @@ enum Command {
     Discover(discover::Args),
     /// Print the keys of case, table or model files as a JSON schema
     Schema(schema::Args),
+    /// Write one page to look at, from what another command has written
+    Report(report::Args),
     /// Say what this machine offers
     Doctor(doctor::Args),
     /// Print a shell's completion script
@@ -111,6 +117,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Simulate(args) => simulate::run(&args, &global),
         Command::Discover(args) => discover::run(&args, &global),
         Command::Schema(args) => schema::run(&args, &global),
+        Command::Report(args) => report::run(&args, &global),
         Command::Doctor(args) => doctor::run(&args, &global),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::man(&args, &global, Cli::command()),

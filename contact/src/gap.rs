@@ -152,7 +152,7 @@ impl<'a> Gap<'a> {
 /// Height of a track of curvature `curvature` [1/m] above its lowest point, at `x` [m].
 ///
 /// The arc R - sqrt(R^2 - x^2) written so that R may be infinite.
-fn track_height(curvature: f64, x: f64) -> f64 {
+pub fn track_height(curvature: f64, x: f64) -> f64 {
     let sine = curvature * x;
     curvature * x * x / (1.0 + (1.0 - sine * sine).max(0.0).sqrt())
 }

@@ -76,6 +76,7 @@ mod window;
 
 pub use centre_line::{CentreLine, LargestShear, centre_line};
 pub use error::Error;
+pub use gap::track_height;
 pub use hertz::{Hertz, hertz};
 pub use ice_properties::{ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus};
 pub use options::{Method, Options, Watcher};

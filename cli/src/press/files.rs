@@ -4,15 +4,17 @@ use std::io::Write;
 
 use kufe_contact::CentreLine;
 use kufe_jobs::Pressed;
+use kufe_mesh::HullFormat;
 use serde_json::Value;
 
 use super::{subsurface, summary};
 use crate::failure::Failure;
+use crate::placed_hull::placed_hull;
 use crate::pressure_map::PressureMap;
 use crate::staging::Staging;
 use crate::{patches, pressure_exr, pressure_png, volume_vtu};
 
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, and runner.vtu where the runner deforms; with a centre line
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; with a centre line
 /// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
 ///
 /// # Errors
@@ -38,6 +40,9 @@ pub fn write(
     staging.write("field.vtu", |file| {
         volume_vtu::write_ice(file, &solution.volume, shear)
     })?;
+    if let Some(hull) = placed_hull(&pressed.problem, solution) {
+        staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
+    }
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
     {
         staging.write("runner.vtu", |file| {

@@ -1,0 +1,33 @@
+//! The page of an evaluation of drivers.
+
+use std::path::Path;
+
+use kufe_report::{Kind, page as html};
+
+use super::read_json;
+use crate::failure::Failure;
+
+/// An evaluation holds a few hundred bytes a run; what is longer than this is something else [bytes].
+const LONGEST: u64 = 1 << 24;
+/// A page shows every run; more would be no page to look at.
+const MOST_RUNS: usize = 1000;
+
+/// The page of a folder that `kufe evaluate` has written.
+pub fn page(folder: &Path) -> Result<String, Failure> {
+    let path = folder.join("evaluation.json");
+    let evaluation = read_json(&path, LONGEST)?;
+    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let list = |key: &str| {
+        let found = &evaluation[key];
+        let list = found.as_array();
+        list.ok_or_else(|| told(format!("{key} = {found}: expected a list")))
+    };
+    list("groups")?;
+    let runs = list("runs")?.len();
+    if runs > MOST_RUNS {
+        return Err(told(format!(
+            "{runs} runs: a page shows at most {MOST_RUNS}"
+        )));
+    }
+    Ok(html(Kind::Evaluation, "What drivers lose", &evaluation))
+}

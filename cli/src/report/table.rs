@@ -1,0 +1,103 @@
+//! The page of a lookup table.
+
+use std::path::Path;
+
+use kufe_lut::{Axes, Mode, Quantity, Table};
+use kufe_report::{Kind, page as html};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::lut::read_table;
+
+/// Most breakpoints of an axis that the page carries; a longer axis is thinned.
+const MOST: [usize; 3] = [60, 60, 8];
+
+/// The page of a `.lut` file.
+pub fn page(path: &Path) -> Result<String, Failure> {
+    let table = read_table(path)?;
+    let told = |error| Failure::BadInput(format!("{}: {error}", path.display()));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let data = data(&table, &name).map_err(told)?;
+    Ok(html(Kind::Table, &format!("{name}, lookup table"), &data))
+}
+
+fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
+    let axes = table.axes();
+    let taken = [
+        thinned(axes.fz().len(), MOST[0]),
+        thinned(axes.curvature().len(), MOST[1]),
+        thinned(axes.rockers(), MOST[2]),
+    ];
+    let pick =
+        |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let mut quantities = Vec::new();
+    for quantity in Quantity::ALL {
+        let mut errors = serde_json::Map::new();
+        for mode in Mode::ALL {
+            let measured = table.interpolation_error(quantity, mode)?;
+            errors.insert(mode.name().into(), json!(measured.map(|m| m.max)));
+        }
+        quantities.push(json!({
+            "name": quantity.name(),
+            "unit": quantity.unit(),
+            "errors": errors,
+            "values": values(table, axes, quantity, &taken),
+        }));
+    }
+    Ok(json!({
+        "name": name,
+        "fz": pick(axes.fz(), &taken[0]),
+        "curvature": pick(axes.curvature(), &taken[1]),
+        "rocker": axes.rocker_radius().map(|radii| pick(radii, &taken[2])),
+        "thinned": table.nodes().len() > taken.iter().map(Vec::len).product(),
+        "nodes": table.nodes().len(),
+        "checks": table.checks().iter().map(|check| {
+            [check.point.fz, check.point.curvature, check.point.rocker_radius.unwrap_or(0.0)]
+        }).take(2000).collect::<Vec<_>>(),
+        "check_count": table.checks().len(),
+        "quantities": quantities,
+        "solver_error": table.solver_error(),
+        "interpolation_asked": table.interpolation_asked,
+        "case": table.case,
+        "case_sha256": table.case_sha256,
+        "version": table.version,
+    }))
+}
+
+/// Values by force, curvature and rocker.
+fn values(table: &Table, axes: &Axes, quantity: Quantity, taken: &[Vec<usize>; 3]) -> Value {
+    let [forces, curvatures, rockers] = taken;
+    let at = |i: usize, j: usize, k: usize| table.nodes()[axes.node(i, j, k)].get(quantity);
+    json!(
+        rockers
+            .iter()
+            .map(|&k| {
+                forces
+                    .iter()
+                    .map(|&i| curvatures.iter().map(|&j| at(i, j, k)).collect())
+                    .collect()
+            })
+            .collect::<Vec<Vec<Vec<f64>>>>()
+    )
+}
+
+/// At most `most` of `0..count`, spread evenly, both ends among them.
+fn thinned(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|k| k * (count - 1) / (most - 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_axis_keeps_its_ends() {
+        assert_eq!(thinned(3, 60), [0, 1, 2]);
+        let long = thinned(4096, 60);
+        assert_eq!((long.len(), long[0], long[59]), (60, 0, 4095));
+        assert!(long.windows(2).all(|pair| pair[0] < pair[1]));
+    }
+}

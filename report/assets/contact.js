@@ -1,0 +1,230 @@
+// One solved contact: view, map, cuts, convergence and case.
+//
+// Data: { title, name, result, history, case, warnings, maps: [grid], hull: { positions, triangles } or null }; `result` holds the
+// figures of result.json, `history` and `case` its lists, a grid the fields p, gap and uz packed over nx by ny points.
+
+/** Below this part of the peak a place counts as outside the contact. */
+const EDGE = 0.01;
+
+/** Builds the page in `main`; the answer's `show(data)` fills it, again and again. */
+function contactPage(main, between = null) {
+  const head = el("header"), warnings = el("div"), headline = el("ul", { class: "figures" });
+  const view = contactView();
+  const readout = el("output", { class: "readout", id: "readout" }, "");
+  const part = el("select", { "aria-label": "part of the contact", onchange: () => choose(Number(part.value)) });
+  const partLabel = el("label", {}, "part", part);
+  let data = null, fields = null;
+  const map = heatMap((x, y, pinned) => { say(x, y); if (pinned) cut(1e-3 * x, 1e-3 * y); });
+  const charts = { along: chart(), alongHeight: chart(), across: chart(), acrossHeight: chart(), peak: chart() };
+  const titles = { along: el("h2"), across: el("h2") };
+  const history = el("div"), caseTable = el("div");
+  main.replaceChildren(
+    head, warnings, headline, ...(between ? [between] : []),
+    el("div", { class: "panels" },
+      panel("Hull, ice and pressure", view.box, view.tools),
+      panel("Contact pressure", map.box, readout, el("div", { class: "tools" }, partLabel, el("span", {}, "Click or use the arrow keys to move the cuts."))),
+      el("section", { class: "panel" }, titles.along, charts.along.box, charts.alongHeight.box),
+      el("section", { class: "panel" }, titles.across, charts.across.box, charts.acrossHeight.box),
+      panel("Convergence", charts.peak.box, history),
+      panel("The case", caseTable)),
+  );
+
+  function say(x, y) {
+    const [p, gap] = [fields.p(1e-3 * x, 1e-3 * y), fields.gap(1e-3 * x, 1e-3 * y)];
+    const place = `x ${at(x, fields.grid.dx * fields.grid.nx)} mm, y ${at(y, fields.grid.dy * fields.grid.ny)} mm: `;
+    readout.textContent = p === null ? place + "outside the map"
+      : `${place}${(1e-6 * p).toFixed(2)} MPa${p > 0 || gap === null ? "" : gap === Infinity ? ", no hull above" : `, gap ${metres(Math.max(gap, 0))}`}`;
+  }
+
+  /** A place [mm] with the digits that tell a thousandth of its axis' length [m]. */
+  function at(mm, length) {
+    const text = mm.toFixed(Math.min(9, Math.max(0, 3 - Math.floor(Math.log10(1e3 * length)))));
+    return Number(text) === 0 ? "0" : text;
+  }
+
+  /** Cuts through a place [m]. */
+  function cut(x, y) {
+    const grid = fields.grid;
+    const lines = (count, first, step, point) => {
+      const where = Array.from({ length: count }, (_, k) => first + k * step);
+      const of = (field, scale) => where.map((s) => { const value = field(...point(s)); return value === null ? NaN : scale * value; });
+      return {
+        mm: where.map((s) => 1e3 * s), p: of(fields.p, 1e-6), ice: of(fields.uz, 1e6),
+        hull: where.map((s) => { const [g, u] = [fields.gap(...point(s)), fields.uz(...point(s))]; return g === null || !Number.isFinite(g) ? NaN : 1e6 * (g + u); }),
+      };
+    };
+    const top = 1e-6 * fields.top;
+    const pair = (pressure, heights, name, mark, cutLines) => {
+      const x = { title: `${name} [mm]`, from: cutLines.mm[0], to: cutLines.mm[cutLines.mm.length - 1] };
+      const marks = [{ x: mark }];
+      pressure.draw({ x, y: { title: "p [MPa]", from: 0, to: 1.05 * top || 1 }, marks, height: 190, series: [{ x: cutLines.mm, y: cutLines.p, colour: "var(--accent)", fill: true }] });
+      // The hull rises far beyond the ice's bowl; the paper ends where the two can still be told apart.
+      const depth = Math.max(...cutLines.ice.map(Math.abs), 1e-6), ceiling = 2.5 * depth;
+      heights.draw({
+        x, y: { title: "height [\u00b5m]" }, marks, height: 190,
+        series: [
+          { x: cutLines.mm, y: cutLines.ice, colour: "var(--third)", name: "ice" },
+          { x: cutLines.mm, y: cutLines.hull.map((z) => (z > ceiling ? NaN : z)), colour: "var(--steel)", name: "hull", dashed: true },
+        ],
+      });
+    };
+    titles.along.textContent = `Along the runner, at y = ${at(1e3 * y, grid.dy * grid.ny)} mm`;
+    titles.across.textContent = `Across, at x = ${at(1e3 * x, grid.dx * grid.nx)} mm`;
+    pair(charts.along, charts.alongHeight, "x", 1e3 * x, lines(grid.nx, grid.x0, grid.dx, (s) => [s, y]));
+    pair(charts.across, charts.acrossHeight, "y", 1e3 * y, lines(grid.ny, grid.y0, grid.dy, (s) => [x, s]));
+  }
+
+  /** Shows one part of the contact. */
+  function choose(number) {
+    const grid = data.maps[number], p = unpack(grid.p), gap = unpack(grid.gap), uz = unpack(grid.uz);
+    const top = p.reduce((best, value) => Math.max(best, value), 0), peak = middleOf(p, grid.nx, (1 - 1e-4) * top);
+    fields = { grid, top, p: bilinear(grid, p), gap: bilinear(grid, gap), uz: bilinear(grid, uz) };
+    const ends = (first, step, count) => [1e3 * (first - step / 2), 1e3 * (first + (count - 0.5) * step)];
+    const [xs, ys] = [ends(grid.x0, grid.dx, grid.nx), ends(grid.y0, grid.dy, grid.ny)];
+    map.draw({
+      x: [...xs, "x along the runner [mm]"], y: [...ys, "y across [mm]"], bar: [0, 1e-6 * top, "contact pressure [MPa]"],
+      image: { nx: grid.nx, ny: grid.ny, x: xs, y: ys, value: (i, j) => 1e-6 * p[j * grid.nx + i], draws: (value) => value > EDGE * 1e-6 * top },
+    });
+    const [x, y] = [grid.x0 + (peak % grid.nx) * grid.dx, grid.y0 + Math.floor(peak / grid.nx) * grid.dy];
+    map.point(1e3 * x, 1e3 * y);
+    say(1e3 * x, 1e3 * y);
+    cut(x, y);
+    view.show({ grid, p, gap, uz, top, hull: data.hull, result: data.result });
+  }
+
+  function show(next) {
+    data = next;
+    document.title = data.title;
+    head.replaceChildren(el("h1", {}, data.title), el("p", { class: "soft" }, data.name));
+    warnings.replaceChildren(...(data.warnings ?? []).map((text) => el("p", { class: "warning" }, text)));
+    headline.replaceChildren(...figures(headlineOf(data.result)));
+    partLabel.hidden = data.maps.length < 2;
+    part.replaceChildren(...data.maps.map((grid, k) => el("option", { value: k }, `${k + 1}: x ${figure(1e3 * grid.x0, 3)} to ${figure(1e3 * (grid.x0 + grid.nx * grid.dx), 3)} mm`)));
+    const highest = (grid) => grid.p.low + 65534 * grid.p.step;
+    const first = data.maps.reduce((best, grid, k) => (highest(grid) > highest(data.maps[best]) ? k : best), 0);
+    part.value = first;
+    choose(first);
+    convergence(data, charts, history);
+    caseTable.replaceChildren(caseOf(data.case));
+  }
+  return { show };
+}
+
+function headlineOf(result) {
+  const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
+  return [
+    [`${figure(1e-6 * result.p_max_pa)} MPa`, error === null ? "peak pressure, one mesh only" : `peak pressure, \u00b1 ${figure(1e-6 * error, 2)} MPa`],
+    [`${figure(1e-6 * result.p_mean_pa)} MPa`, "mean pressure"],
+    [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, "contact, length \u00d7 width"],
+    [`${figure(1e6 * result.area_m2)} mm\u00b2`, "contact area"],
+    [metres(result.approach_m, 4), "approach"],
+    [`${figure(result.fz_n)} N`, "normal force"],
+    [`${angle(result.pitch_rad)}, ${angle(result.roll_rad)} mrad`, "pitch, roll"],
+    [`${figure(result.seconds, 3)} s`, `${result.dofs} unknowns, ${result.iterations} iterations`],
+  ];
+}
+
+function convergence(data, charts, history) {
+  const last = [];
+  for (const state of data.history) last[state.level] = state;
+  const levels = last.filter(Boolean), result = data.result, error = result.p_max_error_pa ?? 0;
+  charts.peak.draw({
+    x: { title: "unknowns", log: true }, y: { title: "peak [MPa]" }, height: 190,
+    bands: [{ low: 1e-6 * (result.p_max_pa - error), high: 1e-6 * (result.p_max_pa + error) }],
+    series: [{ x: levels.map((s) => s.dofs), y: levels.map((s) => 1e-6 * s.p_max_pa), colour: "var(--accent)", points: true }],
+  });
+  history.replaceChildren(
+    el("p", { class: "soft" }, "Peak pressure on each mesh; the band is the extrapolated peak with its estimated error. Below, every update of the contact set."),
+    table(["mesh", "unknowns", "nodes in contact", "iterations", "residual", "peak [MPa]"],
+      data.history.map((s) => [String(s.level + 1), String(s.dofs), String(s.contact_nodes), String(s.iterations), s.residual.toExponential(1), (1e-6 * s.p_max_pa).toFixed(2)])));
+}
+
+/** The place of a plateau's middle: the point at or above `least` that is nearest to the mean of them all. */
+function middleOf(values, columns, least) {
+  const high = [];
+  values.forEach((value, k) => { if (value >= least) high.push(k); });
+  const mean = (of) => high.reduce((sum, k) => sum + of(k), 0) / high.length;
+  const [i, j] = [mean((k) => k % columns), mean((k) => Math.floor(k / columns))];
+  const far = (k) => Math.hypot((k % columns) - i, Math.floor(k / columns) - j);
+  return high.reduce((best, k) => (far(k) < far(best) ? k : best), high[0]);
+}
+
+/** The view in space, of the contact or of the whole runner. */
+function contactView() {
+  const space = stage("hull, ice and pressure in space; drag to turn, scroll to come closer");
+  const which = el("select", { "aria-label": "what is shown", onchange: () => draw() }, el("option", { value: "contact" }, "the contact"), el("option", { value: "whole" }, "the whole runner"));
+  const hull = el("input", { type: "checkbox", checked: true, onchange: () => draw() });
+  const lift = el("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0.5, "aria-label": "lift the hull", oninput: () => draw() });
+  const note = el("span");
+  const tools = el("div", { class: "tools" }, el("label", {}, "show", which), el("label", {}, hull, "hull"), el("label", {}, "lifted", lift),
+    el("button", { class: "button", type: "button", onclick: () => space.reset() }, "reset"), note);
+  if (!space.works) tools.hidden = true;
+  let data = null;
+  function draw() {
+    if (!data || !space.works) return;
+    const whole = which.value === "whole" && data.hull;
+    const spec = (whole ? wholeSpec : nearSpec)(data, hull.checked, Number(lift.value));
+    note.textContent = spec.note;
+    space.draw(spec);
+  }
+  return {
+    box: space.box, tools,
+    show(next) { data = next; which.disabled = !data.hull; if (!data.hull) which.value = "contact"; draw(); },
+  };
+}
+
+/** Pressure's colour at a grid point, or the ice's. */
+const toneOf = ({ p, top }, ice) => (k) => (top > 0 && p[k] > EDGE * top ? viridis(p[k] / top) : ice);
+
+function nearSpec(data, withHull, lift) {
+  const { grid, gap, uz } = data, every = (count, most) => Math.max(1, Math.ceil(count / most));
+  const [ei, ej] = [every(grid.nx, 150), every(grid.ny, 90)], nx = Math.ceil(grid.nx / ei), ny = Math.ceil(grid.ny / ej);
+  const size = [(grid.nx - 1) * grid.dx, (grid.ny - 1) * grid.dy];
+  let low = Infinity, high = -Infinity, hullTop = -Infinity;
+  uz.forEach((value, k) => {
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+    if (Number.isFinite(gap[k])) hullTop = Math.max(hullTop, value + gap[k]);
+  });
+  const ceiling = Math.max(high, Math.min(hullTop, high + 3 * (high - low)));
+  const unit = [2.2 / size[0], 1.2 / size[1], 0.62 / (ceiling - low || 1)];
+  const place = (i, j, z) => [(i * ei * grid.dx - size[0] / 2) * unit[0], (j * ej * grid.dy - size[1] / 2) * unit[1], (z - low) * unit[2] - 0.4];
+  const at = (i, j) => j * ej * grid.nx + i * ei, tone = toneOf(data, rgbOf("ice"));
+  const ice = surface(nx, ny, (i, j) => place(i, j, uz[at(i, j)]), (i, j) => tone(at(i, j)));
+  const under = surface(nx, ny, (i, j) => { const z = uz[at(i, j)] + gap[at(i, j)]; return z <= ceiling ? place(i, j, z) : null; });
+  const [x, y, z] = [[-1.1, 1.1], [-0.6, 0.6], [-0.4, 0.22]];
+  const times = (value) => `${figure(value, 2)}\u00d7`;
+  return {
+    bodies: [ice, ...(withHull ? [{ ...under, colour: "steel", opacity: 0.55, lift: 0.6 * lift }] : [])],
+    edges: boxEdges(x, y, z),
+    marks: [
+      { at: [0, -0.74, -0.42], text: `x ${metres(size[0])}` }, { at: [1.26, 0, -0.42], text: `y ${metres(size[1])}` },
+      { at: [-1.3, -0.66, -0.09], text: `z ${metres(ceiling - low)}` },
+    ],
+    note: `Against x, y is stretched ${times(unit[1] / unit[0])} and z ${times(unit[2] / unit[0])}.`,
+  };
+}
+
+function wholeSpec(data, withHull, lift) {
+  const { grid, hull } = data, [xs, ys, zs] = [unpack(hull.x), unpack(hull.y), unpack(hull.z)];
+  const range = (values) => values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+  const [xr, yr, zr] = [range(xs), range(ys), range(zs)], wide = 1.6 * (yr[1] - yr[0]);
+  const unit = [2.2 / (xr[1] - xr[0]), 0.8 / wide, 0.5 / Math.max(zr[1] - Math.min(zr[0], 0), 1e-9)];
+  const middle = [(xr[0] + xr[1]) / 2, (yr[0] + yr[1]) / 2];
+  const place = (x, y, z) => [(x - middle[0]) * unit[0], (y - middle[1]) * unit[1], z * unit[2] - 0.3];
+  const positions = new Float32Array(3 * xs.length);
+  xs.forEach((x, k) => positions.set(place(x, ys[k], Math.max(zs[k], 0)), 3 * k));
+  const ice = surface(2, 2, (i, j) => place(xr[i], middle[1] + (j - 0.5) * wide, 0), () => rgbOf("ice"));
+  const tone = toneOf(data, rgbOf("ice")), every = Math.max(1, Math.ceil(grid.nx / 100)), nx = Math.ceil(grid.nx / every);
+  const patch = surface(nx, grid.ny, (i, j) => { const at = place(grid.x0 + i * every * grid.dx, grid.y0 + j * grid.dy, 0); at[2] += 0.003; return at; }, (i, j) => tone(j * grid.nx + i * every));
+  const times = (value) => `${figure(value, 2)}\u00d7`;
+  return {
+    bodies: [ice, patch, ...(withHull ? [{ positions, index: hull.triangles.flat(), colour: "steel", opacity: 0.8, lift: 0.5 * lift }] : [])],
+    edges: boxEdges([-1.1, 1.1], [-0.4, 0.4], [-0.3, 0.2]),
+    marks: [
+      { at: [0, -0.55, -0.32], text: `x ${metres(xr[1] - xr[0])}` }, { at: [1.24, 0, -0.32], text: `y ${metres(wide)}` },
+      { at: [-1.3, -0.46, -0.05], text: `z ${metres(0.5 / unit[2])}` },
+    ],
+    note: `Against x, y is stretched ${times(unit[1] / unit[0])} and z ${times(unit[2] / unit[0])}.`,
+  };
+}

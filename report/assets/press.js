@@ -1,0 +1,2 @@
+// The page of `kufe press`.
+contactPage(document.getElementById("main")).show(pageData());

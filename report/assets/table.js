@@ -1,0 +1,112 @@
+// The page of a lookup table.
+//
+// Data: { name, fz, curvature, rocker or null, nodes, thinned, checks: [[fz, curvature, rocker]], check_count, quantities: [{ name,
+// unit, errors: { mode: number }, values: [rocker][fz][curvature] }], solver_error, interpolation_asked, case, case_sha256, version }.
+
+const UNITS = {
+  p_max: ["peak pressure", "MPa", 1e-6], p_mean: ["mean pressure", "MPa", 1e-6], area: ["contact area", "mm\u00b2", 1e6],
+  length: ["contact length", "mm", 1e3], width: ["contact width", "mm", 1e3], approach: ["approach", "\u00b5m", 1e6],
+};
+
+function tablePage(main, data) {
+  const space = stage("the quantity over force and curvature; drag to turn, scroll to come closer");
+  const readout = el("output", { class: "readout", id: "readout" }, "");
+  const quantity = el("select", { id: "quantity", onchange: () => draw() }, data.quantities.map((q, k) => el("option", { value: k }, UNITS[q.name]?.[0] ?? q.name)));
+  const rocker = el("select", { onchange: () => draw() }, (data.rocker ?? [0]).map((radius, k) => el("option", { value: k }, `${plain(radius)} m`)));
+  const overForce = chart(), overCurvature = chart();
+  const map = heatMap((x, y) => say(x, y));
+  const fact = (text) => el("p", { class: "soft" }, text);
+  const percent = (value) => (value === null || value === undefined ? "not measured" : `${figure(100 * value, 2)} %`);
+  main.replaceChildren(
+    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.rocker ? " and rocker radius" : ""}.`)),
+    el("ul", { class: "figures" }, figures([
+      [`${plain(data.fz[0])} to ${plain(data.fz[data.fz.length - 1])} N`, `normal force, ${data.fz.length} breakpoints`],
+      [`${figure(data.curvature[0], 3)} to ${figure(data.curvature[data.curvature.length - 1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],
+      [percent(data.solver_error), "largest solver error of the peak"],
+      [percent(data.quantities[0].errors.smooth), `largest smooth interpolation error, at ${data.check_count} solves between nodes`],
+      [percent(data.quantities[0].errors.bilinear), "the same, bilinear"],
+    ])),
+    data.thinned ? el("p", { class: "warning" }, "The table is finer than this page, which carries some of its breakpoints only.") : "",
+    el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "quantity", quantity), el("label", { hidden: !data.rocker }, "rocker radius", rocker)),
+    el("div", { class: "panels" },
+      panel("Surface", space.box),
+      panel("Map", map.box, readout, fact("Between breakpoints (dots) values are bilinear here, as in Simulink's n-D lookup table.")),
+      panel("Over normal force", overForce.box),
+      panel("Over track curvature", overCurvature.box),
+      panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [UNITS[q.name]?.[0] ?? q.name, percent(q.errors.smooth), percent(q.errors.bilinear)])),
+        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_asked ? `; asked of the peak: ${percent(data.interpolation_asked)}` : ""}.`)),
+      panel("The case", caseOf(data.case, [["sha256 of case and hull", data.case_sha256], ["made by", `kufe ${data.version}`]]))),
+  );
+
+  let at = null;
+  function say(fz, curvature) {
+    const value = at(fz, curvature), [, unit, times] = unitOf();
+    const radius = curvature === 0 ? "straight" : `radius ${figure(1 / curvature, 4)} m`;
+    readout.textContent = `Fz ${figure(fz, 5)} N, curvature ${figure(curvature, 4)} 1/m (${radius}): ${figure(times * value, 5)} ${unit}`;
+  }
+  const unitOf = () => UNITS[data.quantities[quantity.value].name] ?? [data.quantities[quantity.value].name, data.quantities[quantity.value].unit, 1];
+
+  function draw() {
+    const [title, unit, times] = unitOf(), values = data.quantities[quantity.value].values[rocker.value];
+    const all = values.flat().map((value) => times * value), [low, high] = [Math.min(...all), Math.max(...all)];
+    at = between(data.fz, data.curvature, values);
+    const [xs, ys] = [data.fz, data.curvature].map(span), [nx, ny] = [200, 140];
+    const x = (i) => xs[0] + (i + 0.5) / nx * (xs[1] - xs[0]), y = (j) => ys[0] + (j + 0.5) / ny * (ys[1] - ys[0]);
+    map.draw({
+      x: [...xs, "normal force [N]"], y: [...ys, "track curvature [1/m]"], bar: [low, high, `${title} [${unit}]`],
+      image: { nx, ny, x: xs, y: ys, value: (i, j) => times * at(x(i), y(j)), draws: Number.isFinite },
+      dots: data.fz.flatMap((f) => data.curvature.map((c) => [f, c])),
+    });
+    const middle = [data.fz[Math.floor(data.fz.length / 2)], data.curvature[Math.floor(data.curvature.length / 2)]];
+    map.point(...middle);
+    say(...middle);
+    const lines = (along, across, value, name) => few(across).map((k, n) => ({
+      x: along, y: along.map((_, i) => times * value(i, k)), points: along.length < 25, name: name(across[k]), colour: `var(--${["accent", "second", "third", "fourth"][n]})`,
+    }));
+    const y0 = { title: `${title} [${unit}]` };
+    overForce.draw({ x: { title: "normal force [N]" }, y: y0, series: lines(data.fz, data.curvature, (i, k) => values[i][k], (c) => `${figure(c, 2)} 1/m`) });
+    overCurvature.draw({ x: { title: "track curvature [1/m]" }, y: y0, series: lines(data.curvature, data.fz, (j, k) => values[k][j], (f) => `${figure(f, 3)} N`) });
+    if (!space.works) return;
+    const unitX = 2 / (xs[1] - xs[0]), unitY = 1.4 / (ys[1] - ys[0]), unitZ = 0.8 / (high - low || 1);
+    const place = (i, j) => [(data.fz[i] - xs[0]) * unitX - 1, (data.curvature[j] - ys[0]) * unitY - 0.7, (times * values[i][j] - low) * unitZ - 0.4];
+    const [cx, cy] = [data.fz.length, data.curvature.length];
+    space.draw({
+      bodies: [surface(cx, cy, place, (i, j) => viridis((times * values[i][j] - low) / (high - low || 1)))],
+      edges: boxEdges([-1, 1], [-0.7, 0.7], [-0.4, 0.4]),
+      marks: [
+        { at: [0, -0.86, -0.44], text: `Fz ${figure(xs[0], 3)} to ${figure(xs[1], 3)} N` },
+        { at: [1.16, 0, -0.44], text: `${figure(ys[0], 2)} to ${figure(ys[1], 2)} 1/m` },
+        { at: [-1.16, -0.76, 0], text: `${figure(low, 3)} to ${figure(high, 3)} ${unit}` },
+      ],
+    });
+  }
+  draw();
+}
+
+/** The ends of an axis; a single breakpoint gets some width. */
+function span(values) {
+  const [from, to] = [values[0], values[values.length - 1]];
+  return to > from ? [from, to] : [from - (Math.abs(from) || 1) * 0.05, to + (Math.abs(to) || 1) * 0.05];
+}
+
+/** Values on the breakpoints as a function, bilinear, held at the ends. */
+function between(xs, ys, values) {
+  const cell = (nodes, value) => {
+    if (nodes.length < 2) return [0, 0, 0];
+    let k = nodes.findIndex((node) => node > value) - 1;
+    if (k < 0) k = value < nodes[0] ? 0 : nodes.length - 2;
+    return [k, k + 1, Math.min(Math.max((value - nodes[k]) / (nodes[k + 1] - nodes[k]), 0), 1)];
+  };
+  return (x, y) => {
+    const [i, i1, s] = cell(xs, x), [j, j1, t] = cell(ys, y);
+    return (1 - s) * ((1 - t) * values[i][j] + t * values[i][j1]) + s * ((1 - t) * values[i1][j] + t * values[i1][j1]);
+  };
+}
+
+/** Up to four places spread over a list, both ends among them. */
+function few(list) {
+  const count = Math.min(4, list.length);
+  return [...new Set(Array.from({ length: count }, (_, k) => Math.round(k * (list.length - 1) / Math.max(count - 1, 1))))];
+}
+
+tablePage(document.getElementById("main"), pageData());

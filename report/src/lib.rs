@@ -1,0 +1,28 @@
+//! Results as one self-contained page.
+//!
+//! A page is one HTML file that needs no network: its data, style, scripts and, where it turns bodies in space,
+//! the library three.js are all in it. This crate knows how to put a page together; what stands on it arrives as
+//! JSON, so it knows no solver and no file format.
+//!
+//! | item | purpose |
+//! |---|---|
+//! | [`page`] | the whole page of one [`Kind`] from its title and data |
+//! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
+//! | [`pack`] | numbers as the page's scripts read them |
+//! | [`POLICY`] | the content security policy that every page carries |
+//!
+//! ```
+//! use kufe_report::{Kind, page};
+//! let data = serde_json::json!({ "runs": [], "groups": [] });
+//! let html = page(Kind::Evaluation, "Drivers <1>", &data);
+//! assert!(html.starts_with("<!DOCTYPE html>") && html.contains("Drivers &lt;1&gt;"));
+//! assert!(!html.contains("http://") && !html.contains("https://cdn"));
+//! ```
+
+mod grid;
+mod pack;
+mod page;
+
+pub use grid::Grid;
+pub use pack::pack;
+pub use page::{Kind, POLICY, page};
