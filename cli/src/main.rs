@@ -4,6 +4,7 @@ mod completions;
 mod discover;
 mod doctor;
 mod evaluate;
+mod examples;
 mod fit;
 mod friction;
 mod hermite;
@@ -30,12 +31,13 @@ mod simulate;
 mod sled_runs;
 mod staging;
 mod validate;
+mod view;
 mod volume_vtu;
 mod watched;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use kufe_jobs::{Failure, case_file, failure};
 
 const EXAMPLES: &str = "\
@@ -44,6 +46,7 @@ Examples:
   kufe init case.toml               write a commented case to edit
   kufe press case.toml -o out/      solve it
   kufe report out/                  one page to look at: out/report.html
+  kufe view                         the same with sliders that solve again
   kufe info out/pressure.exr        say what the map holds
 
 Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
@@ -91,6 +94,8 @@ enum Command {
     Schema(schema::Args),
     /// Write one page to look at, from what another command has written
     Report(report::Args),
+    /// Look at a contact in the browser and solve it again with sliders
+    View(view::Args),
     /// Say what this machine offers
     Doctor(doctor::Args),
     /// Print a shell's completion script
@@ -102,6 +107,10 @@ enum Command {
 fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;
     global.apply()?;
+    if global.verbose {
+        let threads = rayon::current_num_threads();
+        eprintln!("kufe: {} with {threads} threads", env!("CARGO_PKG_VERSION"));
+    }
     match command {
         Command::Press(args) => press::run(&args, &global),
         Command::Hull(args) => hull::run(&args, &global),
@@ -118,14 +127,17 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Discover(args) => discover::run(&args, &global),
         Command::Schema(args) => schema::run(&args, &global),
         Command::Report(args) => report::run(&args, &global),
+        Command::View(args) => view::run(&args, &global),
         Command::Doctor(args) => doctor::run(&args, &global),
-        Command::Completions(args) => completions::run(&args, Cli::command()),
-        Command::Man(args) => completions::man(&args, &global, Cli::command()),
+        Command::Completions(args) => completions::run(&args, examples::added(Cli::command())),
+        Command::Man(args) => completions::man(&args, &global, examples::added(Cli::command())),
     }
 }
 
 fn main() -> ExitCode {
-    match run(Cli::parse()) {
+    let matches = examples::added(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match run(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("kufe: {failure}");

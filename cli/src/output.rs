@@ -1,7 +1,8 @@
 //! What every command shares: global options, progress, and files that are whole or absent.
 
+use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -21,6 +22,9 @@ pub struct Global {
     /// Print nothing but the result and errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Say on standard error what is being done, a line a step
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
 }
 
 impl Global {
@@ -43,17 +47,55 @@ impl Global {
         Ok(())
     }
 
-    /// A progress line on the terminal, invisible with `--quiet` or where standard error is no terminal.
-    pub fn progress(&self) -> ProgressBar {
-        if self.quiet || !std::io::stderr().is_terminal() {
-            return ProgressBar::hidden();
+    /// A progress line on the terminal, invisible with `--quiet` or where standard error is no terminal; with
+    /// `--verbose` a line for each step instead, terminal or not.
+    pub fn progress(&self) -> Progress {
+        let shown = !self.quiet && !self.verbose && std::io::stderr().is_terminal();
+        let bar = if shown {
+            ProgressBar::new_spinner()
+        } else {
+            ProgressBar::hidden()
+        };
+        if shown {
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}") {
+                bar.set_style(style);
+            }
+            bar.enable_steady_tick(Duration::from_millis(100));
         }
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}") {
-            bar.set_style(style);
+        Progress {
+            bar,
+            lines: self.verbose,
+            begun: Instant::now(),
         }
-        bar.enable_steady_tick(Duration::from_millis(100));
-        bar
+    }
+}
+
+/// How far a command is.
+#[derive(Clone)]
+pub struct Progress {
+    bar: ProgressBar,
+    lines: bool,
+    begun: Instant,
+}
+
+impl Progress {
+    /// Says what is being done.
+    pub fn set_message(&self, text: impl Into<Cow<'static, str>>) {
+        let text = text.into();
+        if self.lines {
+            eprintln!("kufe: {:.2} s: {text}", self.begun.elapsed().as_secs_f64());
+        }
+        self.bar.set_message(text);
+    }
+
+    /// Does something while the line is out of the way.
+    pub fn suspend<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.bar.suspend(work)
+    }
+
+    /// Takes the line away.
+    pub fn finish_and_clear(&self) {
+        self.bar.finish_and_clear();
     }
 }
 

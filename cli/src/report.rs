@@ -11,6 +11,8 @@ use serde_json::{Value, json};
 use crate::failure::Failure;
 use crate::output::{Global, say, write_whole};
 
+pub use contact::contact;
+
 const EXAMPLES: &str = "\
 Examples:
   kufe report out/                             a solved contact, to out/report.html

@@ -3,7 +3,7 @@
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
-use crate::contact_set::Progress;
+use crate::contact_set::{Limit, Progress};
 use crate::level::{Level, State};
 use crate::motion::solve_motion;
 use crate::psor::{Sets, dot};
@@ -74,7 +74,7 @@ impl Level {
         state: &mut State,
         work: &mut Workspace,
         tolerance: f64,
-        limit: usize,
+        limit: &Limit,
         progress: &mut Progress,
     ) -> bool {
         self.project_forces(sets, state);
@@ -135,7 +135,7 @@ impl Level {
                 }
                 next_check *= 1e-2;
             }
-            if progress.iterations >= limit {
+            if limit.reached(progress.iterations) {
                 return false;
             }
             let beta = if rho_before > 0.0 {

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 
+use crate::Options;
 use crate::level::{Level, State};
 use crate::psor::{PlaneProblem, PlaneState, Sets, dot};
 
@@ -30,6 +31,21 @@ impl Progress {
     }
 }
 
+/// When an iteration ends, converged or not.
+pub(crate) struct Limit<'a> {
+    /// Most iterations.
+    pub iterations: usize,
+    /// Who may stop it.
+    pub options: &'a Options,
+}
+
+impl Limit<'_> {
+    /// Whether it is to end after so many iterations.
+    pub fn reached(&self, iterations: usize) -> bool {
+        iterations >= self.iterations || self.options.stopped()
+    }
+}
+
 /// What happened with one contact set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SetUpdate {
@@ -45,7 +61,7 @@ impl Level {
         state: &mut State,
         greens: &[Mat<f64>; 2],
         tolerance: f64,
-        limit: usize,
+        limit: &Limit,
     ) -> Progress {
         let mut work = self.workspace();
         let mut progress = Progress {
@@ -76,7 +92,7 @@ impl Level {
                 iterations: progress.iterations - before,
                 residual: progress.residual,
             });
-            if confirmed || progress.iterations >= limit {
+            if confirmed || limit.reached(progress.iterations) {
                 progress.converged = confirmed;
                 break;
             }

@@ -55,6 +55,9 @@ pub enum Error {
         /// Hardness times the area that could touch [N].
         capacity: f64,
     },
+    /// The caller asked the solve to end.
+    #[error("stopped before the end")]
+    Stopped,
     /// The iteration stopped short of its tolerance.
     #[error(
         "not converged after {iterations} iterations: residual {residual:.2e}, asked {tolerance:.2e}"

@@ -5,7 +5,7 @@ use kufe_fem::Material;
 use kufe_mesh::TensorGrid;
 
 use crate::body::Side;
-use crate::contact_set::Progress;
+use crate::contact_set::{Limit, Progress};
 use crate::discretise::Discretisation;
 use crate::far_field::{lumps, prescribe};
 use crate::level::State;
@@ -65,6 +65,9 @@ pub(crate) fn solve_level(
                 &lumped_forces(mesh, &state),
                 &mut state,
             );
+            if options.stopped() {
+                break;
+            }
             let again = one_solve(mesh, material, &greens, &mut state, options);
             progress.iterations += again.iterations;
             progress.converged &= again.converged;
@@ -74,6 +77,9 @@ pub(crate) fn solve_level(
                 break;
             }
         }
+    }
+    if options.stopped() {
+        return Err(Error::Stopped);
     }
     if !progress.converged {
         return Err(Error::NotConverged {
@@ -130,15 +136,18 @@ fn one_solve(
     state: &mut State,
     options: &Options,
 ) -> Progress {
-    const ITERATIONS: usize = 1000;
+    let limit = Limit {
+        iterations: 1000,
+        options,
+    };
     const SWEEPS: usize = 200_000;
     let level = &mesh.level;
     match options.method {
-        Method::Accelerated => level.solve(state, greens, options.residual, ITERATIONS),
+        Method::Accelerated => level.solve(state, greens, options.residual, &limit),
         Method::CholeskyActiveSet => Progress::direct(active_set(mesh, material, state)),
         Method::PlainSor => {
             let held = state.displacement.clone();
-            level.solve(state, greens, options.residual, ITERATIONS);
+            level.solve(state, greens, options.residual, &limit);
             let tolerance = 1e-3 * options.residual;
             let sweeps = projected_sor(mesh, material, &held, state, tolerance, SWEEPS);
             Progress {

@@ -1,6 +1,7 @@
 //! How accurate a solve is to be, and what it may cost.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::Iterate;
 
@@ -36,6 +37,17 @@ pub struct Options {
     pub method: Method,
     /// Called after every update of the contact set.
     pub progress: Option<Watcher>,
+    /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an iteration.
+    pub stop: Option<Arc<AtomicBool>>,
+}
+
+impl Options {
+    /// Whether the solve is to end.
+    pub(crate) fn stopped(&self) -> bool {
+        self.stop
+            .as_ref()
+            .is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
 }
 
 impl Default for Options {
@@ -48,6 +60,7 @@ impl Default for Options {
             cells: None,
             method: Method::Accelerated,
             progress: None,
+            stop: None,
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::mesh_solve::{Forces, lumped_forces};
 use crate::psor::PlaneState;
 use crate::stretch::Stretch;
 use crate::window::{Patch, first_guess};
-use crate::{Error, Load, Problem};
+use crate::{Error, Load, Options, Problem};
 
 /// Cells over half the patch while it is being found.
 const SCOUTING: Resolution = Resolution {
@@ -23,10 +23,14 @@ pub(crate) fn scout(
     problem: &Problem,
     gap: &Gap,
     material: Material,
+    options: &Options,
 ) -> Result<(Patch, Forces), Error> {
     capacity(problem)?;
     let mut patch = first_guess(problem, gap);
     for _ in 0..20 {
+        if options.stopped() {
+            return Err(Error::Stopped);
+        }
         let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull)?;
         let level = &mesh.level;
         let [_, scaled] = level.greens();

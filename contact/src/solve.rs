@@ -38,7 +38,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
 fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     let material = check(problem, options)?;
     let gap = Gap::new(problem)?;
-    let (mut patch, mut forces) = scout(problem, &gap, material)?;
+    let (mut patch, mut forces) = scout(problem, &gap, material, options)?;
     let mut cells = options
         .cells
         .map_or_else(|| first_resolution(options.p_max_tolerance), |c| c as f64);
@@ -125,5 +125,50 @@ fn report(
             callback(&iterate);
         }
         history.push(iterate);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Foundation, Ice, Load, Runner, Tilt};
+    use kufe_mesh::Paraboloid;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    #[test]
+    fn a_solve_ends_when_it_is_asked_to_before_and_in_between()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let problem = Problem {
+            runner: Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?)),
+            ice: Ice {
+                youngs_modulus: 9e9,
+                poissons_ratio: 0.33,
+                foundation: Foundation::HalfSpace,
+                hardness: None,
+            },
+            track_curvature: 0.0,
+            load: Load::Force {
+                fz: 1000.0,
+                offset_x: 0.0,
+                offset_y: 0.0,
+                tilt: Tilt::Free,
+            },
+        };
+        let stop = Arc::new(AtomicBool::new(true));
+        let options = Options {
+            stop: Some(stop.clone()),
+            ..Options::default()
+        };
+        assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
+        // Raised after the first mesh; the second one's solve ends.
+        stop.store(false, Ordering::Relaxed);
+        let raised = stop.clone();
+        let options = Options {
+            progress: Some(Arc::new(move |_| raised.store(true, Ordering::Relaxed))),
+            ..options
+        };
+        assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
+        Ok(())
     }
 }

@@ -127,6 +127,7 @@ impl LoadedCase {
             Error::NotConverged { .. } | Error::AccuracyNotReached { .. } => {
                 Failure::NotConverged(text)
             }
+            Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),
         }
     }

@@ -39,14 +39,25 @@ pub fn press(
     watch: &Watch,
     watcher: Option<Watcher>,
 ) -> Result<Pressed, Failure> {
+    let options = Options {
+        progress: watcher,
+        ..Options::default()
+    };
+    press_with(loaded, watch, options)
+}
+
+/// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's.
+///
+/// # Errors
+/// As [`press`]; [`Failure::Partial`] where it was stopped.
+pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
     let StatedProblem { problem, hull } = loaded.stated()?;
     let mut warnings = loaded.hull_warnings(hull.as_ref());
     warnings.iter().for_each(|warning| watch.warn(warning));
     let started = Instant::now();
     let options = Options {
         p_max_tolerance: loaded.case.accuracy.p_max,
-        progress: watcher,
-        ..Options::default()
+        ..options
     };
     let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;
     let seconds = started.elapsed().as_secs_f64();

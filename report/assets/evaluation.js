@@ -41,7 +41,7 @@ const percent = (share) => `${figure(100 * share, 3)} %`;
 
 /** Stacked bars, one a group, each with its runs as rings. */
 function bars(groups, runsOf, width) {
-  const [left, right, row, top] = [Math.min(150, width * 0.3), 80, 34, 30], height = top + row * groups.length + 44;
+  const [left, right, row, top] = [Math.min(150, width * 0.3), 80, 34, 8], height = top + row * groups.length + 44;
   const ends = groups.flatMap((group) => [group.increase_total.mean, group.increase_total.high ?? 0, ...runsOf(group).map((run) => run.increase_total)]);
   const starts = groups.flatMap((group) => [0, group.increase_total.low ?? 0, ...runsOf(group).map((run) => run.increase_total), ...PARTS.map(([key]) => group[key].mean)]);
   const low = 100 * Math.min(...starts), high = 100 * Math.max(...ends, 1e-6);
@@ -53,11 +53,6 @@ function bars(groups, runsOf, width) {
     root.append(svg("text", { x: x(marks[k]), y: height - 26, "text-anchor": "middle" }, text));
   });
   root.append(svg("text", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, "loss beyond a straight glide [%]"));
-  let at = left;
-  for (const [, name, colour] of PARTS) {
-    root.append(svg("rect", { x: at, y: 6, width: 12, height: 12, fill: `var(${colour})` }), svg("text", { x: at + 17, y: 16, class: "name" }, name));
-    at += 34 + 7 * name.length;
-  }
   groups.forEach((group, k) => {
     const y = top + row * k + 6, total = group.increase_total;
     root.append(svg("text", { x: left - 8, y: y + 15, "text-anchor": "end", class: "name" }, `${group.name} (${group.runs})`));
@@ -73,7 +68,8 @@ function bars(groups, runsOf, width) {
     if (total.low !== null && total.low !== undefined) root.append(svg("line", { x1: x(100 * total.low), x2: x(100 * total.high), y1: y + 10, y2: y + 10, stroke: "var(--ink)", "stroke-width": 2 }));
     root.append(svg("text", { x: width - right + 8, y: y + 15, class: "name" }, percent(total.mean)));
   });
-  return el("div", { class: "chart" }, root);
+  const swatch = (colour) => svg("svg", { width: 12, height: 12 }, svg("rect", { width: 12, height: 12, fill: `var(${colour})` }));
+  return el("div", { class: "chart" }, el("div", { class: "legend" }, PARTS.map(([, name, colour]) => el("span", {}, swatch(colour), name))), root);
 }
 
 /** Runs as rows, sorted by the column whose head is clicked. */

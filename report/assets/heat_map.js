@@ -62,7 +62,7 @@ function heatMap(onCursor, height = 380) {
     for (const [x, y] of spec.dots ?? []) {
       const [px, py] = place(x, y);
       pen.fillStyle = "#fff"; pen.strokeStyle = "#000"; pen.lineWidth = 0.8;
-      pen.beginPath(); pen.arc(px, py, 2.2, 0, 7); pen.fill(); pen.stroke();
+      pen.beginPath(); pen.arc(px, py, 3, 0, 7); pen.fill(); pen.stroke();
     }
     pen.fillStyle = ink("soft"); pen.strokeStyle = ink("line");
     pen.strokeRect(left + 0.5, top + 0.5, right - left - 1, bottom - top - 1);

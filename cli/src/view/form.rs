@@ -1,0 +1,215 @@
+//! What the page's form asks for, and the case that it makes.
+
+use kufe_contact::case::{Case, Shape, TiltWord};
+use kufe_mesh::{BobRunner, LugeSteel};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// Each number's ends; what the sliders span and nothing beyond.
+const RANGES: [(&str, f64, f64); 6] = [
+    ("rocker_radius_m", 2.0, 200.0),
+    ("section_radius_m", 1e-3, 0.05),
+    ("edge_radius_m", 5e-5, 5e-3),
+    ("tilt_rad", -0.1, 0.1),
+    ("fz_n", 50.0, 10_000.0),
+    ("curvature_1pm", -0.02, 0.08),
+];
+
+/// Which runner the form shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Runner {
+    /// A bobsled runner.
+    Bob,
+    /// A luge steel.
+    Luge,
+    /// The case's own, whatever it is.
+    None,
+}
+
+/// The form's values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Form {
+    /// Which runner.
+    pub shape: Runner,
+    /// Radius of the rocker [m].
+    pub rocker_radius_m: f64,
+    /// Radius of a bobsled runner's section [m].
+    pub section_radius_m: f64,
+    /// Radius of a luge steel's edge [m].
+    pub edge_radius_m: f64,
+    /// Held roll of a bobsled runner, tilt of a luge steel's underside [rad].
+    pub tilt_rad: f64,
+    /// Normal force [N].
+    pub fz_n: f64,
+    /// Curvature of the track, positive in a valley [1/m].
+    pub curvature_1pm: f64,
+}
+
+impl Form {
+    /// The form that shows a case.
+    pub fn of(case: &Case) -> Form {
+        let (bob, luge) = (BobRunner::default(), LugeSteel::default());
+        let mut form = Form {
+            shape: Runner::None,
+            rocker_radius_m: bob.rocker_radius,
+            section_radius_m: bob.section_radius,
+            edge_radius_m: luge.edge_radius,
+            tilt_rad: 0.0,
+            fz_n: case.load.fz_n,
+            curvature_1pm: case.track.curvature(),
+        };
+        match case.runner.shape {
+            Some(Shape::Bob {
+                rocker_radius_m,
+                section_radius_m,
+                ..
+            }) => {
+                form.shape = Runner::Bob;
+                form.rocker_radius_m = rocker_radius_m;
+                form.section_radius_m = section_radius_m;
+                if case.load.tilt == TiltWord::Fixed {
+                    form.tilt_rad = case.load.roll_rad.unwrap_or(0.0);
+                }
+            }
+            Some(Shape::Luge {
+                rocker_radius_m,
+                edge_radius_m,
+                tilt_rad,
+                ..
+            }) => {
+                form.shape = Runner::Luge;
+                form.rocker_radius_m = rocker_radius_m;
+                form.edge_radius_m = edge_radius_m;
+                form.tilt_rad = tilt_rad;
+            }
+            _ => {}
+        }
+        form
+    }
+
+    /// The sliders' ends by name.
+    pub fn ranges() -> Value {
+        RANGES
+            .iter()
+            .map(|(name, from, to)| (name.to_string(), json!([from, to])))
+            .collect::<serde_json::Map<_, _>>()
+            .into()
+    }
+
+    /// The case that the form asks for: `base` with the form's runner, track and load.
+    ///
+    /// # Errors
+    /// A sentence where a number is outside its slider.
+    pub fn case(&self, base: &Case) -> Result<Case, String> {
+        let values = [
+            self.rocker_radius_m,
+            self.section_radius_m,
+            self.edge_radius_m,
+            self.tilt_rad,
+            self.fz_n,
+            self.curvature_1pm,
+        ];
+        for ((name, from, to), value) in RANGES.iter().zip(values) {
+            let slack = 1e-9 * (to - from);
+            if !(from - slack..=to + slack).contains(&value) {
+                return Err(format!("{name} = {value}: expected {from} to {to}"));
+            }
+        }
+        let mut case = base.clone();
+        case.load.fz_n = self.fz_n;
+        case.track.radius_m = None;
+        case.track.curvature_1pm = Some(self.curvature_1pm);
+        match self.shape {
+            Runner::None => return Ok(case),
+            Runner::Bob => {
+                let (length_m, width_m, height_m) = match base.runner.shape {
+                    Some(Shape::Bob {
+                        length_m,
+                        width_m,
+                        height_m,
+                        ..
+                    }) => (length_m, width_m, height_m),
+                    _ => {
+                        let bob = BobRunner::default();
+                        (bob.length, bob.width, bob.height)
+                    }
+                };
+                case.runner.shape = Some(Shape::Bob {
+                    length_m,
+                    rocker_radius_m: self.rocker_radius_m,
+                    section_radius_m: self.section_radius_m,
+                    // A section no wider than its diameter keeps the blade's sides less than upright.
+                    width_m: width_m.min(2.0 * self.section_radius_m),
+                    height_m,
+                });
+                if self.tilt_rad != 0.0 {
+                    case.load.tilt = TiltWord::Fixed;
+                    case.load.roll_rad = Some(self.tilt_rad);
+                } else if case.load.tilt == TiltWord::Fixed {
+                    case.load.roll_rad = Some(0.0);
+                }
+            }
+            Runner::Luge => {
+                let (length_m, width_m, height_m) = match base.runner.shape {
+                    Some(Shape::Luge {
+                        length_m,
+                        width_m,
+                        height_m,
+                        ..
+                    }) => (length_m, width_m, height_m),
+                    _ => {
+                        let luge = LugeSteel::default();
+                        (luge.length, luge.width, luge.height)
+                    }
+                };
+                case.runner.shape = Some(Shape::Luge {
+                    length_m,
+                    rocker_radius_m: self.rocker_radius_m,
+                    edge_radius_m: self.edge_radius_m,
+                    tilt_rad: self.tilt_rad,
+                    width_m,
+                    height_m,
+                });
+            }
+        }
+        case.runner.hull = None;
+        Ok(case)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case_file::LoadedCase;
+
+    #[test]
+    fn the_form_of_a_case_gives_the_case_back() -> Result<(), Box<dyn std::error::Error>> {
+        let base = LoadedCase::example()
+            .map_err(|failure| failure.to_string())?
+            .case;
+        let form = Form::of(&base);
+        let mut back = form.case(&base)?;
+        assert_eq!(back.track.curvature(), base.track.curvature());
+        back.track = base.track.clone();
+        assert_eq!(back, base);
+        Ok(())
+    }
+
+    #[test]
+    fn numbers_beyond_the_sliders_are_refused_by_name() -> Result<(), Box<dyn std::error::Error>> {
+        let base = LoadedCase::example()
+            .map_err(|failure| failure.to_string())?
+            .case;
+        let form = Form {
+            fz_n: 1e9,
+            ..Form::of(&base)
+        };
+        let told = form.case(&base).expect_err("far too much");
+        assert!(told.contains("fz_n = 1000000000"), "{told}");
+        let unknown = "{\"shape\":\"bob\",\"hull\":\"/etc/passwd\"}";
+        assert!(serde_json::from_str::<Form>(unknown).is_err());
+        Ok(())
+    }
+}
