@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Commands by their words, and the examples that their help ends with.
-const EXAMPLES: [(&str, &str); 20] = [
+const EXAMPLES: [(&str, &str); 19] = [
     (
         "press",
         "Examples:
@@ -70,12 +70,6 @@ const EXAMPLES: [(&str, &str); 20] = [
         "lut merge",
         "Example:
   kufe lut merge plan/ -o front.lut",
-    ),
-    (
-        "init",
-        "Examples:
-  kufe init case.toml                 a commented case to edit
-  kufe init case.toml --force         over one that is there",
     ),
     (
         "friction fit",
@@ -147,7 +141,7 @@ mod tests {
     fn lines(help: &str) -> Vec<Vec<String>> {
         help.lines()
             .filter_map(|line| line.strip_prefix("  kufe"))
-            .map(|line| format!("kufe{}", line.split("   ").next().unwrap_or_default()))
+            .map(|line| format!("kufe{}", line.split("  ").next().unwrap_or_default()))
             .map(|line| line.split_whitespace().map(str::to_string).collect())
             .collect()
     }

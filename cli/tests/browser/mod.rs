@@ -1,5 +1,6 @@
 //! A headless Chromium, driven over its DevTools protocol.
 
+use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -125,8 +126,14 @@ impl Browser {
             .send(Message::text(message.to_string()))
             .expect("chromium hears");
         loop {
-            let Message::Text(text) = self.socket.read().expect("chromium answers") else {
-                continue;
+            let text = match self.socket.read() {
+                Ok(Message::Text(text)) => text,
+                Ok(_) => continue,
+                // A signal came in between; the answer is still to come.
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {
+                    continue;
+                }
+                Err(error) => panic!("{method}: chromium does not answer: {error}"),
             };
             let mut answer: Value = serde_json::from_str(&text).expect("JSON");
             if answer["id"] == self.asked {
