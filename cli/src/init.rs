@@ -12,7 +12,7 @@ const EXAMPLES: &str = "\
 Examples:
   kufe init                       case.toml: one contact problem
   kufe init --kind table          table.toml: a lookup table of case.toml
-  kufe init bob.toml --kind model a sled and its friction
+  kufe init bob.toml --kind model  a sled and its friction
 
 Beside the file stands its schema, case.schema.json, which the file's first line names: editors that read such schemas
 complete the keys and show what they mean.";

@@ -7,7 +7,7 @@ use kufe_mesh::Hull;
 const POINTS: [usize; 2] = [121, 25];
 
 /// The undeformed underside after approach and tilt, in the frame of `field.vtu`: z = 0 is the ice before it yields,
-/// a curved track laid out flat.
+/// a curved track and waves laid out flat.
 ///
 /// `z = h(x, y) - t(x) - pitch (x - x0) + roll (y - y0) - d`, with `h` the underside, `t` the track and `(x0, y0)` the
 /// load's line of action; `d` puts the deepest point of the solved surface at the approach. `None` for a shape
@@ -29,7 +29,9 @@ pub fn placed_hull(problem: &Problem, solution: &Solution) -> Option<Hull> {
     };
     let above = |x: f64, y: f64| {
         let tilted = solution.roll * (y - y0) - solution.pitch * (x - x0);
-        underside.height(x, y) - track_height(problem.track_curvature, x) + tilted
+        let ice = problem.ice_surface.as_ref();
+        let ice = ice.map_or(0.0, |surface| surface.height(x, y));
+        underside.height(x, y) - ice - track_height(problem.track_curvature, x) + tilted
     };
     let surface = &solution.surface;
     let lowest = surface

@@ -43,7 +43,13 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     assert_eq!(names(&bench.path("out")), expected);
     assert_eq!(
         names(&bench.path("out/step-002")),
-        ["field.vtu", "pressure.exr", "pressure.png", "result.json"]
+        [
+            "field.vtu",
+            "hull.glb",
+            "pressure.exr",
+            "pressure.png",
+            "result.json"
+        ]
     );
     let rows = table(&bench, "out");
     let p_max = column(&rows, "p_max_pa");

@@ -165,6 +165,7 @@ mod tests {
                 foundation: Foundation::HalfSpace,
                 hardness: None,
             },
+            ice_surface: None,
             track_curvature: 0.0,
             load: Load::Force {
                 fz: 1000.0,
