@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Commands by their words, and the examples that their help ends with.
-const EXAMPLES: [(&str, &str); 19] = [
+const EXAMPLES: [(&str, &str); 20] = [
     (
         "press",
         "Examples:
@@ -55,6 +55,11 @@ const EXAMPLES: [(&str, &str); 19] = [
         "lut export",
         "Example:
   kufe lut export front.lut --csv --header=front.h",
+    ),
+    (
+        "export",
+        "Example:
+  kufe export --calculix case.toml -o deck.inp",
     ),
     (
         "lut plan",

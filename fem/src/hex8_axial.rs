@@ -114,13 +114,18 @@ mod tests {
         std::array::from_fn(|i| k[i].iter().zip(u).map(|(k, u)| k * u).sum())
     }
 
+    /// Corners in planes across x, otherwise anywhere.
+    fn in_planes(size: [f64; 3]) -> Corners {
+        let mut corners = distorted(size);
+        for (corner, p) in hex8::CORNERS.iter().zip(&mut corners) {
+            p[0] = size[0] * corner[0];
+        }
+        corners
+    }
+
     #[test]
     fn rigid_motions_are_free_and_linear_displacements_have_the_plain_elements_forces() {
-        // Corners in planes across x, otherwise anywhere.
-        let mut corners = distorted([1.0, 0.1, 3.0]);
-        for (corner, p) in hex8::CORNERS.iter().zip(&mut corners) {
-            p[0] = corner[0];
-        }
+        let corners = in_planes([1.0, 0.1, 3.0]);
         let material = Material::new(1.0, 0.3).unwrap();
         let k = stiffness(&corners, material);
         let size = k.iter().flatten().fold(0.0f64, |s, v| s.max(v.abs()));
@@ -141,7 +146,7 @@ mod tests {
     #[test]
     fn bending_along_the_first_axis_has_the_energy_of_beam_theory() {
         let material = Material::new(7.0, 0.0).unwrap();
-        for a in [0.5, 4.0, 400.0] {
+        for a in [0.5, 4.0, 40.0] {
             let (b, c) = (0.25, 0.5);
             let corners = hex8::CORNERS.map(|p| [a * p[0], b * p[1], c * p[2]]);
             let k = stiffness(&corners, material);
@@ -163,7 +168,7 @@ mod tests {
     /// Only the six rigid motions cost nothing.
     #[test]
     fn no_motion_but_a_rigid_one_is_free() {
-        let corners = distorted([1.0, 0.3, 0.5]);
+        let corners = in_planes([1.0, 0.3, 0.5]);
         let k = stiffness(&corners, Material::new(1.0, 0.3).unwrap());
         let matrix = faer::Mat::from_fn(24, 24, |i, j| k[i][j]);
         let values = matrix.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();

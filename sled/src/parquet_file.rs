@@ -31,6 +31,20 @@ pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Colu
             if !numeric {
                 break;
             }
+            // The library takes these for granted.
+            let chunk = reader.metadata().row_group(group).column(place);
+            let start = chunk.dictionary_page_offset();
+            let start = start.unwrap_or_else(|| chunk.data_page_offset());
+            let length = chunk.compressed_size();
+            if start < 0 || length < 0 {
+                let column = descriptor.name();
+                return Err(Error::file(
+                    name,
+                    format!(
+                        "column {column}: begins at byte {start} and is {length} bytes long; expected neither below 0"
+                    ),
+                ));
+            }
             let group = reader.get_row_group(group).map_err(told)?;
             let optional = descriptor.max_def_level() > 0;
             match group.get_column_reader(place).map_err(told)? {
