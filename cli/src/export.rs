@@ -38,7 +38,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = LoadedCase::read(&args.calculix)?;
     let StatedProblem { problem, .. } = loaded.stated()?;
     let refuse = |reason: &str| Failure::BadInput(format!("{}: {reason}", loaded.name));
-    let mount = statable(&problem).map_err(|reason| refuse(reason))?;
+    let mount = statable(&problem).map_err(&refuse)?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh and the approach");
     let options = Options {

@@ -66,8 +66,8 @@ pub(crate) struct Body {
 
 /// The preconditioner.
 enum Inverse {
-    Layered(LayeredInverse),
-    Mounted(FastInverse),
+    Layered(Box<LayeredInverse>),
+    Mounted(Box<FastInverse>),
 }
 
 /// A matrix-free stiffness and vectors in its order, node by node.
@@ -85,7 +85,7 @@ impl Body {
             Side::Above => (End::Low, -1.0),
         };
         let inverse = LayeredInverse::new(&operator, end, columns, sign, material);
-        let inverse = Inverse::Layered(inverse);
+        let inverse = Inverse::Layered(Box::new(inverse));
         Self::with_inverse(operator, inverse, material, side, columns)
     }
 
@@ -96,7 +96,7 @@ impl Body {
         material: Material,
         columns: Columns,
     ) -> Self {
-        let inverse = Inverse::Mounted(inverse);
+        let inverse = Inverse::Mounted(Box::new(inverse));
         Self::with_inverse(operator, inverse, material, Side::Above, columns)
     }
 

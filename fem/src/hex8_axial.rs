@@ -26,7 +26,9 @@ const SHEARS: [usize; 2] = [4, 5];
 pub(crate) const LINES: [[usize; 2]; 4] = [[0, 1], [3, 2], [4, 5], [7, 6]];
 
 /// B (6 x 24) of the plain element, apart from the bracket of eps_xx, and that bracket by corner; with det J.
-fn split(corners: &Corners, xi: [f64; 3]) -> ([[f64; 24]; 6], [f64; 8], f64) {
+type Split = ([[f64; 24]; 6], [f64; 8], f64);
+
+fn split(corners: &Corners, xi: [f64; 3]) -> Split {
     let mut b = hex8::strain_displacement(corners, xi);
     let jacobian = hex8::Jacobian::at(corners, xi);
     let mut bracket = [0.0; 8];
@@ -41,7 +43,7 @@ fn split(corners: &Corners, xi: [f64; 3]) -> ([[f64; 24]; 6], [f64; 8], f64) {
 }
 
 /// B averaged at two points of a line, from what [`split`] gives.
-fn averaged(ends: &mut [([[f64; 24]; 6], [f64; 8], f64); 2]) {
+fn averaged(ends: &mut [Split; 2]) {
     let weight = ends[0].2 / (ends[0].2 + ends[1].2);
     let mean = |p: f64, q: f64| weight * p + (1.0 - weight) * q;
     let [first, second] = ends;
