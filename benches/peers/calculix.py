@@ -51,7 +51,7 @@ def forces(path):
 
 
 def pressures(path):
-    """Contact pressure at the nodes of the last CONTACT block of a result file [Pa]."""
+    """Contact pressure at the nodes of the last CONTACT block of a result file in MPa [Pa]."""
     values, inside = {}, False
     for line in open(path):
         if line.startswith(" -4"):
@@ -62,7 +62,7 @@ def pressures(path):
             columns.append(line.split()[1])
         elif inside and line.startswith(" -1"):
             numbers = [float(line[13 + 12 * k : 25 + 12 * k]) for k in range(len(columns))]
-            values[int(line[3:13])] = numbers[columns.index("CPRESS")]
+            values[int(line[3:13])] = 1e6 * numbers[columns.index("CPRESS")]
         elif inside and line.startswith(" -3"):
             inside = False
     return values

@@ -1,11 +1,14 @@
 //! A two-body contact problem as an input deck of CalculiX (www.calculix.de; the cards are Abaqus's).
+//!
+//! In millimetres, newtons and megapascals: CalculiX looks for contact within lengths that are absolute, and in metres it
+//! finds none.
 
 use std::io::{BufWriter, Write};
 
 use kufe_contact::Mount;
 use kufe_mesh::{HexMesh, TensorGrid};
 
-/// What a deck states; lengths in m, moduli in Pa.
+/// What a deck states; here lengths in m, moduli in Pa.
 pub struct Deck<'a> {
     /// First line of the heading.
     pub title: String,
@@ -31,6 +34,10 @@ pub struct Deck<'a> {
 const PENALTY: f64 = 300.0;
 /// Faces may touch whose lowest node is less than this many approaches above the ice.
 const NEAR: f64 = 30.0;
+/// Millimetres in a metre.
+const MM: f64 = 1e3;
+/// Megapascals in a pascal.
+const MPA: f64 = 1e-6;
 
 /// Writes the deck: nodes, elements (C3D8 for the ice; C3D8I, which bends, for a runner held at places), materials, supports,
 /// the contact of the faces near each other by surface-to-surface penalty, and one step that presses the mount down by the
@@ -46,6 +53,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     writeln!(out, "*HEADING\n{}", deck.title)?;
     writeln!(out, "*NODE, NSET=ALL")?;
     for (node, [x, y, z]) in ice.points.iter().chain(&deck.runner.points).enumerate() {
+        let [x, y, z] = [x, y, z].map(|v| MM * v);
         writeln!(out, "{}, {x:.12e}, {y:.12e}, {z:.12e}", node + 1)?;
     }
     let bends = *deck.mount != Mount::Top;
@@ -66,7 +74,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     }
     for (name, [youngs_modulus, poissons_ratio]) in [("ICE", deck.ice), ("RUNNER", deck.steel)] {
         writeln!(out, "*MATERIAL, NAME={name}\n*ELASTIC")?;
-        writeln!(out, "{youngs_modulus:e}, {poissons_ratio}")?;
+        writeln!(out, "{:e}, {poissons_ratio}", MPA * youngs_modulus)?;
         writeln!(out, "*SOLID SECTION, ELSET={name}, MATERIAL={name}")?;
     }
     let of_ice = |node: usize| [node % nx, node / nx % ny, node / nx / ny];
@@ -143,7 +151,8 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     }
     writeln!(out, "*SURFACE INTERACTION, NAME=TOUCH")?;
     writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")?;
-    writeln!(out, "{:e}", PENALTY * deck.ice[0] / deck.half_width)?;
+    let stiffness = PENALTY * MPA * deck.ice[0] / (MM * deck.half_width);
+    writeln!(out, "{stiffness:e}")?;
     writeln!(
         out,
         "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE"
@@ -156,7 +165,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
             writeln!(out, "{name}, {0}, {0}", axis + 1)?;
         }
     }
-    writeln!(out, "MOUNT, 1, 2\nMOUNT, 3, 3, {:.12e}", -deck.approach)?;
+    writeln!(out, "MOUNT, 1, 2\nMOUNT, 3, 3, {:.12e}", -MM * deck.approach)?;
     for name in ["MOUNT", "BED"] {
         writeln!(out, "*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF")?;
     }

@@ -1,6 +1,7 @@
 //! Columns of numbers in Parquet files, read and written without Arrow.
 
 use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, ZstdLevel};
@@ -17,8 +18,18 @@ use crate::read::{Columns, collect};
 /// Reads every flat column of 32- or 64-bit numbers; nulls become NaN, other columns are left out.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no Parquet, is cut short, or lies about its length.
+/// [`Error::File`] where the file is no Parquet, is cut short, or lies about its length or its pages.
 pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
+    // The library panics on some damaged pages; nothing of it outlives the reading.
+    catch_unwind(AssertUnwindSafe(|| read_columns(file, name))).unwrap_or_else(|panic| {
+        let reason = panic.downcast_ref::<&str>().map(ToString::to_string);
+        let reason = reason.or_else(|| panic.downcast_ref::<String>().cloned());
+        let reason = reason.unwrap_or_else(|| "a page that cannot be decoded".into());
+        Err(Error::file(name, format!("damaged Parquet: {reason}")))
+    })
+}
+
+fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
     let told = |error: parquet::errors::ParquetError| Error::file(name, error);
     let reader = SerializedFileReader::new(file).map_err(told)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
