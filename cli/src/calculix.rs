@@ -165,7 +165,11 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
             writeln!(out, "{name}, {0}, {0}", axis + 1)?;
         }
     }
-    writeln!(out, "MOUNT, 1, 2\nMOUNT, 3, 3, {:.12e}", -MM * deck.approach)?;
+    writeln!(
+        out,
+        "MOUNT, 1, 2\nMOUNT, 3, 3, {:.12e}",
+        -MM * deck.approach
+    )?;
     for name in ["MOUNT", "BED"] {
         writeln!(out, "*NODE PRINT, NSET={name}, TOTALS=ONLY\nRF")?;
     }
