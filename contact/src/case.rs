@@ -184,6 +184,23 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// Radius of the rocker [m], which every shape has.
+    pub fn rocker_radius_m(&mut self) -> &mut f64 {
+        match self {
+            Shape::Bob {
+                rocker_radius_m, ..
+            }
+            | Shape::Paraboloid {
+                rocker_radius_m, ..
+            }
+            | Shape::Luge {
+                rocker_radius_m, ..
+            } => rocker_radius_m,
+        }
+    }
+}
+
 /// The track under the runner: a radius or a curvature in the vertical plane, flat where neither is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

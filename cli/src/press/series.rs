@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use kufe_contact::case::{Shape, TiltWord};
+use kufe_contact::case::TiltWord;
 use kufe_jobs::case_file::LoadedCase;
 use kufe_jobs::{Pressed, Watch, case_json, press};
 use kufe_mesh::write_pvd;
@@ -245,17 +245,7 @@ fn set(loaded: &mut LoadedCase, key: &str, value: f64) -> Result<(), Failure> {
             case.load.roll_rad = Some(value);
         }
         _ => match &mut case.runner.shape {
-            Some(
-                Shape::Bob {
-                    rocker_radius_m, ..
-                }
-                | Shape::Paraboloid {
-                    rocker_radius_m, ..
-                }
-                | Shape::Luge {
-                    rocker_radius_m, ..
-                },
-            ) => *rocker_radius_m = value,
+            Some(shape) => *shape.rocker_radius_m() = value,
             None => {
                 return Err(Failure::BadInput(format!(
                     "{}: --rocker-radius-m: the runner is a hull, expected a shape with a rocker radius",

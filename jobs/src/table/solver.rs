@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kufe_contact::case::{Case, CaseError, FittedHull, Shape, StatedProblem};
+use kufe_contact::case::{Case, CaseError, FittedHull, StatedProblem};
 use kufe_contact::{Load, Options, Problem, Solution};
 use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
 
@@ -230,19 +230,8 @@ fn looser(tolerance: f64, estimate: f64) -> f64 {
 
 fn with_rocker(case: &Case, radius: f64) -> Case {
     let mut case = case.clone();
-    match &mut case.runner.shape {
-        Some(
-            Shape::Bob {
-                rocker_radius_m, ..
-            }
-            | Shape::Paraboloid {
-                rocker_radius_m, ..
-            }
-            | Shape::Luge {
-                rocker_radius_m, ..
-            },
-        ) => *rocker_radius_m = radius,
-        None => {}
+    if let Some(shape) = &mut case.runner.shape {
+        *shape.rocker_radius_m() = radius;
     }
     case
 }
