@@ -87,7 +87,7 @@ impl Vehicle {
                 return Ok(None);
             }
             let path = path.as_ref().ok_or_else(|| Error::Keys {
-                file: "model".to_string(),
+                file: model.name(),
                 reason: format!(
                     "[friction.longitudinal] {key} is missing: friction over pressure needs the runner's table"
                 ),
@@ -119,7 +119,7 @@ impl Vehicle {
     pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
         let mut vehicle = Vehicle::new(model)?;
         vehicle.effects = Effects::from_tables(&model.effects).map_err(|error| Error::Keys {
-            file: "model".to_string(),
+            file: model.name(),
             reason: error.to_string(),
         })?;
         let sled = &mut vehicle.sled;
@@ -135,7 +135,7 @@ impl Vehicle {
             return Ok(vehicle);
         }
         Err(Error::KeyRange {
-            file: "model".to_string(),
+            file: model.name(),
             key: "sled.mass_kg with [effects.mass]".to_string(),
             value: sled.mass_kg,
             expected: "a positive number",

@@ -31,6 +31,9 @@ pub struct Model {
     /// Folder that paths in the file are relative to.
     #[serde(skip)]
     pub folder: PathBuf,
+    /// The file, as errors name it; empty for a model that was made in memory.
+    #[serde(skip)]
+    pub file: String,
 }
 
 /// `[sled]`: a rigid one-track sled in vehicle axes (x forward, y left, z up).
@@ -126,7 +129,16 @@ impl Model {
         let text = std::fs::read_to_string(path).map_err(|error| Error::file(&file, error))?;
         let mut model = Model::from_toml(&text, &file)?;
         model.folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        model.file = file;
         Ok(model)
+    }
+
+    /// What errors call the model: its file, or `model`.
+    pub(crate) fn name(&self) -> String {
+        if self.file.is_empty() {
+            return "model".to_string();
+        }
+        self.file.clone()
     }
 
     /// Parses the text of a model file; `file` names it in errors.
@@ -252,6 +264,7 @@ impl Model {
             }),
             effects: BTreeMap::new(),
             folder: PathBuf::new(),
+            file: String::new(),
         }
     }
 }
