@@ -1,7 +1,8 @@
 // The page of a lookup table.
 //
-// Data: { name, fz, curvature, rocker or null, nodes, thinned, checks: [[fz, curvature, rocker]], check_count, quantities: [{ name,
+// Data: { name, fz, curvature, flush or null, rocker or null, nodes, thinned, checks: [[fz, curvature, rocker]], check_count, quantities: [{ name,
 // unit, errors: { mode: number }, values: [rocker][fz][curvature] }], solver_error, interpolation_asked, case, case_sha256, version }.
+// With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
 
 const UNITS = {
   p_max: ["peak pressure", "MPa", 1e-6], p_mean: ["mean pressure", "MPa", 1e-6], area: ["contact area", "mm\u00b2", 1e6],
@@ -9,6 +10,8 @@ const UNITS = {
 };
 
 function tablePage(main, data) {
+  const { reduced, curvatureAt } = reductionOf(data.flush);
+  const ends = data.flush ? data.flush.slice(2) : [data.curvature[0], data.curvature[data.curvature.length - 1]];
   const space = stage("the quantity over force and curvature; drag to turn, scroll to come closer");
   const readout = el("output", { class: "readout", id: "readout" }, "");
   const quantity = el("select", { id: "quantity", onchange: () => draw() }, data.quantities.map((q, k) => el("option", { value: k }, UNITS[q.name]?.[0] ?? q.name)));
@@ -21,7 +24,7 @@ function tablePage(main, data) {
     el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.rocker ? " and rocker radius" : ""}.`)),
     el("ul", { class: "figures" }, figures([
       [`${plain(data.fz[0])} to ${plain(data.fz[data.fz.length - 1])} N`, `normal force, ${data.fz.length} breakpoints`],
-      [`${figure(data.curvature[0], 3)} to ${figure(data.curvature[data.curvature.length - 1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],
+      [`${figure(ends[0], 3)} to ${figure(ends[1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],
       [percent(data.solver_error), "largest solver error of the peak"],
       [percent(data.quantities[0].errors.smooth), `largest smooth interpolation error, at ${data.check_count} solves between nodes`],
       [percent(data.quantities[0].errors.bilinear), "the same, bilinear"],
@@ -30,7 +33,7 @@ function tablePage(main, data) {
     el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "quantity", quantity), el("label", { hidden: !data.rocker }, "rocker radius", rocker)),
     el("div", { class: "panels" },
       panel("Surface", space.box),
-      panel("Map", map.box, readout, fact("Between breakpoints (dots) values are bilinear here, as in Simulink's n-D lookup table.")),
+      panel("Map", map.box, readout, fact(`Between breakpoints (dots) values are bilinear here${data.flush ? " over reduced curvature" : ""}, as in Simulink's n-D lookup table.`)),
       panel("Over normal force", overForce.box),
       panel("Over track curvature", overCurvature.box),
       panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [UNITS[q.name]?.[0] ?? q.name, percent(q.errors.smooth), percent(q.errors.bilinear)])),
@@ -49,38 +52,60 @@ function tablePage(main, data) {
   function draw() {
     const [title, unit, times] = unitOf(), values = data.quantities[quantity.value].values[rocker.value];
     const all = values.flat().map((value) => times * value), [low, high] = [Math.min(...all), Math.max(...all)];
-    at = between(data.fz, data.curvature, values);
-    const [xs, ys] = [data.fz, data.curvature].map(span), [nx, ny] = [200, 140];
+    const held = (fz) => Math.min(Math.max(fz, data.fz[0]), data.fz[data.fz.length - 1]), inTable = between(data.fz, data.curvature, values);
+    at = (fz, curvature) => inTable(fz, reduced(held(fz), curvature));
+    const [xs, ys] = [data.fz, ends].map(span), [nx, ny] = [200, data.flush ? 280 : 140];
     const x = (i) => xs[0] + (i + 0.5) / nx * (xs[1] - xs[0]), y = (j) => ys[0] + (j + 0.5) / ny * (ys[1] - ys[0]);
     map.draw({
       x: [...xs, "normal force [N]"], y: [...ys, "track curvature [1/m]"], bar: [low, high, `${title} [${unit}]`],
       image: { nx, ny, x: xs, y: ys, value: (i, j) => times * at(x(i), y(j)), draws: Number.isFinite },
-      dots: data.fz.flatMap((f) => data.curvature.map((c) => [f, c])),
+      dots: data.fz.flatMap((f) => data.curvature.map((c) => [f, curvatureAt(f, c)])),
     });
-    const middle = [data.fz[Math.floor(data.fz.length / 2)], data.curvature[Math.floor(data.curvature.length / 2)]];
+    const middleForce = data.fz[Math.floor(data.fz.length / 2)], middle = [middleForce, curvatureAt(middleForce, data.curvature[Math.floor(data.curvature.length / 2)])];
     map.point(...middle);
     say(...middle);
-    const lines = (along, across, value, name) => few(across).map((k, n) => ({
-      x: along, y: along.map((_, i) => times * value(i, k)), points: along.length < 25, name: name(across[k]), colour: `var(--${["accent", "second", "third", "fourth"][n]})`,
+    const colours = ["accent", "second", "third", "fourth"].map((name) => `var(--${name})`), axis = { title: `${title} [${unit}]` };
+    const alongForce = few(data.curvature).map((j, n) => {
+      const curvature = curvatureAt(middleForce, data.curvature[j]);
+      return { x: data.fz, y: data.fz.map((fz) => times * at(fz, curvature)), points: !data.flush && data.fz.length < 25, name: `${figure(curvature, data.flush ? 4 : 2)} 1/m`, colour: colours[n] };
+    });
+    const alongCurvature = few(data.fz).map((i, n) => ({
+      x: data.curvature.map((c) => curvatureAt(data.fz[i], c)), y: values[i].map((value) => times * value), points: data.curvature.length < 25, name: `${figure(data.fz[i], 3)} N`, colour: colours[n],
     }));
-    const y0 = { title: `${title} [${unit}]` };
-    overForce.draw({ x: { title: "normal force [N]" }, y: y0, series: lines(data.fz, data.curvature, (i, k) => values[i][k], (c) => `${figure(c, 2)} 1/m`) });
-    overCurvature.draw({ x: { title: "track curvature [1/m]" }, y: y0, series: lines(data.curvature, data.fz, (j, k) => values[k][j], (f) => `${figure(f, 3)} N`) });
+    overForce.draw({ x: { title: "normal force [N]" }, y: axis, series: alongForce });
+    overCurvature.draw({ x: { title: "track curvature [1/m]" }, y: axis, series: alongCurvature });
     if (!space.works) return;
     const unitX = 2 / (xs[1] - xs[0]), unitY = 1.4 / (ys[1] - ys[0]), unitZ = 0.8 / (high - low || 1);
-    const place = (i, j) => [(data.fz[i] - xs[0]) * unitX - 1, (data.curvature[j] - ys[0]) * unitY - 0.7, (times * values[i][j] - low) * unitZ - 0.4];
+    const place = (i, j) => [(data.fz[i] - xs[0]) * unitX - 1, (curvatureAt(data.fz[i], data.curvature[j]) - ys[0]) * unitY - 0.7, (times * values[i][j] - low) * unitZ - 0.4];
     const [cx, cy] = [data.fz.length, data.curvature.length];
     space.draw({
       bodies: [surface(cx, cy, place, (i, j) => viridis((times * values[i][j] - low) / (high - low || 1)))],
       edges: boxEdges([-1, 1], [-0.7, 0.7], [-0.4, 0.4]),
       marks: [
         { at: [0, -0.86, -0.44], text: `Fz ${figure(xs[0], 3)} to ${figure(xs[1], 3)} N` },
-        { at: [1.16, 0, -0.44], text: `${figure(ys[0], 2)} to ${figure(ys[1], 2)} 1/m` },
-        { at: [-1.16, -0.76, 0], text: `${figure(low, 3)} to ${figure(high, 3)} ${unit}` },
+        { at: [-1.22, 0, -0.46], text: `${figure(ys[0], 2)} to ${figure(ys[1], 2)} 1/m` },
+        { at: [-1.16, 0.84, 0], text: `${figure(low, 3)} to ${figure(high, 3)} ${unit}` },
       ],
     });
   }
   draw();
+}
+
+/** Curvature [1/m] to what the second axis holds, and back, at a force [N]; the identity without `flush`. */
+function reductionOf(flush) {
+  if (!flush) return { reduced: (_, curvature) => curvature, curvatureAt: (_, place) => place };
+  const [at, scale, from, to] = flush;
+  const lengths = (fz) => [from, to].map((end) => Math.asinh((end - at) / (scale * fz)));
+  return {
+    reduced(fz, curvature) {
+      const [low, high] = lengths(fz);
+      return (Math.asinh((curvature - at) / (scale * fz)) - low) / (high - low);
+    },
+    curvatureAt(fz, place) {
+      const [low, high] = lengths(fz);
+      return place === 0 ? from : place === 1 ? to : at + scale * fz * Math.sinh(low + place * (high - low));
+    },
+  };
 }
 
 /** The ends of an axis; a single breakpoint gets some width. */

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_lut::{Axes, Mode, Quantity, Table};
+use kufe_lut::{Axes, Flush, Mode, Quantity, Table};
 use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
@@ -48,6 +48,7 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
         "name": name,
         "fz": pick(axes.fz(), &taken[0]),
         "curvature": pick(axes.curvature(), &taken[1]),
+        "flush": axes.flush().map(Flush::numbers),
         "rocker": axes.rocker_radius().map(|radii| pick(radii, &taken[2])),
         "thinned": table.nodes().len() > taken.iter().map(Vec::len).product(),
         "nodes": table.nodes().len(),
