@@ -1,6 +1,8 @@
 """Evaluation and discovery."""
 
 import json
+import os
+import pathlib
 
 import numpy as np
 import pytest
@@ -115,6 +117,16 @@ def test_seven_specimens_name_nothing(tmp_path, model):
     assert found.report["verdict"] == found.verdict
     assert json.dumps(found.report) and found.sentence in found.html
     assert "[friction.longitudinal]" in found.next_model
+
+
+def test_the_second_block_of_the_documentation_runs(runs, model, monkeypatch):
+    monkeypatch.chdir(runs.parent)
+    (runs.parent / "experiments.csv").write_text(EXPERIMENTS)
+    text = pathlib.Path(os.environ["KUFE_PAGE"]).read_text()
+    block = text.split("```python\n")[2].split("```")[0]
+    names = {}
+    exec(compile(block, "python.md", "exec"), names)
+    assert len(names["evaluation"].groups) > 0 and names["found"].sentence
 
 
 def test_wrong_data_is_told(tmp_path, model):
