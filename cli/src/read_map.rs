@@ -2,83 +2,38 @@
 
 use std::path::Path;
 
-use exr::meta::MetaData;
-use exr::meta::attribute::{AttributeValue, Text};
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use kufe_mesh::ExrImage;
 
 use crate::failure::Failure;
 use crate::pressure_map::PressureMap;
 
-/// Most pixels of a map that is read; `kufe press` writes at most 3072 x 3072.
-const MOST_PIXELS: usize = 1 << 24;
-
 /// Reads the channels `p`, `gap` and `uz` with their place in metres.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file is no EXR image of the size that `kufe press` writes, lacks a channel or an
-/// attribute, or holds values that are no pressures.
+/// [`Failure::BadInput`] where the file is no EXR image with a place, has fewer than 2 x 2 pixels, lacks a channel or an
+/// attribute, or holds values that are no numbers.
 pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
+    let image = ExrImage::load(path).map_err(|error| Failure::BadInput(error.to_string()))?;
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let broken = |error: exr::error::Error| told(error.to_string());
-    let meta = MetaData::read_from_file(path, false).map_err(broken)?;
-    let size = meta.headers.first().map(|header| header.layer_size);
-    let [nx, ny] = size.map_or([0, 0], |size| [size.width(), size.height()]);
-    if nx < 2 || ny < 2 || nx.saturating_mul(ny) > MOST_PIXELS {
-        return Err(told(format!(
-            "{nx} x {ny} pixels: expected 2 x 2 to {MOST_PIXELS} in all"
-        )));
+    let [nx, ny] = image.size;
+    if nx < 2 || ny < 2 {
+        return Err(told(format!("{nx} x {ny} pixels: expected at least 2 x 2")));
     }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .map_err(broken)?;
-    let layer = &image.layer_data;
-    let number = |name: &str| match layer.attributes.other.get(&Text::from(name)) {
-        Some(AttributeValue::F64(value)) if value.is_finite() => Ok(*value),
-        _ => Err(told(format!(
-            "attribute {name}: expected a finite double, in metres"
-        ))),
+    let channel = |name: &str| match image.channel(name) {
+        Ok(values) => Ok(values.to_vec()),
+        Err(error) => Err(told(error.to_string())),
     };
-    let channel = |name: &str| -> Result<Vec<f64>, Failure> {
-        let list = &layer.channel_data.list;
-        let found = list.iter().find(|channel| channel.name == *name);
-        let values: Vec<f64> = found
-            .ok_or_else(|| told(format!("channel {name} is missing")))?
-            .sample_data
-            .values_as_f32()
-            .map(f64::from)
-            .collect();
-        match values.iter().position(|value| value.is_nan()) {
-            Some(k) => Err(told(format!(
-                "channel {name}, column {}, row {}: NaN: expected a number",
-                k % nx,
-                k / nx
-            ))),
-            None => Ok(values),
-        }
-    };
-    let map = PressureMap {
-        x0: number("origin_x_m")?,
-        y0: number("origin_y_m")?,
-        dx: number("pixel_x_m")?,
-        dy: number("pixel_y_m")?,
+    Ok(PressureMap {
+        x0: image.origin_m[0],
+        y0: image.origin_m[1],
+        dx: image.pixel_m[0],
+        dy: image.pixel_m[1],
         nx,
         ny,
         pressure: channel("p")?,
         gap: channel("gap")?,
         uz: channel("uz")?,
-    };
-    if !(map.dx > 0.0 && map.dy > 0.0) {
-        return Err(told(format!(
-            "pixel_x_m, pixel_y_m = {}, {}: expected positive sizes",
-            map.dx, map.dy
-        )));
-    }
-    Ok(map)
+    })
 }
 
 #[cfg(test)]

@@ -297,9 +297,9 @@ pub enum MeshError {
         /// What is wrong.
         problem: &'static str,
     },
-    /// An EXR image that holds no height map.
-    #[error("not a height map in EXR: {problem}")]
-    MapExr {
+    /// Not the EXR image that was expected.
+    #[error("EXR image: {problem}")]
+    Exr {
         /// What is wrong.
         problem: String,
     },

@@ -1,16 +1,8 @@
 //! Measured ice surfaces in files, by the file's ending.
 
-use std::io::Cursor;
 use std::path::Path;
 
-use exr::meta::MetaData;
-use exr::meta::attribute::{AttributeValue, Text};
-use exr::prelude::{ReadChannels, ReadLayers, read};
-
-use crate::{HeightMap, Interpolation, MeshError};
-
-/// Largest number of pixels that is read: 4096 x 4096.
-const PIXELS: usize = 1 << 24;
+use crate::{ExrImage, HeightMap, Interpolation, MeshError};
 
 /// Reads the height map `path`: CSV with columns `x_m, y_m, z_m` ([`HeightMap::from_csv`]), or EXR ([`HeightMap::from_exr`]).
 ///
@@ -47,52 +39,15 @@ impl HeightMap {
     /// row j is centred at (origin_x_m + i pixel_x_m, origin_y_m + j pixel_y_m).
     ///
     /// # Errors
-    /// [`MeshError::MapExr`] where that is not what the bytes hold, and as [`HeightMap::new`].
+    /// [`MeshError::Exr`] where that is not what the bytes hold, and as [`HeightMap::new`].
     pub fn from_exr(bytes: &[u8], interpolation: Interpolation) -> Result<Self, MeshError> {
-        let told = |problem: String| MeshError::MapExr { problem };
-        // The header's sizes are checked before the reader allocates by them.
-        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
-            .map_err(|error| told(error.to_string()))?;
-        for header in &meta.headers {
-            let (width, height) = (header.layer_size.width(), header.layer_size.height());
-            if width
-                .checked_mul(height)
-                .is_none_or(|pixels| pixels > PIXELS)
-            {
-                return Err(told(format!(
-                    "{width} x {height} pixels; expected at most {PIXELS}"
-                )));
-            }
-        }
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .first_valid_layer()
-            .all_attributes()
-            .from_buffered(Cursor::new(bytes))
-            .map_err(|error| told(error.to_string()))?;
-        let layer = &image.layer_data;
-        let number = |name: &str| match layer.attributes.other.get(&Text::from(name)) {
-            Some(AttributeValue::F64(value)) => Ok(*value),
-            Some(AttributeValue::F32(value)) => Ok(f64::from(*value)),
-            _ => Err(told(format!(
-                "attribute {name} is missing; expected a number of metres"
-            ))),
-        };
-        let channels = &layer.channel_data.list;
-        let Some(channel) = channels.iter().find(|channel| channel.name == *"z") else {
-            let found: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-            return Err(told(format!(
-                "channels {}; expected a channel z in metres",
-                found.join(", ")
-            )));
-        };
+        let image = ExrImage::read(bytes)?;
+        let heights = image.channel("z")?.to_vec();
         HeightMap::new(
-            [number("origin_x_m")?, number("origin_y_m")?],
-            [number("pixel_x_m")?, number("pixel_y_m")?],
-            [layer.size.x(), layer.size.y()],
-            channel.sample_data.values_as_f32().map(f64::from).collect(),
+            image.origin_m,
+            image.pixel_m,
+            image.size,
+            heights,
             interpolation,
         )
     }
@@ -100,6 +55,8 @@ impl HeightMap {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use exr::meta::attribute::{AttributeValue, Text};
     use exr::prelude::{
         AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
