@@ -69,6 +69,10 @@ pub trait Effect: Sync {
     fn alter(&self, _value: f64, _problem: &mut Problem) {}
     /// Changes the map as the sensor would.
     fn sense(&self, _value: f64, _map: &mut Map) {}
+    /// Relative standard deviation of its size that its own form leaves open, whatever the noise.
+    fn form_error(&self) -> f64 {
+        0.0
+    }
     /// Whether it leaves the problem as it is.
     fn is_of_the_sensor(&self) -> bool {
         false

@@ -1,7 +1,8 @@
 //! z' = max(z, z_keel(x) + d): the section is worn to a flat of depth d [m], its edges rounded by
 //! max(a, b) = (a + b + sqrt((a - b)^2 + (d/10)^2))/2: wear leaves no kink, under which the pressure would have no bound.
 //! Signature: two ridges of pressure at the edges of the flat.
-//! Confounders: hardness (a plateau without ridges). Source: K.L. Johnson, Contact Mechanics (1985), ch. 2.8 (flat punch with rounded edges).
+//! How sharp the edges are is not known: between a kink and this rounding the height at an edge differs by d/20, which a fitted
+//! depth may take up; its interval holds that, spread evenly. Confounders: hardness (a plateau without ridges). Source: K.L. Johnson, Contact Mechanics (1985), ch. 2.8 (flat punch with rounded edges).
 
 use std::sync::Arc;
 
@@ -28,6 +29,10 @@ const ROUNDED: f64 = 0.1;
 impl Effect for SectionWear {
     fn info(&self) -> &'static Info {
         &INFO
+    }
+
+    fn form_error(&self) -> f64 {
+        0.5 * ROUNDED / 3.0_f64.sqrt()
     }
 
     fn alter(&self, value: f64, problem: &mut Problem) {

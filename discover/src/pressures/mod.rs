@@ -129,6 +129,7 @@ pub fn search(
         minimum_detectable: found.detectable,
         next_experiment,
         base: Vec::new(),
+        by_run: Vec::new(),
         clean: !unclean,
         untestable: untestable(&rows),
         remarks,
@@ -238,7 +239,7 @@ fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, 
         .sqrt();
     for ((step, (effect, size)), error) in found.steps.iter_mut().zip(&found.active).zip(&errors) {
         let info = effect.info();
-        let half = 1.96 * error * spread;
+        let half = 1.96 * (error * spread).hypot(effect.form_error() * size);
         step.parameters.push(Fitted {
             name: info.key.to_owned(),
             value: *size,
