@@ -167,14 +167,22 @@ impl Campaign {
         noise: &Noise,
         seed: u64,
     ) -> Vec<Sample> {
+        let truths = self.truth(index, sled, hidden);
+        self.recorded(index, sled, &truths, hidden, noise, seed)
+    }
+
+    /// Records a run that was driven.
+    pub fn recorded(
+        &self,
+        index: usize,
+        sled: &Sled,
+        truths: &[Truth],
+        hidden: &[Hidden],
+        noise: &Noise,
+        seed: u64,
+    ) -> Vec<Sample> {
         let source = &mut Source::new(seed, &format!("sensors of run {index}"));
-        measure(
-            sled,
-            &self.truth(index, sled, hidden),
-            noise,
-            hidden,
-            source,
-        )
+        measure(sled, truths, noise, hidden, source)
     }
 
     /// Error of a track's surveyed slope at a distance [rad].

@@ -1,5 +1,7 @@
 //! The drive: equations of motion down a track, a driver with noise, and the true channels.
 
+use std::cell::Cell;
+
 use crate::hidden::{Hidden, Kind};
 use crate::noise::{Smooth, Source};
 use crate::sled::{Conditions, Motion, Sled, forces};
@@ -88,13 +90,52 @@ struct Ride<'a> {
     plan: &'a Plan,
     hidden: &'a [Hidden],
     relaxation_m: f64,
+    /// The plan at the time asked last: two stages of a step share theirs.
+    drawn: Cell<(f64, Drawn)>,
+}
+
+/// A plan's values at one time.
+#[derive(Clone, Copy, Default)]
+struct Drawn {
+    roll: f64,
+    roll_slope: f64,
+    pitch: f64,
+    pitch_slope: f64,
+    roll_split: f64,
+    extra: f64,
+    steering: f64,
+}
+
+impl Plan {
+    fn drawn(&self, t: f64) -> Drawn {
+        Drawn {
+            roll: self.roll.at(t),
+            roll_slope: self.roll.slope_at(t),
+            pitch: self.pitch.at(t),
+            pitch_slope: self.pitch.slope_at(t),
+            roll_split: self.roll_split.at(t),
+            extra: self.extra.at(t),
+            steering: self.steering.at(t),
+        }
+    }
 }
 
 impl Ride<'_> {
+    fn drawn(&self, t: f64) -> Drawn {
+        let (at, known) = self.drawn.get();
+        if at == t {
+            return known;
+        }
+        let drawn = self.plan.drawn(t);
+        self.drawn.set((t, drawn));
+        drawn
+    }
+
     /// Derivative of the state and the sample's truth; `vdot` is the last speed derivative.
     fn evaluate(&self, t: f64, x: &State, vdot: f64) -> (State, Truth) {
         let (sled, track) = (self.sled, self.track);
         let s = x[S];
+        let plan = self.drawn(t);
         let (vx, vy, r) = (x[VX], x[VY], x[R]);
         let v = vx.hypot(vy);
         let profile = |values: &[f64]| track.at(values, s);
@@ -104,14 +145,14 @@ impl Ride<'_> {
         };
         let path = vx * x[E].cos() - vy * x[E].sin();
         let e_dot = r - path * profile(&track.yaw_1pm);
-        let p = path * profile(&track.roll_1pm) + self.plan.roll.at(t);
-        let q = -path * profile(&track.curvature_1pm) + self.plan.pitch.at(t);
+        let p = path * profile(&track.roll_1pm) + plan.roll;
+        let q = -path * profile(&track.curvature_1pm) + plan.pitch;
         let p_dot = vdot * profile(&track.roll_1pm)
             + path * path * along(&track.roll_1pm)
-            + self.plan.roll.slope_at(t);
+            + plan.roll_slope;
         let q_dot = -vdot * profile(&track.curvature_1pm)
             - path * path * along(&track.curvature_1pm)
-            + self.plan.pitch.slope_at(t);
+            + plan.pitch_slope;
         // slope and bank are those along the way the sled takes, so that height goes with distance
         let (theta, phi) = (-profile(&track.slope_rad), profile(&track.bank_rad));
         let (sin_b, cos_b) = vy.atan2(vx).sin_cos();
@@ -125,7 +166,7 @@ impl Ride<'_> {
         let f_z = p * vy - q * vx - gravity[2];
         let wheelbase = sled.l_f_m + sled.l_r_m;
         let fz_f0 = (sled.l_r_m * sled.mass_kg * f_z - sled.j_yy_kgm2 * q_dot) / wheelbase;
-        let gamma = profile(&track.roll_1pm) * wheelbase + self.plan.roll_split.at(t);
+        let gamma = profile(&track.roll_1pm) * wheelbase + plan.roll_split;
         let slip_f = -(vy + r * sled.l_f_m).atan2(vx) + x[DELTA];
         let slip_r = -(vy - r * sled.l_r_m).atan2(vx);
         let lagged = self.relaxation_m > 0.0;
@@ -143,7 +184,7 @@ impl Ride<'_> {
             roll_rate_radps: p,
             roll_acc_radps2: p_dot,
             pitch_rate_radps: q,
-            extra: self.plan.extra.at(t),
+            extra: plan.extra,
         };
         let force = forces(sled, self.at, &motion, self.hidden);
         let f_x = force.x_n / sled.mass_kg;
@@ -189,7 +230,7 @@ impl Ride<'_> {
         let rear = side * sled.l_f_m / wheelbase / sled.rear.k_n_per_rad;
         let heading = x[E] + m.beta_rad;
         let wish = wheelbase * yaw / path.max(3.0) + front - rear - 0.35 * heading - 0.006 * x[N]
-            + self.plan.steering.at(t);
+            + self.drawn(t).steering;
         wish.clamp(-0.12, 0.12)
     }
 }
@@ -215,6 +256,7 @@ pub fn drive(
         plan,
         hidden,
         relaxation_m,
+        drawn: Cell::new((f64::NAN, Drawn::default())),
     };
     let mut x = [0.0; STATES];
     x[VX] = plan.start_mps;

@@ -112,30 +112,28 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
         }
     }
     // An effect that makes the sled slide away is made smaller: nobody measures such runs.
-    while let Some(gauge) = &gauge {
-        let slides = (0..campaign.runs.len()).any(|k| {
-            let slip = |truth: &Truth| truth.velocity_mps[1].atan2(truth.velocity_mps[0]).abs();
-            campaign
-                .truth(k, &sled, &hidden)
-                .iter()
-                .any(|t| slip(t) > 0.25)
-        });
-        if !slides {
-            break;
-        }
+    let truths = loop {
+        let truths: Vec<Vec<Truth>> = (0..campaign.runs.len())
+            .map(|k| campaign.truth(k, &sled, &hidden))
+            .collect();
+        let slip = |truth: &Truth| truth.velocity_mps[1].atan2(truth.velocity_mps[0]).abs();
+        let slides = truths.iter().flatten().any(|t| slip(t) > 0.25);
+        let Some(gauge) = gauge.as_ref().filter(|_| slides) else {
+            break truths;
+        };
         for (effect, answer) in hidden.iter_mut().zip(&mut hides) {
             effect.size *= 0.7;
             answer.size = effect.size;
             let channels = channels(effect.kind);
             answer.share = gauge.share(&gauge.signature(effect, channels));
         }
-    }
+    };
     campaign.misjudge_tracks(&hidden);
 
     let mut files = Vec::new();
     let mut index = String::from("run,file,track,driver,driver_class,session,ice_c,air_c,air_pa\n");
     for (k, run) in campaign.runs.iter().enumerate() {
-        let samples = campaign.record(k, &sled, &hidden, &noise, case_seed);
+        let samples = campaign.recorded(k, &sled, &truths[k], &hidden, &noise, case_seed);
         let at = &run.at;
         let file = format!("{}.csv", run.name);
         let _ = writeln!(

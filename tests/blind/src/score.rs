@@ -165,7 +165,15 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
         }
     };
     let start = Instant::now();
-    match discover(&options.kufe, &data, &case.answer, &out, options.limit) {
+    let threads = if options.jobs > 1 { 1 } else { 2 };
+    match discover(
+        &options.kufe,
+        &data,
+        &case.answer,
+        &out,
+        options.limit,
+        threads,
+    ) {
         Ok(report) => judge(&report, &case.answer, &mut outcome),
         Err(message) => outcome.failure = Some(message),
     }
@@ -188,6 +196,7 @@ fn discover(
     answer: &Answer,
     out: &Path,
     limit: Duration,
+    threads: usize,
 ) -> Result<Value, String> {
     let log = data.with_extension("log");
     let file =
@@ -199,6 +208,9 @@ fn discover(
         .arg(&answer.model)
         .arg("-o")
         .arg(out)
+        // several cases at a time fill the cores already
+        .arg("--threads")
+        .arg(threads.to_string())
         .current_dir(data)
         .stdout(Stdio::null())
         .stderr(file)
