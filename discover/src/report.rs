@@ -169,6 +169,36 @@ pub struct Bin {
     pub p_value: f64,
 }
 
+/// The means of one channel's residual, run by run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ByRun {
+    /// Channel.
+    pub channel: String,
+    /// Unit of the means.
+    pub unit: String,
+    /// Probability that sessions differ this much by chance, before any effect was added; 1 where it cannot be told.
+    pub sessions_differ_before: f64,
+    /// The same after.
+    pub sessions_differ_after: f64,
+    /// Runs, session by session.
+    pub runs: Vec<RunMean>,
+}
+
+/// A run's mean residual.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunMean {
+    /// Run.
+    pub run: String,
+    /// Its session.
+    pub session: String,
+    /// Its track.
+    pub track: String,
+    /// Mean before any effect was added.
+    pub before: f64,
+    /// Mean after.
+    pub after: f64,
+}
+
 /// A picture for the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -199,6 +229,8 @@ pub struct Report {
     pub bins: Vec<Bin>,
     /// Bins that stand out after.
     pub bins_after: Vec<Bin>,
+    /// Mean residuals by run and session; empty where the data are no runs.
+    pub by_run: Vec<ByRun>,
     /// Whether the residual is clean after the last step.
     pub clean: bool,
     /// Pictures of the report's page.

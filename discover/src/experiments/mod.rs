@@ -244,6 +244,7 @@ pub fn search(
         bins: bins::bins(&setting, &training, &first, &[]),
         bins_after: bins::bins(&setting, &training, &last, &chosen),
         pictures: picture::pictures(&setting, &training, &first, (&last, &chosen)),
+        by_run: Vec::new(),
         clean: last.chi2
             < 3.0 * (training.len() as f64 - base as f64 - chosen.len() as f64).max(1.0),
         untestable,

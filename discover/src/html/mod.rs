@@ -63,6 +63,7 @@ pub fn page(report: &Report) -> String {
     if !report.steps.is_empty() {
         bins_section(&mut out, "What is left after", &report.bins_after);
     }
+    runs_section(&mut out, report);
     for (number, step) in report.steps.iter().enumerate() {
         step_section(&mut out, number + 1, step, report.steps.len());
     }
@@ -211,6 +212,26 @@ fn bins_section(out: &mut String, title: &str, bins: &[Bin]) {
             out,
             "<p><small>The strongest 15 of {}; all are in report.json.</small></p>",
             bins.len()
+        );
+    }
+}
+
+fn runs_section(out: &mut String, report: &Report) {
+    if report.by_run.iter().all(|channel| channel.runs.len() < 2) {
+        return;
+    }
+    out.push_str("<h2>By run and by session</h2>\n");
+    for channel in &report.by_run {
+        wide(out, &pictures::runs(channel));
+        let chance = |p: f64| match p {
+            p if p >= 1.0 => "1".to_owned(),
+            p => p_value(p),
+        };
+        let _ = writeln!(
+            out,
+            "<p><small>That sessions differ this much by chance has a probability of {} before and {} after.</small></p>",
+            chance(channel.sessions_differ_before),
+            chance(channel.sessions_differ_after)
         );
     }
 }

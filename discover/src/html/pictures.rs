@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::number::{escape, number4, unit_of, usual};
 use crate::plot::COLOURS;
-use crate::report::{Bin, ChannelGap};
+use crate::report::{Bin, ByRun, ChannelGap};
 
 /// Bins that a picture shows.
 const SHOWN: usize = 12;
@@ -88,6 +88,87 @@ pub fn bins(bins: &[Bin]) -> String {
         );
     }
     svg.push_str("</svg>\n");
+    svg
+}
+
+/// A channel's mean residual run by run, sessions side by side on alternate ground.
+pub fn runs(of: &ByRun) -> String {
+    const LEFT: f64 = 64.0;
+    const WIDE: f64 = 570.0;
+    const MIDDLE: f64 = 86.0;
+    const HALF: f64 = 52.0;
+    let largest = of
+        .runs
+        .iter()
+        .fold(1e-300_f64, |m, r| m.max(r.before.abs()).max(r.after.abs()));
+    let step = WIDE / of.runs.len().max(1) as f64;
+    let y = |value: f64| MIDDLE - HALF * value / largest;
+    let (top, unit) = usual(largest, &of.unit);
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" [{unit}]")
+    };
+    let title = format!("mean residual {}{unit}", of.channel);
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 640 172\" width=\"640\" role=\"img\" aria-label=\"{0} by run\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"currentColor\"><text x=\"0\" y=\"14\">{0}</text>\
+<circle cx=\"470\" cy=\"10\" r=\"4\" fill=\"none\" stroke=\"{1}\" stroke-width=\"1.6\"/><text x=\"480\" y=\"14\">before</text><circle cx=\"550\" cy=\"10\" r=\"4\" fill=\"{2}\"/><text x=\"560\" y=\"14\">after</text>\n",
+        escape(&title),
+        COLOURS[0],
+        COLOURS[1]
+    );
+    for (value, told) in [(largest, top), (0.0, 0.0), (-largest, -top)] {
+        let _ = writeln!(
+            svg,
+            "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\">{}</text><line x1=\"{LEFT}\" x2=\"{}\" y1=\"{4:.1}\" y2=\"{4:.1}\" stroke=\"currentColor\" opacity=\"0.3\"/>",
+            LEFT - 6.0,
+            y(value) + 4.0,
+            number4(told),
+            LEFT + WIDE,
+            y(value)
+        );
+    }
+    let sessions: Vec<&[crate::report::RunMean]> =
+        of.runs.chunk_by(|a, b| a.session == b.session).collect();
+    // Names that would run into each other are left out, every second or third.
+    let longest = sessions.iter().map(|s| s[0].session.chars().count()).max();
+    let room = WIDE / sessions.len().max(1) as f64;
+    let every = (7.0 * (longest.unwrap_or(0) + 1) as f64 / room)
+        .ceil()
+        .max(1.0) as usize;
+    let mut first = 0;
+    for (k, session) in sessions.iter().enumerate() {
+        let from = LEFT + step * first as f64;
+        let width = step * session.len() as f64;
+        if k % 2 == 1 {
+            let _ = write!(
+                svg,
+                "<rect x=\"{from:.1}\" y=\"26\" width=\"{width:.1}\" height=\"120\" opacity=\"0.07\"/>"
+            );
+        }
+        if k % every == 0 {
+            let _ = write!(
+                svg,
+                "<text x=\"{:.1}\" y=\"162\" text-anchor=\"middle\">{}</text>",
+                from + 0.5 * width,
+                escape(&session[0].session)
+            );
+        }
+        for (i, run) in session.iter().enumerate() {
+            let x = from + step * (i as f64 + 0.5);
+            let _ = writeln!(
+                svg,
+                "<circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"/><circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"{}\"><title>{}</title></circle>",
+                y(run.before),
+                COLOURS[0],
+                y(run.after),
+                COLOURS[1],
+                escape(&run.run)
+            );
+        }
+        first += session.len();
+    }
+    let _ = writeln!(svg, "<text x=\"0\" y=\"162\">session</text></svg>");
     svg
 }
 

@@ -190,7 +190,8 @@ impl Levels {
     }
 }
 
-fn group(frames: &[Frame]) -> BTreeMap<&str, Vec<usize>> {
+/// Indices of the runs of each session.
+pub fn group(frames: &[Frame]) -> BTreeMap<&str, Vec<usize>> {
     let mut sessions: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (i, frame) in frames.iter().enumerate() {
         sessions.entry(&frame.session).or_default().push(i);
@@ -244,7 +245,7 @@ fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelSeen {
 }
 
 /// One-way analysis of variance: probability that sessions of one level differ this much by chance.
-fn f_test(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> f64 {
+pub fn f_test(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> f64 {
     use statrs::distribution::{ContinuousCDF, FisherSnedecor};
     let (n, g) = (x.len() as f64, sessions.len() as f64);
     let inner: f64 = within(x, sessions).iter().map(|v| v * v).sum();
@@ -254,4 +255,23 @@ fn f_test(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> f64 {
     }
     let f = ((total - inner) / (g - 1.0)) / (inner / (n - g));
     FisherSnedecor::new(g - 1.0, n - g).map_or(1.0, |law| 1.0 - law.cdf(f))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analysis_of_variance_equals_that_of_scipy() {
+        let x = [1.0, 2.0, 3.5, 2.0, 3.0, 4.0, 5.0, 6.0, 9.0, 7.5];
+        let sessions = BTreeMap::from([
+            ("a", vec![0, 1, 2]),
+            ("b", vec![3, 4, 5]),
+            ("c", vec![6, 7, 8, 9]),
+        ]);
+        // scipy.stats.f_oneway, version 1.17.1
+        let p = f_test(&x, &sessions);
+        assert!((p / 0.006855845733558317 - 1.0).abs() < 1e-9, "{p}");
+        assert_eq!(f_test(&x, &BTreeMap::from([("a", (0..10).collect())])), 1.0);
+    }
 }

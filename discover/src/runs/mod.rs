@@ -1,6 +1,7 @@
 //! Runs: what is measured on a track, against the one-track model.
 
 pub(crate) mod analysis;
+pub(crate) mod by_run;
 pub(crate) mod candidates;
 pub(crate) mod chain;
 pub(crate) mod corrected;
