@@ -24,7 +24,7 @@ fn main() {
     };
     let reason = if platform.is_empty() {
         "FMUs are made on Linux and macOS, x86-64 and ARM64".to_string()
-    } else if variable("HOST") != variable("TARGET") {
+    } else if machine(&variable("HOST")) != machine(&variable("TARGET")) {
         "it was cross-compiled".to_string()
     } else {
         compile(&library).err().unwrap_or_default()
@@ -42,6 +42,12 @@ fn main() {
         "cargo::rustc-env=KUFE_FMU_REASON={}",
         reason.replace('\n', " ")
     );
+}
+
+/// Architecture and system of a target triple; the C library it is linked with does not matter to an FMU.
+fn machine(triple: &str) -> (Option<&str>, Option<&str>) {
+    let mut parts = triple.split('-');
+    (parts.next(), parts.nth(1))
 }
 
 fn compile(library: &Path) -> Result<(), String> {

@@ -98,3 +98,48 @@ fn the_reference_has_the_help_of_every_command() {
         }
     }
 }
+
+/// What pages write as a command: `kufe ...` between backticks, and lines of blocks that nothing runs.
+fn commands(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (k, part) in text.split("```").enumerate() {
+        if k % 2 == 0 {
+            found.extend(part.split('`').skip(1).step_by(2));
+        } else if let Some(block) = part.strip_prefix("console") {
+            found.extend(block.lines());
+        }
+    }
+    found
+        .into_iter()
+        .filter_map(|line| line.split(" #").next())
+        .filter_map(|line| line.trim().strip_prefix("kufe "))
+        .filter(|line| !line.contains(['[', '|', '$', '>']))
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn every_command_that_a_page_names_is_one() {
+    let bench = Bench::new();
+    let others = ["../README.md", "../ARCHITECTURE.md"].map(|name| docs().join(name));
+    let mut seen = Vec::new();
+    let written = pages()
+        .into_iter()
+        .filter(|page| !page.ends_with(GENERATED));
+    for page in written.chain(others) {
+        let text = std::fs::read_to_string(&page).expect("text");
+        for line in commands(&text) {
+            // Words are read from left to right: a wrong one is told before the help is printed.
+            let words: Vec<&str> = line.split_whitespace().chain(["--help"]).collect();
+            let output = bench.kufe(&words);
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                output.status.success(),
+                "{}: kufe {line}: {told}",
+                page.display()
+            );
+            seen.push(line);
+        }
+    }
+    assert!(seen.len() > 30, "{seen:?}");
+}
