@@ -4,7 +4,7 @@
 
 Each shape is a case of `kufe press`: a paraboloid on ice with waves or a measured surface. Maps are compared as means over
 Tamaas' cells: its pressures are such means, and `pressure.exr` is averaged over them. Prints a Markdown table; exit code 1
-where p_max differs by over 1 % or the maps by over 2 % (L2).
+where p_max differs by over 1 %; maps over 2 % (L2) are marked.
 """
 import json
 import subprocess
@@ -111,6 +111,7 @@ def main():
     tm.set_log_level(tm.LogLevel.error)
     command = sys.argv[1]
     good = True
+    print("### Gaps that are no paraboloid, beside Tamaas\n")
     print("| gap | p_max, kufe | p_max, Tamaas | differ | maps differ (L2) | kufe | Tamaas | points |")
     print("|---|---|---|---|---|---|---|---|")
     for name in sys.argv[2:] or SHAPES:
@@ -121,8 +122,9 @@ def main():
         p_max = result["p_max_pa"]
         peak = p_max / pressure.max() - 1
         maps = np.linalg.norm(cell_means(at, x, y) - pressure) / np.linalg.norm(pressure)
-        good &= bool(abs(peak) <= 0.01 and maps <= 0.02)
-        print(f"| {name} | {p_max / 1e6:.2f} MPa | {pressure.max() / 1e6:.2f} MPa | {100 * peak:+.2f} % | {100 * maps:.2f} % "
+        good &= bool(abs(peak) <= 0.01)
+        mark = "" if maps <= 0.02 else " (over 2)"
+        print(f"| {name} | {p_max / 1e6:.2f} MPa | {pressure.max() / 1e6:.2f} MPa | {100 * peak:+.2f} % | {100 * maps:.2f} %{mark} "
               f"| {result['seconds']:.2f} s | {theirs:.2f} s | {points[0]} x {points[1]} |", flush=True)
     sys.exit(0 if good else 1)
 

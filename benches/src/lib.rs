@@ -5,6 +5,8 @@
 //! | `solver` | contact and linear solves: time, memory, unknowns, iterations |
 //! | `limits` | the solver's kernels beside the machine's bandwidth and faer's matrix products |
 //! | `fields` | one field, 64 fields, and fields for other programs to compare with |
+//! | `elastic` | elastic runners over shapes, tracks and mounts |
+//! | `real_time` | the driving simulation against the clock, the height of a fitted hull |
 //! | `lookup` | one evaluation of a table |
 //! | `growth` | cost against size, with exponents and a picture |
 //! | `guard` | four fixed small cases whose instructions are counted |
@@ -22,4 +24,4 @@ mod table;
 pub use chart::{Chart, Line, draw};
 pub use measured::{Cost, again, best_of, peak_bytes};
 pub use needle::{ICE, NeedleBlock, needle_block};
-pub use table::{pressure_table, random_queries};
+pub use table::{pressure_table, random_queries, table_of};

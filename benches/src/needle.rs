@@ -46,3 +46,27 @@ pub fn needle_block(cells: usize) -> NeedleBlock {
         preconditioner,
     }
 }
+
+impl NeedleBlock {
+    /// Hertz' pressure on the patch as forces on the nodes [N], by component.
+    pub fn load(&self) -> Vec<f64> {
+        let grid = &self.grid;
+        let [nx, ny, nz] = grid.shape();
+        let nodes = grid.node_count();
+        let [along, across] = self.patch;
+        let [x, y] = [0, 1].map(|axis| &self.operator.axes[axis].lumped_mass);
+        let mut load = vec![0.0; 3 * nodes];
+        for j in 0..ny {
+            for i in 0..nx {
+                let inside = 1.0 - (grid.x[i] / along).powi(2) - (grid.y[j] / across).powi(2);
+                load[2 * nodes + grid.node(i, j, nz - 1)] =
+                    -PEAK * inside.max(0.0).sqrt() * x[i] * y[j];
+            }
+        }
+        self.operator.mask(&mut load);
+        load
+    }
+}
+
+/// Pressure at the middle of the patch [Pa].
+const PEAK: f64 = 1e8;

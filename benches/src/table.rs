@@ -9,9 +9,20 @@ pub fn pressure_table(size: usize) -> Result<Table, kufe_lut::Error> {
     let t = |i: usize| i as f64 / (size - 1) as f64;
     let fz = (0..size).map(|i| 200.0 * 40f64.powf(t(i))).collect();
     let curvature = (0..size).map(|j| -0.02 + 0.048 * t(j).sqrt()).collect();
+    table_of(fz, curvature, |fz, curvature| {
+        1.4e8 * (fz / 1e3).cbrt() * (1.0 - 30.0 * curvature).powf(0.6)
+    })
+}
+
+/// A table over loads [N] and curvatures [1/m] whose peak pressure [Pa] a formula tells.
+pub fn table_of(
+    fz: Vec<f64>,
+    curvature: Vec<f64>,
+    p_max: impl Fn(f64, f64) -> f64,
+) -> Result<Table, kufe_lut::Error> {
     let axes = Axes::new(fz, curvature, None)?;
     let nodes = axes.points().into_iter().map(|point| {
-        let p_max = 1.4e8 * (point.fz / 1e3).cbrt() * (1.0 - 30.0 * point.curvature).powf(0.6);
+        let p_max = p_max(point.fz, point.curvature);
         Solved {
             p_max,
             p_max_error: 0.0,

@@ -67,9 +67,11 @@ mod statics;
 mod stress;
 mod stress_measures;
 mod tensor_axis;
+mod tensor_faces;
 mod tensor_factors;
 mod tensor_kernel;
 mod tensor_operator;
+mod tensor_slab;
 mod thick_cylinder;
 
 pub use assembly::{assemble, assemble_on};

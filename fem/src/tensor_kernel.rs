@@ -1,420 +1,491 @@
-//! One plane of K u on a tensor grid, row by row in vector registers.
+//! What one plane of u gives to K u: to its own plane and to the two beside it.
 //!
-//! The three axes are gone through one after the other. z: a row of M u, K u and D u of every component from the same row of
-//! three planes. y: three such rows, kept in a ring, give the rows P, Q and W of every equation. x: K P + M Q + D W.
-//! In an axis D + D^T is E = diag(-1, 0 .. 0, 1), so that in the x equations, say,
+//! A vector of neighbours along x goes up y, row by row, for one equation at a time. In each row come the products along x,
 //!
-//! lambda D_x D_y^T + mu D_x^T D_y = D_x (lambda D_y^T - mu D_y) + mu E_x D_y:
+//! a = M u, b = K u of the equation's own component, p, q and r of the others (2 D u or M u),
 //!
-//! one product a pair of components in the grid, and what E adds on its faces. D w = (w_(i-1) - w_(i+1)) / 2 holds at the
-//! ends too once w is continued by -w beyond them.
+//! from them those along y, with M, K and D as sums over cells ([`crate::tensor_factors`]),
+//!
+//! f_m = M b + K a - 2 D p, f_k = M a, f_d = M q + 2 D r,
+//!
+//! and M f_m + K f_k - 2 D f_d along z, which is added to what the planes before gave. Nothing but these sums is stored: two
+//! planes of them, a vector's column after the other.
+//!
+//! | equation | p | q | r |
+//! |---|---|---|---|
+//! | x | 2 D u_y | 2 D u_z | |
+//! | y | 2 D u_x | | M u_z |
+//! | z | | 2 D u_x | M u_y |
 
 use pulp::{Simd, WithSimd};
 
-use crate::tensor_factors::{Factors, WIDEST, padded};
+use crate::tensor_factors::{Cell, Factors, Layer, WIDEST, padded};
 
-/// What the rows of one plane pass through.
-pub(crate) struct Scratch {
-    /// Products along z of the rows j - 1, j and j + 1.
-    ring: [Products; 3],
-    /// The rows that the x axis acts on, by equation.
-    rows: [[Vec<f64>; 3]; 3],
-    /// A product along z that a face asks for.
-    face: Vec<f64>,
+/// A plane of u: rows between zeros, as vectors want them.
+pub(crate) struct PaddedPlane {
+    /// By component.
+    values: [Aligned; 3],
+    /// Numbers from a row to the next.
+    stride: usize,
 }
 
-/// One row's products along z.
-struct Products {
-    /// M u, K u and D u by component, in the factors of [`Factors`].
-    by_component: [[Vec<f64>; 3]; 3],
-    /// D u of x and of z at the row's two ends.
-    ends: [[f64; 2]; 2],
-}
+impl PaddedPlane {
+    pub fn new([nx, ny]: [usize; 2]) -> Self {
+        // An odd number of cache lines, so that a column of rows spreads over all of a cache's sets.
+        let lines = (padded(nx) + 2 * WIDEST) / 8;
+        let stride = 8 * (lines | 1);
+        PaddedPlane {
+            // One row more, so that rows from any column on are whole.
+            values: std::array::from_fn(|_| Aligned::zeros((ny + 1) * stride)),
+            stride,
+        }
+    }
 
-impl Scratch {
-    pub fn new(nx: usize) -> Self {
-        let row = |length: usize| vec![0.0; length];
-        Scratch {
-            ring: std::array::from_fn(|_| Products {
-                by_component: std::array::from_fn(|_| std::array::from_fn(|_| row(padded(nx)))),
-                ends: [[0.0; 2]; 2],
-            }),
-            rows: std::array::from_fn(|_| std::array::from_fn(|_| row(padded(nx) + 2 * WIDEST))),
-            face: row(nx),
+    /// Takes plane `k` of a vector on a grid of `shape`.
+    pub fn fill(&mut self, u: &[f64], [nx, ny, nz]: [usize; 3], k: usize) {
+        for (c, values) in self.values.iter_mut().enumerate() {
+            let from = (c * nz + k) * nx * ny;
+            let rows = u[from..from + nx * ny].chunks_exact(nx);
+            for (to, from) in values.all_mut().chunks_exact_mut(self.stride).zip(rows) {
+                to[WIDEST..WIDEST + nx].copy_from_slice(from);
+            }
         }
     }
 }
 
-/// The work on plane `k`: its rows of K u into `out`, x, y and z.
+/// Numbers that begin at a cache line.
+pub(crate) struct Aligned {
+    data: Vec<f64>,
+    start: usize,
+    length: usize,
+}
+
+impl Aligned {
+    pub fn zeros(length: usize) -> Self {
+        let data = vec![0.0; length + 8];
+        let start = data.as_ptr().align_offset(64).min(8);
+        Aligned {
+            data,
+            start,
+            length,
+        }
+    }
+
+    pub fn all(&self) -> &[f64] {
+        &self.data[self.start..self.start + self.length]
+    }
+
+    pub fn all_mut(&mut self) -> &mut [f64] {
+        &mut self.data[self.start..self.start + self.length]
+    }
+}
+
+/// The work on one plane.
 pub(crate) struct Plane<'a> {
     pub factors: &'a Factors,
-    pub u: &'a [f64],
-    pub k: usize,
-    pub scratch: &'a mut Scratch,
+    /// Place among the factors' layers.
+    pub layer: usize,
+    pub u: &'a PaddedPlane,
+    /// What the plane below and this one have so far, then this one and the one above: a pair a row, by column and equation.
+    pub sums: &'a mut [f64],
+    /// The plane below, which is complete now, by component.
     pub out: [&'a mut [f64]; 3],
+    pub nx: usize,
 }
 
 impl WithSimd for Plane<'_> {
     type Output = ();
 
     #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        self.equation::<S, 0>(simd);
+        self.equation::<S, 1>(simd);
+        self.equation::<S, 2>(simd);
+    }
+}
+
+impl Plane<'_> {
+    #[inline(always)]
+    fn equation<S: Simd, const EQUATION: usize>(&mut self, simd: S) {
+        let columns = self.nx.div_ceil(S::F64_LANES);
+        let rows = self.factors.rows.len();
+        let third = self.sums.len() / 3;
+        let sums = &mut self.sums[EQUATION * third..(EQUATION + 1) * third];
+        let mut sums = S::as_mut_simd_f64s(sums).0.chunks_exact_mut(2 * rows);
+        for column in 0..columns {
+            let Some(sums) = sums.next() else { return };
+            let column = Column {
+                factors: self.factors,
+                layer: self.layer,
+                u: self.u,
+                column,
+                nx: self.nx,
+            };
+            let out = &mut *self.out[EQUATION];
+            if column.column == 0 || column.column + 1 == columns {
+                column.run::<S, EQUATION, true>(simd, sums, out);
+            } else {
+                column.run::<S, EQUATION, false>(simd, sums, out);
+            }
+        }
+    }
+}
+
+/// The topmost plane, to which no plane above will add.
+pub(crate) struct LastPlane<'a> {
+    pub rows: usize,
+    /// As in [`Plane`].
+    pub sums: &'a [f64],
+    pub out: [&'a mut [f64]; 3],
+    pub nx: usize,
+}
+
+impl WithSimd for LastPlane<'_> {
+    type Output = ();
+
+    #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Plane {
-            factors,
-            u,
-            k,
-            scratch,
-            out: [out_x, out_y, out_z],
-        } = self;
-        let [nx, ny, _] = factors.shape;
-        let layers = Layers { factors, u, k };
-        let Scratch { ring, rows, face } = scratch;
-        layers.products(simd, 0, &mut ring[0]);
-        let (first, last) = ring.split_at_mut(2);
-        last[0].continue_beyond(&first[0]);
-        for j in 0..ny {
-            let (here, next) = (j % 3, (j + 1) % 3);
-            if j + 1 < ny {
-                layers.products(simd, j + 1, &mut ring[next]);
-            } else if let Ok([on, beyond]) = ring.get_disjoint_mut([here, next]) {
-                beyond.continue_beyond(on);
-            }
-            let three = [&ring[(j + 2) % 3], &ring[here], &ring[next]];
-            along_y(simd, factors, j, three, rows);
-            if j == 0 {
-                layers.face_of_y(j, -1.0, three[1], rows, face);
-            }
-            if j + 1 == ny {
-                layers.face_of_y(j, 1.0, three[1], rows, face);
-            }
-            let ends = factors.face_of_x(j, three);
-            let range = j * nx..(j + 1) * nx;
-            let targets = [
-                &mut out_x[range.clone()],
-                &mut out_y[range.clone()],
-                &mut out_z[range],
-            ];
-            for (c, target) in targets.into_iter().enumerate() {
-                along_x(
-                    simd,
-                    &factors.x[usize::from(c > 0)],
-                    &factors.x[2],
-                    &mut rows[c],
-                    target,
-                );
-                target[0] -= ends[c][0];
-                target[nx - 1] += ends[c][1];
+        let columns = S::as_simd_f64s(self.sums).0.chunks_exact(2 * self.rows);
+        let by_equation = self.sums.len() / (3 * 2 * self.rows * S::F64_LANES);
+        let mut columns = columns.enumerate();
+        while let Some((place, sums)) = columns.next() {
+            let (equation, first) = (place / by_equation, place % by_equation * S::F64_LANES);
+            let width = self.nx.saturating_sub(first).min(S::F64_LANES);
+            let rows = self.out[equation][first.min(self.nx - 1)..].chunks_mut(self.nx);
+            for (row, sums) in rows.zip(sums.chunks_exact(2)) {
+                store::<S, true>(simd, row, width, sums[0]);
             }
         }
     }
 }
 
-/// Plane `k` of a vector with its neighbours.
-struct Layers<'a> {
+/// One vector of neighbours along x through all rows.
+struct Column<'a> {
     factors: &'a Factors,
-    u: &'a [f64],
-    k: usize,
+    layer: usize,
+    u: &'a PaddedPlane,
+    column: usize,
+    nx: usize,
 }
 
-impl Layers<'_> {
-    /// Row j of component c in the planes below, at and above; where there is none its coefficient is 0.
+/// The matrices of x at a vector of nodes.
+#[derive(Clone, Copy)]
+struct AlongX<S: Simd> {
+    lumped: S::f64s,
+    mass: [S::f64s; 2],
+    stiffness: [S::f64s; 2],
+    end: S::f64s,
+    plain_end: S::f64s,
+}
+
+/// What a row has along x.
+#[derive(Clone, Copy)]
+struct Products<S: Simd> {
+    a: S::f64s,
+    b: S::f64s,
+    p: S::f64s,
+    q: S::f64s,
+    r: S::f64s,
+}
+
+/// The matrices of z at a plane.
+#[derive(Clone, Copy)]
+struct AlongZ<S: Simd> {
+    lumped: S::f64s,
+    mass: [S::f64s; 2],
+    stiffness: [S::f64s; 2],
+    coupling: S::f64s,
+    /// D's own entry at an end of z.
+    end: Option<S::f64s>,
+}
+
+impl<S: Simd> AlongX<S> {
     #[inline(always)]
-    fn rows(&self, c: usize, j: usize) -> [&[f64]; 3] {
-        let [nx, ny, nz] = self.factors.shape;
-        let row = |k: usize| {
-            let start = ((c * nz + k) * ny + j) * nx;
-            &self.u[start..start + nx]
-        };
+    fn new(factors: &Factors, column: usize, equation: usize) -> Self {
+        let [lumped, low, high] = &factors.mass_x;
+        let [k_low, k_high] = &factors.stiffness_x[usize::from(equation == 0)];
+        let [lambda, mu, plain] = &factors.ends_x;
+        AlongX {
+            lumped: vector::<S>(lumped, column),
+            mass: [vector::<S>(low, column), vector::<S>(high, column)],
+            stiffness: [vector::<S>(k_low, column), vector::<S>(k_high, column)],
+            end: vector::<S>(if equation == 0 { mu } else { lambda }, column),
+            plain_end: vector::<S>(plain, column),
+        }
+    }
+
+    /// M u and K u.
+    #[inline(always)]
+    fn both(&self, simd: S, [low, on, high]: [S::f64s; 3]) -> [S::f64s; 2] {
+        let (below, above) = (simd.sub_f64s(on, low), simd.sub_f64s(high, on));
+        let mass = simd.mul_add_e_f64s(self.mass[1], above, simd.mul_f64s(self.lumped, on));
+        let stiffness = simd.mul_f64s(self.stiffness[0], below);
         [
-            row(self.k.saturating_sub(1)),
-            row(self.k),
-            row((self.k + 1).min(nz - 1)),
+            simd.negate_mul_add_e_f64s(self.mass[0], below, mass),
+            simd.negate_mul_add_e_f64s(self.stiffness[1], above, stiffness),
         ]
     }
 
+    /// M u.
     #[inline(always)]
-    fn products<S: Simd>(&self, simd: S, j: usize, out: &mut Products) {
-        let (factors, k) = (self.factors, self.k - self.factors.first);
-        for c in 0..3 {
-            let rows = self.rows(c, j);
-            let matrices = [
-                factors.mass_z[k],
-                factors.stiffness_z[c][k],
-                factors.gradient_z[c][k],
-            ];
-            along_z(simd, rows, matrices, &mut out.by_component[c]);
-        }
-        let last = factors.shape[0] - 1;
-        for (end, c) in [0, 2].into_iter().enumerate() {
-            let rows = self.rows(c, j);
-            out.ends[end] = [0, last].map(|i| {
-                let d = factors.plain_gradient_z[k];
-                d[0] * rows[0][i] + d[1] * rows[1][i] + d[2] * rows[2][i]
-            });
-        }
+    fn mean(&self, simd: S, u: [S::f64s; 3]) -> S::f64s {
+        self.both(simd, u)[0]
     }
 
-    /// What E of y adds on the face that row j lies on; `sign` is its entry there.
-    fn face_of_y(
-        &self,
-        j: usize,
-        sign: f64,
-        on: &Products,
-        [x, y, z]: &mut [[Vec<f64>; 3]; 3],
-        face: &mut [f64],
-    ) {
-        let Factors { lambda, mu, .. } = *self.factors;
-        add(&mut x[2], 0.5 * sign * lambda, &on.by_component[1][0]);
-        add(&mut y[2], 0.5 * sign * mu, &on.by_component[0][0]);
-        for (target, factor, c) in [(y, mu, 2), (z, lambda, 1)] {
-            let rows = self.rows(c, j);
-            let d = self.factors.plain_gradient_z[self.k - self.factors.first];
-            for (i, value) in face.iter_mut().enumerate() {
-                *value = d[0] * rows[0][i] + d[1] * rows[1][i] + d[2] * rows[2][i];
-            }
-            add(&mut target[1], sign * factor, face);
-        }
-    }
-}
-
-impl Factors {
-    /// What E of x adds at both ends of row j, by equation, without its sign.
+    /// 2 D u less a share of E u.
     #[inline(always)]
-    fn face_of_x(&self, j: usize, rows: [&Products; 3]) -> [[f64; 2]; 3] {
-        let m = self.mass_y[j];
-        let ends = [0, self.shape[0] - 1];
-        let mass = |what: usize, end: usize| {
-            let at = |row: usize| rows[row].ends[what][end];
-            m[0] * at(0) + m[1] * at(1) + m[2] * at(2)
-        };
-        let gradient = |c: usize, end: usize| {
-            let at = |row: usize| rows[row].by_component[c][0][ends[end]];
-            0.5 * (at(0) - at(2))
-        };
-        [
-            [0, 1].map(|end| self.mu * (gradient(1, end) + mass(1, end))),
-            [0, 1].map(|end| self.lambda * gradient(0, end)),
-            [0, 1].map(|end| self.lambda * mass(0, end)),
-        ]
+    fn slope<const END: bool>(&self, simd: S, [low, on, high]: [S::f64s; 3]) -> S::f64s {
+        let slope = simd.sub_f64s(low, high);
+        if END {
+            simd.mul_add_e_f64s(self.end, on, slope)
+        } else {
+            slope
+        }
+    }
+
+    /// 2 D u.
+    #[inline(always)]
+    fn plain_slope<const END: bool>(&self, simd: S, [low, on, high]: [S::f64s; 3]) -> S::f64s {
+        let slope = simd.sub_f64s(low, high);
+        if END {
+            simd.mul_add_e_f64s(self.plain_end, on, slope)
+        } else {
+            slope
+        }
     }
 }
 
-impl Products {
-    /// The row beyond the first or last: `on` with its sign turned.
-    fn continue_beyond(&mut self, on: &Products) {
-        let pairs = self.by_component.iter_mut().zip(&on.by_component);
-        for (beyond, on) in pairs.flat_map(|(beyond, on)| beyond.iter_mut().zip(on)) {
-            for (beyond, on) in beyond.iter_mut().zip(on) {
-                *beyond = -on;
+impl<S: Simd> AlongZ<S> {
+    #[inline(always)]
+    fn new(simd: S, layer: &Layer, modulus: usize, coupling: f64, end: Option<f64>) -> Self {
+        let (below, above) = (layer.below[modulus], layer.above[modulus]);
+        AlongZ {
+            lumped: simd.splat_f64s(layer.lumped),
+            mass: [below.mass, above.mass].map(|v| simd.splat_f64s(v)),
+            stiffness: [below.stiffness, above.stiffness].map(|v| simd.splat_f64s(v)),
+            coupling: simd.splat_f64s(coupling),
+            end: end.map(|v| simd.splat_f64s(v)),
+        }
+    }
+
+    /// Adds to the sums of the plane below and of this one; returns the first, which is complete, and begins the plane above.
+    #[inline(always)]
+    fn add(&self, simd: S, [m, k, d]: [S::f64s; 3], sums: &mut [S::f64s; 2]) -> S::f64s {
+        let side = |side: usize| {
+            simd.negate_mul_add_e_f64s(self.stiffness[side], k, simd.mul_f64s(self.mass[side], m))
+        };
+        let (below, above) = (side(0), side(1));
+        let slope = simd.mul_f64s(self.coupling, d);
+        let complete = simd.add_f64s(sums[0], simd.add_f64s(below, slope));
+        let own = simd.mul_add_e_f64s(self.lumped, m, sums[1]);
+        let mut own = simd.sub_f64s(own, simd.add_f64s(below, above));
+        if let Some(end) = self.end {
+            own = simd.mul_add_e_f64s(end, d, own);
+        }
+        *sums = [own, simd.sub_f64s(above, slope)];
+        complete
+    }
+}
+
+/// Vector `column` of whole vectors.
+#[inline(always)]
+fn vector<S: Simd>(values: &[f64], column: usize) -> S::f64s {
+    S::as_simd_f64s(values).0[column]
+}
+
+/// The matrices of x at one vector, for one equation.
+struct AcrossRow<S: Simd, const EQUATION: usize, const END: bool> {
+    x: AlongX<S>,
+    share: S::f64s,
+    zero: S::f64s,
+}
+
+impl<S: Simd, const EQUATION: usize, const END: bool> AcrossRow<S, EQUATION, END> {
+    #[inline(always)]
+    fn products(&self, simd: S, row: [&[f64]; 3]) -> Products<S> {
+        let x = &self.x;
+        let [a, b] = x.both(simd, three::<S>(row[EQUATION]));
+        let [p, q, r] = match EQUATION {
+            0 => {
+                let p = x.slope::<END>(simd, three::<S>(row[1]));
+                [p, x.slope::<END>(simd, three::<S>(row[2])), self.zero]
             }
-        }
-        self.ends = on.ends.map(|ends| ends.map(|end| -end));
+            1 => {
+                let p = x.slope::<END>(simd, three::<S>(row[0]));
+                [p, self.zero, x.mean(simd, three::<S>(row[2]))]
+            }
+            _ => {
+                let q = x.slope::<END>(simd, three::<S>(row[0]));
+                [self.zero, q, x.mean(simd, three::<S>(row[1]))]
+            }
+        };
+        Products { a, b, p, q, r }
+    }
+
+    /// What E of y adds to f_m and takes from f_d on the last row, and the other way round on the first.
+    #[inline(always)]
+    fn on_face(&self, simd: S, row: [&[f64]; 3], r: S::f64s) -> [S::f64s; 2] {
+        let (m, d) = match EQUATION {
+            0 => (
+                self.x.plain_slope::<END>(simd, three::<S>(row[1])),
+                self.zero,
+            ),
+            1 => (self.x.plain_slope::<END>(simd, three::<S>(row[0])), r),
+            _ => (self.zero, r),
+        };
+        [simd.mul_f64s(self.share, m), simd.mul_f64s(self.share, d)]
     }
 }
 
-/// Adds to the part of a padded row that holds nodes.
-fn add(row: &mut [f64], factor: f64, values: &[f64]) {
-    for (row, value) in row[WIDEST..].iter_mut().zip(values) {
-        *row += factor * value;
-    }
+/// A vector of nodes with its lower and its upper neighbours, from a row that begins at the lower.
+#[inline(always)]
+fn three<S: Simd>(row: &[f64]) -> [S::f64s; 3] {
+    let row = &row[..S::F64_LANES + 2];
+    let (low, _) = S::as_simd_f64s(&row[..S::F64_LANES]);
+    let (on, _) = S::as_simd_f64s(&row[1..S::F64_LANES + 1]);
+    let (high, _) = S::as_simd_f64s(&row[2..S::F64_LANES + 2]);
+    [low[0], on[0], high[0]]
 }
 
-/// `t` . (low, on, high)
-#[inline(always)]
-fn combine<S: Simd>(simd: S, t: [S::f64s; 3], v: [S::f64s; 3]) -> S::f64s {
-    let sum = simd.mul_add_e_f64s(t[0], v[0], simd.mul_f64s(t[1], v[1]));
-    simd.mul_add_e_f64s(t[2], v[2], sum)
-}
+/// What row j has of f_m, f_k and f_d from itself and the rows below, turned in sign.
+#[derive(Clone, Copy)]
+struct Behind<S: Simd>([S::f64s; 3]);
 
-/// `sum` + `t` . (low, on, high)
+/// Sums over the cells between two rows.
 #[inline(always)]
-fn combine_onto<S: Simd>(simd: S, t: [S::f64s; 3], v: [S::f64s; 3], sum: S::f64s) -> S::f64s {
-    let sum = simd.mul_add_e_f64s(t[0], v[0], sum);
-    let sum = simd.mul_add_e_f64s(t[1], v[1], sum);
-    simd.mul_add_e_f64s(t[2], v[2], sum)
-}
-
-/// Three tridiagonal rows acting across three rows of nodes.
-#[inline(always)]
-fn along_z<S: Simd>(simd: S, rows: [&[f64]; 3], matrices: [[f64; 3]; 3], out: &mut [Vec<f64>; 3]) {
-    let matrices = matrices.map(|row| row.map(|t| simd.splat_f64s(t)));
-    let (heads, tails) = (
-        rows.map(|row| S::as_simd_f64s(row).0),
-        rows.map(|row| S::as_simd_f64s(row).1),
-    );
-    let n = heads[0].len();
-    let [low, on, high] = heads.map(|head| &head[..n]);
-    let [a, b, d] = out;
-    let (a, b, d) = (
-        S::as_mut_simd_f64s(a).0,
-        S::as_mut_simd_f64s(b).0,
-        S::as_mut_simd_f64s(d).0,
-    );
-    {
-        let (a, b, d) = (&mut a[..n], &mut b[..n], &mut d[..n]);
-        for i in 0..n {
-            let v = [low[i], on[i], high[i]];
-            a[i] = combine(simd, matrices[0], v);
-            b[i] = combine(simd, matrices[1], v);
-            d[i] = combine(simd, matrices[2], v);
-        }
-    }
-    if !tails[0].is_empty() {
-        let v = tails.map(|tail| simd.partial_load_f64s(tail));
-        a[n] = combine(simd, matrices[0], v);
-        b[n] = combine(simd, matrices[1], v);
-        d[n] = combine(simd, matrices[2], v);
-    }
-}
-
-/// The rows P, Q and W (halved) of every equation in row j, from three rows' products along z.
-///
-/// With a, b, d the products of a component: x: P = M a_x, Q = mu K a_x + M b_x, W = M d_z - (lambda + mu) D a_y;
-/// y: P = M a_y, Q = (lambda + 2 mu) K a_y + M b_y + D d_z, W = -(lambda + mu) D a_x;
-/// z: P = M a_z, Q = mu K a_z + M b_z + D d_y, W = M d_x.
-#[inline(always)]
-fn along_y<S: Simd>(
+fn between<S: Simd, const EQUATION: usize>(
     simd: S,
-    factors: &Factors,
-    j: usize,
-    rows: [&Products; 3],
-    out: &mut [[Vec<f64>; 3]; 3],
-) {
-    let splat = |t: [f64; 3]| t.map(|t| simd.splat_f64s(t));
-    let mass = splat(factors.mass_y[j]);
-    let (shear, axial) = (
-        splat(factors.stiffness_y[0][j]),
-        splat(factors.stiffness_y[1][j]),
-    );
-    let cross = simd.splat_f64s(-0.25 * (factors.lambda + factors.mu));
-    let [x, y, z] = out;
-    let of = |c: usize, product: usize| -> [&[S::f64s]; 3] {
-        rows.map(|row| S::as_simd_f64s(&row.by_component[c][product]).0)
+    cell: Cell,
+    before: &Products<S>,
+    on: &Products<S>,
+) -> [S::f64s; 3] {
+    let (mass, stiffness) = (simd.splat_f64s(cell.mass), simd.splat_f64s(cell.stiffness));
+    let a = simd.sub_f64s(on.a, before.a);
+    let b = simd.sub_f64s(on.b, before.b);
+    let mut m = simd.negate_mul_add_e_f64s(stiffness, a, simd.mul_f64s(mass, b));
+    if EQUATION < 2 {
+        m = simd.add_f64s(m, simd.add_f64s(on.p, before.p));
+    }
+    let k = simd.mul_f64s(mass, a);
+    // Of 2 D r = w_(below) - w_(above) this is the cell above.
+    let d = match EQUATION {
+        0 => simd.mul_f64s(mass, simd.sub_f64s(on.q, before.q)),
+        1 => simd.neg_f64s(simd.add_f64s(on.r, before.r)),
+        _ => {
+            let q = simd.mul_f64s(mass, simd.sub_f64s(on.q, before.q));
+            simd.sub_f64s(q, simd.add_f64s(on.r, before.r))
+        }
     };
-    {
-        let [p, q, w] = inner::<S>(x);
-        let n = p.len();
-        let (a, b, d, other) = (
-            cut(of(0, 0), n),
-            cut(of(0, 1), n),
-            cut(of(2, 2), n),
-            cut(of(1, 0), n),
-        );
-        for i in 0..n {
-            let a = [a[0][i], a[1][i], a[2][i]];
-            p[i] = combine(simd, mass, a);
-            let stiff = combine(simd, shear, a);
-            q[i] = combine_onto(simd, mass, [b[0][i], b[1][i], b[2][i]], stiff);
-            let difference = simd.mul_f64s(cross, simd.sub_f64s(other[0][i], other[2][i]));
-            w[i] = combine_onto(simd, mass, [d[0][i], d[1][i], d[2][i]], difference);
+    [m, k, d]
+}
+
+impl<S: Simd> Behind<S> {
+    /// The cell below less what the row's own lumped masses give.
+    #[inline(always)]
+    fn new<const EQUATION: usize>(
+        simd: S,
+        lumped: f64,
+        on: &Products<S>,
+        [m, k, d]: [S::f64s; 3],
+    ) -> Self {
+        let lumped = simd.splat_f64s(lumped);
+        Behind([
+            simd.negate_mul_add_e_f64s(lumped, on.b, m),
+            simd.negate_mul_add_e_f64s(lumped, on.a, k),
+            match EQUATION {
+                1 => d,
+                _ => simd.negate_mul_add_e_f64s(lumped, on.q, d),
+            },
+        ])
+    }
+
+    /// f_m, f_k and f_d with the cell above.
+    #[inline(always)]
+    fn with(&self, simd: S, [m, k, d]: [S::f64s; 3]) -> [S::f64s; 3] {
+        let Behind(behind) = self;
+        [
+            simd.sub_f64s(m, behind[0]),
+            simd.sub_f64s(k, behind[1]),
+            simd.sub_f64s(d, behind[2]),
+        ]
+    }
+}
+
+/// Writes a vector to the beginning of a row.
+#[inline(always)]
+fn store<S: Simd, const END: bool>(simd: S, row: &mut [f64], width: usize, value: S::f64s) {
+    if END && width < S::F64_LANES {
+        simd.partial_store_f64s(&mut row[..width], value);
+    } else {
+        S::as_mut_simd_f64s(&mut row[..S::F64_LANES]).0[0] = value;
+    }
+}
+
+impl Column<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const EQUATION: usize, const END: bool>(
+        &self,
+        simd: S,
+        sums: &mut [S::f64s],
+        out: &mut [f64],
+    ) {
+        let factors = self.factors;
+        let lanes = S::F64_LANES;
+        let first = self.column * lanes;
+        let width = (self.nx - first).min(lanes);
+        // The modulus of K is lambda + 2 mu along the equation's own axis and mu along the others.
+        let modulus = [0, 1, 2].map(|axis| usize::from(axis == EQUATION));
+        let across = AcrossRow::<S, EQUATION, END> {
+            x: AlongX::new(factors, self.column, EQUATION),
+            share: simd.splat_f64s(factors.shares[usize::from(EQUATION == 1)]),
+            zero: simd.splat_f64s(0.0),
+        };
+        let coupling = factors.coupling;
+        let end = match self.layer {
+            0 => Some(coupling),
+            k if k + 1 == factors.layers.len() => Some(-coupling),
+            _ => None,
+        };
+        let z = AlongZ::new(simd, &factors.layers[self.layer], modulus[2], coupling, end);
+        // All of one length a row, so that one counter leads through them.
+        let from = WIDEST - 1 + first;
+        let u = self.u.values.each_ref().map(|values| {
+            let stride = self.u.stride;
+            let rows = &values.all()[from..from + factors.rows.len() * stride];
+            rows.chunks_exact(stride)
+        });
+        let (sums, _) = sums.as_chunks_mut::<2>();
+        let (Some((last_sums, sums)), Some((_, cells))) =
+            (sums.split_last_mut(), factors.rows.split_last())
+        else {
+            return;
+        };
+        let (out, last_out) = out[first..].split_at_mut(cells.len() * self.nx);
+        let out = out.chunks_exact_mut(self.nx);
+
+        let [mut ux, mut uy, mut uz] = u;
+        let (Some(x), Some(y), Some(z_row)) = (ux.next(), uy.next(), uz.next()) else {
+            return;
+        };
+        let mut row = [x, y, z_row];
+        let mut on = across.products(simd, row);
+        let [m, d] = across.on_face(simd, row, on.r);
+        let beyond = [m, across.zero, simd.neg_f64s(d)];
+        let mut behind = Behind::new::<EQUATION>(simd, factors.rows[0].lumped, &on, beyond);
+        let input = ux.zip(uy).zip(uz);
+        let steps = input.zip(cells).zip(&factors.rows[1..]).zip(sums).zip(out);
+        for ((((((x, y), z_row), below), here), sums), out) in steps {
+            row = [x, y, z_row];
+            let next = across.products(simd, row);
+            let cell = between::<S, EQUATION>(simd, below.above[modulus[1]], &on, &next);
+            let complete = z.add(simd, behind.with(simd, cell), sums);
+            store::<S, END>(simd, out, width, complete);
+            behind = Behind::new::<EQUATION>(simd, here.lumped, &next, cell);
+            on = next;
         }
+        let [m, d] = across.on_face(simd, row, on.r);
+        let beyond = [m, across.zero, simd.neg_f64s(d)];
+        let complete = z.add(simd, behind.with(simd, beyond), last_sums);
+        store::<S, END>(simd, last_out, width, complete);
     }
-    {
-        let [p, q, w] = inner::<S>(y);
-        let n = p.len();
-        let (a, b, d, other) = (
-            cut(of(1, 0), n),
-            cut(of(1, 1), n),
-            cut(of(2, 2), n),
-            cut(of(0, 0), n),
-        );
-        for i in 0..n {
-            let a = [a[0][i], a[1][i], a[2][i]];
-            p[i] = combine(simd, mass, a);
-            let stiff = combine_onto(simd, axial, a, simd.sub_f64s(d[0][i], d[2][i]));
-            q[i] = combine_onto(simd, mass, [b[0][i], b[1][i], b[2][i]], stiff);
-            w[i] = simd.mul_f64s(cross, simd.sub_f64s(other[0][i], other[2][i]));
-        }
-    }
-    {
-        let [p, q, w] = inner::<S>(z);
-        let n = p.len();
-        let (a, b, d, other) = (
-            cut(of(2, 0), n),
-            cut(of(2, 1), n),
-            cut(of(1, 2), n),
-            cut(of(0, 2), n),
-        );
-        for i in 0..n {
-            let a = [a[0][i], a[1][i], a[2][i]];
-            p[i] = combine(simd, mass, a);
-            let stiff = combine_onto(simd, shear, a, simd.sub_f64s(d[0][i], d[2][i]));
-            q[i] = combine_onto(simd, mass, [b[0][i], b[1][i], b[2][i]], stiff);
-            w[i] = combine(simd, mass, [other[0][i], other[1][i], other[2][i]]);
-        }
-    }
-}
-
-#[inline(always)]
-fn cut<T>(rows: [&[T]; 3], n: usize) -> [&[T]; 3] {
-    rows.map(|row| &row[..n])
-}
-
-/// The nodes' part of three padded rows, as vectors of one length.
-#[inline(always)]
-fn inner<S: Simd>([p, q, w]: &mut [Vec<f64>; 3]) -> [&mut [S::f64s]; 3] {
-    let n = p.len() - WIDEST;
-    let [p, q, w] = [p, q, w].map(|row| S::as_mut_simd_f64s(&mut row[WIDEST..n]).0);
-    let n = p.len();
-    [&mut p[..n], &mut q[..n], &mut w[..n]]
-}
-
-/// `out` = K P + M Q + D W along x, W being halved already.
-#[inline(always)]
-fn along_x<S: Simd>(
-    simd: S,
-    stiffness: &[Vec<f64>; 3],
-    mass: &[Vec<f64>; 3],
-    [p, q, w]: &mut [Vec<f64>; 3],
-    out: &mut [f64],
-) {
-    let nx = out.len();
-    w[WIDEST - 1] = -w[WIDEST];
-    w[WIDEST + nx] = -w[WIDEST + nx - 1];
-    let n = nx.div_ceil(S::F64_LANES);
-    let p = cut(neighbours::<S>(p), n);
-    let q = cut(neighbours::<S>(q), n);
-    let w = cut(neighbours::<S>(w), n);
-    let [k, m] = [stiffness, mass].map(|matrix| {
-        let [low, on, high] = matrix;
-        cut([low, on, high].map(|d| S::as_simd_f64s(d).0), n)
-    });
-    let (head, tail) = S::as_mut_simd_f64s(out);
-    for (i, out) in head.iter_mut().enumerate() {
-        *out = sum_along_x(simd, i, k, m, [p, q, w]);
-    }
-    if !tail.is_empty() {
-        simd.partial_store_f64s(tail, sum_along_x(simd, n - 1, k, m, [p, q, w]));
-    }
-}
-
-/// Vector i of K P + M Q + D W.
-#[inline(always)]
-fn sum_along_x<S: Simd>(
-    simd: S,
-    i: usize,
-    k: [&[S::f64s]; 3],
-    m: [&[S::f64s]; 3],
-    [p, q, w]: [[&[S::f64s]; 3]; 3],
-) -> S::f64s {
-    let sum = simd.sub_f64s(w[0][i], w[2][i]);
-    let sum = combine_onto(
-        simd,
-        [k[0][i], k[1][i], k[2][i]],
-        [p[0][i], p[1][i], p[2][i]],
-        sum,
-    );
-    combine_onto(
-        simd,
-        [m[0][i], m[1][i], m[2][i]],
-        [q[0][i], q[1][i], q[2][i]],
-        sum,
-    )
-}
-
-/// Each node's lower neighbour, the node, its upper neighbour, in a row padded at both ends.
-#[inline(always)]
-fn neighbours<S: Simd>(row: &[f64]) -> [&[S::f64s]; 3] {
-    let length = row.len() - 2 * WIDEST;
-    [WIDEST - 1, WIDEST, WIDEST + 1].map(|from| S::as_simd_f64s(&row[from..from + length]).0)
 }

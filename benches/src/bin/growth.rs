@@ -139,23 +139,12 @@ fn exponent(points: &[[f64; 2]]) -> f64 {
     cross / square
 }
 
-/// A quarter of a needle-shaped patch under one force a node, solved to 1e-8.
+/// A quarter of a needle-shaped patch, solved to 1e-8.
 fn linear(cells: usize) -> [f64; 2] {
     let block = needle_block(cells);
-    let nodes = block.operator.node_count();
-    let mut load = vec![0.0; 3 * nodes];
-    let [nx, ny, nz] = block.operator.shape();
-    for j in 0..ny {
-        for i in 0..nx {
-            let inside = 1.0
-                - (block.grid.x[i] / block.patch[0]).powi(2)
-                - (block.grid.y[j] / block.patch[1]).powi(2);
-            load[2 * nodes + block.grid.node(i, j, nz - 1)] = -inside.max(0.0).sqrt();
-        }
-    }
-    block.operator.mask(&mut load);
+    let load = block.load();
     let mut modal = vec![0.0; block.preconditioner.mode_count()];
-    let mut u = vec![0.0; 3 * nodes];
+    let mut u = vec![0.0; load.len()];
     let mut workspace = cg::Workspace::default();
     let options = cg::Options {
         stop: cg::Stop::Energy(1e-8),

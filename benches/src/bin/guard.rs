@@ -9,10 +9,10 @@
 
 use std::path::Path;
 
-use kufe_benches::needle_block;
+use kufe_benches::{needle_block, table_of};
 use kufe_contact::case::Case;
 use kufe_contact::{Options, solve};
-use kufe_lut::{Axes, Lookup, Mode, Quantity, Solved, Table};
+use kufe_lut::{Lookup, Mode, Quantity};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
 
@@ -47,21 +47,9 @@ fn contact() -> Result<(), Box<dyn std::error::Error>> {
 fn lookup() -> Result<(), Box<dyn std::error::Error>> {
     let fz: Vec<f64> = (0..16).map(|i| 200.0 * 1.28f64.powi(i)).collect();
     let curvature: Vec<f64> = (0..16).map(|j| 0.001 * f64::from(j * j)).collect();
-    let axes = Axes::new(fz, curvature, None)?;
-    let nodes = axes.points().into_iter().map(|point| {
-        let p_max = 1e7 * point.fz.cbrt() * (1.0 - 2.0 * point.curvature);
-        Solved {
-            p_max,
-            p_max_error: 0.0,
-            p_mean: p_max / 1.5,
-            area: 1e-5,
-            length: 0.05,
-            width: 3e-4,
-            approach: 1e-5,
-        }
-    });
-    let nodes = nodes.collect();
-    let table = Table::new(axes, nodes, Vec::new())?;
+    let table = table_of(fz, curvature, |fz, curvature| {
+        1e7 * fz.cbrt() * (1.0 - 2.0 * curvature)
+    })?;
     for mode in Mode::ALL {
         let lookup = Lookup::new(&table, Quantity::PMax, mode)?;
         let sum: f64 = (0..100_000)

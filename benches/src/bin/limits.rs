@@ -5,6 +5,7 @@
 //! | kernel | bound by | its limit here |
 //! |---|---|---|
 //! | operator | reading u and writing K u, 48 bytes a node | a stream triad on every thread |
+//! | operator | 58 multiplications, with or without an addition, and 53 additions a node | such operations in registers, on every thread |
 //! | preconditioner | four matrix products a component | faer's product of the same shapes on every thread |
 //! | table evaluation | reading the four corners of a cell | such reads at places known beforehand, on one thread |
 
@@ -14,6 +15,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use kufe_benches::{again, best_of, needle_block, pressure_table, random_queries};
 use kufe_lut::{Lookup, Mode, Quantity};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// Numbers in each of the triad's three arrays: far more than any cache holds.
@@ -38,15 +40,22 @@ fn tables() {
     let triad = triad();
     println!("### Kernels beside this machine's limits\n");
     println!(
-        "{} threads. Stream triad: {:.1} GB/s. faer, product of 512 x 512 matrices on every thread at once: {:.1} Gflop/s.\n",
+        "{} threads. Stream triad: {:.1} GB/s. faer, product of 512 x 512 matrices on every thread at once: {:.1} Gflop/s.",
         rayon::current_num_threads(),
         triad / 1e9,
         plane_products(512, 512, 512) / 1e9
     );
+    let mixture = operator_mixture();
     println!(
-        "| unknowns | operator | of the bandwidth | preconditioner | its rate | faer, same shapes | share |"
+        "The operator's mixture of {FUSED} fused or plain multiplications and {ADDED} additions a node, in registers alone, on every \
+         thread: {:.2} ns a node, as long as the triad takes for {:.0} bytes.\n",
+        1e9 * mixture,
+        mixture * triad
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!(
+        "| unknowns | operator | of the bandwidth | of the arithmetic | preconditioner | its rate | faer, same shapes | share |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
     for cells in ["32", "69", "100"] {
         let words = again(&[cells]);
         let n: Vec<f64> = words
@@ -54,10 +63,11 @@ fn tables() {
             .map(|w| w.parse().unwrap_or(f64::NAN))
             .collect();
         println!(
-            "| {:.0} | {:.2} ms | {:.0} % | {:.2} ms | {:.1} Gflop/s | {:.1} Gflop/s | {:.0} % |",
+            "| {:.0} | {:.2} ms | {:.0} % | {:.0} % | {:.2} ms | {:.1} Gflop/s | {:.1} Gflop/s | {:.0} % |",
             n[0],
             1e3 * n[1],
             100.0 * n[2] / n[1] / triad,
+            100.0 * n[2] / BYTES * mixture / n[1],
             1e3 * n[3],
             n[4] / n[3] / 1e9,
             n[4] / n[5] / 1e9,
@@ -126,6 +136,65 @@ fn triad() -> f64 {
     24.0 * STREAM as f64 / seconds
 }
 
+/// Bytes that the operator must read and write for a node.
+const BYTES: f64 = 48.0;
+/// What it computes for a node (`kufe-fem`, tensor_kernel.rs), counted at an inner node: multiplications, of which 33 with an
+/// addition in one instruction, and further additions.
+const FUSED: usize = 58;
+const ADDED: usize = 53;
+
+/// Seconds a node that these operations take with their numbers in registers, all threads at it.
+fn operator_mixture() -> f64 {
+    const NODES: usize = 1 << 21;
+    let threads = rayon::current_num_threads();
+    let (seconds, sums) = best_of(ROUNDS, || {
+        let work = (0..threads).into_par_iter();
+        work.map(|_| pulp::Arch::new().dispatch(Mixture { nodes: NODES }))
+            .sum::<f64>()
+    });
+    assert!(black_box(sums).is_finite());
+    seconds / (NODES * threads) as f64
+}
+
+/// The operations of `nodes` nodes in chains that do not wait for each other.
+struct Mixture {
+    nodes: usize,
+}
+
+/// Fused chains and chains of additions: an operation takes up to four cycles, and processors begin two of each kind a cycle.
+const CHAINS: [usize; 2] = [8, 6];
+
+impl WithSimd for Mixture {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (factor, step) = (
+            simd.splat_f64s(black_box(0.999)),
+            simd.splat_f64s(black_box(1e-3)),
+        );
+        let mut fused = [simd.splat_f64s(1.0); CHAINS[0]];
+        let mut added = [simd.splat_f64s(0.0); CHAINS[1]];
+        // One operation of each fused chain at a time, and one of each other chain whenever as many additions are due.
+        let rounds = self.nodes * FUSED / (S::F64_LANES * CHAINS[0]);
+        let mut due = 0;
+        for _ in 0..rounds {
+            for value in &mut fused {
+                *value = simd.mul_add_e_f64s(*value, factor, step);
+            }
+            due += ADDED * CHAINS[0];
+            if due >= FUSED * CHAINS[1] {
+                due -= FUSED * CHAINS[1];
+                for value in &mut added {
+                    *value = simd.add_f64s(*value, step);
+                }
+            }
+        }
+        let chains = fused.into_iter().chain(added);
+        chains.map(|chain| simd.reduce_sum_f64s(chain)).sum()
+    }
+}
+
 /// Operations a second of rows x inner by inner x cols products, each thread at its own.
 fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
     let left = Mat::<f64>::from_fn(rows, inner, |i, j| (i + 2 * j) as f64);
@@ -174,7 +243,7 @@ fn kernels(cells: usize) {
     println!(
         "{} {apply} {} {precondition} {} {ideal}",
         operator.free_dofs(),
-        48 * nodes,
+        BYTES * nodes as f64,
         flops
     );
 }

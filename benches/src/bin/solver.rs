@@ -2,13 +2,10 @@
 
 use std::sync::Arc;
 
-use kufe_benches::{again, best_of, peak_bytes};
+use kufe_benches::{ICE, again, best_of, needle_block, peak_bytes};
 use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Solution, Tilt, hertz, solve};
-use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator, cg};
-use kufe_mesh::{BobRunner, Paraboloid, TensorGrid, Underside};
-
-const ICE_E: f64 = 9.0e9;
-const ICE_NU: f64 = 0.33;
+use kufe_fem::{Body, Constraints, ElementKind, Factor, Material, assemble, cg};
+use kufe_mesh::{BobRunner, Paraboloid, Underside};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -16,6 +13,9 @@ fn main() {
     match words.as_slice() {
         ["hertz", tolerance] => hertz_case(number(tolerance)),
         ["linear", cells] => linear_case(number(cells) as usize),
+        ["direct", cells] => {
+            direct_case(number(cells) as usize).unwrap_or_else(|error| panic!("{error}"));
+        }
         ["runner", radius, dofs] => runner_case(number(radius), number(dofs)),
         ["aspect", rocker, cells] => aspect_case(number(rocker), number(cells) as usize),
         _ => tables(),
@@ -64,12 +64,12 @@ fn tables() {
         );
     }
     println!(
-        "\n### Runner 1 m long with rounded ends, rocker 30 m, section 5 mm, 1 kN, about 750,000 unknowns\n"
+        "\n### Runner 1 m long with rounded ends, rocker 30 m, section 5 mm, 1 kN, about a million unknowns\n"
     );
     println!("| track radius | contact from end to end | p_max | iterations | unknowns | time |");
     println!("|---|---|---|---|---|---|");
     for radius in ["inf", "60", "32", "30", "29", "15"] {
-        let w = again(&["runner", radius, "750000"]);
+        let w = again(&["runner", radius, "1000000"]);
         println!(
             "| {radius} m | {:.0} mm | {:.1} MPa | {} | {} | {:.2} s |",
             1e3 * number(&w[0]),
@@ -102,8 +102,8 @@ fn on_half_space(underside: impl Underside + 'static, track_curvature: f64) -> P
     Problem {
         runner: Runner::rigid(Arc::new(underside)),
         ice: Ice {
-            youngs_modulus: ICE_E,
-            poissons_ratio: ICE_NU,
+            youngs_modulus: ICE.0,
+            poissons_ratio: ICE.1,
             foundation: Foundation::HalfSpace,
             hardness: None,
         },
@@ -133,7 +133,7 @@ fn hertz_case(tolerance: f64) {
         ..Options::default()
     };
     let (seconds, s) = best_of(5, || solved(&problem, &options));
-    let exact = hertz(30.0, 0.005, ICE_E / (1.0 - ICE_NU * ICE_NU), 1000.0).p_max;
+    let exact = hertz(30.0, 0.005, ICE.0 / (1.0 - ICE.1 * ICE.1), 1000.0).p_max;
     let error = 100.0 * (s.p_max / exact - 1.0).abs();
     println!(
         "{error} {seconds} {} {} {}",
@@ -145,51 +145,18 @@ fn hertz_case(tolerance: f64) {
 
 /// A quarter of a needle-shaped patch under its Hertz pressure, on a graded grid of `cells`^3 cells.
 fn linear_case(cells: usize) {
-    let axis = |half: f64| -> Vec<f64> {
-        // Even to the half-width, then in geometric progression to a third of a metre.
-        let even = cells / 3;
-        let mut nodes: Vec<f64> = (0..=even).map(|i| half * i as f64 / even as f64).collect();
-        let ratio = (0.3 / half).powf(1.0 / (cells - even) as f64);
-        nodes.extend((1..=cells - even).map(|i| half * ratio.powi(i as i32)));
-        nodes
-    };
-    let (a, b) = (0.0251, 0.000137);
-    let z: Vec<f64> = axis(b).iter().rev().map(|d| -d).collect();
-    let grid = TensorGrid {
-        x: axis(a),
-        y: axis(b),
-        z,
-    };
-    let ice = Material::new(ICE_E, ICE_NU).unwrap_or_else(|error| panic!("{error}"));
-    let held = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
-    let ((set_up, (operator, preconditioner)), nodes) = (
-        best_of(1, || {
-            let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held);
-            let preconditioner = LayeredDiagonal::new(&operator, End::High);
-            (operator, preconditioner)
-        }),
-        grid.node_count(),
-    );
-    let [nx, ny, nz] = grid.shape();
-    let mut load = vec![0.0; 3 * nodes];
-    for j in 0..ny {
-        for i in 0..nx {
-            let inside = 1.0 - (grid.x[i] / a).powi(2) - (grid.y[j] / b).powi(2);
-            let area = operator.axes[0].lumped_mass[i] * operator.axes[1].lumped_mass[j];
-            load[2 * nodes + grid.node(i, j, nz - 1)] = -1e8 * inside.max(0.0).sqrt() * area;
-        }
-    }
-    operator.mask(&mut load);
-    let mut modal = vec![0.0; preconditioner.mode_count()];
-    let mut u = vec![0.0; 3 * nodes];
+    let (set_up, block) = best_of(1, || needle_block(cells));
+    let load = block.load();
+    let mut modal = vec![0.0; block.preconditioner.mode_count()];
+    let mut u = vec![0.0; load.len()];
     let options = cg::Options {
         stop: cg::Stop::Energy(1e-8),
         ..cg::Options::default()
     };
     let (seconds, history) = best_of(1, || {
         cg::solve(
-            |v, out| operator.apply(v, out),
-            |r, out| preconditioner.apply(r, out, &mut modal),
+            |v, out| block.operator.apply(v, out),
+            |r, out| block.preconditioner.apply(r, out, &mut modal),
             &load,
             &mut u,
             &mut cg::Workspace::default(),
@@ -199,10 +166,53 @@ fn linear_case(cells: usize) {
     });
     println!(
         "{} {} {set_up} {seconds} {}",
-        operator.free_dofs(),
+        block.operator.free_dofs(),
         history.iterations,
         peak_bytes()
     );
+}
+
+/// The same equations by faer's sparse Cholesky: unknowns, seconds to assemble, to factorise and to solve, memory.
+fn direct_case(cells: usize) -> Result<(), kufe_fem::Error> {
+    let block = needle_block(cells);
+    let nodes = block.grid.node_count();
+    let load = block.load();
+    let body = Body::uniform(
+        block.grid.hex_mesh(),
+        Material::new(ICE.0, ICE.1)?,
+        ElementKind::Hex8,
+    )?;
+    let mut held = Constraints::new(nodes);
+    let faces = block.grid.shape().map(|n| n - 1);
+    for node in 0..nodes {
+        let [nx, ny, _] = block.grid.shape();
+        let place = [node % nx, node / nx % ny, node / (nx * ny)];
+        for c in 0..3 {
+            let on = |axis: usize| {
+                let [low, high] = block.operator.held[c][axis];
+                (low && place[axis] == 0) || (high && place[axis] == faces[axis])
+            };
+            if (0..3).any(on) {
+                held.prescribe(node, c, 0.0)?;
+            }
+        }
+    }
+    let map = held.dof_map();
+    let (assembling, stiffness) = best_of(1, || assemble(&body));
+    let points = body.mesh().points.clone();
+    let (factorising, factor) = best_of(1, || Factor::of_body(&stiffness, &map, &points));
+    let factor = factor?;
+    let by_node: Vec<f64> = (0..3 * nodes)
+        .map(|i| load[i % 3 * nodes + i / 3])
+        .collect();
+    let mut u = map.restrict(&by_node);
+    let (solving, ()) = best_of(1, || factor.solve(&mut u));
+    println!(
+        "{} {assembling} {factorising} {solving} {}",
+        factor.dofs(),
+        peak_bytes()
+    );
+    Ok(())
 }
 
 /// The runner at the resolution that gives about `dofs` unknowns.
