@@ -20,7 +20,7 @@ HERE = Path(__file__).parent
 ROUNDS = 3
 GRIDS = [16, 24, 32, 48]
 # Over half the patch, each way.
-GETFEM_CELLS = 6
+GETFEM_CELLS = 4
 
 
 def measured(command, rounds=ROUNDS):

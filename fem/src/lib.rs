@@ -62,6 +62,7 @@ mod mapped_preconditioner;
 mod material;
 mod matrix_free;
 mod node_graph;
+mod padded_plane;
 mod section;
 mod statics;
 mod stress;
@@ -72,6 +73,7 @@ mod tensor_factors;
 mod tensor_kernel;
 mod tensor_operator;
 mod tensor_slab;
+mod tensor_stencils;
 mod thick_cylinder;
 
 pub use assembly::{assemble, assemble_on};

@@ -4,8 +4,9 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use crate::padded_plane::{Aligned, PaddedPlane};
 use crate::tensor_factors::{Factors, padded};
-use crate::tensor_kernel::{Aligned, LastPlane, PaddedPlane, Plane};
+use crate::tensor_kernel::{LastPlane, Plane};
 
 /// What a walk works in.
 pub(crate) struct Scratch {
