@@ -130,8 +130,11 @@ pub(crate) fn discretise(
         .fold(patch.y.half(), f64::min);
     let spacing = (narrowest / resolution.cells).min(depth / 4.0);
     let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
+    let mut layers = Stretch::even(-even_depth.min(depth), 0.0);
+    // A ridge along the runner reaches as deep as it is wide.
+    layers.refine_at(0.0, patch.y.finest());
     let z_zone = Zone {
-        stretch: Stretch::even(-even_depth.min(depth), 0.0),
+        stretch: layers,
         spacing,
     };
     let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[z_zone], resolution.growth);

@@ -26,51 +26,104 @@ impl Extrapolation {
     /// Scatter of the peak pressure with the place of the rim between nodes, times the square of the cells.
     const SCATTER: f64 = 0.03;
 
-    /// The limit of two meshes. Where the patch is not smooth (it wanted uneven cells) nothing is known of the order,
-    /// and the whole difference of the two is the error.
-    pub fn new(coarse: Raw, fine: Raw, smooth: bool) -> Self {
-        let scatter = Self::SCATTER / (fine.cells * fine.cells) * fine.p_max;
-        if !smooth {
-            let error = (fine.p_max - coarse.p_max).abs() + scatter;
-            return Extrapolation {
-                p_max: fine.p_max,
-                error,
-                approach: fine.approach,
-            };
-        }
+    fn scatter(raw: Raw) -> f64 {
+        Self::SCATTER / (raw.cells * raw.cells) * raw.p_max
+    }
+
+    /// The limit of two meshes. Where the patch is not smooth (it wanted uneven cells) the order is not certain, and the
+    /// whole difference of the two is the error.
+    fn of_two(coarse: Raw, fine: Raw, smooth: bool) -> Self {
         let divisor = (fine.cells / coarse.cells).powi(2) - 1.0;
-        let step = (fine.p_max - coarse.p_max) / divisor;
+        let difference = fine.p_max - coarse.p_max;
+        let share = if smooth { Self::SHARE / divisor } else { 1.0 };
         Extrapolation {
-            p_max: fine.p_max + step,
-            error: Self::SHARE * step.abs() + scatter,
+            p_max: fine.p_max + difference / divisor,
+            error: share * difference.abs() + Self::scatter(fine),
             approach: fine.approach + (fine.approach - coarse.approach) / divisor,
         }
     }
 
-    /// The limit of three meshes whose steps shrink steadily, as a geometric series (A. C. Aitken, 1926); half of what
-    /// is added is the error. `None` where the steps do not shrink by at least 0.6 in one direction.
-    pub fn geometric(first: Raw, second: Raw, third: Raw) -> Option<Self> {
+    /// The limit of three meshes whose steps shrink steadily, as a geometric series (A. C. Aitken, 1926); what is added
+    /// is the error. Steps that shrink by more than these meshes' order allows do so by accident: then the
+    /// error is at least what that order leaves of the first step. `None` where they do not shrink by at least 0.6.
+    fn of_three([first, second, third]: [Raw; 3]) -> Option<Self> {
         let steps = [second.p_max - first.p_max, third.p_max - second.p_max];
         let ratio = steps[1] / steps[0];
+        let fastest = (second.cells / third.cells).powi(2);
+        if ratio.abs() < 0.5 * fastest {
+            let limit = Self::of_two(second, third, false);
+            let error = limit.error.max(fastest * steps[0].abs());
+            return Some(Extrapolation { error, ..limit });
+        }
         if !(0.0..0.6).contains(&ratio) {
             return None;
         }
         let rest = steps[1] * ratio / (1.0 - ratio);
-        let scatter = Self::SCATTER / (third.cells * third.cells) * third.p_max;
         Some(Extrapolation {
             p_max: third.p_max + rest,
-            error: 0.5 * rest.abs() + 0.1 * steps[1].abs() + scatter,
+            error: rest.abs() + 0.1 * steps[1].abs() + Self::scatter(third),
             approach: third.approach,
         })
     }
 }
 
+/// What the meshes solved so far say together.
+#[derive(Debug)]
+pub(crate) struct Sequence {
+    /// The latest similar ones, from coarse to fine.
+    similar: Vec<Raw>,
+    /// What a mesh graded anew changed, and what the refinements before it left.
+    regraded: f64,
+}
+
+impl Sequence {
+    pub fn new() -> Self {
+        Sequence {
+            similar: Vec::new(),
+            regraded: f64::INFINITY,
+        }
+    }
+
+    /// Adds a finer mesh that is similar to the last one, or one of as many cells that is `graded_anew`.
+    pub fn push(&mut self, raw: Raw, graded_anew: bool) {
+        if graded_anew {
+            let left = match self.similar[..] {
+                [.., coarse, fine] => (fine.p_max - coarse.p_max).abs(),
+                _ => self.regraded,
+            };
+            let change = self
+                .similar
+                .last()
+                .map_or(0.0, |last| raw.p_max - last.p_max);
+            self.regraded = left + change.abs();
+            self.similar.clear();
+        }
+        self.similar.push(raw);
+    }
+
+    /// Peak pressure and approach in the limit; `None` before there is anything to compare.
+    pub fn limit(&self, smooth: bool) -> Option<Extrapolation> {
+        match self.similar[..] {
+            [.., coarse, fine] if smooth => Some(Extrapolation::of_two(coarse, fine, true)),
+            [.., first, second, third] => Extrapolation::of_three([first, second, third])
+                .or_else(|| Some(Extrapolation::of_two(second, third, false))),
+            [coarse, fine] => Some(Extrapolation::of_two(coarse, fine, false)),
+            [only] if self.regraded.is_finite() => Some(Extrapolation {
+                p_max: only.p_max,
+                error: self.regraded + Extrapolation::scatter(only),
+                approach: only.approach,
+            }),
+            _ => None,
+        }
+    }
+}
+
 /// Cells of the first of two meshes whose extrapolation should meet the tolerance on a smooth contact.
 ///
-/// Where the pressure peaks at the hull's ends, fewer than [`ENDS`] cells miss the peak by several per cent in either
-/// direction, and two such meshes may agree by accident.
+/// Where the pressure peaks at the hull's ends, meshes of fewer than [`ENDS`] cells are not yet in the range in which their
+/// errors shrink steadily.
 pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
-    const ENDS: f64 = 7.0;
+    const ENDS: f64 = 5.0;
     let least = if smooth { 4.0 } else { ENDS };
     (0.21 / tolerance.sqrt()).ceil().clamp(least, 16.0)
 }

@@ -99,11 +99,7 @@ fn found_patch(
         .map(|row| highest(row.iter()))
         .collect();
     for stretch in &mut x {
-        if let Some(same) = before
-            .x
-            .iter()
-            .find(|s| s.low < stretch.high && stretch.low < s.high)
-        {
+        if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
             stretch.sizes.clone_from(&same.sizes);
         }
         if !edge {
@@ -117,7 +113,14 @@ fn found_patch(
     if x.is_empty() {
         x.clone_from(&before.x);
     }
-    Patch { x, y, motion }
+    let corners = before.corners.clone();
+    let patch = Patch {
+        x,
+        y,
+        motion,
+        corners,
+    };
+    patch.refined_at_corners()
 }
 
 fn highest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {

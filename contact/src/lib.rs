@@ -49,6 +49,7 @@ mod check;
 mod clamps;
 mod constrained_cg;
 mod contact_set;
+mod corners;
 mod discretise;
 pub mod effects;
 mod error;

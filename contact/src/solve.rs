@@ -4,7 +4,7 @@ use crate::answer::solution;
 use crate::check::check;
 use crate::contact_set::Progress;
 use crate::discretise::{Reach, Resolution, discretise};
-use crate::extrapolation::{Extrapolation, Raw, first_resolution};
+use crate::extrapolation::{Extrapolation, Raw, Sequence, first_resolution};
 use crate::field::field;
 use crate::gap::Gap;
 use crate::member::Member;
@@ -17,11 +17,11 @@ fn growth(cells: f64) -> f64 {
     3.0 / cells
 }
 
-/// A mesh whose own pressure asks for cells below this part of its smallest is graded anew, with as many cells: two
+/// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew, with as many cells: two
 /// meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
 const COARSE: f64 = 0.6;
 
-/// How often a mesh is graded anew; each time its smallest cell may become three times smaller.
+/// How often a mesh is graded anew; each time its cells may become three times smaller.
 const REGRADINGS: usize = 6;
 
 /// Ratio of the resolutions of successive meshes.
@@ -52,9 +52,9 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
         |c| c as f64,
     );
     let mut history = Vec::new();
-    // Whether the previous mesh was graded like this one, and how often that was not so.
-    let (mut similar, mut regraded) = (true, 0);
-    let (mut earlier, mut previous): (Option<Raw>, Option<Raw>) = (None, None);
+    let mut meshes = Sequence::new();
+    // Whether this mesh has the cells of the previous one, graded anew, and how often that was so.
+    let (mut graded_anew, mut regraded) = (false, 0);
     for level in 0.. {
         let resolution = Resolution {
             cells,
@@ -80,28 +80,19 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
                 problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
             ));
         }
-        let wants_finer_ends =
-            regraded < REGRADINGS && pressure.patch.finest() < COARSE * patch.finest();
-        let smooth = patch.is_even();
-        let limit = previous.map(|before| {
-            let limit = Extrapolation::new(before, raw, smooth);
-            earlier
-                .filter(|_| !smooth)
-                .and_then(|first| Extrapolation::geometric(first, before, raw))
-                .unwrap_or(limit)
-        });
+        meshes.push(raw, graded_anew);
+        let limit = meshes.limit(patch.is_even());
+        let wants_finer = regraded < REGRADINGS && pressure.patch.wants_finer_than(&patch, COARSE);
         let reached = |l: &Extrapolation| l.error <= options.p_max_tolerance * l.p_max;
         // That a finer grading changes nothing is as good as that no finer one is wanted.
-        let graded = !wants_finer_ends || !similar;
+        let graded = !wants_finer || graded_anew;
         if let Some(limit) = limit.filter(|l| graded && reached(l)) {
             return Ok(solution(
                 problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
             ));
         }
-        let refinement = if wants_finer_ends { 1.0 } else { REFINEMENT };
-        earlier = previous.filter(|_| similar && !wants_finer_ends);
-        previous = Some(raw);
-        similar = !wants_finer_ends;
+        graded_anew = wants_finer;
+        let refinement = if wants_finer { 1.0 } else { REFINEMENT };
         if dofs as f64 * REFINEMENT.max(refinement.powi(3)) > options.max_dofs as f64 {
             let estimate = limit.map_or(f64::INFINITY, |l| l.error / l.p_max);
             return Err(Error::AccuracyNotReached {
@@ -111,7 +102,7 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             });
         }
         forces = lumped_forces(&mesh, &state);
-        patch = if wants_finer_ends {
+        patch = if wants_finer {
             regraded += 1;
             pressure.patch
         } else {

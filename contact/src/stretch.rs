@@ -49,6 +49,18 @@ impl Stretch {
         }
     }
 
+    /// Whether the two overlap.
+    pub fn meets(&self, other: &Stretch) -> bool {
+        self.low < other.high && other.low < self.high
+    }
+
+    /// Places [m] with the wanted spacings there at one cell over half the stretch [m].
+    pub fn spacings(&self) -> impl Iterator<Item = [f64; 2]> {
+        let length = self.high - self.low;
+        let at = move |s: &[f64; 2]| [self.low + s[0] * length, s[1] * 0.5 * length];
+        self.sizes.iter().map(at)
+    }
+
     /// Smallest wanted spacing over the even one.
     pub fn finest(&self) -> f64 {
         self.sizes.iter().map(|s| s[1]).fold(1.0, f64::min)
@@ -84,12 +96,42 @@ impl Stretch {
         for size in &mut sizes {
             size[1] = size[1].max(self.size(size[0]) / 3.0);
         }
-        limit_gradient(&mut sizes, GRADIENT / self.half() * 8.0);
+        limit_gradient(&mut sizes, self.gradient());
         let length = self.high - self.low;
         self.sizes = sizes
             .iter()
             .map(|s| [(s[0] - self.low) / length, s[1]])
             .collect();
+    }
+
+    /// Lowers the wanted sizes to at most `size` at `x` [m], rising from there at the largest gradient.
+    pub fn refine_at(&mut self, x: f64, size: f64) {
+        let slope = self.gradient();
+        let wanted = |x_near: f64| size + slope * (x_near - x).abs();
+        if wanted(x.clamp(self.low, self.high)) >= 1.0 {
+            return;
+        }
+        // Places that the lowered sizes need between the known ones: a ladder from the corner outwards.
+        let mut places: Vec<f64> = vec![self.low, self.high, x];
+        let mut distance = size / slope;
+        while size + slope * distance < 2.0 {
+            places.extend([x - distance, x + distance]);
+            distance *= 1.5;
+        }
+        let length = self.high - self.low;
+        places.retain(|p| (self.low..=self.high).contains(p));
+        places.extend(self.sizes.iter().map(|s| self.low + s[0] * length));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        self.sizes = places
+            .iter()
+            .map(|&p| [(p - self.low) / length, self.size(p).min(wanted(p))])
+            .collect();
+    }
+
+    /// Largest change of the wanted size over the distance [1/m].
+    fn gradient(&self) -> f64 {
+        GRADIENT / self.half() * 8.0
     }
 }
 

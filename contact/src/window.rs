@@ -2,6 +2,7 @@
 
 use kufe_mesh::Underside;
 
+use crate::corners::{Corner, corners};
 use crate::gap::Gap;
 use crate::stretch::Stretch;
 use crate::{Load, Problem};
@@ -15,7 +16,13 @@ pub(crate) struct Patch {
     pub y: Stretch,
     /// The runner's motion towards the track at which the patch is expected: approach plus the lowest gap [m].
     pub motion: f64,
+    /// Where the keel's curvature jumps.
+    pub corners: Vec<Corner>,
 }
+
+/// Wanted spacing at a corner of the keel, at one cell over half the patch, over the contact's half-width: the tip of a
+/// pressure's peak there is as wide as the contact.
+const AT_CORNERS: f64 = 2.0;
 
 impl Patch {
     /// This patch, resolved like `other` where both have the same stretches: their meshes are similar.
@@ -27,6 +34,32 @@ impl Patch {
             self.y.sizes.clone_from(&other.y.sizes);
         }
         self
+    }
+
+    /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a mesh that does not
+    /// know of them, whatever it says of the pressure.
+    pub fn refined_at_corners(mut self) -> Self {
+        let width = self.y.half();
+        for stretch in &mut self.x {
+            let half = stretch.half();
+            for corner in &self.corners {
+                stretch.refine_at(corner.at, (AT_CORNERS * width).max(corner.within) / half);
+            }
+        }
+        self
+    }
+
+    /// Whether somewhere this patch asks for cells below `part` of those that `other` has there.
+    pub fn wants_finer_than(&self, other: &Patch, part: f64) -> bool {
+        let wants = |mine: &Stretch, theirs: &Stretch| {
+            mine.spacings()
+                .any(|[x, spacing]| spacing < part * theirs.half() * theirs.size(x))
+        };
+        let along = self.x.iter().any(|mine| {
+            let under = other.x.iter().find(|theirs| theirs.meets(mine));
+            under.is_some_and(|theirs| wants(mine, theirs))
+        });
+        along || wants(&self.y, &other.y)
     }
 
     /// Smallest wanted spacing over the even one.
@@ -53,8 +86,9 @@ impl Patch {
 /// E* d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor of 2.
 pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
     let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
-    let stations = Stations::new(problem.runner.underside.as_ref(), gap);
-    match problem.load {
+    let underside = problem.runner.underside.as_ref();
+    let stations = Stations::new(underside, gap);
+    let guess = match problem.load {
         Load::Approach { approach, .. } => stations.cut(gap, approach.max(1e-12)),
         Load::Force { fz, .. } => {
             let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
@@ -72,7 +106,12 @@ pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
             }
             stations.cut(gap, (0.5 * (low + high)).exp())
         }
+    };
+    Patch {
+        corners: corners(underside, gap.line_of_action[1]),
+        ..guess
     }
+    .refined_at_corners()
 }
 
 /// Sampled lines along and across the hull.
@@ -202,6 +241,7 @@ impl Stations {
             x,
             y,
             motion: depth + self.lowest,
+            corners: Vec::new(),
         }
     }
 }
