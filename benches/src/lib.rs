@@ -22,6 +22,6 @@ mod needle;
 mod table;
 
 pub use chart::{Chart, Line, draw};
-pub use measured::{Cost, again, best_of, peak_bytes};
+pub use measured::{Cost, again, best_of, cpu_seconds, peak_bytes};
 pub use needle::{ICE, NeedleBlock, needle_block};
 pub use table::{pressure_table, random_queries, table_of};

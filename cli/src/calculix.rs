@@ -5,7 +5,7 @@
 
 use std::io::{BufWriter, Write};
 
-use kufe_contact::Mount;
+use kufe_contact::{Mount, SurfaceField};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 /// What a deck states; here lengths in m, moduli in Pa.
@@ -26,12 +26,14 @@ pub struct Deck<'a> {
     pub symmetry: [bool; 2],
     /// How far the mount is pressed down.
     pub approach: f64,
-    /// Half width of the contact, for the stiffness of the contact's penalty.
+    /// Half width of the contact, for the stiffness of the contact.
     pub half_width: f64,
+    /// kufe's pressures over the ice's surface, for comparison.
+    pub surface: &'a SurfaceField,
 }
 
-/// Stiffness of the contact's penalty over E / half width: the ice's own is about 1.
-const PENALTY: f64 = 300.0;
+/// Stiffness of the contact over E / half width, of which the ice's own is about 1. Contact that is called hard is far softer.
+const PENALTY: f64 = 1e4;
 /// Faces may touch whose lowest node is less than this many approaches above the ice.
 const NEAR: f64 = 30.0;
 /// Millimetres in a metre.
@@ -40,8 +42,10 @@ const MM: f64 = 1e3;
 const MPA: f64 = 1e-6;
 
 /// Writes the deck: nodes, elements (C3D8 for the ice; C3D8I, which bends, for a runner held at places), materials, supports,
-/// the contact of the faces near each other by surface-to-surface penalty, and one step that presses the mount down by the
-/// approach and prints the forces on mount and bed and the contact's pressures.
+/// the contact of the faces near each other by CalculiX's mortar method without friction, and one step that presses
+/// the mount down by the approach and prints the forces on mount and bed and the contact's pressures.
+///
+/// It ends with kufe's own pressures as comments, a line a node of the underside that it found in contact: `** node, MPa`.
 ///
 /// # Errors
 /// The writer's own.
@@ -153,10 +157,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")?;
     let stiffness = PENALTY * MPA * deck.ice[0] / (MM * deck.half_width);
     writeln!(out, "{stiffness:e}")?;
-    writeln!(
-        out,
-        "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE"
-    )?;
+    writeln!(out, "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=MORTAR")?;
     writeln!(out, "UNDERSIDE, SURFACE_OF_ICE")?;
     writeln!(out, "*STEP, INC=100\n*STATIC\n1., 1.")?;
     writeln!(out, "*BOUNDARY\nBED, 1, 3")?;
@@ -175,7 +176,24 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     }
     writeln!(out, "*NODE FILE\nU\n*CONTACT FILE\nCDIS, CSTR")?;
     writeln!(out, "*END STEP")?;
+    own_pressures(&mut out, deck, offset)?;
     out.flush()
+}
+
+/// kufe's pressures as comments; the underside's nodes are the mesh's first, and stand in the surface's columns.
+fn own_pressures(out: &mut impl Write, deck: &Deck, offset: usize) -> std::io::Result<()> {
+    writeln!(out, "** contact pressures by kufe: node, MPa")?;
+    let SurfaceField { x, y, pressure, .. } = deck.surface;
+    let underside = deck.runner.cells[0][4];
+    for (node, point) in deck.runner.points.iter().take(underside).enumerate() {
+        let i = x.partition_point(|x| *x < point[0]);
+        let j = y.partition_point(|y| *y < point[1]);
+        let value = pressure[j * x.len() + i];
+        if value > 0.0 {
+            writeln!(out, "** {}, {:.9e}", offset + node + 1, MPA * value)?;
+        }
+    }
+    Ok(())
 }
 
 /// Number of cells of the lowest layer: cells are numbered layer by layer.

@@ -62,6 +62,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         symmetry: solution.symmetry,
         approach: solution.approach,
         half_width: 0.5 * solution.width,
+        surface: &solution.surface,
     };
     let folder = args.out.parent().filter(|p| !p.as_os_str().is_empty());
     let name = args

@@ -15,14 +15,18 @@ use crate::failure::Failure;
 pub fn write_ice(writer: impl Write, volume: &VolumeField, shear: bool) -> Result<(), Failure> {
     let mesh = volume.grid.hex_mesh();
     let mut sections = sections(
-        volume.youngs_modulus,
-        volume.poissons_ratio,
+        [volume.youngs_modulus, volume.poissons_ratio],
+        ElementKind::Hex8,
         mesh.cells.len(),
     )?;
     if let Some((bed, layers)) = volume.bed {
         let [nx, ny, _] = volume.grid.shape();
         let cells = layers * (nx - 1) * (ny - 1);
-        let own = self::sections(bed.youngs_modulus, bed.poissons_ratio, cells)?;
+        let own = self::sections(
+            [bed.youngs_modulus, bed.poissons_ratio],
+            ElementKind::Hex8,
+            cells,
+        )?;
         sections[..cells].copy_from_slice(&own);
     }
     write(writer, mesh, &volume.displacement, sections, shear)
@@ -39,8 +43,8 @@ pub fn write_runner(
     shear: bool,
 ) -> Result<(), Failure> {
     let sections = sections(
-        elastic.youngs_modulus,
-        elastic.poissons_ratio,
+        [elastic.youngs_modulus, elastic.poissons_ratio],
+        elastic.element_kind(),
         field.mesh.cells.len(),
     )?;
     write(
@@ -53,12 +57,11 @@ pub fn write_runner(
 }
 
 fn sections(
-    youngs_modulus: f64,
-    poissons_ratio: f64,
+    [youngs_modulus, poissons_ratio]: [f64; 2],
+    kind: ElementKind,
     cells: usize,
 ) -> Result<Vec<Section>, Failure> {
     let material = Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)?;
-    let kind = ElementKind::Hex8;
     Ok(vec![Section { material, kind }; cells])
 }
 

@@ -25,3 +25,20 @@ fn a_smaller_rocker_radius_and_a_sharper_section_press_harder() {
     assert!(p.windows(2).all(|w| w[0] < 0.97 * w[1]), "{p:?}");
     assert!(p[2] > 1.5 * p[1], "{p:?}");
 }
+
+/// All of the ice under the runner is at its bound but for the node that takes what is left of the load.
+#[test]
+fn ice_that_gives_way_bears_the_whole_load() {
+    let bench = Bench::new();
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/gallery/bounded.toml");
+    bench.succeeds(&["press", case]);
+    let text = std::fs::read_to_string(bench.path("out/result.json")).expect("result.json");
+    let result: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let number = |key: &str| result[key].as_f64().expect(key);
+    assert!(
+        (number("fz_n") / 1000.0 - 1.0).abs() < 1e-8,
+        "{}",
+        number("fz_n")
+    );
+    assert!(number("kkt_residual") < 1e-8 && number("p_max_pa") <= 17.7e6 * (1.0 + 1e-9));
+}

@@ -74,6 +74,8 @@ impl Level {
         let force: Vec<f64> = self.candidates.iter().map(|&n| state.force[n]).collect();
         let mut sets = Sets::of(&force, &bound);
         for update in 0..60 {
+            let gaps = self.gaps(state);
+            sets.free_one(&self.motion, &bound, |i| gaps[self.candidates[i]]);
             let Some(constraint) = self.constrain(&sets, &greens[0]) else {
                 break;
             };

@@ -23,7 +23,9 @@ pub fn ice_youngs_modulus(temperature: f64) -> f64 {
 /// Indentation hardness of the ice of bobsled tracks and speed-skating ovals at `temperature` [C], in [Pa].
 ///
 /// H = (14.7 - 0.6 T) MPa, from balls dropped on such ice (L. Poirier, E. P. Lozowski and R. I. Thompson, Ice hardness
-/// in winter sports, Cold Reg. Sci. Technol. 67 (2011) 129-134). Their constants are uncertain by 2.1 MPa and 0.4 MPa/K.
+/// in winter sports, Cold Reg. Sci. Technol. 67 (2011) 129-134). Their constants are uncertain by 2.1 MPa and 0.4 MPa/K. That
+/// paper is behind a paywall; J. H. Lever and others, J. Glaciol. 68 (2022) 337-356, doi 10.1017/jog.2021.97, which is open,
+/// quotes 17.4 MPa at -4.5 C (p. 351) and 17.7 MPa at -5 C (p. 342) from the same group, and the line passes through both.
 ///
 /// ```
 /// assert!((kufe_contact::ice_hardness(-5.0) / 17.7e6 - 1.0).abs() < 1e-12);
@@ -74,6 +76,14 @@ mod tests {
         let measured = polycrystal(warm)[0] / polycrystal(cold)[0];
         let stated = ice_youngs_modulus(-3.0) / ice_youngs_modulus(-16.0);
         assert!((measured - stated).abs() < 0.003, "{measured} {stated}");
+    }
+
+    /// What Lever and others (2022) quote of drop-ball hardness.
+    #[test]
+    fn hardness_is_what_is_quoted_of_it_at_two_temperatures() {
+        for (temperature, quoted) in [(-4.5, 17.4e6), (-5.0, 17.7e6)] {
+            assert!((ice_hardness(temperature) / quoted - 1.0).abs() < 1e-12);
+        }
     }
 
     /// The measured range of pressures that ice bears: 10-30 MPa from melting to -20 C.

@@ -146,8 +146,8 @@ fn one_solve(
     match options.method {
         Method::Accelerated => level.solve(state, greens, options.residual, &limit),
         Method::CholeskyActiveSet => {
-            let mount = problem.runner.elastic.as_ref().map(|e| &e.mount);
-            Progress::direct(active_set(mesh, material, mount, state))
+            let element = problem.runner.elastic.as_ref().map(|e| e.element_kind());
+            Progress::direct(active_set(mesh, material, element, state))
         }
         Method::PlainSor => {
             let held = state.displacement.clone();

@@ -1,5 +1,7 @@
 //! What holds an elastic runner.
 
+use kufe_fem::ElementKind;
+
 /// A stretch of the runner's top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
@@ -46,12 +48,20 @@ impl Mount {
     /// The steepest slope of the meshed underside that serves this mount.
     ///
     /// What is held all over its top does not bend, and a gentle flank costs nothing; where it bends, the steel that the
-    /// limit adds counts: 0.5 adds 3 per cent to the bending stiffness of a runner with a half circle for its section,
-    /// 10 mm x 30 mm.
+    /// limit adds counts: 0.35 adds 4.1 per cent to the bending stiffness of a runner with a half circle for its section,
+    /// 10 mm x 30 mm, and 0.5 takes up to a fifth more iterations.
     pub fn flank(&self) -> f64 {
         match self {
             Mount::Top => 0.25,
-            Mount::Places(_) | Mount::Loads(_) => 0.5,
+            Mount::Places(_) | Mount::Loads(_) => 0.35,
+        }
+    }
+
+    /// The element of a runner on the ice's columns: what is held all over its top cannot bend, and plain hexahedra serve.
+    pub fn element(&self) -> ElementKind {
+        match self {
+            Mount::Top => ElementKind::Hex8,
+            Mount::Places(_) | Mount::Loads(_) => ElementKind::Hex8Axial,
         }
     }
 

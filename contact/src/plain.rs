@@ -5,7 +5,6 @@ use faer::Mat;
 use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, Section, assemble};
 use kufe_mesh::TensorGrid;
 
-use crate::Mount;
 use crate::body::to_components;
 use crate::discretise::Discretisation;
 use crate::level::{Level, State};
@@ -79,7 +78,7 @@ fn sections(grid: &TensorGrid, level: &Level, material: Material) -> Option<Vec<
 pub(crate) fn active_set(
     mesh: &Discretisation,
     material: Material,
-    mount: Option<&Mount>,
+    element: Option<ElementKind>,
     state: &mut State,
 ) -> bool {
     let level = &mesh.level;
@@ -114,8 +113,8 @@ pub(crate) fn active_set(
         .map(|i| level.gap[level.candidates[i]] - unloaded[vertical(i)])
         .collect();
     let mut runner = None;
-    if let Some(mount) = mount {
-        let Some(part) = PlainRunner::new(mesh, mount, state) else {
+    if let Some(element) = element {
+        let Some(part) = PlainRunner::new(mesh, element, state) else {
             return false;
         };
         response += part.response(&level.candidates, level.gap.len());

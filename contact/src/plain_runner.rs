@@ -3,7 +3,6 @@
 use faer::Mat;
 use kufe_fem::{BlockMatrix, Body as Solid, Constraints, DofMap, ElementKind, Factor, assemble};
 
-use crate::Mount;
 use crate::body::{Body, to_components, to_nodes};
 use crate::discretise::Discretisation;
 use crate::level::State;
@@ -22,13 +21,9 @@ pub(crate) struct PlainRunner<'a> {
 
 impl<'a> PlainRunner<'a> {
     /// The runner of `mesh`, held where `state` has its held displacements. None where it cannot be factorised.
-    pub fn new(mesh: &'a Discretisation, mount: &Mount, state: &State) -> Option<Self> {
+    pub fn new(mesh: &'a Discretisation, element: ElementKind, state: &State) -> Option<Self> {
         let body = mesh.level.bodies.get(1)?;
-        let kind = match mount {
-            Mount::Top => ElementKind::Hex8,
-            Mount::Places(_) | Mount::Loads(_) => ElementKind::Hex8Axial,
-        };
-        let solid = Solid::uniform(mesh.runner_mesh.clone()?, body.material, kind).ok()?;
+        let solid = Solid::uniform(mesh.runner_mesh.clone()?, body.material, element).ok()?;
         let nodes = solid.node_count();
         let start = mesh.level.bodies[0].len();
         let held = &state.displacement[start..start + body.len()];

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use kufe_fem::ElementKind;
 use kufe_mesh::{IceSurface, Underside};
 
 use crate::{Mount, RunnerSolid};
@@ -59,6 +60,8 @@ pub struct ElasticRunner {
     /// Where the hull is steeper the solid goes on straight at this slope: it gains steel beside the contact, the gap does
     /// not change.
     pub flank: Option<f64>,
+    /// The element of the hexahedra on the ice's columns, where its mount's own ([`Mount::element`]) is not to be taken.
+    pub element: Option<ElementKind>,
     /// A runner on hexahedra of its own.
     pub solid: Option<Arc<RunnerSolid>>,
 }
@@ -72,7 +75,16 @@ impl ElasticRunner {
             top,
             mount: Mount::Top,
             flank: None,
+            element: None,
             solid: None,
+        }
+    }
+
+    /// The element of its hexahedra.
+    pub fn element_kind(&self) -> ElementKind {
+        match self.solid {
+            Some(_) => ElementKind::Hex8Incompatible,
+            None => self.element.unwrap_or(self.mount.element()),
         }
     }
 }

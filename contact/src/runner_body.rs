@@ -84,8 +84,7 @@ pub(crate) fn runner_body(
         if !for_solving {
             return Ok((body, mesh));
         }
-        // The held top lets nothing bend, so plain hexahedra serve.
-        let solid = solid(&mesh, material, ElementKind::Hex8)?;
+        let solid = solid(&mesh, material, elastic.element_kind())?;
         return Ok((body.on_mapped(&solid), mesh));
     }
     let length = extent[1] - extent[0];
@@ -97,12 +96,12 @@ pub(crate) fn runner_body(
             k[d] += m[d] / (length * length);
         }
     }
-    let averaged = operator.axes[0].averaged(SHARE);
-    let solid = solid(&mesh, material, ElementKind::Hex8Axial)?;
+    let kind = elastic.element_kind();
+    let averaged = (kind == ElementKind::Hex8Axial).then(|| operator.axes[0].averaged(SHARE));
+    let solid = solid(&mesh, material, kind)?;
     let height = grid.z[grid.z.len() - 1];
     let beam = beam_space(&solid, &operator, symmetry, [length, height]);
-    let first = Some(&averaged);
-    let mut inverse = FastInverse::new(&operator, first, 0, columns, -1.0, material);
+    let mut inverse = FastInverse::new(&operator, averaged.as_ref(), 0, columns, -1.0, material);
     inverse.add_beam(beam);
     let held = held_nodes(&elastic.mount, &grid, symmetry);
     let load = match &elastic.mount {

@@ -1,17 +1,20 @@
-//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks and mounts.
+//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks, mounts and elements.
 //!
 //! ```sh
-//! elastic       # 6 cells over half the patch
-//! elastic 8     # another number
+//! elastic                # 8 cells over half the patch
+//! elastic 6              # another number
+//! elastic --elements     # a bobsled runner and a luge steel on two places, meshed with each element
+//! elastic --large        # a luge steel on its bridges on finer and finer meshes: time, memory
 //! ```
 
 use std::sync::Arc;
 
-use kufe_benches::{ICE, best_of, peak_bytes};
+use kufe_benches::{ICE, again, best_of, cpu_seconds, peak_bytes};
 use kufe_contact::{
     ElasticRunner, Foundation, Ice, Load, LoadedPlace, Mount, Options, Place, Problem, Runner,
     Tilt, solve,
 };
+use kufe_fem::ElementKind;
 use kufe_mesh::{BobRunner, LugeSteel, MeshError, Underside};
 
 /// A runner of the gallery.
@@ -56,18 +59,26 @@ fn luge(name: &'static str, tilt: f64, curvature: f64) -> Result<Row, MeshError>
         name,
         underside: Arc::new(luge.swept()?),
         top: luge.height,
-        flank: Some(0.25),
+        flank: Some(0.15),
         curvature,
         place: [0.15, 0.012],
     })
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let cells = match std::env::args().nth(1) {
-        Some(word) => word.parse()?,
-        None => 6,
-    };
-    let gallery = [
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["--large"] => large(),
+        ["--large", cells] => one(cells.parse()?),
+        ["--elements"] => elements(8),
+        [cells] => gallery(cells.parse()?),
+        _ => gallery(8),
+    }
+}
+
+/// Every runner of the gallery on every mount.
+fn gallery(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let rows = [
         bob("bob, section 5 mm, rocker 30 m", 30.0, 0.005, 0.0)?,
         bob("bob, section 2 mm", 30.0, 0.002, 0.0)?,
         bob("bob, rocker 20 m", 20.0, 0.005, 0.0)?,
@@ -78,30 +89,92 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         luge("luge, track 40 m", 0.02, 1.0 / 40.0)?,
     ];
     println!("### Elastic runners, 1 kN, {cells} cells over half the patch, residual 1e-9\n");
-    println!("| runner | mount | iterations | unknowns | p_max | time |");
-    println!("|---|---|---|---|---|---|");
-    for row in &gallery {
+    println!("| runner | mount | iterations | unknowns | p_max | time | CPU |");
+    println!("|---|---|---|---|---|---|---|");
+    for row in &rows {
         for (mount, tilt) in [(0, "fixed"), (1, "fixed"), (2, "free")] {
             let (name, problem) = problem(row, mount, tilt == "free");
-            let options = Options {
-                cells: Some(cells),
-                ..Options::default()
-            };
-            let (seconds, solved) = best_of(1, || solve(&problem, &options));
-            match solved {
-                Ok(s) => println!(
-                    "| {} | {name} | {} | {} | {:.1} MPa | {seconds:.2} s |",
-                    row.name,
-                    s.iterations,
-                    s.dofs,
-                    1e-6 * s.p_max
-                ),
-                Err(error) => println!("| {} | {name} | {error} | | | |", row.name),
-            }
+            line(&format!("{} | {name}", row.name), &problem, cells);
         }
     }
     println!(
         "\nPeak memory of all of them: {:.2} GB",
+        peak_bytes() as f64 / 1e9
+    );
+    Ok(())
+}
+
+/// The same runners meshed with each element: what locks is too stiff, and what is softened in every plane loses its
+/// preconditioner.
+fn elements(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let rows = [bob("bob", 30.0, 0.005, 0.0)?, luge("luge", 0.02, 0.0)?];
+    println!("### Elements of a runner on two places, 1 kN, residual 1e-9\n");
+    println!(
+        "| runner, element, cells over half the patch | iterations | unknowns | p_max | time | CPU |"
+    );
+    println!("|---|---|---|---|---|---|");
+    for row in &rows {
+        for kind in [
+            ElementKind::Hex8,
+            ElementKind::Hex8Incompatible,
+            ElementKind::Hex8Axial,
+        ] {
+            for cells in [cells / 2, cells] {
+                let (_, mut problem) = problem(row, 1, false);
+                if let Some(elastic) = &mut problem.runner.elastic {
+                    elastic.element = Some(kind);
+                }
+                line(&format!("{}, {kind:?}, {cells}", row.name), &problem, cells);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn line(name: &str, problem: &Problem, cells: usize) {
+    let options = Options {
+        cells: Some(cells),
+        ..Options::default()
+    };
+    let before = cpu_seconds();
+    let (seconds, solved) = best_of(1, || solve(problem, &options));
+    let cpu = cpu_seconds() - before;
+    match solved {
+        Ok(s) => println!(
+            "| {name} | {} | {} | {:.1} MPa | {seconds:.2} s | {cpu:.2} s |",
+            s.iterations,
+            s.dofs,
+            1e-6 * s.p_max
+        ),
+        Err(error) => println!("| {name} | {error} | | | | |"),
+    }
+}
+
+/// A luge steel on its bridges on finer and finer meshes, each in a process of its own.
+fn large() -> Result<(), Box<dyn std::error::Error>> {
+    println!("### A luge steel on two bridges, 1 kN, residual 1e-9\n");
+    println!("| cells over half the patch | unknowns | iterations | time | CPU | peak memory |");
+    println!("|---|---|---|---|---|---|");
+    for cells in ["4", "6", "8", "12"] {
+        let words = again(&["--large", cells]);
+        println!("| {cells} | {} |", words.join(" ").replace(';', " |"));
+    }
+    Ok(())
+}
+
+fn one(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let (_, problem) = problem(&luge("luge", 0.02, 0.0)?, 1, false);
+    let options = Options {
+        cells: Some(cells),
+        ..Options::default()
+    };
+    let before = cpu_seconds();
+    let (seconds, solved) = best_of(1, || solve(&problem, &options));
+    let (cpu, solution) = (cpu_seconds() - before, solved?);
+    println!(
+        "{}; {}; {seconds:.2} s; {cpu:.2} s; {:.2} GB",
+        solution.dofs,
+        solution.iterations,
         peak_bytes() as f64 / 1e9
     );
     Ok(())

@@ -134,8 +134,8 @@ impl Case {
         }
         Ok(ElasticRunner {
             mount: mount.unwrap_or_default(),
-            // A luge steel is flat across: a gentle limit adds nothing to its bending stiffness.
-            flank: matches!(self.runner.shape, Some(Shape::Luge { .. })).then_some(0.25),
+            // A luge steel is flat across: a gentle limit adds steel over the radius of its edge alone.
+            flank: matches!(self.runner.shape, Some(Shape::Luge { .. })).then_some(0.15),
             ..ElasticRunner::held_at_top(
                 self.runner.youngs_modulus_pa,
                 self.runner.poissons_ratio,
