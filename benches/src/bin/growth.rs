@@ -123,6 +123,8 @@ fn tables(folder: Option<&Path>) {
         ];
         kufe_benches::draw(&folder.join("growth.svg"), &charts)
             .unwrap_or_else(|error| panic!("{error}"));
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        println!("\n![Time and memory over size]({name}/growth.svg)");
     }
 }
 
@@ -223,19 +225,22 @@ fn runs(count: usize) -> [f64; 2] {
 fn candidates(count: usize) -> [f64; 2] {
     const RUNS: usize = 20;
     const SAMPLES: usize = 1000;
+    const LEVELS: usize = 1;
     const BASE: usize = 3;
+    let width = LEVELS + BASE + count + 1;
     let columns: Vec<DMatrix<f64>> = (0..RUNS)
         .map(|run| {
-            DMatrix::from_fn(SAMPLES, BASE + count + 1, |i, j| {
-                ((i * (j + 2)) as f64 * 0.37 + run as f64).sin()
+            DMatrix::from_fn(SAMPLES, width, |i, j| match j {
+                0 => 1.0,
+                _ => ((i * (j + 1)) as f64 * 0.37 + run as f64).sin(),
             })
         })
         .collect();
-    let windows = DMatrix::zeros(0, BASE + count + 1);
+    let windows = DMatrix::zeros(0, width);
     let (seconds, _) = best_of(3, || {
         let grams: Vec<Gram> = columns
             .par_iter()
-            .map(|columns| Gram::new(columns, 0, &windows, &[]))
+            .map(|columns| Gram::new(&columns.tr_mul(columns), LEVELS, &windows, &[]))
             .collect();
         Scores::new(&grams, BASE).total_information(0)
     });
