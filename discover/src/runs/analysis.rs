@@ -48,6 +48,8 @@ pub struct Seen {
     pub bias_t: f64,
     /// Whether it stands out over the whole trusted range of the noise, with one sign.
     pub holds: bool,
+    /// The same for a further place of an effect that is known to act in some.
+    pub holds_again: bool,
     /// p-value by sign-flips, max-T over its kind.
     pub p_value: f64,
     /// What it explains, in units of the noise's variance.
@@ -176,6 +178,7 @@ pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look
                     0.0
                 },
                 holds: robust_t >= critical * if c < regular { 0.85 } else { PLACES },
+                holds_again: robust_t >= critical,
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 gain: sum * sum / information,
                 held_gain: held_gain(&u, &scores.information, c),
@@ -307,11 +310,13 @@ impl Seeing {
     }
 
     /// Whether a candidate may be claimed.
-    pub fn claimable(&self, c: usize, candidate: &Candidate, alpha: f64) -> bool {
+    ///
+    /// `again` says that its effect has already been named in another place.
+    pub fn claimable(&self, c: usize, candidate: &Candidate, alpha: f64, again: bool) -> bool {
         let s = &self.seen[c];
         s.usable
             && s.p_value <= alpha
-            && s.holds
+            && (s.holds || again && s.holds_again)
             && s.held_gain > 0.0
             && (candidate.low..=candidate.high).contains(&s.size)
     }

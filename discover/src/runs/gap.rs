@@ -1,6 +1,6 @@
 //! The gap before and after, and how much of what could be explained was.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::chain::{CHANNEL_NAMES, CHANNELS, Chain};
@@ -12,7 +12,7 @@ use super::twins::TwinMaker;
 use super::whiten::Whitener;
 use crate::random::{below, stream};
 use crate::report::{ChannelGap, Interval};
-use crate::score::ridge_inverse;
+use crate::score::{ridge_inverse, studentised};
 
 /// Root mean square by used channel before and after.
 pub fn channels(
@@ -53,7 +53,7 @@ pub fn channels(
 
 /// Share of the explainable gap that is closed.
 ///
-/// On the training runs everything that any candidate direction explains of the residual before is fitted, f. On other
+/// On the training runs what the candidates' directions explain of the residual before is fitted, f ([`explained`]). On other
 /// runs, whose noise is independent of f, `f . r_before` measures what is explainable there and `f . r_after` what of it
 /// is left; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs; it is
 /// -1 to 1 where the runs hold too little that is explainable.
@@ -68,20 +68,19 @@ pub fn explainable_closed(
     let p = before.fitted();
     let products = before.products(training);
     let noise = noise_products(before, training, maker, 3_000_017);
-    let m = products[0].full.ncols() - LEVELS;
-    let mut total = nalgebra::DMatrix::zeros(m, m);
-    for (x, d) in products.iter().zip(&noise) {
-        total += (&x.full - d).view((LEVELS, LEVELS), (m, m));
-    }
-    // The base's own directions are fitted along, so that f is what goes beyond them.
-    let coefficients: DVector<f64> =
-        (ridge_inverse(total.view((0, 0), (m - 1, m - 1)).into_owned())
-            * total.view((0, m - 1), (m - 1, 1)))
-        .column(0)
-        .into_owned();
+    let grams: Vec<_> = products
+        .iter()
+        .zip(&noise)
+        .map(|(x, d)| {
+            let m = x.full.ncols() - LEVELS;
+            (&x.full - d).view((LEVELS, LEVELS), (m, m)).into_owned()
+        })
+        .collect();
+    let m = grams[0].ncols();
+    let coefficients = explained(&grams, p);
     let pair = |frame: &Frame| -> (f64, f64) {
         let x = before.columns(frame);
-        let f: DVector<f64> = x.columns(LEVELS + p, m - 1 - p) * coefficients.rows(p, m - 1 - p);
+        let f: DVector<f64> = x.columns(LEVELS, m - 1) * &coefficients;
         let r_before = x.column(m + LEVELS - 1).into_owned();
         let r_after = DVector::from_vec(before.whitener.apply(&after.residuals(frame)));
         (f.dot(&r_before), f.dot(&r_after))
@@ -132,6 +131,57 @@ pub fn explainable_closed(
         low: values[values.len() / 40],
         high: values[values.len() - 1 - values.len() / 40],
     }
+}
+
+/// Coefficients of all columns, base first, of what the candidates explain beyond the base.
+///
+/// The candidates' products beyond the base, scaled to a unit diagonal, are split into principal directions. A direction takes
+/// part where it is not all but collinear with others, and where its scores stand out by two errors over runs: what the rest
+/// adds to f is noise, which would hide how much of the rest is closed.
+fn explained(grams: &[DMatrix<f64>], p: usize) -> DVector<f64> {
+    const LEAST_SHARE: f64 = 1e-2;
+    const STANDS_OUT: f64 = 2.0;
+    let m = grams[0].ncols();
+    let q = m - 1 - p;
+    let total = grams.iter().fold(DMatrix::zeros(m, m), |sum, g| sum + g);
+    let base = ridge_inverse(total.view((0, 0), (p, p)).into_owned());
+    // The base's part of each candidate, and of the residual.
+    let of_candidates = &base * total.view((0, p), (p, q));
+    let of_residual = (&base * total.view((0, m - 1), (p, 1)))
+        .column(0)
+        .into_owned();
+    let beyond = total.view((p, p), (q, q)) - total.view((p, 0), (q, p)) * &of_candidates;
+    let scale = DVector::from_fn(q, |c, _| {
+        let own = total[(p + c, p + c)];
+        if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }
+    });
+    let scaled = DMatrix::from_fn(q, q, |a, b| scale[a] * beyond[(a, b)] * scale[b]);
+    let scaled = (&scaled + scaled.transpose()) * 0.5;
+    let scores: Vec<DVector<f64>> = grams
+        .iter()
+        .map(|g| {
+            let left = g.view((0, m - 1), (m - 1, 1)).column(0)
+                - g.view((0, 0), (m - 1, p)) * &of_residual;
+            let u = left.rows(p, q) - of_candidates.tr_mul(&left.rows(0, p));
+            u.component_mul(&scale)
+        })
+        .collect();
+    let eigen = scaled.symmetric_eigen();
+    let mut coefficients = DVector::zeros(m - 1);
+    for (k, value) in eigen.eigenvalues.iter().enumerate() {
+        let along = eigen.eigenvectors.column(k);
+        let of_runs = scores.iter().map(|u| along.dot(u));
+        if *value < LEAST_SHARE || studentised(of_runs.clone()).abs() < STANDS_OUT {
+            continue;
+        }
+        let size = of_runs.sum::<f64>() / value;
+        let candidates = along.component_mul(&scale) * size;
+        let mut rows = coefficients.rows_mut(0, p);
+        rows -= &of_candidates * &candidates;
+        let mut rows = coefficients.rows_mut(p, q);
+        rows += candidates;
+    }
+    coefficients
 }
 
 /// Bins of every column in which the whitened residual stands out, by sign-flips over runs and max-T over all bins.

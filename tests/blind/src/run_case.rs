@@ -123,7 +123,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
         };
         for (effect, answer) in hidden.iter_mut().zip(&mut hides) {
             effect.size *= 0.7;
-            answer.size = effect.size;
+            answer.size = as_stated(effect.kind, effect.size);
             let channels = channels(effect.kind);
             answer.share = gauge.share(&gauge.signature(effect, channels));
         }
@@ -196,6 +196,14 @@ fn draw_sled(source: &mut Source) -> Sled {
     sled
 }
 
+/// The size in the sense in which a model states it: here tracks climb where their slope is positive, a model's slopes fall.
+fn as_stated(kind: Kind, size: f64) -> f64 {
+    match kind {
+        Kind::Slope | Kind::TrackProfile => -size,
+        _ => size,
+    }
+}
+
 /// The channels in which an effect shows.
 fn channels(kind: Kind) -> Channels {
     if kind.entry().longitudinal {
@@ -255,7 +263,7 @@ fn hide(
         effect: entry.name.to_owned(),
         class,
         key: entry.key.to_owned(),
-        size: effect.size,
+        size: as_stated(kind, effect.size),
         unit: entry.unit.to_owned(),
         share: reached,
         places: effect

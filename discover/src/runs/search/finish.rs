@@ -3,6 +3,9 @@
 use super::super::by_run::by_run;
 use super::*;
 
+/// How far off the two edges of a stretch may be together, a standard deviation [m]: what it is too long it is too weak.
+const EDGES_M: f64 = 1.5;
+
 /// Where a search ends: before and after, and what was locked away.
 pub(super) struct Ends {
     /// The fitted base model.
@@ -122,13 +125,20 @@ impl Searcher<'_> {
                 }
                 Kind::Custom(custom) => ("value".to_owned(), custom.unit.clone()),
             };
+            let edges = as_candidate(&after.effects.active[e], &self.candidates.local)
+                .and_then(|local| local.window())
+                .map_or(0.0, |(from, to)| EDGES_M / (to - from).max(EDGES_M));
+            let wider = |end: f64| {
+                let way = end - est.value;
+                est.value + way.signum() * way.hypot(1.96 * edges * est.value)
+            };
             self.steps[self.owners[e - already]]
                 .parameters
                 .push(Fitted {
                     name,
                     value: est.value,
-                    low: est.low,
-                    high: est.high,
+                    low: wider(est.low),
+                    high: wider(est.high),
                     unit,
                 });
         }

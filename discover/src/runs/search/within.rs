@@ -62,10 +62,15 @@ impl Searcher<'_> {
             (Some(_), _) => options.alpha_local,
             _ => options.alpha,
         };
+        let again = |candidate: &Candidate| {
+            candidate.window().is_some() && self.steps.iter().any(|s| s.effect == candidate.effect)
+        };
         let most = (0..regular.len())
             .map(|c| (&regular[c], c))
             .chain(places.iter().map(|(candidate, c)| (candidate, *c)))
-            .filter(|(candidate, c)| seeing.claimable(*c, candidate, alpha_of(candidate)))
+            .filter(|(candidate, c)| {
+                seeing.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+            })
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
         // Windows that compete, with edges found to a few metres, are judged as ordinary candidates beside all others.
@@ -113,7 +118,10 @@ impl Searcher<'_> {
         let best = |wanted: bool| {
             (0..list.len())
                 .filter(|c| list[*c].is_unknown() == wanted)
-                .filter(|c| together.claimable(*c, &list[*c], alpha_of(&list[*c])))
+                .filter(|c| {
+                    let candidate = &list[*c];
+                    together.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                })
                 .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
         // What the catalogue knows comes first, unless a column beyond it takes all that the name explains and more.
@@ -157,8 +165,9 @@ impl Searcher<'_> {
 
     /// A window with its edges moved to where it explains most.
     pub(super) fn refined(&self, at: &Stand, candidate: &Candidate) -> Candidate {
-        const MOVES: [f64; 7] = [-7.5, -5.0, -2.5, 0.0, 2.5, 5.0, 7.5];
-        let (Some(track), Some((from, to))) = (&candidate.track, candidate.window()) else {
+        const MOVES: [f64; 7] = [-10.0, -5.0, -2.5, 0.0, 2.5, 5.0, 10.0];
+        const ROUNDS: usize = 3;
+        let Some(track) = &candidate.track else {
             return candidate.clone();
         };
         let there: Vec<Frame> = self
@@ -167,24 +176,36 @@ impl Searcher<'_> {
             .filter(|f| f.track == *track)
             .cloned()
             .collect();
-        let trials: Vec<Candidate> = MOVES
-            .iter()
-            .flat_map(|a| MOVES.iter().map(move |b| (from + a, to + b)))
-            .filter(|(a, b)| b - a >= 5.0)
-            .map(|(a, b)| candidate.within(track, a, b))
-            .collect();
-        let design = at.design(&trials);
-        let grams: Vec<_> = design
-            .products(&there)
-            .iter()
-            .map(Products::plain)
-            .collect();
-        let scores = Scores::new(&grams, design.fitted());
-        let gain = |c: usize| -> f64 {
-            scores.u.row(c).sum().powi(2) / scores.total_information(c).max(1e-300)
-        };
-        (0..trials.len())
-            .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
-            .map_or_else(|| candidate.clone(), |c| trials[c].clone())
+        let mut best = candidate.clone();
+        for _ in 0..ROUNDS {
+            let Some((from, to)) = best.window() else {
+                break;
+            };
+            let trials: Vec<Candidate> = MOVES
+                .iter()
+                .flat_map(|a| MOVES.iter().map(move |b| (from + a, to + b)))
+                .filter(|(a, b)| b - a >= 5.0)
+                .map(|(a, b)| candidate.within(track, a, b))
+                .collect();
+            let design = at.design(&trials);
+            let grams: Vec<_> = design
+                .products(&there)
+                .iter()
+                .map(Products::plain)
+                .collect();
+            let scores = Scores::new(&grams, design.fitted());
+            let gain = |c: usize| -> f64 {
+                scores.u.row(c).sum().powi(2) / scores.total_information(c).max(1e-300)
+            };
+            let Some(most) = (0..trials.len()).max_by(|a, b| gain(*a).total_cmp(&gain(*b))) else {
+                break;
+            };
+            let settled = trials[most].window() == Some((from, to));
+            best = trials[most].clone();
+            if settled {
+                break;
+            }
+        }
+        best
     }
 }
