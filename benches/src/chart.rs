@@ -63,7 +63,7 @@ pub fn draw(path: &Path, charts: &[Chart]) -> Result<(), kufe_plot::Error> {
                 axes.draw_series(points.iter().map(|&p| Circle::new(p, 3, colour.filled())))?;
             }
             axes.configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
+                .position(SeriesLabelPosition::LowerRight)
                 .background_style(WHITE.mix(0.85))
                 .border_style(BLACK.mix(0.3))
                 .label_font(("sans-serif", 12))
