@@ -78,20 +78,20 @@ static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_nan_(void) {
   return looked;
 }
 
-static KUFE_LUT_UNUSED double kufe_lut_asinh_(double x) {
-  double size = fabs(x);
-  return copysign(log1p(size + size * size / (1.0 + sqrt(1.0 + size * size))), x);
-}
+/* exp(asinh(|x|)). */
+static KUFE_LUT_UNUSED double kufe_lut_far_(double x) { return fabs(x) + sqrt(1.0 + x * x); }
 
 /* The place on the second axis of a force and a curvature: the curvature itself, or the reduced curvature
-   (s(curvature) - s(from)) / (s(to) - s(from)) with s(k) = asinh((k - flush) / (scale * fz)). */
+   (s(curvature) - s(from)) / (s(to) - s(from)) with s(k) = asinh((k - flush) / (scale * fz)); from < flush < to. */
 static KUFE_LUT_UNUSED double kufe_lut_place_on_(const double *flush, double fz, double curvature) {
-  double width, from, to;
+  double width, x, below, whole, part;
   if (!flush) return curvature;
   width = flush[1] * fz;
-  from = kufe_lut_asinh_((flush[2] - flush[0]) / width);
-  to = kufe_lut_asinh_((flush[3] - flush[0]) / width);
-  return (kufe_lut_asinh_((curvature - flush[0]) / width) - from) / (to - from);
+  below = kufe_lut_far_((flush[2] - flush[0]) / width);
+  whole = log(kufe_lut_far_((flush[3] - flush[0]) / width) * below);
+  x = (curvature - flush[0]) / width;
+  part = x < 0.0 ? log(below / kufe_lut_far_(x)) : log(kufe_lut_far_(x) * below);
+  return part / whole;
 }
 
 /* Piecewise bilinear with clipping, as Simulink's n-D Lookup Table (linear point-slope, clip, use last value). */
