@@ -1,7 +1,5 @@
 //! Places along a runner where its keel's curvature jumps.
 
-use kufe_mesh::Underside;
-
 /// A place where the keel's curvature changes at once, as where a rocker goes over into an end's radius.
 ///
 /// A pressure has a peak there with a tip of logarithms: its slope grows like ln(distance) down to a distance
@@ -24,14 +22,15 @@ const MOST: usize = 12;
 /// A jump is looked for down to this step [m]: shorter ones drown in the rounding of heights.
 const SHORTEST: f64 = 1e-5;
 
-/// The corners of a hull on its line along x at `y`, in order. An unbounded hull has none.
-pub(crate) fn corners(hull: &dyn Underside, y: f64) -> Vec<Corner> {
-    let [low, high, right, left] = hull.extent();
+/// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x low, x high, y low, y
+/// high]; none where that is unbounded along x.
+pub(crate) fn corners(heights: impl Fn(f64, f64) -> f64, extent: [f64; 4], y: f64) -> Vec<Corner> {
+    let [low, high, right, left] = extent;
     let step = (high - low) / INTERVALS as f64;
     if !step.is_finite() {
         return Vec::new();
     }
-    let keel = |x: f64| hull.height(x, y);
+    let keel = |x: f64| heights(x, y);
     let change =
         |x: f64, step: f64| (bend(keel, x + step, step) - bend(keel, x - step, step)).abs();
     let place = |i: usize| low + step * i as f64;
@@ -41,7 +40,7 @@ pub(crate) fn corners(hull: &dyn Underside, y: f64) -> Vec<Corner> {
     // Flat sections count as round ones of their width.
     let flattest = 2.0 / (left - right);
     let counts = |i: &usize| {
-        let across = bend(|y| hull.height(place(*i), y), y, 0.1 * step).abs();
+        let across = bend(|y| heights(place(*i), y), y, 0.1 * step).abs();
         inside(*i)
             && changes[*i] >= changes[*i - 1]
             && changes[*i] > changes[*i + 1]
@@ -85,24 +84,25 @@ fn narrowed(change: &impl Fn(f64, f64) -> f64, mut at: f64, mut step: f64) -> Co
 
 #[cfg(test)]
 mod tests {
-    use kufe_mesh::{BobRunner, Paraboloid};
+    use kufe_mesh::{BobRunner, Paraboloid, Underside};
 
     use super::*;
+
+    fn of(hull: &dyn Underside) -> Vec<Corner> {
+        corners(|x, y| hull.height(x, y), hull.extent(), 0.0)
+    }
 
     #[test]
     fn a_runner_has_its_corners_where_its_rocker_ends_and_a_paraboloid_has_none() {
         let runner = BobRunner::default().swept().unwrap();
         let start = 0.5 * runner.length() - runner.ends().unwrap().length;
-        let found = corners(&runner, 0.0);
+        let found = of(&runner);
         assert_eq!(found.len(), 2, "{found:?}");
         for (corner, at) in found.iter().zip([-start, start]) {
             assert!((corner.at - at).abs() < SHORTEST, "{corner:?} {at}");
             assert_eq!(corner.within, 0.0);
         }
-        assert_eq!(
-            corners(&Paraboloid::new(30.0, 0.005).unwrap(), 0.0),
-            Vec::new()
-        );
+        assert_eq!(of(&Paraboloid::new(30.0, 0.005).unwrap()), Vec::new());
     }
 
     /// A keel whose curvature rises by 5 1/m within 4 mm about 0.2 m.
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_gradual_change_is_a_corner_as_wide_as_it_is() {
-        let found = corners(&Bent, 0.0);
+        let found = of(&Bent);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!((found[0].at - 0.2).abs() < 0.002, "{found:?}");
         assert!((0.4e-3..4e-3).contains(&found[0].within), "{found:?}");

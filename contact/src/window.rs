@@ -107,11 +107,29 @@ pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
             stations.cut(gap, (0.5 * (low + high)).exp())
         }
     };
-    Patch {
-        corners: corners(underside, gap.line_of_action[1]),
-        ..guess
+    let y = gap.line_of_action[1];
+    let corners = match &problem.ice_surface {
+        None => corners(|x, y| underside.height(x, y), underside.extent(), y),
+        // The ice may have corners too, and under an unbounded hull nothing else says where to look.
+        Some(_) => corners(|x, y| gap.at(x, y), within(&guess, underside.extent()), y),
+    };
+    Patch { corners, ..guess }.refined_at_corners()
+}
+
+/// The hull's extent; where it is unbounded, along x thrice the patch that is expected.
+fn within(guess: &Patch, [low, high, right, left]: [f64; 4]) -> [f64; 4] {
+    if low.is_finite() && high.is_finite() {
+        return [low, high, right, left];
     }
-    .refined_at_corners()
+    let from = guess
+        .x
+        .iter()
+        .fold(f64::INFINITY, |from, x| from.min(x.low));
+    let to = guess
+        .x
+        .iter()
+        .fold(f64::NEG_INFINITY, |to, x| to.max(x.high));
+    [2.0 * from - to, 2.0 * to - from, right, left]
 }
 
 /// Sampled lines along and across the hull.
