@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use kufe_contact::{Bed, Foundation, Method, Options, Problem, Solution, hertz, solve};
-use kufe_mesh::{HeightMap, IceSurface, Interpolation, Paraboloid, Waviness};
+use kufe_mesh::{HeightMap, IceSurface, Interpolation, Paraboloid, Underside, Waviness};
 use kufe_tests::contact::{ICE_E, ICE_NU, contact_modulus, on_half_space};
 
 const CONCRETE: Bed = Bed {
@@ -179,4 +179,51 @@ fn waves_as_a_height_map_press_like_waves_as_a_formula() {
     // A crest under the load: more curvature, more pressure than on even ice.
     let even = hertz(30.0, 0.005, contact_modulus(), 1000.0).p_max;
     assert!(formula.p_max > 1.02 * even, "{} {even}", formula.p_max);
+}
+
+/// Height of a hull's ends of 1 m radius beyond 80 mm [m].
+fn ends(x: f64) -> f64 {
+    0.5 * (x.abs() - 0.08).max(0.0).powi(2)
+}
+
+/// A straight keel with ends of 1 m radius, section radius 5 mm.
+struct Straight;
+
+impl Underside for Straight {
+    fn height(&self, x: f64, y: f64) -> f64 {
+        y * y / 0.01 + ends(x)
+    }
+    fn extent(&self) -> [f64; 4] {
+        [-0.3, 0.3, -0.005, 0.005]
+    }
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        [true, true]
+    }
+}
+
+/// Ice that falls off where that hull's ends rise.
+struct Falling;
+
+impl IceSurface for Falling {
+    fn height(&self, x: f64, _: f64) -> f64 {
+        -ends(x)
+    }
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        [true, true]
+    }
+}
+
+#[test]
+fn a_corner_of_the_ice_is_heeded_like_one_of_the_hull() {
+    let hull = solved(&on_half_space(Straight, 1000.0), 0.003);
+    let mut problem = on_half_space(Paraboloid::new(f64::INFINITY, 0.005).unwrap(), 1000.0);
+    problem.ice_surface = Some(Arc::new(Falling));
+    let ice = solved(&problem, 0.003);
+    let stated = hull.p_max_error + ice.p_max_error;
+    assert!(
+        (hull.p_max - ice.p_max).abs() <= stated,
+        "{} {} {stated}",
+        hull.p_max,
+        ice.p_max
+    );
 }
