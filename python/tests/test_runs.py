@@ -124,7 +124,7 @@ def test_the_second_block_of_the_documentation_runs(runs, model, monkeypatch):
     (runs.parent / "experiments.csv").write_text(EXPERIMENTS)
     text = pathlib.Path(os.environ["KUFE_PAGE"]).read_text()
     block = text.split("```python\n")[2].split("```")[0]
-    names = {}
+    names = {"kufe": kufe}
     exec(compile(block, "python.md", "exec"), names)
     assert len(names["evaluation"].groups) > 0 and names["found"].sentence
 
