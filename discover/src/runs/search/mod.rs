@@ -347,23 +347,7 @@ impl Searcher<'_> {
                 continue;
             }
             self.owners.push(self.steps.len());
-            self.steps.push(Step {
-                effect: pick.candidate.effect.clone(),
-                class: pick.class,
-                channel: CHANNEL_NAMES[pick.channel].0.to_owned(),
-                place: pick.place,
-                p_value: pick.p_value,
-                parameters,
-                gap_before: before,
-                gap_after: after,
-                unit: CHANNEL_NAMES[pick.channel].1.to_owned(),
-                explainable_gap_closed: Interval {
-                    value: 0.0,
-                    low: 0.0,
-                    high: 0.0,
-                },
-                rivals: pick.rivals,
-            });
+            self.steps.push(step(pick, parameters, [before, after]));
         }
         Ok((chain, note))
     }
@@ -375,23 +359,29 @@ impl Searcher<'_> {
             "{}: the model has no such column, so that nothing was switched on",
             pick.candidate.effect
         ));
-        self.steps.push(Step {
-            effect: pick.candidate.effect,
-            class: pick.class,
-            channel: CHANNEL_NAMES[pick.channel].0.to_owned(),
-            place: pick.place,
-            p_value: pick.p_value,
-            parameters: Vec::new(),
-            gap_before: gap,
-            gap_after: gap,
-            unit: CHANNEL_NAMES[pick.channel].1.to_owned(),
-            explainable_gap_closed: Interval {
-                value: 0.0,
-                low: 0.0,
-                high: 0.0,
-            },
-            rivals: pick.rivals,
-        });
+        self.steps.push(step(pick, Vec::new(), [gap, gap]));
+    }
+}
+
+/// What a pick adds to the report; how much of the gap it closes is told once the search has ended.
+fn step(pick: Pick, parameters: Vec<Fitted>, [gap_before, gap_after]: [f64; 2]) -> Step {
+    let (channel, unit) = CHANNEL_NAMES[pick.channel];
+    Step {
+        effect: pick.candidate.effect,
+        class: pick.class,
+        channel: channel.to_owned(),
+        place: pick.place,
+        p_value: pick.p_value,
+        parameters,
+        gap_before,
+        gap_after,
+        unit: unit.to_owned(),
+        explainable_gap_closed: Interval {
+            value: 0.0,
+            low: 0.0,
+            high: 0.0,
+        },
+        rivals: pick.rivals,
     }
 }
 
