@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::candidates::Candidate;
-use super::corrected::noise_products;
+use super::corrected::mean_noise_products;
 use super::data::Frame;
 use super::design::{Design, Window};
 use super::twins::TwinMaker;
@@ -76,16 +76,7 @@ pub struct Seeing {
 pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look) -> Seeing {
     let base = design.fitted();
     let products = design.products(frames);
-    let mut noise = noise_products(design, frames, maker, 0);
-    for k in 1..options.pairs {
-        for (sum, more) in noise
-            .iter_mut()
-            .zip(noise_products(design, frames, maker, k))
-        {
-            *sum += more;
-        }
-    }
-    noise.iter_mut().for_each(|d| *d /= options.pairs as f64);
+    let noise = mean_noise_products(design, frames, maker, 0..options.pairs);
     let grams: Vec<_> = products
         .iter()
         .zip(&noise)

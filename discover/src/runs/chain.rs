@@ -22,6 +22,8 @@ use super::data::Frame;
 pub const GRAVITY: f64 = 9.81;
 /// Number of residual channels.
 pub const CHANNELS: usize = 4;
+/// Those of them that the forces enter: the first.
+pub const BALANCES: usize = 3;
 /// Their names and units.
 pub const CHANNEL_NAMES: [(&str, &str); CHANNELS] = [
     ("along", "N"),
@@ -319,15 +321,14 @@ impl<'a> Here<'a> {
         [base, self.with_effects(at, base)]
     }
 
-    /// Residual with base multiplier `b` moved by a small `step`; `base` are the base laws' forces.
-    pub fn residual_with_base(
+    /// Balances with base multiplier `b` moved by a small `step`; `base` are the base laws' forces.
+    pub fn balances_with_base(
         &self,
-        i: usize,
         at: &Instant,
         base: &Forces,
         b: usize,
         step: f64,
-    ) -> [f64; CHANNELS] {
+    ) -> [f64; BALANCES] {
         let mut forces = *base;
         let change = step / self.chain.base[b];
         match b {
@@ -342,69 +343,82 @@ impl<'a> Here<'a> {
                 };
             }
         }
-        self.close(i, at, &self.with_effects(at, forces))
+        self.balances(at, &self.with_effects(at, forces))
     }
 
-    /// What the balances leave of these forces; 0 in the track channel without a survey.
-    pub fn close(&self, i: usize, at: &Instant, forces: &Forces) -> [f64; CHANNELS] {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
+    /// What the balances along, aside and about the vertical leave of these forces.
+    pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+        let sled = &self.chain.vehicle.sled;
         let (m, a) = (&at.signals, &at.state.acceleration);
         let ((sg, cg), (sd, cd), (sa, ca)) = (at.split, at.steer, at.chassis);
         let (fx, fy) = (forces.along[0], forces.across[0]);
         let front_load = (at.front_z - sg * (sd * fx + cd * fy)) / cg;
         let front_x = cd * fx - sd * fy;
         let front_y = cg * (sd * fx + cd * fy) - sg * front_load;
-        let track = match frame.slope.get(i) {
-            None => 0.0,
-            Some(slope) => {
-                let slope = slope + self.effects.slope("", frame.s[i]);
-                let gravity = GRAVITY * slope.sin();
-                if self.chain.along_path {
-                    frame.v_slope[i] - gravity - a[0] * ca + a[1] * sa
-                } else {
-                    let (sin, cos) = m.slip.sin_cos();
-                    let forward = frame.v_slope[i] * cos - frame.v[i] * sin * m.slip_rate;
-                    let rate = at.state.yaw_rate;
-                    let across = -frame.v[i] * sin - sled.slip_x_m * rate;
-                    forward - gravity - a[0] - rate * across
-                }
-            }
-        };
         [
             m.mass * a[0] - (front_x + forces.along[1] + at.drag * ca + forces.body_along),
             m.mass * a[1] - (front_y + forces.across[1] - at.drag * sa + forces.body_across),
             sled.j_zz_kgm2 * at.yaw_slope - (sled.l_f_m * front_y - sled.l_r_m * forces.across[1]),
-            track,
         ]
+    }
+
+    /// What the track channel leaves; 0 without a survey.
+    fn track(&self, i: usize, at: &Instant) -> f64 {
+        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
+        let (a, (sa, ca)) = (&at.state.acceleration, at.chassis);
+        let Some(slope) = frame.slope.get(i) else {
+            return 0.0;
+        };
+        let gravity = GRAVITY * (slope + self.effects.slope("", frame.s[i])).sin();
+        if self.chain.along_path {
+            return frame.v_slope[i] - gravity - a[0] * ca + a[1] * sa;
+        }
+        let (sin, cos) = at.signals.slip.sin_cos();
+        let forward = frame.v_slope[i] * cos - frame.v[i] * sin * at.signals.slip_rate;
+        let rate = at.state.yaw_rate;
+        let across = -frame.v[i] * sin - sled.slip_x_m * rate;
+        forward - gravity - a[0] - rate * across
     }
 
     /// Residual of a sample with these corrected signals.
     pub fn residual(&self, i: usize, m: &Measured) -> [f64; CHANNELS] {
         let mut at = self.instant(i, m);
         let [_, forces] = self.forces(&mut at);
-        self.close(i, &at, &forces)
+        let [along, side, yaw] = self.balances(&at, &forces);
+        [along, side, yaw, self.track(i, &at)]
     }
 
-    /// Residual of a sample with one more effect at a small size, `at` and `forces` being those without it.
-    pub fn residual_with(
+    /// Balances of a sample by this chain, `at` and `base` being motion and base forces of one with the same base laws.
+    pub fn balances_beside(&self, i: usize, at: &Instant, base: &Forces) -> [f64; BALANCES] {
+        let m = self.measured(i, self.chain.vehicle.sled.mass_kg);
+        if m == at.signals {
+            return self.balances(at, &self.with_effects(at, *base));
+        }
+        let mut other = self.instant(i, &m);
+        let [_, forces] = self.forces(&mut other);
+        self.balances(&other, &forces)
+    }
+
+    /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it.
+    pub fn balances_with(
         &self,
         i: usize,
         effect: &Active,
         at: &Instant,
         forces: &Forces,
-    ) -> [f64; CHANNELS] {
+    ) -> [f64; BALANCES] {
         if effect
             .track
             .as_deref()
             .is_some_and(|only| only != self.frame.track)
         {
-            return self.close(i, at, forces);
+            return self.balances(at, forces);
         }
         match &effect.kind {
             Kind::Custom(custom) => {
                 let mut forces = *forces;
                 custom.act(effect.values[0], &at.state, &mut forces);
-                self.close(i, at, &forces)
+                self.balances(at, &forces)
             }
             Kind::Catalogue(kind) => {
                 let mut m = at.signals;
@@ -412,14 +426,14 @@ impl<'a> Here<'a> {
                 if m == at.signals {
                     let mut forces = *forces;
                     kind.act(&effect.values, &at.state, &mut forces);
-                    return self.close(i, at, &forces);
+                    return self.balances(at, &forces);
                 }
                 // Another signal is another motion.
                 let mut other = self.instant(i, &m);
                 let base = self.base_forces_near(&mut other, at);
                 let mut forces = self.with_effects(&other, base);
                 kind.act(&effect.values, &other.state, &mut forces);
-                self.close(i, &other, &forces)
+                self.balances(&other, &forces)
             }
         }
     }

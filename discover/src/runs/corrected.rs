@@ -54,3 +54,24 @@ pub fn noise_products(
         })
         .collect()
 }
+
+/// The mean of [`noise_products`] over several pairs of twins.
+pub fn mean_noise_products(
+    design: &Design,
+    frames: &[Frame],
+    maker: &TwinMaker,
+    rounds: std::ops::Range<u64>,
+) -> Vec<DMatrix<f64>> {
+    let share = 1.0 / (rounds.end - rounds.start) as f64;
+    let mut sums: Vec<DMatrix<f64>> = Vec::new();
+    for round in rounds {
+        let one = noise_products(design, frames, maker, round);
+        if sums.is_empty() {
+            sums = one;
+        } else {
+            sums.iter_mut().zip(one).for_each(|(sum, d)| *sum += d);
+        }
+    }
+    sums.iter_mut().for_each(|sum| *sum *= share);
+    sums
+}

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::chain::{BASE, CHANNELS, Chain, Here};
+use super::chain::{BALANCES, BASE, Chain, Here};
 use super::data::Frame;
 use super::whiten::Whitener;
 use crate::score::Gram;
@@ -117,7 +117,7 @@ impl Design<'_> {
             .collect();
         let n = frame.len();
         let (first_trial, count) = (BASE + moved.len(), BASE + moved.len() + trials.len() + 1);
-        let mut raw: [Vec<Vec<f64>>; 3] = std::array::from_fn(|c| {
+        let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
             let samples = if self.whitener.used[c] { n } else { 0 };
             vec![vec![0.0; samples]; count]
         });
@@ -125,8 +125,8 @@ impl Design<'_> {
             let m = here.measured(i, mass);
             let mut at = here.instant(i, &m);
             let [base, own] = here.forces(&mut at);
-            let rest = here.close(i, &at, &own);
-            let mut put = |k: usize, values: [f64; CHANNELS], step: f64| {
+            let rest = here.balances(&at, &own);
+            let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
                 for (c, raw) in raw.iter_mut().enumerate() {
                     if let Some(to) = raw[k].get_mut(i) {
                         *to = (rest[c] - values[c]) / step;
@@ -135,21 +135,20 @@ impl Design<'_> {
             };
             for (k, (trial, carried)) in trials.iter().enumerate() {
                 let moved = match carried {
-                    None => here.residual_with(i, trial, &at, &own),
+                    None => here.balances_with(i, trial, &at, &own),
                     Some(x) => {
                         let mut at = at;
                         at.state.conditions.humidity_pct = x[i];
-                        here.residual_with(i, trial, &at, &own)
+                        here.balances_with(i, trial, &at, &own)
                     }
                 };
                 put(first_trial + k, moved, 0.01);
             }
             for (k, other) in moved.iter().enumerate() {
-                let m = other.measured(i, mass);
-                put(BASE + k, other.residual(i, &m), 0.01);
+                put(BASE + k, other.balances_beside(i, &at, &base), 0.01);
             }
             for b in 0..BASE {
-                put(b, here.residual_with_base(i, &at, &base, b, STEP), STEP);
+                put(b, here.balances_with_base(&at, &base, b, STEP), STEP);
             }
             for (c, raw) in raw.iter_mut().enumerate() {
                 if let Some(to) = raw[count - 1].get_mut(i) {

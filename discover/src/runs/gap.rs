@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::chain::{CHANNEL_NAMES, CHANNELS, Chain};
 use super::corrected::noise_products;
@@ -109,15 +110,25 @@ pub fn explainable_closed(
     };
     let n = measured.len();
     let value = closed(&mut (0..n));
+    // Percentiles of few runs are too narrow by what Student's t is wider than the normal law, and by the root of n/(n - 1).
+    let tail = match (
+        StudentsT::new(0.0, 1.0, n as f64 - 1.0),
+        Normal::new(0.0, 1.0),
+    ) {
+        (Ok(t), Ok(normal)) => normal
+            .cdf(t.inverse_cdf(0.025) * (n as f64 / (n as f64 - 1.0)).sqrt())
+            .max(0.001),
+        _ => 0.001,
+    };
     let mut rng = stream(seed, 0xB007, 0);
-    let mut values: Vec<f64> = (0..999)
+    let mut values: Vec<f64> = (0..1999)
         .map(|_| {
             let picks: Vec<usize> = (0..n).map(|_| below(&mut rng, n)).collect();
             closed(&mut picks.into_iter())
         })
         .collect();
     // Where one draw in forty explains nothing the share has no bounds: these runs cannot tell.
-    if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 24 {
+    if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 49 {
         return Interval {
             value: if value.is_nan() { 0.0 } else { value },
             low: -1.0,
@@ -126,10 +137,11 @@ pub fn explainable_closed(
     }
     values.retain(|v| !v.is_nan());
     values.sort_by(f64::total_cmp);
+    let outside = (tail * values.len() as f64) as usize;
     Interval {
         value,
-        low: values[values.len() / 40],
-        high: values[values.len() - 1 - values.len() / 40],
+        low: values[outside],
+        high: values[values.len() - 1 - outside],
     }
 }
 

@@ -103,6 +103,7 @@ impl Expression {
                         b'-' => a - b,
                         b'*' => a * b,
                         b'/' => a / b,
+                        _ if b == 2.0 => a * a,
                         _ => a.powf(b),
                     }
                 }

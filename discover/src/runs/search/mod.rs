@@ -280,10 +280,11 @@ impl Searcher<'_> {
                 free,
                 maker: &maker,
             };
+            let track = self.surveyed(&chain, &maker);
             let pick = self
-                .within_runs(&at)
+                .within_runs(&at, track.as_ref())
                 .or_else(|| self.between_runs(&at, &mut note))
-                .or_else(|| self.on_the_track(&chain, &maker));
+                .or_else(|| self.on_the_track(&chain, track.as_ref()?));
             let Some(pick) = pick else { break };
             let known = self
                 .steps

@@ -2,8 +2,29 @@
 
 use super::*;
 
+/// The track channel of a look, where it can be used.
+pub(super) struct Surveyed {
+    channel: TrackChannel,
+    /// Slope and the accelerometer's faults that look like it.
+    list: Vec<Candidate>,
+    /// How well the slope is known [rad].
+    sd: f64,
+}
+
+impl Surveyed {
+    /// Whether the channel and what the forces say of a candidate go together; a candidate that it knows nothing of does.
+    pub(super) fn agrees(&self, candidate: &Candidate, size: f64, error: f64) -> bool {
+        let same = |c: &Candidate| c.effect == candidate.effect && c.key == candidate.key;
+        self.list.iter().position(same).is_none_or(|c| {
+            let seen = self.channel.judge(c, self.sd);
+            (seen.size - size).abs() < 3.0 * seen.error.hypot(error)
+        })
+    }
+}
+
 impl Searcher<'_> {
-    pub(super) fn on_the_track(&mut self, chain: &Chain, maker: &TwinMaker) -> Option<Pick> {
+    /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
+    pub(super) fn surveyed(&mut self, chain: &Chain, maker: &TwinMaker) -> Option<Surveyed> {
         if !self.used[3] || !chain.frozen.is_empty() {
             return None;
         }
@@ -14,7 +35,6 @@ impl Searcher<'_> {
             .collect();
         let channel = TrackChannel::new(chain, self.training, &list)?;
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
-        let sd = stated.unwrap_or(0.002);
         if stated.is_none() && self.steps.is_empty() {
             self.remarks.push(
                 "no [survey] in the model: a slope deviation of 0.002 rad is assumed".to_owned(),
@@ -38,16 +58,22 @@ impl Searcher<'_> {
             }
             return None;
         }
+        Some(Surveyed {
+            channel,
+            list,
+            sd: stated.unwrap_or(0.002),
+        })
+    }
+
+    pub(super) fn on_the_track(&mut self, chain: &Chain, track: &Surveyed) -> Option<Pick> {
+        let Surveyed { channel, list, sd } = track;
+        let sd = *sd;
         // A sensor's fault also shows in the forces: what they contradict is no candidate.
         let agrees = |c: usize| {
-            let seen = channel.judge(c, sd);
-            let forces = self
-                .by_forces
+            self.by_forces
                 .iter()
-                .find(|(known, ..)| known.effect == list[c].effect && known.key == list[c].key);
-            forces.is_none_or(|(_, size, error)| {
-                (seen.size - size).abs() < 3.0 * seen.error.hypot(*error)
-            })
+                .find(|(known, ..)| known.effect == list[c].effect && known.key == list[c].key)
+                .is_none_or(|(known, size, error)| track.agrees(known, *size, *error))
         };
         let able: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
         let at = |factor: f64| -> Option<usize> {

@@ -1,10 +1,11 @@
 //! Claims within runs: the candidate that explains most, and its best window where it acts on a stretch.
 
 use super::detectable::detectable;
+use super::on_track::Surveyed;
 use super::*;
 
 impl Searcher<'_> {
-    pub(super) fn within_runs(&mut self, at: &Stand) -> Option<Pick> {
+    pub(super) fn within_runs(&mut self, at: &Stand, track: Option<&Surveyed>) -> Option<Pick> {
         if at.whitener.count() == 0 {
             return None;
         }
@@ -19,7 +20,7 @@ impl Searcher<'_> {
             ..at.design(&regular)
         };
         let options = self.look_options();
-        let seeing = look(&design, self.training, at.maker, &options);
+        let mut seeing = look(&design, self.training, at.maker, &options);
         if self.first.is_none() {
             let named = regular.iter().filter(|c| !c.is_unknown()).count();
             self.first = Some(detectable(&seeing, &regular[..named]));
@@ -30,6 +31,10 @@ impl Searcher<'_> {
             .filter(|(_, seen)| seen.usable && seen.left > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
+        // An accelerometer's fault shows in the track channel, too: what that contradicts is neither claimed nor a rival.
+        for (candidate, seen) in regular.iter().zip(&mut seeing.seen) {
+            seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
+        }
         let places = best_windows(&seeing, &self.candidates.local, &all_windows, regular.len());
         self.choose(at, &seeing, &regular, &places, &options)
     }
