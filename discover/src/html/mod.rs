@@ -17,7 +17,7 @@ const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;max-width:60em;margin:1.5em auto;padding:0 1em;color:var(--text);background:var(--back)}\
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid var(--line)}h3{font-size:1em}\
 .wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9em}\
-td,th{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}td.n,th.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
+td,th{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}\
 .verdict{font-size:1.1em;padding:.8em 1em;background:var(--box);border-left:5px solid var(--edge);overflow-wrap:anywhere}.in td{background:var(--in)}\
 td:last-child:not(.n){min-width:11em}p,li{overflow-wrap:anywhere}small{color:var(--faint)}svg{max-width:100%;min-width:33em;height:auto}";
 

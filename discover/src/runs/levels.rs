@@ -166,10 +166,11 @@ pub fn judge(
 }
 
 impl Levels {
-    /// Whether `a` still explains session levels once `b` is there too: |t| of a in a regression on both.
+    /// Whether `a` still explains session levels once `b` is there too: t of a in a regression on both, its own where the two
+    /// act on different levels.
     pub fn beyond(&self, a: usize, b: usize) -> f64 {
         if self.level_of[a] != self.level_of[b] {
-            return f64::INFINITY;
+            return self.seen[a].size / self.seen[a].error.max(1e-300);
         }
         let y = centred(&self.means[self.level_of[a]]);
         let (x, z) = (centred(&self.covariates[a]), centred(&self.covariates[b]));

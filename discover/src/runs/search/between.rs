@@ -60,7 +60,7 @@ impl Searcher<'_> {
                 t: s.size / s.error.max(1e-300),
                 gain: s.gain,
                 correlation: s.correlation,
-                t_of_named_beyond: beyond.clamp(-1e6, 1e6),
+                t_of_named_beyond: beyond,
                 in_class,
                 decides: list[j].decides.clone(),
             });
