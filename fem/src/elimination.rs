@@ -220,3 +220,51 @@ fn backward<S: Simd>(
         *y = (*y - (k + shift * m) * after) * inverse;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More matrices than one task works on, towards both ends.
+    #[test]
+    fn both_passes_solve_every_tridiagonal_matrix() {
+        let nodes: Vec<f64> = (0..17).map(|i| 1.3f64.powi(i)).collect();
+        let z = Axis::new(&nodes);
+        let coefficient = 2.5;
+        let shift: Vec<f64> = (0..PAIRS + 37)
+            .map(|i| 1e-6 * 1.06f64.powi(i as i32))
+            .collect();
+        for (end, held) in [(End::High, [true, false]), (End::Low, [false, true])] {
+            let elimination = Elimination::new(&z, held, coefficient, shift.clone(), end);
+            let pairs = shift.len();
+            let given: Vec<f64> = (0..pairs * elimination.planes.len())
+                .map(|i| (0.7 * i as f64).sin())
+                .collect();
+            let mut solved = given.clone();
+            elimination.run(&mut solved, [true, true]);
+            for (pair, shift) in shift.iter().enumerate() {
+                let value = |k: usize| {
+                    let step = elimination.planes.iter().position(|plane| *plane == k);
+                    step.map_or(0.0, |step| solved[step * pairs + pair])
+                };
+                for (step, &k) in elimination.planes.iter().enumerate() {
+                    let mut sum = 0.0;
+                    let mut size = 0.0f64;
+                    for (offset, (stiffness, mass)) in
+                        z.stiffness[k].iter().zip(z.mass[k]).enumerate()
+                    {
+                        let neighbour = (k + offset).checked_sub(1).map_or(0.0, value);
+                        let term = (coefficient * stiffness + shift * mass) * neighbour;
+                        sum += term;
+                        size = size.max(term.abs());
+                    }
+                    let error = (sum - given[step * pairs + pair]).abs();
+                    assert!(
+                        error < 1e-13 * size.max(1.0),
+                        "{pair}, {k}: {error:e} of {size}"
+                    );
+                }
+            }
+        }
+    }
+}

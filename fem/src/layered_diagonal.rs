@@ -1,10 +1,11 @@
 //! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by elimination.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use crate::elimination::{Elimination, End};
+use crate::plane_modes::PlaneModes;
 use crate::tensor_axis::{Axis, AxisModes};
 use crate::tensor_operator::TensorOperator;
 
@@ -18,6 +19,9 @@ use crate::tensor_operator::TensorOperator;
 /// which is eliminated towards one end of z: four small matrix products a component instead of six. What that end has
 /// gathered, y, tells the answer there before any other is known: z = T y with T one over the last pivot. A constraint on
 /// that plane acts between [`LayeredDiagonal::gather`] and [`LayeredDiagonal::spread`].
+///
+/// The products are done in single precision ([`crate::plane_modes`]), the elimination in double; so is the answer on that
+/// plane, where a constraint must hold to rounding.
 #[derive(Clone, Debug)]
 pub struct LayeredDiagonal {
     shape: [usize; 3],
@@ -29,6 +33,7 @@ struct Component {
     x: AxisModes,
     y: AxisModes,
     z: Elimination,
+    rounded: PlaneModes,
     /// Where this component's modal values start.
     start: usize,
 }
@@ -174,7 +179,14 @@ impl Component {
             shift.extend(x.values.iter().map(|theta| coefficients[0] * theta + y));
         }
         let z = Elimination::new(z, held, coefficients[2], shift, end);
-        Component { x, y, z, start }
+        let rounded = PlaneModes::new(&x, &y);
+        Component {
+            x,
+            y,
+            z,
+            rounded,
+            start,
+        }
     }
 
     fn pairs(&self) -> [usize; 2] {
@@ -188,25 +200,14 @@ impl Component {
     /// `modal` = (Qx x Qy)^T `r`, plane by plane in the order of elimination.
     fn to_modes(&self, [nx, ny, _]: [usize; 3], r: &[f64], modal: &mut [f64]) {
         let [mx, my] = self.pairs();
-        modal
-            .par_chunks_mut(mx * my)
-            .zip(&self.z.planes)
-            .for_each_init(
-                || vec![0.0; mx * ny],
-                |half, (modal, &k)| {
-                    let source = columns(&r[k * nx * ny..(k + 1) * nx * ny], nx, ny);
-                    product(
-                        columns_mut(half, mx, ny),
-                        self.x.vectors.transpose(),
-                        source,
-                    );
-                    product(
-                        columns_mut(modal, mx, my),
-                        columns(half, mx, ny),
-                        self.y.vectors.as_ref(),
-                    );
-                },
-            );
+        let planes = modal.par_chunks_mut(mx * my).zip(&self.z.planes);
+        planes.for_each_init(
+            || self.rounded.room(),
+            |room, (modal, &k)| {
+                let nodal = &r[k * nx * ny..(k + 1) * nx * ny];
+                self.rounded.to_modes(nodal, modal, room);
+            },
+        );
     }
 
     /// `z` = (Qx x Qy) `modal`, plane by plane; 0 on held planes.
@@ -223,19 +224,22 @@ impl Component {
                 .then(|| if upwards { k - low } else { high - k })
         };
         z.par_chunks_mut(nx * ny).enumerate().for_each_init(
-            || vec![0.0; nx * my],
-            |half, (k, plane)| {
+            || self.rounded.room(),
+            |room, (k, plane)| {
                 let Some(step) = step_of(k) else {
                     plane.fill(0.0);
                     return;
                 };
-                let source = columns(&modal[step * mx * my..(step + 1) * mx * my], mx, my);
-                product(columns_mut(half, nx, my), self.x.vectors.as_ref(), source);
-                product(
-                    columns_mut(plane, nx, ny),
-                    columns(half, nx, my),
-                    self.y.vectors.transpose(),
-                );
+                let modal = &modal[step * mx * my..(step + 1) * mx * my];
+                if step + 1 < self.z.planes.len() {
+                    self.rounded.leave_modes(modal, plane, room);
+                } else {
+                    let mut half = Mat::zeros(nx, my);
+                    let modal = columns(modal, mx, my);
+                    product(half.as_mut(), self.x.vectors.as_ref(), modal);
+                    let plane = columns_mut(plane, nx, ny);
+                    product(plane, half.as_ref(), self.y.vectors.transpose());
+                }
             },
         );
     }
@@ -257,7 +261,6 @@ fn product(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64
 mod tests {
     use super::*;
     use crate::{FastDiagonal, Material};
-    use faer::Mat;
     use kufe_mesh::TensorGrid;
 
     fn operator(held_high: bool) -> TensorOperator {
@@ -276,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn elimination_and_eigenvectors_invert_the_same_operator() {
+    fn elimination_and_eigenvectors_invert_the_same_operator_to_single_precision() {
         for (end, held_high) in [(End::High, false), (End::Low, true)] {
             let operator = operator(held_high);
             let plain = FastDiagonal::new(&operator);
@@ -295,10 +298,7 @@ mod tests {
             layered.apply(&r, &mut found, &mut modal);
             let size = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
             for (expected, found) in expected.iter().zip(&found) {
-                assert!(
-                    (expected - found).abs() < 1e-12 * size,
-                    "{expected} {found}"
-                );
+                assert!((expected - found).abs() < 1e-5 * size, "{expected} {found}");
             }
         }
     }

@@ -63,6 +63,7 @@ mod material;
 mod matrix_free;
 mod node_graph;
 mod padded_plane;
+mod plane_modes;
 mod section;
 mod statics;
 mod stress;
