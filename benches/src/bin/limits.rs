@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | operator | reading u and writing K u, 48 bytes a node | a stream triad on every thread |
 //! | operator | 58 multiplications, with or without an addition, and 53 additions a node | such operations in registers, on every thread |
-//! | preconditioner | four matrix products a component | faer's product of the same shapes on every thread |
+//! | preconditioner | four matrix products a component, in single precision | faer's product of the same shapes on every thread |
 //! | table evaluation | reading the four corners of a cell | such reads at places known beforehand, on one thread |
 
 use std::hint::black_box;
@@ -40,7 +40,8 @@ fn tables() {
     let triad = triad();
     println!("### Kernels beside this machine's limits\n");
     println!(
-        "{} threads. Stream triad: {:.1} GB/s. faer, product of 512 x 512 matrices on every thread at once: {:.1} Gflop/s.",
+        "{} threads. Stream triad: {:.1} GB/s. faer, product of 512 x 512 matrices in single precision, on every thread at once: \
+         {:.1} Gflop/s.",
         rayon::current_num_threads(),
         triad / 1e9,
         plane_products(512, 512, 512) / 1e9
@@ -195,14 +196,14 @@ impl WithSimd for Mixture {
     }
 }
 
-/// Operations a second of rows x inner by inner x cols products, each thread at its own.
+/// Operations a second of rows x inner by inner x cols products in single precision, each thread at its own.
 fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
-    let left = Mat::<f64>::from_fn(rows, inner, |i, j| (i + 2 * j) as f64);
-    let right = Mat::<f64>::from_fn(inner, cols, |i, j| (i as f64 - j as f64).sin());
+    let left = Mat::<f32>::from_fn(rows, inner, |i, j| (i + 2 * j) as f32);
+    let right = Mat::<f32>::from_fn(inner, cols, |i, j| (i as f32 - j as f32).sin());
     let flops = 2.0 * (rows * inner * cols) as f64;
     let threads = rayon::current_num_threads();
     let repeats = ((4e9 / flops) as usize).max(1) * threads;
-    let mut targets = vec![Mat::<f64>::zeros(rows, cols); threads];
+    let mut targets = vec![Mat::<f32>::zeros(rows, cols); threads];
     let (seconds, ()) = best_of(ROUNDS, || {
         targets.par_iter_mut().for_each(|target| {
             for _ in 0..repeats / threads {
