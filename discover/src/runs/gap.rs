@@ -110,7 +110,8 @@ pub fn explainable_closed(
     };
     let n = measured.len();
     let value = closed(&mut (0..n));
-    // Percentiles of few runs are too narrow by what Student's t is wider than the normal law, and by the root of n/(n - 1).
+    // Percentiles of few runs are too narrow by what Student's t is wider than the normal law, and by the root of n/(n - 1):
+    // T. C. Hesterberg, What teachers should know about the bootstrap, The American Statistician 69 (2015) 371.
     let tail = match (
         StudentsT::new(0.0, 1.0, n as f64 - 1.0),
         Normal::new(0.0, 1.0),
