@@ -38,7 +38,10 @@ pub fn draw(path: &Path, charts: &[Chart]) -> Result<(), kufe_plot::Error> {
                 let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), v| {
                     (low.min(v), high.max(v))
                 });
-                10f64.powf((0.9 * low).log10().floor())..10f64.powf((1.1 * high).log10().ceil())
+                // The legend has the lowest decade to itself.
+                let room = axis as f64;
+                10f64.powf((0.9 * low).log10().floor() - room)
+                    ..10f64.powf((1.1 * high).log10().ceil())
             };
             let mut axes = ChartBuilder::on(area)
                 .caption(chart.title, ("sans-serif", 17))
