@@ -17,6 +17,7 @@
 //! # Ok::<(), kufe_discover::Error>(())
 //! ```
 
+mod closed;
 mod dispatch;
 mod error;
 pub mod experiments;

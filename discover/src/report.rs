@@ -21,7 +21,7 @@ pub enum Verdict {
 }
 
 /// A value with its 95 % interval.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Interval {
     /// Value.
     pub value: f64,
@@ -93,7 +93,8 @@ pub struct Step {
     pub gap_after: f64,
     /// Unit of the two.
     pub unit: String,
-    /// Share of the explainable gap that is closed, on the held-out runs.
+    /// Share of the explainable gap that is closed on the held-out runs, by all steps of the channel; on the fitted ones where
+    /// there are too few to hold any out.
     pub explainable_gap_closed: Interval,
     /// The rivals, best first.
     pub rivals: Vec<Rival>,

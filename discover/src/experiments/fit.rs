@@ -62,6 +62,11 @@ impl Fit {
         (own, own + setting.known.add(row, mu) + more)
     }
 
+    /// Standard deviation of a row's mu, its own and that of its pressure.
+    pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
+        deviation(row, &self.step, setting.base)
+    }
+
     /// Root mean square of the residual of rows that may be others than the fitted.
     pub fn rms_of(&self, setting: &Setting, rows: &[Row], chosen: &[usize]) -> f64 {
         let squares = rows
@@ -69,6 +74,15 @@ impl Fit {
             .map(|row| (row.mu - self.predict(setting, row, chosen).1).powi(2));
         (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
     }
+}
+
+fn deviation(row: &Row, step: &DVector<f64>, base: usize) -> f64 {
+    let slope = if base == 3 {
+        2.0 * step[0] * row.pressure / 1e6 + step[1]
+    } else {
+        0.0
+    };
+    row.mu_sd.hypot(slope * row.pressure_sd / 1e6)
 }
 
 /// Columns of the base: p^2, p, 1 with p in MPa, or 1.
@@ -99,12 +113,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
             } else {
                 own.iter().zip(step.iter()).map(|(a, b)| a * b).sum()
             };
-            let slope = if base == 3 {
-                2.0 * step[0] * row.pressure / 1e6 + step[1]
-            } else {
-                0.0
-            };
-            let sd = row.mu_sd.hypot(slope * row.pressure_sd / 1e6);
+            let sd = deviation(row, &step, base);
             weights[i] = 1.0 / sd;
             for (k, x) in own.iter().enumerate() {
                 columns[(i, k)] = x / sd;

@@ -44,6 +44,13 @@ impl Looked {
         by_permutation.max(gumbel_tail(&self.twins, t))
     }
 
+    /// The one with the largest |t| of those that are not chosen.
+    pub fn largest(&self, chosen: &[usize]) -> Option<usize> {
+        (0..self.t.len())
+            .filter(|c| !chosen.contains(c) && self.t[*c].is_finite())
+            .max_by(|a, b| self.t[*a].abs().total_cmp(&self.t[*b].abs()))
+    }
+
     /// Whether it stands out, beyond the base and within its bounds.
     pub fn claimable(&self, c: usize, candidate: &Candidate) -> bool {
         self.left[c] > 0.02

@@ -18,6 +18,7 @@ use kufe_friction::Longitudinal;
 use kufe_sled::Model;
 use kufe_sled::effects::Effects;
 
+use crate::closed::Seen;
 use crate::report::{ChannelGap, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict};
 use crate::table::Table;
 use crate::{Error, Options};
@@ -97,6 +98,7 @@ pub fn search(
     let mut chosen: Vec<usize> = Vec::new();
     let mut steps: Vec<Step> = Vec::new();
     let mut detectable = Vec::new();
+    let mut next_best = None;
     while steps.len() < MOST_STEPS && training.len() > base + chosen.len() + 2 {
         progress(&format!("look {}", steps.len() + 1));
         let look = look(&setting, &training, &chosen, options);
@@ -104,6 +106,7 @@ pub fn search(
             detectable = look.detectable(&candidates);
         }
         let Some(named) = strongest(&look, &setting, &training, &chosen) else {
+            next_best = look.largest(&chosen);
             break;
         };
         let before = fit(&setting, &training, &chosen).rms;
@@ -126,11 +129,8 @@ pub fn search(
             gap_before: before,
             gap_after: fit(&setting, &training, &chosen).rms,
             unit: String::new(),
-            explainable_gap_closed: Interval {
-                value: 0.0,
-                low: 0.0,
-                high: 0.0,
-            },
+            // Of all steps together, once the locked-away rows are opened.
+            explainable_gap_closed: Interval::default(),
             rivals,
         });
     }
@@ -138,6 +138,10 @@ pub fn search(
     let quantile = 1.96 + 2.5 / (training.len() as f64 - (base + chosen.len()) as f64).max(1.0);
     for (k, step) in steps.iter_mut().enumerate() {
         size(step, &candidates[chosen[k]], &last, base + k, quantile);
+    }
+    let closed = closed(&setting, &training, &held, &chosen, next_best);
+    for step in &mut steps {
+        step.explainable_gap_closed = closed.clone();
     }
     let (held_before, held_after) = (
         first.rms_of(&setting, &held, &[]),
@@ -346,7 +350,49 @@ fn rivals(
     rivals
 }
 
-/// Writes a step's size with its interval, and the share of the gap that it closes.
+/// How much is closed, on the locked-away rows where there are any, of what everything chosen and the next best candidate
+/// explain on the others.
+fn closed(
+    setting: &Setting,
+    training: &[Row],
+    held: &[Row],
+    chosen: &[usize],
+    next_best: Option<usize>,
+) -> Interval {
+    let all: Vec<usize> = chosen.iter().copied().chain(next_best).collect();
+    let fits = [&[], chosen, &all].map(|chosen| (fit(setting, training, chosen), chosen));
+    let rests = |rows: &[Row]| {
+        fits.each_ref().map(|(own, chosen)| -> Vec<f64> {
+            let last = &fits[1].0;
+            rows.iter()
+                .map(|row| {
+                    let left = row.mu - own.predict(setting, row, chosen).1;
+                    left / last.deviation(setting, row)
+                })
+                .collect()
+        })
+    };
+    let change = |[before, _, least]: &[Vec<f64>; 3]| -> Vec<f64> {
+        before.iter().zip(least).map(|(a, b)| a - b).collect()
+    };
+    let own = rests(training);
+    let judged = match held.is_empty() {
+        true => own.clone(),
+        false => rests(held),
+    };
+    let last = &fits[1].0;
+    let freedom = (training.len() as f64 - last.step.len() as f64).max(1.0);
+    Seen {
+        direction: &change(&judged),
+        before: &judged[0],
+        after: &judged[1],
+        fitted: change(&own).iter().map(|f| f * f).sum::<f64>().sqrt(),
+        spread: (last.chi2 / freedom).max(1.0).sqrt(),
+    }
+    .closed()
+}
+
+/// Writes a step's size with its interval.
 fn size(step: &mut Step, candidate: &Candidate, last: &Fit, at: usize, quantile: f64) {
     let value = last.step[at] * candidate.typical;
     let error = last.errors[at] * candidate.typical;
@@ -357,11 +403,4 @@ fn size(step: &mut Step, candidate: &Candidate, last: &Fit, at: usize, quantile:
         high: value + quantile * error,
         unit: candidate.unit.clone(),
     });
-    // The noise-free share of what the step explains: t^2 counts 1 for chance.
-    let t2 = (last.step[at] / last.errors[at]).powi(2);
-    step.explainable_gap_closed = Interval {
-        value: 1.0 - 1.0 / t2.max(1.0),
-        low: 1.0 - (quantile * quantile / t2.max(1e-9)).min(1.0),
-        high: 1.0,
-    };
 }

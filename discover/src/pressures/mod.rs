@@ -25,8 +25,9 @@ mod simulate;
 mod write;
 
 use kufe_contact::case::Case;
-use kufe_contact::effects::{CATALOGUE, find};
+use kufe_contact::effects::{CATALOGUE, Effect, find};
 
+use crate::closed::Seen;
 use crate::report::{
     ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, Step, Verdict,
 };
@@ -88,6 +89,7 @@ pub fn search(
         locked.misfit(&Active::new(), REPORTING)?,
         locked.misfit(&found.active, REPORTING)?,
     );
+    found.close(&bench, &locked)?;
     let gap = |before: &Misfit, after: &Misfit, rows: &[&Row]| ChannelGap {
         channel: "p".to_owned(),
         unit: "Pa".to_owned(),
@@ -146,9 +148,50 @@ struct Found {
     steps: Vec<Step>,
     detectable: Vec<Detectable>,
     last: Misfit,
+    /// What would lower the misfit most beside what was found, claimed or not.
+    next: Option<(&'static dyn Effect, f64)>,
 }
 
 impl Found {
+    /// How much is closed, on the locked-away rows where there are any, of what everything found and the next best effect
+    /// explain on the others.
+    fn close(&mut self, bench: &Bench, locked: &Bench) -> Result<(), Error> {
+        if self.steps.is_empty() {
+            return Ok(());
+        }
+        let mut all = self.active.clone();
+        all.extend(self.next);
+        let change = |bench: &Bench| -> Result<(Vec<f64>, Misfit), Error> {
+            let before = bench.misfit(&Active::new(), REPORTING)?;
+            let least = match bench.misfit(&all, REPORTING) {
+                Ok(least) => least,
+                Err(_) => bench.misfit(&self.active, REPORTING)?,
+            };
+            let pairs = before.rest.iter().zip(&least.rest);
+            Ok((pairs.map(|(a, b)| a - b).collect(), before))
+        };
+        let judge = match locked.rows.is_empty() {
+            true => bench,
+            false => locked,
+        };
+        let (direction, before) = change(judge)?;
+        let (fitted, _) = change(bench)?;
+        let closed = Seen {
+            direction: &direction,
+            before: &before.rest,
+            after: &judge.misfit(&self.active, REPORTING)?.rest,
+            fitted: fitted.iter().map(|f| f * f).sum::<f64>().sqrt(),
+            spread: (self.last.chi2 / (self.last.count - 1.0).max(1.0))
+                .max(1.0)
+                .sqrt(),
+        }
+        .closed();
+        for step in &mut self.steps {
+            step.explainable_gap_closed = closed.clone();
+        }
+        Ok(())
+    }
+
     /// A name in whose company most of what was wrong stays wrong is none: what was tried, in words.
     fn doubt(&self, start: &Misfit) -> Option<String> {
         let left = (self.last.chi2 - self.last.count) / (start.chi2 - start.count).max(1e-9);
@@ -178,6 +221,7 @@ fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, 
         steps: Vec::new(),
         detectable: Vec::new(),
         last: bench.misfit(&Active::new(), REPORTING)?,
+        next: None,
     };
     let mut errors: Vec<f64> = Vec::new();
     while found.steps.len() < MOST_STEPS {
@@ -189,12 +233,14 @@ fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, 
         if number == 1 {
             found.detectable = detectable(&lines);
         }
+        found.next = None;
         let Some(best) = lines.first() else { break };
         let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
         if before.chi2 - best.chi2() < LEAST_DROP
             || best.chi2() > 0.8 * before.chi2
             || best.size().abs() < SIZE_IN_ERRORS * best.error() * mean_square.sqrt()
         {
+            found.next = Some((best.effect, best.size()));
             break;
         }
         let rivals = rivals(&lines, before.chi2, mean_square);
@@ -222,11 +268,8 @@ fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, 
             gap_before: found.last.rms,
             gap_after: polished.misfit.rms,
             unit: "Pa".to_owned(),
-            explainable_gap_closed: closed(
-                found.last.chi2,
-                polished.misfit.chi2,
-                polished.misfit.count,
-            ),
+            // Of all steps together, once the locked-away map is opened.
+            explainable_gap_closed: Interval::default(),
             rivals,
         });
         found.active = polished.active;
@@ -272,7 +315,6 @@ fn remove_idle(bench: &Bench, found: &mut Found, errors: &mut Vec<f64>) -> Resul
             found.last = without.misfit;
             if let Some(last) = found.steps.last_mut() {
                 last.gap_after = found.last.rms;
-                last.explainable_gap_closed = closed(start.chi2, found.last.chi2, found.last.count);
             }
             k = 0;
         } else {
@@ -414,17 +456,4 @@ fn remarks_on(rows: &[Row]) -> Vec<String> {
         ));
     }
     remarks
-}
-
-/// Of chi2 beyond its expectation, the share that is gone; the interval from chi2's own deviation.
-fn closed(before: f64, after: f64, count: f64) -> Interval {
-    let explainable = (before - count).max(1e-9);
-    let left = (after - count).max(0.0);
-    let error = (2.0 * count).sqrt() / explainable;
-    let value = 1.0 - left / explainable;
-    Interval {
-        value,
-        low: value - 2.0 * error,
-        high: (value + 2.0 * error).min(1.0),
-    }
 }
