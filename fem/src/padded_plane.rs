@@ -1,5 +1,7 @@
 //! One plane of a vector, laid out for the tensor operator.
 
+use std::ops::Range;
+
 use crate::tensor_factors::{WIDEST, padded};
 
 /// A plane of u: rows between zeros, as vectors want them.
@@ -22,11 +24,11 @@ impl PaddedPlane {
         }
     }
 
-    /// Takes plane `k` of a vector on a grid of `shape`.
-    pub fn fill(&mut self, u: &[f64], [nx, ny, nz]: [usize; 3], k: usize) {
+    /// Takes rows of plane `k` of a vector on a grid of `shape`.
+    pub fn fill(&mut self, u: &[f64], [nx, ny, nz]: [usize; 3], k: usize, rows: Range<usize>) {
         for (c, values) in self.values.iter_mut().enumerate() {
-            let from = (c * nz + k) * nx * ny;
-            let rows = u[from..from + nx * ny].chunks_exact(nx);
+            let plane = (c * nz + k) * ny;
+            let rows = u[(plane + rows.start) * nx..(plane + rows.end) * nx].chunks_exact(nx);
             for (to, from) in values.all_mut().chunks_exact_mut(self.stride).zip(rows) {
                 to[WIDEST..WIDEST + nx].copy_from_slice(from);
             }

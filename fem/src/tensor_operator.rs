@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::tensor_axis::Axis;
 use crate::tensor_faces::EndPlane;
 use crate::tensor_factors::Factors;
-use crate::tensor_slab::{Pool, Scratch, part, walk};
+use crate::tensor_slab::{Pool, Scratch, band_height, part, walk};
 
 /// Which components are held on which faces: `held[c][axis]` is (low face, high face).
 pub type HeldFaces = [[[bool; 2]; 3]; 3];
@@ -165,6 +165,11 @@ impl TensorOperator {
     /// # Panics
     /// Where a vector does not have `3 * node_count` numbers.
     pub fn apply(&self, u: &[f64], out: &mut [f64]) {
+        self.apply_in_bands(u, out, band_height(self.shape()));
+    }
+
+    /// The same, `height` rows at a time.
+    fn apply_in_bands(&self, u: &[f64], out: &mut [f64], height: usize) {
         let [nx, ny, nz] = self.shape();
         let plane = nx * ny;
         let nodes = plane * nz;
@@ -186,13 +191,20 @@ impl TensorOperator {
             .for_each(|(place, ((x, y), z))| {
                 let first = place * slab / plane;
                 self.pool.with(self.shape(), |scratch| {
-                    self.slab(u, first, scratch, &mut [x, y, z]);
+                    self.slab(u, first, height, scratch, &mut [x, y, z]);
                 });
             });
     }
 
     /// The planes of K u from `first` on that `out` holds by component.
-    fn slab(&self, u: &[f64], first: usize, scratch: &mut Scratch, out: &mut [&mut [f64]; 3]) {
+    fn slab(
+        &self,
+        u: &[f64],
+        first: usize,
+        height: usize,
+        scratch: &mut Scratch,
+        out: &mut [&mut [f64]; 3],
+    ) {
         let shape = self.shape();
         let size = shape[0] * shape[1];
         let planes = first..first + out[0].len() / size;
@@ -212,7 +224,7 @@ impl TensorOperator {
                     .concat();
             }
             let mut of_own = part(out, from..from + own.len() * size);
-            walk(factors, u, shape, own.clone(), scratch, &mut of_own);
+            walk(factors, u, shape, own.clone(), height, scratch, &mut of_own);
             for (k, sign) in [(factors.first, -1.0), (factors.end() - 1, 1.0)] {
                 if own.contains(&k) && !self.is_held(k) {
                     let at = (k - first) * size;
@@ -394,6 +406,38 @@ mod tests {
             assert!(one.iter().all(|v| v.is_finite()));
             for threads in [2, 3, 5] {
                 assert_eq!(one, with(threads), "{threads} threads");
+            }
+        }
+    }
+
+    #[test]
+    fn bands_give_the_same_bits_for_any_number_of_rows() {
+        let (_, ice, concrete, _) = layered();
+        let axis = |n: usize| -> Vec<f64> { (0..n).map(|i| 1.1f64.powi(i as i32)).collect() };
+        let held = [[[true, false], [false, true], [true, false]]; 3];
+        for nx in [5, 8, 21] {
+            let grid = TensorGrid {
+                x: axis(nx),
+                y: axis(17),
+                z: axis(9),
+            };
+            let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held)
+                .on_layer(LowerLayer {
+                    cells: 3,
+                    lambda: concrete.lame_lambda(),
+                    mu: concrete.shear_modulus(),
+                });
+            let n = 3 * operator.node_count();
+            let u: Vec<f64> = (0..n).map(|i| (0.9 * i as f64).sin()).collect();
+            let with = |height: usize| {
+                let mut out = vec![f64::NAN; n];
+                operator.apply_in_bands(&u, &mut out, height);
+                out
+            };
+            let whole = with(17);
+            assert!(whole.iter().all(|v| v.is_finite()));
+            for height in [1, 2, 5, 8, 16] {
+                assert_eq!(whole, with(height), "{height} rows of {nx}");
             }
         }
     }

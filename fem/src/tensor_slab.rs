@@ -1,4 +1,4 @@
-//! K u on some neighbouring planes: one walk up z through them and the two beside them.
+//! K u on some neighbouring planes: one walk up z through them and the two beside them, or one for each band of rows.
 
 use std::fmt;
 use std::ops::Range;
@@ -59,45 +59,90 @@ impl fmt::Debug for Pool {
 
 /// The planes `planes` of one material's K u into `out`, by component, but for what the ends of z add.
 ///
-/// A plane's sum takes the plane below it, itself and the plane above in this order, wherever the walk begins.
+/// A plane's sum takes the plane below it, itself and the plane above in this order, wherever the walk begins. `height` rows
+/// go up together; numbers do not depend on it.
 pub(crate) fn walk(
     factors: &Factors,
     u: &[f64],
     shape: [usize; 3],
     planes: Range<usize>,
+    height: usize,
     scratch: &mut Scratch,
     out: &mut [&mut [f64]; 3],
 ) {
-    let size = shape[0] * shape[1];
+    let [nx, ny, nz] = shape;
+    let size = nx * ny;
     let arch = pulp::Arch::new();
     let from = planes.start.saturating_sub(1).max(factors.first);
     let to = planes.end.min(factors.end() - 1);
-    scratch.sums.all_mut().fill(0.0);
-    for k in from..=to {
-        scratch.u.fill(u, shape, k);
-        let complete = match k.checked_sub(planes.start + 1) {
-            Some(place) => part(out, place * size..(place + 1) * size),
-            None => scratch.discarded.each_mut().map(|plane| &mut plane[..]),
-        };
-        arch.dispatch(Plane {
-            factors,
-            layer: k - factors.first,
-            u: &scratch.u,
-            sums: scratch.sums.all_mut(),
-            out: complete,
-            nx: shape[0],
-        });
-    }
-    if planes.end == factors.end() {
-        let place = planes.len() - 1;
-        arch.dispatch(LastPlane {
-            rows: shape[1],
-            sums: scratch.sums.all(),
-            out: part(out, place * size..(place + 1) * size),
-            nx: shape[0],
-        });
+    for first in (0..ny).step_by(height) {
+        let band = first..(first + height).min(ny);
+        let read = first.saturating_sub(1)..(band.end + 1).min(ny);
+        let sums = 3 * 2 * band.len() * padded(nx);
+        let sums = &mut scratch.sums.all_mut()[..sums];
+        sums.fill(0.0);
+        for k in from..=to {
+            scratch.u.fill(u, shape, k, read.clone());
+            let place = k.checked_sub(planes.start + 1);
+            let (complete, later): ([&mut [f64]; 3], [&[f64]; 3]) = match place {
+                Some(place) => {
+                    let halves = out
+                        .each_mut()
+                        .map(|component| component[place * size..].split_at_mut(size));
+                    let [(x, above_x), (y, above_y), (z, above_z)] = halves;
+                    ([x, y, z], [above_x, above_y, above_z])
+                }
+                None => (
+                    scratch.discarded.each_mut().map(|plane| &mut plane[..]),
+                    out.each_ref().map(|component| &component[..size]),
+                ),
+            };
+            let next = (k + 1).min(to);
+            let ahead = [0, 1, 2].map(|c| {
+                let later = later[c].get(first * nx..).unwrap_or_default();
+                [&u[(c * nz + next) * size + first * nx..], later]
+            });
+            arch.dispatch(Plane {
+                factors,
+                layer: k - factors.first,
+                u: &scratch.u,
+                sums,
+                out: complete,
+                nx,
+                band: band.clone(),
+                ahead,
+            });
+        }
+        if planes.end == factors.end() {
+            let place = planes.len() - 1;
+            arch.dispatch(LastPlane {
+                sums,
+                out: part(out, place * size..(place + 1) * size),
+                nx,
+                band,
+            });
+        }
     }
 }
+
+/// Rows that a walk takes through all planes together: all of them where u and K u stay in the last cache, and else so many
+/// that what a walk works in stays in a core's own.
+///
+/// Each band computes the products along x of the two rows beside it anew.
+pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
+    const NUMBER: usize = size_of::<f64>();
+    if 2 * 3 * nx * ny * nz * NUMBER <= LAST_CACHE {
+        return ny;
+    }
+    let row = 3 * 2 * padded(nx) * NUMBER;
+    let bands = (row * ny).div_ceil(SUMS).min(ny / 8).max(1);
+    ny.div_ceil(bands)
+}
+
+/// Bytes of u and K u that may be expected to stay in the last cache.
+const LAST_CACHE: usize = 16 << 20;
+/// Bytes of a band's sums. The rows of u beside them, and what is asked for ahead of time, are as many again and more.
+const SUMS: usize = 128 << 10;
 
 /// A part of each component.
 pub(crate) fn part<'a>(out: &'a mut [&mut [f64]; 3], range: Range<usize>) -> [&'a mut [f64]; 3] {
