@@ -156,7 +156,7 @@ fn cells_columns_and_files_that_are_wrong_are_named_with_their_place() -> Outcom
 }
 
 #[test]
-fn missing_files_and_unknown_effects_are_named() -> Outcome {
+fn missing_files_folders_and_unknown_effects_are_named() -> Outcome {
     let folder = tempfile::tempdir()?;
     let at = folder.path();
     let told = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
@@ -168,6 +168,11 @@ fn missing_files_and_unknown_effects_are_named() -> Outcome {
     let output = discover(at, "nowhere.csv", &[])?;
     assert_eq!(output.status.code(), Some(3));
     assert!(told(&output).contains("nowhere.csv"), "{}", told(&output));
+    let output = discover(at, ".", &[])?;
+    assert_eq!(output.status.code(), Some(3));
+    for part in ["a folder", "such as ./experiments.csv"] {
+        assert!(told(&output).contains(part), "{}", told(&output));
+    }
     for (effect, parts) in [
         (
             "[effects.rust]\nslope = 1.0\n",
