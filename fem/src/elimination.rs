@@ -20,9 +20,9 @@ pub(crate) struct Elimination {
     /// Nodes of the axis that are not held, in the order of elimination.
     pub planes: Vec<usize>,
     /// s by matrix.
-    shift: Vec<f64>,
+    pub shift: Vec<f64>,
     /// c K and M between a node and the one before it in that order.
-    coupling: Vec<[f64; 2]>,
+    pub coupling: Vec<[f64; 2]>,
     /// One over the pivots, node by node in that order, matrices side by side.
     pub inverse_pivots: Vec<f64>,
 }

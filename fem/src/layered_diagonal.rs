@@ -24,18 +24,18 @@ use crate::tensor_operator::TensorOperator;
 /// plane, where a constraint must hold to rounding.
 #[derive(Clone, Debug)]
 pub struct LayeredDiagonal {
-    shape: [usize; 3],
-    components: [Component; 3],
+    pub(crate) shape: [usize; 3],
+    pub(crate) components: [Component; 3],
 }
 
 #[derive(Clone, Debug)]
-struct Component {
-    x: AxisModes,
-    y: AxisModes,
-    z: Elimination,
+pub(crate) struct Component {
+    pub x: AxisModes,
+    pub y: AxisModes,
+    pub z: Elimination,
     rounded: PlaneModes,
     /// Where this component's modal values start.
-    start: usize,
+    pub start: usize,
 }
 
 impl LayeredDiagonal {
@@ -189,7 +189,8 @@ impl Component {
         }
     }
 
-    fn pairs(&self) -> [usize; 2] {
+    /// Modes of x and of y.
+    pub fn pairs(&self) -> [usize; 2] {
         [self.x.values.len(), self.y.values.len()]
     }
 

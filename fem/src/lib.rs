@@ -38,6 +38,8 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod cg;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod hex8;
 pub mod hex8_axial;
 pub mod hex8_incompatible;

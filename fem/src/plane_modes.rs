@@ -125,7 +125,7 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 /// The power of two that brings `largest` to 1 or more and below 2; 1 where there is none.
-fn scale_of(largest: f64) -> f64 {
+pub(crate) fn scale_of(largest: f64) -> f64 {
     // Beyond these bounds the power or its reciprocal would not be a normal number.
     if (1e-300..1e300).contains(&largest) {
         let exponent = largest.to_bits() >> 52;
