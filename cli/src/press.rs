@@ -1,5 +1,6 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
+mod device;
 mod files;
 mod series;
 mod series_table;
@@ -9,8 +10,8 @@ mod summary;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kufe_contact::{CentreLine, Iterate, Watcher, centre_line};
-use kufe_jobs::{Pressed, Watch};
+use kufe_contact::{CentreLine, Iterate, Options, Watcher, centre_line};
+use kufe_jobs::{Pressed, Watch, press_with};
 use serde_json::Value;
 
 use crate::case_file::LoadedCase;
@@ -30,6 +31,10 @@ pub struct Args {
     /// the VTU files
     #[arg(long)]
     pub subsurface: bool,
+    /// Solve on a graphics processor (Vulkan, Metal, Direct3D 12), to the same residual; rigid runners only, in a kufe built
+    /// with `--features gpu`
+    #[arg(long)]
+    pub gpu: bool,
     #[command(flatten)]
     pub lists: series::Lists,
 }
@@ -37,15 +42,16 @@ pub struct Args {
 /// Solves the case and writes its files, all or none.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case and for an output that cannot be written,
-/// [`Failure::NotConverged`] where the solver stops short of the accuracy asked.
+/// [`Failure::Usage`] for `--gpu` where there is no graphics processor, [`Failure::BadInput`] for the case and for an output
+/// that cannot be written, [`Failure::NotConverged`] where the solver stops short of the accuracy asked.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = match &args.case {
         Some(path) => LoadedCase::read(path)?,
         None => LoadedCase::example()?,
     };
+    let options = device::options(args.gpu, global)?;
     if args.lists.is_series() {
-        return series::run(args, &loaded, global);
+        return series::run(args, &loaded, global, &options);
     }
     let staging = Staging::begin(&args.out)?;
     staging.remove_on_interrupt();
@@ -58,7 +64,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         warn: Some(&|warning| eprintln!("kufe: warning: {warning}")),
         ..Watch::default()
     };
-    let pressed = kufe_jobs::press(loaded, &watch, Some(watcher));
+    let options = Options {
+        progress: Some(watcher),
+        ..options
+    };
+    let pressed = press_with(loaded, &watch, options);
     bar.finish_and_clear();
     let pressed = pressed?;
     let (document, line) = solved_document(&pressed, args.subsurface)?;

@@ -151,6 +151,16 @@ impl Body {
         ones.iter().map(|&one| one > 0.0).collect()
     }
 
+    /// The preconditioner of a body on its tensor grid that nothing but faces hold and no forces load.
+    #[cfg(feature = "gpu")]
+    pub fn plain_inverse(&self) -> Option<&LayeredInverse> {
+        let plain = self.mapped.is_none() && self.held.is_empty() && self.load.is_empty();
+        match &self.inverse {
+            Inverse::Layered(inverse) if plain => Some(inverse),
+            _ => None,
+        }
+    }
+
     /// Where the vertical displacements of the contact plane begin in this body's vector.
     fn plane_start(&self) -> usize {
         let [nx, ny, nz] = self.operator.shape();

@@ -88,6 +88,17 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
             "0, or the active set for a runner on the ice's columns",
         );
     }
+    #[cfg(feature = "gpu")]
+    if options.device.is_some() {
+        let found = match (&problem.runner.elastic, options.method) {
+            (Some(_), _) => Some("an elastic runner"),
+            (None, Method::Accelerated) => None,
+            (None, _) => Some("a checking method"),
+        };
+        if let Some(found) = found {
+            return Err(Error::NotOnDevice { found });
+        }
+    }
     if !(options.p_max_tolerance > 0.0 && options.p_max_tolerance.is_finite()) {
         return out(
             "accuracy of the peak pressure",

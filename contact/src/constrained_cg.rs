@@ -11,7 +11,7 @@ use crate::vector;
 
 /// The factorised constraint of one contact set.
 pub(crate) struct Constraint {
-    inside: Vec<usize>,
+    pub inside: Vec<usize>,
     rows: Vec<[f64; 3]>,
     factor: Llt<f64>,
     motion_columns: Mat<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Constraint {
 
 /// Vectors that the iteration reuses.
 pub(crate) struct Workspace {
-    residual: Vec<f64>,
+    pub residual: Vec<f64>,
     step: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
@@ -71,63 +71,18 @@ impl Level {
         progress: &mut Progress,
     ) -> bool {
         self.project_forces(sets, state);
-        // Enter the subspace: close what is open inside, balance the load.
-        self.residual(state, &mut work.residual);
-        let closing = self.closing(&state.displacement);
-        let defect: Vec<f64> = constraint
-            .inside
-            .iter()
-            .map(|&i| self.gap[i] - dot(self.rows[i], state.motion) - closing[i])
-            .collect();
-        let mut balance = self.motion.balance;
-        for (row, force) in self
-            .rows
-            .iter()
-            .zip(&state.force)
-            .filter(|(_, f)| **f != 0.0)
-        {
-            for (b, r) in balance.iter_mut().zip(row) {
-                *b -= r * force;
-            }
-        }
-        let (turn, force) = self.precondition(constraint, &defect, balance, work);
-        self.advance(1.0, turn, state, &work.step);
-        add_to(constraint, &force, state);
-        self.residual(state, &mut work.residual);
+        self.enter(constraint, state, work);
         progress.iterations += 1;
         // Now the step's defect and imbalance are 0, and stay so.
-        let none = vec![0.0; constraint.inside.len()];
         let mut rho_before = 0.0;
         let mut turn_direction = [0.0; 3];
         let mut next_check: f64 = 1e-2;
         loop {
-            let (turn, force) = self.precondition(constraint, &none, [0.0; 3], work);
-            let rho = vector::dot(&work.residual, &work.step).max(0.0);
-            // The multiplier's increment leaves the residual what truly is out of equilibrium.
-            add_to(constraint, &force, state);
-            let opposite: Vec<(usize, f64)> = forces_on(constraint, &force, -1.0);
-            self.add_forces(&opposite, &mut work.residual);
-            let energy = self.energy(state).max(f64::MIN_POSITIVE);
-            progress.residual = (rho / energy).sqrt();
-            if progress.residual < next_check.max(tolerance) {
-                if self
-                    .signs(
-                        state,
-                        sets,
-                        if progress.residual < tolerance {
-                            1e-10
-                        } else {
-                            progress.residual
-                        },
-                    )
-                    .is_some()
-                {
-                    return false;
-                }
-                if progress.residual < tolerance {
-                    return true;
-                }
-                next_check *= 1e-2;
+            let (turn, rho) = self.equilibrate(constraint, state, work, progress);
+            if let Some(confirmed) =
+                self.settled(sets, state, progress.residual, tolerance, &mut next_check)
+            {
+                return confirmed;
             }
             if limit.reached(progress.iterations) {
                 return false;
@@ -158,6 +113,75 @@ impl Level {
         }
     }
 
+    /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of the new state.
+    pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
+        self.residual(state, &mut work.residual);
+        let closing = self.closing(&state.displacement);
+        let defect: Vec<f64> = constraint
+            .inside
+            .iter()
+            .map(|&i| self.gap[i] - dot(self.rows[i], state.motion) - closing[i])
+            .collect();
+        let mut balance = self.motion.balance;
+        for (row, force) in self
+            .rows
+            .iter()
+            .zip(&state.force)
+            .filter(|(_, f)| **f != 0.0)
+        {
+            for (b, r) in balance.iter_mut().zip(row) {
+                *b -= r * force;
+            }
+        }
+        let (turn, force) = self.precondition(constraint, &defect, balance, work);
+        self.advance(1.0, turn, state, &work.step);
+        add_to(constraint, &force, state);
+        self.residual(state, &mut work.residual);
+    }
+
+    /// The next step of a state in the subspace; returns its turn and r . z.
+    ///
+    /// The multipliers' increment goes into the forces, which leaves the residual what truly is out of equilibrium.
+    pub(crate) fn equilibrate(
+        &self,
+        constraint: &Constraint,
+        state: &mut State,
+        work: &mut Workspace,
+        progress: &mut Progress,
+    ) -> ([f64; 3], f64) {
+        let none = vec![0.0; constraint.inside.len()];
+        let (turn, force) = self.precondition(constraint, &none, [0.0; 3], work);
+        let rho = vector::dot(&work.residual, &work.step).max(0.0);
+        add_to(constraint, &force, state);
+        let opposite = forces_on(constraint, &force, -1.0);
+        self.add_forces(&opposite, &mut work.residual);
+        let energy = self.energy(state).max(f64::MIN_POSITIVE);
+        progress.residual = (rho / energy).sqrt();
+        (turn, rho)
+    }
+
+    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; looked at whenever the residual
+    /// has fallen a hundredfold.
+    pub(crate) fn settled(
+        &self,
+        sets: &Sets,
+        state: &State,
+        residual: f64,
+        tolerance: f64,
+        next_check: &mut f64,
+    ) -> Option<bool> {
+        if residual.is_nan() || residual >= next_check.max(tolerance) {
+            return None;
+        }
+        let reached = residual < tolerance;
+        let slack = if reached { 1e-10 } else { residual };
+        if self.signs(state, sets, slack).is_some() {
+            return Some(false);
+        }
+        *next_check *= 1e-2;
+        reached.then_some(true)
+    }
+
     fn advance(&self, factor: f64, turn: [f64; 3], state: &mut State, step: &[f64]) {
         for (q, t) in state.motion.iter_mut().zip(turn) {
             *q += factor * t;
@@ -174,7 +198,6 @@ impl Level {
         balance: [f64; 3],
         work: &mut Workspace,
     ) -> ([f64; 3], Vec<f64>) {
-        let n = constraint.inside.len();
         let mut closing = vec![0.0; self.gap.len()];
         let mut start = 0;
         for member in self.members() {
@@ -182,6 +205,25 @@ impl Level {
             member.begin(residual, &mut closing);
             start += member.len();
         }
+        let (turn, multipliers) = self.multipliers(constraint, &closing, defect, balance);
+        let forces = forces_on(constraint, &multipliers, 1.0);
+        let mut start = 0;
+        for member in self.members() {
+            member.finish(&forces, &mut work.step[start..start + member.len()]);
+            start += member.len();
+        }
+        (turn, multipliers)
+    }
+
+    /// The turn and the multipliers that close `defect` beyond `closing` = B P^-1 r.
+    pub(crate) fn multipliers(
+        &self,
+        constraint: &Constraint,
+        closing: &[f64],
+        defect: &[f64],
+        balance: [f64; 3],
+    ) -> ([f64; 3], Vec<f64>) {
+        let n = constraint.inside.len();
         let side = Mat::from_fn(n, 1, |i, _| defect[i] - closing[constraint.inside[i]]);
         let solved_side = constraint.factor.solve(&side);
         let solved = Mat::from_fn(n, 4, |i, j| {
@@ -195,22 +237,18 @@ impl Level {
         let multipliers: Vec<f64> = (0..n)
             .map(|i| (1..4).map(|j| solved[(i, j)] * turn[j - 1]).sum::<f64>() - solved[(i, 0)])
             .collect();
-        let forces = forces_on(constraint, &multipliers, 1.0);
-        let mut start = 0;
-        for member in self.members() {
-            member.finish(&forces, &mut work.step[start..start + member.len()]);
-            start += member.len();
-        }
         (turn, multipliers)
     }
 }
 
-fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
+/// The forces on the nodes inside, times `factor`, with their nodes.
+pub(crate) fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
     let nodes = constraint.inside.iter().copied();
     nodes.zip(force.iter().map(|f| factor * f)).collect()
 }
 
-fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
+/// Adds the forces on the nodes inside to the state's.
+pub(crate) fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
     for (&node, f) in constraint.inside.iter().zip(force) {
         state.force[node] += f;
     }

@@ -1,8 +1,11 @@
 //! Which nodes touch: prediction by projected SOR, confirmation by the signs of forces and gaps.
 
+use std::convert::Infallible;
+
 use faer::Mat;
 
 use crate::Options;
+use crate::constrained_cg::Constraint;
 use crate::level::{Level, State};
 use crate::psor::{PlaneProblem, PlaneState, Sets, dot};
 
@@ -64,6 +67,24 @@ impl Level {
         limit: &Limit,
     ) -> Progress {
         let mut work = self.workspace();
+        let Ok(progress) =
+            self.solve_by(state, greens, limit, |sets, constraint, state, progress| {
+                let work = &mut work;
+                Ok::<_, Infallible>(
+                    self.iterate(sets, constraint, state, work, tolerance, limit, progress),
+                )
+            });
+        progress
+    }
+
+    /// As [`Level::solve`] with an iteration within one contact set, which returns whether tolerance and set were reached.
+    pub fn solve_by<E>(
+        &self,
+        state: &mut State,
+        greens: &[Mat<f64>; 2],
+        limit: &Limit,
+        mut iterate: impl FnMut(&Sets, &Constraint, &mut State, &mut Progress) -> Result<bool, E>,
+    ) -> Result<Progress, E> {
         let mut progress = Progress {
             iterations: 0,
             updates: Vec::new(),
@@ -80,15 +101,7 @@ impl Level {
                 break;
             };
             let before = progress.iterations;
-            let confirmed = self.iterate(
-                &sets,
-                &constraint,
-                state,
-                &mut work,
-                tolerance,
-                limit,
-                &mut progress,
-            );
+            let confirmed = iterate(&sets, &constraint, state, &mut progress)?;
             progress.updates.push(SetUpdate {
                 contact_nodes: sets.inside.len() + sets.full.len(),
                 iterations: progress.iterations - before,
@@ -106,7 +119,7 @@ impl Level {
             };
             sets = next;
         }
-        progress
+        Ok(progress)
     }
 
     /// The next contact set: projected SOR and accelerations on the plane, from the gaps as they are now.

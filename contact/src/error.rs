@@ -82,4 +82,17 @@ pub enum Error {
         /// Relative error asked.
         tolerance: f64,
     },
+    /// The graphics processor does not solve problems of this kind.
+    #[cfg(feature = "gpu")]
+    #[error(
+        "a graphics processor solves for rigid runners by the accelerated method alone; found {found}"
+    )]
+    NotOnDevice {
+        /// What it does not take.
+        found: &'static str,
+    },
+    /// The graphics processor failed, or the mesh is too large for it.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Device(#[from] kufe_fem::Error),
 }

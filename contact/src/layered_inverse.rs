@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use faer::Mat;
+use faer::{Mat, MatMut, MatRef};
 use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
 
 use crate::body::Columns;
@@ -10,7 +10,7 @@ use crate::surface::SurfaceModes;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
 pub(crate) struct LayeredInverse {
-    preconditioner: LayeredDiagonal,
+    pub preconditioner: LayeredDiagonal,
     modes: SurfaceModes,
     columns: Columns,
     sign: f64,
@@ -49,7 +49,11 @@ impl LayeredInverse {
     pub fn begin(&self, residual: &[f64], closing: &mut [f64]) {
         let mut modal = self.modal();
         self.preconditioner.gather(residual, &mut modal);
-        let gathered = self.preconditioner.gathered(&modal);
+        self.add_closing(self.preconditioner.gathered(&modal), closing);
+    }
+
+    /// `closing` += B P^-1 r from what the contact plane has gathered of r.
+    pub fn add_closing(&self, gathered: MatRef<'_, f64>, closing: &mut [f64]) {
         let answer = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
             gathered[(a, b)] * self.modes.table[(a, b)]
         });
@@ -64,6 +68,13 @@ impl LayeredInverse {
 
     /// See [`crate::member::Member::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
+        let mut modal = self.modal();
+        self.take_forces(multipliers, self.preconditioner.gathered_mut(&mut modal));
+        self.preconditioner.spread(&mut modal, step);
+    }
+
+    /// `gathered` -= B^T m for the forces m on nodes.
+    pub fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
         let [nx, ny] = self.columns.count;
         let mut plane = Mat::<f64>::zeros(nx, ny);
         for &(node, m) in multipliers {
@@ -72,10 +83,23 @@ impl LayeredInverse {
             }
         }
         let load = self.modes.to_modes(plane.as_ref());
-        let mut modal = self.modal();
-        let mut gathered = self.preconditioner.gathered_mut(&mut modal);
         gathered -= faer::Scale(self.sign) * load;
-        self.preconditioner.spread(&mut modal, step);
+    }
+
+    /// `residual` -= B^T m on the nodes of the contact plane, x fastest.
+    #[cfg(feature = "gpu")]
+    pub fn take_nodal(&self, multipliers: &[(usize, f64)], residual: &mut [f64]) {
+        for &(node, m) in multipliers {
+            if let Some([i, j]) = self.columns.local(node) {
+                residual[j * self.columns.count[0] + i] -= self.sign * m;
+            }
+        }
+    }
+
+    /// Modes of x and of y on the contact plane.
+    #[cfg(feature = "gpu")]
+    pub fn mode_shape(&self) -> [usize; 2] {
+        [self.modes.table.nrows(), self.modes.table.ncols()]
     }
 
     /// See [`crate::member::Member::green`]; the second one is scaled to elasticity's response.

@@ -50,6 +50,8 @@ mod clamps;
 mod constrained_cg;
 mod contact_set;
 mod corners;
+#[cfg(feature = "gpu")]
+mod device_cg;
 mod discretise;
 pub mod effects;
 mod error;

@@ -50,7 +50,7 @@ pub(crate) fn solve_level(
         motion: found.motion,
     };
     hold_outer_faces(problem, material, mesh, forces, &mut state);
-    let mut progress = one_solve(problem, mesh, material, &greens, &mut state, options);
+    let mut progress = one_solve(problem, mesh, material, &greens, &mut state, options)?;
     if matches!(problem.load, Load::Approach { .. })
         && problem.ice.foundation == Foundation::HalfSpace
     {
@@ -68,7 +68,7 @@ pub(crate) fn solve_level(
             if options.stopped() {
                 break;
             }
-            let again = one_solve(problem, mesh, material, &greens, &mut state, options);
+            let again = one_solve(problem, mesh, material, &greens, &mut state, options)?;
             progress.iterations += again.iterations;
             progress.converged &= again.converged;
             progress.residual = again.residual;
@@ -136,14 +136,18 @@ fn one_solve(
     greens: &[Mat<f64>; 2],
     state: &mut State,
     options: &Options,
-) -> Progress {
+) -> Result<Progress, Error> {
     let limit = Limit {
         iterations: 1000,
         options,
     };
     const SWEEPS: usize = 200_000;
     let level = &mesh.level;
-    match options.method {
+    #[cfg(feature = "gpu")]
+    if let Some(device) = &options.device {
+        return level.solve_on_device(device, state, greens, options.residual, &limit);
+    }
+    Ok(match options.method {
         Method::Accelerated => level.solve(state, greens, options.residual, &limit),
         Method::CholeskyActiveSet => {
             let element = problem.runner.elastic.as_ref().map(|e| e.element_kind());
@@ -159,7 +163,7 @@ fn one_solve(
                 ..Progress::direct(sweeps.is_some())
             }
         }
-    }
+    })
 }
 
 pub(crate) fn lumped_forces(mesh: &Discretisation, state: &State) -> Forces {

@@ -35,6 +35,9 @@ pub struct Options {
     pub cells: Option<usize>,
     /// How the equations are solved.
     pub method: Method,
+    /// Where given, the equations of a rigid runner's contact are solved on this graphics processor, to the same residual.
+    #[cfg(feature = "gpu")]
+    pub device: Option<Arc<kufe_fem::gpu::Device>>,
     /// Called after every update of the contact set.
     pub progress: Option<Watcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an iteration.
@@ -59,6 +62,8 @@ impl Default for Options {
             max_dofs: 4_000_000,
             cells: None,
             method: Method::Accelerated,
+            #[cfg(feature = "gpu")]
+            device: None,
             progress: None,
             stop: None,
         }

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use kufe_contact::Options;
 use kufe_contact::case::TiltWord;
 use kufe_jobs::case_file::LoadedCase;
-use kufe_jobs::{Pressed, Watch, case_json, press};
+use kufe_jobs::{Pressed, Watch, case_json, press_with};
 use kufe_mesh::write_pvd;
 use serde_json::Value;
 
@@ -125,10 +126,17 @@ const MOST: usize = 10_000;
 /// # Errors
 /// [`Failure::BadInput`] for a combination that is no case, before anything is solved; [`Failure::Partial`] where steps are
 /// missing at the end, by an interrupt or short of their accuracy; [`Failure::NotConverged`] where all are.
-pub fn run(args: &Args, loaded: &LoadedCase, global: &Global) -> Result<(), Failure> {
+pub fn run(
+    args: &Args,
+    loaded: &LoadedCase,
+    global: &Global,
+    options: &Options,
+) -> Result<(), Failure> {
     let steps = steps(&args.lists, loaded)?;
     let mut rows = Vec::new();
-    let solved = watched(global, |watch| solve_steps(args, &steps, watch, &mut rows));
+    let solved = watched(global, |watch| {
+        solve_steps(args, &steps, watch, options, &mut rows)
+    });
     write_overview(&args.out, &rows, &args.lists, steps.len())?;
     let (kept, short) = solved?;
     let document = super::series_table::document(&rows);
@@ -154,6 +162,7 @@ fn solve_steps(
     args: &Args,
     steps: &[Step],
     watch: &Watch,
+    options: &Options,
     rows: &mut Vec<Row>,
 ) -> Result<(usize, Option<String>), Failure> {
     let (mut kept, mut short) = (0, None);
@@ -176,7 +185,7 @@ fn solve_steps(
             continue;
         }
         watch.progress(&format!("step {} of {}", k + 1, steps.len()));
-        match press(step.loaded.clone(), watch, None) {
+        match press_with(step.loaded.clone(), watch, options.clone()) {
             Ok(pressed) => rows.push(row(Some(write_step(&folder, &pressed, args)?), None)),
             Err(Failure::NotConverged(text)) => {
                 let text = format!("{}: {text}", step.folder);
