@@ -17,7 +17,8 @@
 //!    half-space's own displacements (`far_field`).
 //! 3. `contact_set` predicts which nodes touch by projected SOR on the contact forces (`psor`); `constrained_cg` solves
 //!    in the subspace that keeps them closed, with a preconditioner that keeps the constraint and balances the load
-//!    (after L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x).
+//!    (after L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x). With the feature `gpu` the
+//!    corrections within a contact set may come from a graphics processor (`device_cg`).
 //! 4. `field` turns nodal forces into pressures and figures, `extrapolation` two or three similar meshes into a peak
 //!    pressure with an error; `answer` puts the solution together.
 //!

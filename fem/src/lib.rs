@@ -11,6 +11,7 @@
 //! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
 //! | [`TensorOperator`], [`LayeredDiagonal`] | stiffness and preconditioner on a tensor grid ([`FastDiagonal`]: the plain one) |
 //! | [`MappedPreconditioner`], [`BeamModes`] | the same for bent grids and slender bodies |
+//! | `gpu`, with the feature of that name | the kernels of tensor grids and conjugate gradients on a graphics processor |
 //! | [`boussinesq`], [`love_rectangle`], [`ThickCylinder`], [`Beam`] | closed forms |
 //!
 //! Vectors of a [`Body`] hold three numbers a node, node by node; those of a [`TensorOperator`] component by component.

@@ -89,11 +89,6 @@ impl DeviceCg<'_> {
         let next = if first { &self.begin } else { &self.turn };
         self.device.start(spread.iter().chain(next), 1);
     }
-
-    /// What `r . P^-1 r` and energies on the device are multiplied with, twice, to be in the caller's units.
-    pub fn energy_unit(&self) -> f64 {
-        self.scale.recip() / self.units.stiffness().sqrt()
-    }
 }
 
 /// The two factors come one after the other, as their product may be beyond the largest number.
