@@ -65,7 +65,7 @@ pub fn page(report: &Report) -> String {
     }
     runs_section(&mut out, report);
     for (number, step) in report.steps.iter().enumerate() {
-        step_section(&mut out, number + 1, step, report.steps.len());
+        step_section(&mut out, number + 1, step, report);
     }
     let _ = write!(
         out,
@@ -113,16 +113,19 @@ fn in_words(report: &Report) -> &'static str {
     }
 }
 
-fn step_section(out: &mut String, number: usize, step: &Step, steps: usize) {
-    let shared = if steps > 1 {
-        " by all steps together"
-    } else {
-        ""
+fn step_section(out: &mut String, number: usize, step: &Step, report: &Report) {
+    let shared = match report.steps.len() {
+        1 => "",
+        _ => " by all steps together",
+    };
+    let judged = match report.held_out.runs.is_empty() {
+        true => "",
+        false => " on what was locked away",
     };
     let _ = write!(
         out,
         "<h2>{number}. {}</h2>\n<p>Channel {}; where: {}; p {}. The gap on the data it was learned from went from {} to {}. \
-Of what could be explained, {:.0} % ({:.0} to {:.0} %) is closed{shared}.</p>\n",
+Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}.</p>\n",
         escape(&step.effect),
         escape(&step.channel),
         escape(&step.place),
