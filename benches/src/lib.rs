@@ -18,11 +18,13 @@
 //! ```
 
 mod chart;
+mod half_space;
 mod measured;
 mod needle;
 mod table;
 
 pub use chart::{Chart, Line, draw};
+pub use half_space::on_half_space;
 pub use measured::{Cost, again, best_of, cpu_seconds, peak_bytes};
 pub use needle::{ICE, NeedleBlock, needle_block};
 pub use table::{pressure_table, random_queries, table_of};

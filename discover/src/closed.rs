@@ -10,8 +10,8 @@ pub struct Seen<'a> {
     pub before: &'a [f64],
     /// Residual after.
     pub after: &'a [f64],
-    /// Norm of the same direction on the training rows, which its length was fitted to.
-    pub fitted: f64,
+    /// The same direction on the training rows, which its length was fitted to.
+    pub fitted: &'a [f64],
     /// Deviation of a residual where no effect is left, 1 where the noise is as stated.
     pub spread: f64,
 }
@@ -25,8 +25,7 @@ impl Seen<'_> {
     pub fn closed(&self) -> Interval {
         let along = |r: &[f64]| -> f64 { self.direction.iter().zip(r).map(|(f, r)| f * r).sum() };
         let (before, after) = (along(self.before), along(self.after));
-        let norm = self.direction.iter().map(|f| f * f).sum::<f64>().sqrt();
-        let noise = self.spread * norm;
+        let noise = self.spread * norm(self.direction);
         if before.is_nan() || before <= 0.0 {
             return Interval {
                 value: 0.0,
@@ -44,13 +43,17 @@ impl Seen<'_> {
                 high: 1.0,
             };
         }
-        let error = 1.96 * (noise / before).hypot(self.spread / self.fitted);
+        let error = 1.96 * (noise / before).hypot(self.spread / norm(self.fitted));
         Interval {
             value,
             low: (1.0 - left - error).max(-1.0),
             high: (1.0 - left + error).min(1.0).max(value),
         }
     }
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -63,7 +66,6 @@ mod tests {
     fn intervals_hold_what_the_fitted_size_closes() {
         let change: Vec<f64> = (0..200).map(|i| 0.5 * (0.2 * i as f64).sin()).collect();
         let (fit, locked) = change.split_at(150);
-        let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut held, mut full, cases) = (0, 0, 400);
         for k in 0..cases {
             let mut rng = stream(5, k, 0);
@@ -73,13 +75,14 @@ mod tests {
             let own = noisy(fit, &mut rng);
             let size = own.iter().zip(fit).map(|(r, c)| r * c).sum::<f64>() / norm(fit).powi(2);
             let before = noisy(locked, &mut rng);
-            let scaled: Vec<f64> = locked.iter().map(|c| size * c).collect();
+            let by_size = |part: &[f64]| -> Vec<f64> { part.iter().map(|c| size * c).collect() };
+            let scaled = by_size(locked);
             let after: Vec<f64> = before.iter().zip(&scaled).map(|(r, s)| r - s).collect();
             let seen = Seen {
                 direction: &scaled,
                 before: &before,
                 after: &after,
-                fitted: size.abs() * norm(fit),
+                fitted: &by_size(fit),
                 spread: 1.0,
             };
             let closed = seen.closed();
@@ -97,7 +100,7 @@ mod tests {
             direction: &[0.1, -0.1],
             before: &[0.5, 0.4],
             after: &[0.4, 0.5],
-            fitted: 3.0,
+            fitted: &[3.0],
             spread: 1.0,
         };
         let closed = seen.closed();
@@ -114,7 +117,7 @@ mod tests {
                 direction: &f,
                 before: &f,
                 after: &after,
-                fitted: 50.0,
+                fitted: &[50.0],
                 spread: 1.0,
             };
             assert!((seen.closed().value - closed).abs() < 5e-4);

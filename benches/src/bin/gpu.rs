@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
-use kufe_benches::{ICE, best_of, needle_block};
-use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Tilt, solve};
+use kufe_benches::{best_of, needle_block, on_half_space};
+use kufe_contact::{Options, Runner, solve};
 use kufe_fem::gpu::{self, Device, DeviceCg, Solver};
 use kufe_fem::{Error, cg};
 use kufe_mesh::Paraboloid;
@@ -102,23 +102,7 @@ fn contact(device: &Arc<Device>) {
     println!("| accuracy asked | unknowns | processor | device | ratio | peaks apart |");
     println!("|---|---|---|---|---|---|");
     let hull = Paraboloid::new(30.0, 0.005).unwrap_or_else(|error| panic!("{error}"));
-    let problem = Problem {
-        runner: Runner::rigid(Arc::new(hull)),
-        ice: Ice {
-            youngs_modulus: ICE.0,
-            poissons_ratio: ICE.1,
-            foundation: Foundation::HalfSpace,
-            hardness: None,
-        },
-        ice_surface: None,
-        track_curvature: 0.0,
-        load: Load::Force {
-            fz: 1000.0,
-            offset_x: 0.0,
-            offset_y: 0.0,
-            tilt: Tilt::Free,
-        },
-    };
+    let problem = on_half_space(Runner::rigid(Arc::new(hull)), 0.0, 1000.0);
     let accuracies = if device.is_software() { 1 } else { 3 };
     for tolerance in [0.005, 0.001, 0.0003].into_iter().take(accuracies) {
         let run = |device: Option<Arc<Device>>| {

@@ -9,8 +9,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_benches::{Chart, ICE, Line, again, best_of, needle_block, peak_bytes};
-use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Tilt, solve};
+use kufe_benches::{Chart, Line, again, best_of, needle_block, on_half_space, peak_bytes};
+use kufe_contact::{Options, Runner, solve};
 use kufe_discover::{Gram, Scores};
 use kufe_fem::cg;
 use kufe_mesh::Paraboloid;
@@ -173,23 +173,7 @@ fn points(count: usize) -> [f64; 2] {
         let t = i as f64 / 63.0;
         let hull = Paraboloid::new(15.0 * 16f64.powf((7.0 * t).fract()), 0.005)
             .unwrap_or_else(|error| panic!("{error}"));
-        Problem {
-            runner: Runner::rigid(Arc::new(hull)),
-            ice: Ice {
-                youngs_modulus: ICE.0,
-                poissons_ratio: ICE.1,
-                foundation: Foundation::HalfSpace,
-                hardness: None,
-            },
-            ice_surface: None,
-            track_curvature: 0.0,
-            load: Load::Force {
-                fz: 250.0 * 16f64.powf(t),
-                offset_x: 0.0,
-                offset_y: 0.0,
-                tilt: Tilt::Free,
-            },
-        }
+        on_half_space(Runner::rigid(Arc::new(hull)), 0.0, 250.0 * 16f64.powf(t))
     };
     let options = Options {
         p_max_tolerance: 0.005,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use kufe_benches::{ICE, again, best_of, needle_block, peak_bytes};
-use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Solution, Tilt, hertz, solve};
+use kufe_benches::{ICE, again, best_of, needle_block, on_half_space, peak_bytes};
+use kufe_contact::{Options, Problem, Runner, Solution, hertz, solve};
 use kufe_fem::{Body, Constraints, ElementKind, Factor, Material, assemble, cg};
 use kufe_mesh::{BobRunner, Paraboloid, Underside};
 
@@ -98,24 +98,8 @@ fn tables() {
     }
 }
 
-fn on_half_space(underside: impl Underside + 'static, track_curvature: f64) -> Problem {
-    Problem {
-        runner: Runner::rigid(Arc::new(underside)),
-        ice: Ice {
-            youngs_modulus: ICE.0,
-            poissons_ratio: ICE.1,
-            foundation: Foundation::HalfSpace,
-            hardness: None,
-        },
-        ice_surface: None,
-        track_curvature,
-        load: Load::Force {
-            fz: 1000.0,
-            offset_x: 0.0,
-            offset_y: 0.0,
-            tilt: Tilt::Free,
-        },
-    }
+fn rigid(underside: impl Underside + 'static) -> Runner {
+    Runner::rigid(Arc::new(underside))
 }
 
 fn solved(problem: &Problem, options: &Options) -> Solution {
@@ -127,7 +111,7 @@ fn paraboloid(rocker: f64, section: f64) -> Paraboloid {
 }
 
 fn hertz_case(tolerance: f64) {
-    let problem = on_half_space(paraboloid(30.0, 0.005), 0.0);
+    let problem = on_half_space(rigid(paraboloid(30.0, 0.005)), 0.0, 1000.0);
     let options = Options {
         p_max_tolerance: tolerance,
         ..Options::default()
@@ -220,7 +204,7 @@ fn runner_case(radius: f64, dofs: f64) {
     let bob = BobRunner::default()
         .swept()
         .unwrap_or_else(|error| panic!("{error}"));
-    let problem = on_half_space(bob, 1.0 / radius);
+    let problem = on_half_space(rigid(bob), 1.0 / radius, 1000.0);
     let at = |cells: usize| Options {
         cells: Some(cells),
         ..Options::default()
@@ -235,7 +219,7 @@ fn runner_case(radius: f64, dofs: f64) {
 }
 
 fn aspect_case(rocker: f64, cells: usize) {
-    let problem = on_half_space(paraboloid(rocker, 0.005), 0.0);
+    let problem = on_half_space(rigid(paraboloid(rocker, 0.005)), 0.0, 1000.0);
     let s = solved(
         &problem,
         &Options {

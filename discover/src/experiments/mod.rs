@@ -139,9 +139,12 @@ pub fn search(
     for (k, step) in steps.iter_mut().enumerate() {
         size(step, &candidates[chosen[k]], &last, base + k, quantile);
     }
-    let closed = closed(&setting, &training, &held, &chosen, next_best);
-    for step in &mut steps {
-        step.explainable_gap_closed = closed.clone();
+    if !steps.is_empty() {
+        let fits = [(&first, &[][..]), (&last, &chosen)];
+        let closed = closed(&setting, &training, &held, fits, next_best);
+        for step in &mut steps {
+            step.explainable_gap_closed = closed.clone();
+        }
     }
     let (held_before, held_after) = (
         first.rms_of(&setting, &held, &[]),
@@ -351,42 +354,37 @@ fn rivals(
 }
 
 /// How much is closed, on the locked-away rows where there are any, of what everything chosen and the next best candidate
-/// explain on the others.
+/// explain on the others. `before` and `after` are the fits without and with what was chosen.
 fn closed(
     setting: &Setting,
     training: &[Row],
     held: &[Row],
-    chosen: &[usize],
+    [before, after]: [(&Fit, &[usize]); 2],
     next_best: Option<usize>,
 ) -> Interval {
-    let all: Vec<usize> = chosen.iter().copied().chain(next_best).collect();
-    let fits = [&[], chosen, &all].map(|chosen| (fit(setting, training, chosen), chosen));
-    let rests = |rows: &[Row]| {
-        fits.each_ref().map(|(own, chosen)| -> Vec<f64> {
-            let last = &fits[1].0;
-            rows.iter()
-                .map(|row| {
-                    let left = row.mu - own.predict(setting, row, chosen).1;
-                    left / last.deviation(setting, row)
-                })
-                .collect()
-        })
+    let all: Vec<usize> = after.1.iter().copied().chain(next_best).collect();
+    let least = fit(setting, training, &all);
+    let last = after.0;
+    let rest = |rows: &[Row], (fit, chosen): (&Fit, &[usize])| -> Vec<f64> {
+        let left = |row: &Row| row.mu - fit.predict(setting, row, chosen).1;
+        let rows = rows.iter();
+        rows.map(|row| left(row) / last.deviation(setting, row))
+            .collect()
     };
-    let change = |[before, _, least]: &[Vec<f64>; 3]| -> Vec<f64> {
+    let change = |rows: &[Row]| -> Vec<f64> {
+        let (before, least) = (rest(rows, before), rest(rows, (&least, &all)));
         before.iter().zip(least).map(|(a, b)| a - b).collect()
     };
-    let own = rests(training);
     let judged = match held.is_empty() {
-        true => own.clone(),
-        false => rests(held),
+        true => training,
+        false => held,
     };
-    let last = &fits[1].0;
     let freedom = (training.len() as f64 - last.step.len() as f64).max(1.0);
     Seen {
-        direction: &change(&judged),
-        before: &judged[0],
-        after: &judged[1],
-        fitted: change(&own).iter().map(|f| f * f).sum::<f64>().sqrt(),
+        direction: &change(judged),
+        before: &rest(judged, before),
+        after: &rest(judged, after),
+        fitted: &change(training),
         spread: (last.chi2 / freedom).max(1.0).sqrt(),
     }
     .closed()

@@ -175,15 +175,12 @@ impl Found {
             false => locked,
         };
         let (direction, before) = change(judge)?;
-        let (fitted, _) = change(bench)?;
         let closed = Seen {
             direction: &direction,
             before: &before.rest,
             after: &judge.misfit(&self.active, REPORTING)?.rest,
-            fitted: fitted.iter().map(|f| f * f).sum::<f64>().sqrt(),
-            spread: (self.last.chi2 / (self.last.count - 1.0).max(1.0))
-                .max(1.0)
-                .sqrt(),
+            fitted: &change(bench)?.0,
+            spread: self.last.mean_square().sqrt(),
         }
         .closed();
         for step in &mut self.steps {
@@ -277,9 +274,7 @@ fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, 
         found.last = polished.misfit;
     }
     remove_idle(bench, &mut found, &mut errors)?;
-    let spread = (found.last.chi2 / (found.last.count - 1.0).max(1.0))
-        .max(1.0)
-        .sqrt();
+    let spread = found.last.mean_square().sqrt();
     for ((step, (effect, size)), error) in found.steps.iter_mut().zip(&found.active).zip(&errors) {
         let info = effect.info();
         let half = 1.96 * (error * spread).hypot(effect.form_error() * size);
@@ -306,8 +301,7 @@ fn remove_idle(bench: &Bench, found: &mut Found, errors: &mut Vec<f64>) -> Resul
         for _ in 0..2 {
             without = polish(bench, &without.active, &without.errors)?;
         }
-        let mean_square = (found.last.chi2 / (found.last.count - 1.0).max(1.0)).max(1.0);
-        if without.misfit.chi2 - found.last.chi2 < LEAST_DROP * mean_square {
+        if without.misfit.chi2 - found.last.chi2 < LEAST_DROP * found.last.mean_square() {
             found.steps.remove(k);
             found.steps[0].gap_before = start.rms;
             found.active = without.active;

@@ -58,6 +58,13 @@ pub struct Misfit {
     pub moments: Vec<f64>,
 }
 
+impl Misfit {
+    /// Mean square in units of the noise; at least 1, as the noise may be stated too large.
+    pub fn mean_square(&self) -> f64 {
+        (self.chi2 / (self.count - 1.0).max(1.0)).max(1.0)
+    }
+}
+
 impl<'a> Bench<'a> {
     /// Solves each row on two meshes, whose difference counts as an error of every later comparison.
     ///
