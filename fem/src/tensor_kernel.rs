@@ -1,6 +1,7 @@
 //! What one plane of u gives to K u: to its own plane and to the two beside it.
 //!
-//! A vector of neighbours along x goes up y, row by row, for one equation at a time. In each row come the products along x,
+//! A vector of neighbours along x goes up y, row by row, for one equation or two at a time. In each row come the products
+//! along x,
 //!
 //! a = M u, b = K u of the equation's own component, p, q and r of the others (2 D u or M u),
 //!
@@ -18,13 +19,16 @@
 //! | x | 2 D u_y | 2 D u_z | |
 //! | y | 2 D u_x | | M u_z |
 //! | z | | 2 D u_x | M u_y |
+//!
+//! The equations y and z have all their products in common and go up together; that of x shares none that would be worth the
+//! registers.
 
 use std::ops::Range;
 
 use prefetch_index::prefetch_index;
 use pulp::{Simd, WithSimd};
 
-use crate::padded_plane::PaddedPlane;
+use crate::row_ends::RowEnds;
 use crate::tensor_factors::{Factors, WIDEST};
 use crate::tensor_stencils::{AcrossRow, AlongX, AlongZ, Behind, between};
 
@@ -33,9 +37,12 @@ pub(crate) struct Plane<'a> {
     pub factors: &'a Factors,
     /// Place among the factors' layers.
     pub layer: usize,
-    /// The band's rows and the two beside them.
-    pub u: &'a PaddedPlane,
-    /// What the plane below and this one have so far, then this one and the one above: a pair a row, by column and equation.
+    /// The band's rows of u and the two beside them, by component.
+    pub rows: [&'a [f64]; 3],
+    /// The same rows' ends.
+    pub ends: &'a RowEnds,
+    /// What the plane below and this one have so far, then this one and the one above: a pair a row and equation, by group
+    /// of equations and column.
     pub sums: &'a mut [f64],
     /// The plane below, which is complete now, by component.
     pub out: [&'a mut [f64]; 3],
@@ -59,37 +66,45 @@ impl WithSimd for Plane<'_> {
     }
 }
 
+/// First equation of each group and their number.
+const GROUPS: [(usize, usize); 2] = [(0, 1), (1, 2)];
+
+/// A group's part of the sums.
+fn part(sums: usize, (first, number): (usize, usize)) -> Range<usize> {
+    first * sums / 3..(first + number) * sums / 3
+}
+
 impl Plane<'_> {
     #[inline(always)]
     fn equations<S: Simd, const WHOLE: bool>(&mut self, simd: S) {
-        self.equation::<S, 0, WHOLE>(simd);
-        self.equation::<S, 1, WHOLE>(simd);
-        self.equation::<S, 2, WHOLE>(simd);
+        self.group::<S, { GROUPS[0].0 }, { GROUPS[0].1 }, WHOLE>(simd);
+        self.group::<S, { GROUPS[1].0 }, { GROUPS[1].1 }, WHOLE>(simd);
     }
 
     #[inline(always)]
-    fn equation<S: Simd, const EQUATION: usize, const WHOLE: bool>(&mut self, simd: S) {
+    fn group<S: Simd, const FIRST: usize, const N: usize, const WHOLE: bool>(&mut self, simd: S) {
         let columns = self.nx.div_ceil(S::F64_LANES);
         let rows = self.band.len();
-        let third = self.sums.len() / 3;
-        let sums = &mut self.sums[EQUATION * third..(EQUATION + 1) * third];
-        let mut sums = S::as_mut_simd_f64s(sums).0.chunks_exact_mut(2 * rows);
+        let part = part(self.sums.len(), (FIRST, N));
+        let sums = S::as_mut_simd_f64s(&mut self.sums[part]).0;
+        let mut sums = sums.chunks_exact_mut(2 * N * rows);
         for column in 0..columns {
             let Some(sums) = sums.next() else { return };
             let column = Column {
                 factors: self.factors,
                 layer: self.layer,
-                u: self.u,
+                rows: self.rows,
+                ends: self.ends,
                 column,
                 nx: self.nx,
                 band: &self.band,
-                ahead: self.ahead[EQUATION],
+                ahead: self.ahead,
             };
-            let out = &mut *self.out[EQUATION];
-            if column.column == 0 || column.column + 1 == columns {
-                column.run::<S, EQUATION, true, WHOLE>(simd, sums, out);
+            let out = &mut self.out[FIRST..FIRST + N];
+            if column.column == 0 || (column.column + 1) * S::F64_LANES >= self.nx {
+                column.run::<S, FIRST, N, true, WHOLE>(simd, sums, out);
             } else {
-                column.run::<S, EQUATION, false, WHOLE>(simd, sums, out);
+                column.run::<S, FIRST, N, false, WHOLE>(simd, sums, out);
             }
         }
     }
@@ -109,17 +124,19 @@ impl WithSimd for LastPlane<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let height = self.band.len();
-        let columns = S::as_simd_f64s(self.sums).0.chunks_exact(2 * height);
-        let by_equation = self.sums.len() / (3 * 2 * height * S::F64_LANES);
-        for (place, sums) in columns.enumerate() {
-            let (equation, first) = (place / by_equation, place % by_equation * S::F64_LANES);
-            let width = self.nx.saturating_sub(first).min(S::F64_LANES);
-            let from = self.band.start * self.nx + first.min(self.nx - 1);
-            let rows = self.out[equation][from..].chunks_mut(self.nx);
-            for (row, sums) in rows.zip(sums.chunks_exact(2)) {
-                store::<S, true>(simd, row, width, sums[0]);
+        for (first, number) in GROUPS {
+            let sums = S::as_simd_f64s(&self.sums[part(self.sums.len(), (first, number))]).0;
+            let columns = (0..self.nx).step_by(S::F64_LANES);
+            for (node, sums) in columns.zip(sums.chunks_exact(2 * number * height)) {
+                let width = (self.nx - node).min(S::F64_LANES);
+                for (row, sums) in self.band.clone().zip(sums.chunks_exact(2 * number)) {
+                    for (out, sums) in self.out[first..].iter_mut().zip(sums.chunks_exact(2)) {
+                        let to = &mut out[row * self.nx + node..];
+                        store::<S, true>(simd, to, width, sums[0]);
+                    }
+                }
             }
         }
     }
@@ -129,11 +146,12 @@ impl WithSimd for LastPlane<'_> {
 struct Column<'a> {
     factors: &'a Factors,
     layer: usize,
-    u: &'a PaddedPlane,
+    rows: [&'a [f64]; 3],
+    ends: &'a RowEnds,
     column: usize,
     nx: usize,
     band: &'a Range<usize>,
-    ahead: [&'a [f64]; 2],
+    ahead: [[&'a [f64]; 2]; 3],
 }
 
 /// Writes a vector to the beginning of a row.
@@ -147,22 +165,21 @@ fn store<S: Simd, const END: bool>(simd: S, row: &mut [f64], width: usize, value
 }
 
 impl Column<'_> {
+    /// The equations `FIRST` to `FIRST + N`, in a column at an `END` of the rows or not, in all rows or some.
     #[inline(always)]
-    fn run<S: Simd, const EQUATION: usize, const END: bool, const WHOLE: bool>(
+    fn run<S: Simd, const FIRST: usize, const N: usize, const END: bool, const WHOLE: bool>(
         &self,
         simd: S,
         sums: &mut [S::f64s],
-        out: &mut [f64],
+        out: &mut [&mut [f64]],
     ) {
         let factors = self.factors;
         let lanes = S::F64_LANES;
         let first = self.column * lanes;
         let width = (self.nx - first).min(lanes);
-        // The modulus of K is lambda + 2 mu along the equation's own axis and mu along the others.
-        let modulus = [0, 1, 2].map(|axis| usize::from(axis == EQUATION));
-        let across = AcrossRow::<S, EQUATION, END> {
-            x: AlongX::new(factors, self.column, EQUATION),
-            share: simd.splat_f64s(factors.shares[usize::from(EQUATION == 1)]),
+        let across = AcrossRow::<S, FIRST, N, END> {
+            x: AlongX::new(factors, self.column, FIRST),
+            shares: factors.shares.map(|share| simd.splat_f64s(share)),
             zero: simd.splat_f64s(0.0),
         };
         let coupling = factors.coupling;
@@ -171,65 +188,89 @@ impl Column<'_> {
             k if k + 1 == factors.layers.len() => Some(-coupling),
             _ => None,
         };
-        let z = AlongZ::new(simd, &factors.layers[self.layer], modulus[2], coupling, end);
+        // The modulus of K is lambda + 2 mu along the equation's own axis and mu along the others.
+        let modulus = |axis: usize, e: usize| usize::from(axis == FIRST + e);
+        let layer = &factors.layers[self.layer];
+        let mut z = [AlongZ::new(simd, layer, modulus(2, 0), coupling, end); N];
+        z[N - 1] = AlongZ::new(simd, layer, modulus(2, N - 1), coupling, end);
         let rows = &factors.rows;
         let begins = WHOLE || self.band.start == 0;
         let ends = WHOLE || self.band.end == rows.len();
         // All of one length a row, so that one counter leads through them.
-        let from = WIDEST - 1 + first;
+        let (stride, from) = if END {
+            (self.ends.stride, WIDEST + first - 1)
+        } else {
+            (self.nx, first - 1)
+        };
+        let until = from + lanes + 2;
         let height = self.band.len() + usize::from(!begins) + usize::from(!ends);
-        let [mut ux, mut uy, mut uz] = self.u.values.each_ref().map(|values| {
-            let stride = self.u.stride;
-            values.all()[from..from + height * stride].chunks_exact(stride)
+        let [mut ux, mut uy, mut uz] = [0, 1, 2].map(|c| {
+            let rows = if END {
+                self.ends.values[c].all()
+            } else {
+                self.rows[c]
+            };
+            let rows = rows[..height * stride].chunks_exact(stride);
+            rows.map(move |row| &row[from..until])
         });
         let (Some(x), Some(y), Some(z_row)) = (ux.next(), uy.next(), uz.next()) else {
             return;
         };
         let mut row = [x, y, z_row];
         let mut on = across.products(simd, row);
-        let cell = if begins {
-            let [m, d] = across.on_face(simd, row, on.r);
-            [m, across.zero, simd.neg_f64s(d)]
+        let mut cell = [[across.zero; 3]; N];
+        if begins {
+            for e in 0..N {
+                let [m, d] = across.on_face(simd, FIRST + e, row, on[e].r);
+                cell[e] = [m, across.zero, simd.neg_f64s(d)];
+            }
         } else {
             let (Some(x), Some(y), Some(z_row)) = (ux.next(), uy.next(), uz.next()) else {
                 return;
             };
             let next = across.products(simd, [x, y, z_row]);
-            let below = &rows[self.band.start - 1];
-            let cell = between::<S, EQUATION>(simd, below.above[modulus[1]], &on, &next);
+            let above = &rows[self.band.start - 1].above;
+            for e in 0..N {
+                cell[e] = between(simd, FIRST + e, above[modulus(1, e)], &on[e], &next[e]);
+            }
             on = next;
-            cell
-        };
-        let mut behind = Behind::new::<EQUATION>(simd, rows[self.band.start].lumped, &on, cell);
+        }
+        let lumped = rows[self.band.start].lumped;
+        let mut behind = [Behind::new(simd, FIRST, lumped, &on[0], cell[0]); N];
+        behind[N - 1] = Behind::new(simd, FIRST + N - 1, lumped, &on[N - 1], cell[N - 1]);
         // Rows that have one above them.
         let inner = self.band.start..self.band.end - usize::from(ends);
         let (sums, _) = sums.as_chunks_mut::<2>();
-        let (sums, last_sums) = sums.split_at_mut(inner.len());
-        let out = &mut out[inner.start * self.nx + first..];
-        let (out, last_out) = out.split_at_mut(inner.len() * self.nx);
-        let out = out.chunks_exact_mut(self.nx);
+        let (sums, last_sums) = sums.split_at_mut(N * inner.len());
         let pairs = rows[inner.clone()].iter().zip(&rows[inner.start + 1..]);
-        let steps = ux.zip(uy).zip(uz).zip(pairs).zip(sums).zip(out);
+        let steps = ux.zip(uy).zip(uz).zip(pairs).zip(sums.chunks_exact_mut(N));
+        let base = inner.start * self.nx + first;
         let mut ahead = self.column * self.band.len() * lanes;
-        for (((((x, y), z_row), (below, here)), sums), out) in steps {
+        for (i, ((((x, y), z_row), (below, here)), sums)) in steps.enumerate() {
             if !WHOLE {
-                prefetch_index(self.ahead[0], ahead);
-                prefetch_index(self.ahead[1], ahead);
+                for [read, written] in &self.ahead[FIRST..FIRST + N] {
+                    prefetch_index(read, ahead);
+                    prefetch_index(written, ahead);
+                }
                 ahead += lanes;
             }
             row = [x, y, z_row];
             let next = across.products(simd, row);
-            let cell = between::<S, EQUATION>(simd, below.above[modulus[1]], &on, &next);
-            let complete = z.add(simd, behind.with(simd, cell), sums);
-            store::<S, END>(simd, out, width, complete);
-            behind = Behind::new::<EQUATION>(simd, here.lumped, &next, cell);
+            for e in 0..N {
+                let cell = below.above[modulus(1, e)];
+                let cell = between(simd, FIRST + e, cell, &on[e], &next[e]);
+                let complete = z[e].add(simd, behind[e].with(simd, cell), &mut sums[e]);
+                store::<S, END>(simd, &mut out[e][base + i * self.nx..], width, complete);
+                behind[e] = Behind::new(simd, FIRST + e, here.lumped, &next[e], cell);
+            }
             on = next;
         }
-        if let Some(sums) = last_sums.first_mut() {
-            let [m, d] = across.on_face(simd, row, on.r);
+        for (e, sums) in last_sums.iter_mut().enumerate() {
+            let [m, d] = across.on_face(simd, FIRST + e, row, on[e].r);
             let beyond = [m, across.zero, simd.neg_f64s(d)];
-            let complete = z.add(simd, behind.with(simd, beyond), sums);
-            store::<S, END>(simd, last_out, width, complete);
+            let complete = z[e].add(simd, behind[e].with(simd, beyond), sums);
+            let to = &mut out[e][base + inner.len() * self.nx..];
+            store::<S, END>(simd, to, width, complete);
         }
     }
 }

@@ -4,13 +4,13 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use crate::padded_plane::{Aligned, PaddedPlane};
+use crate::row_ends::{Aligned, RowEnds};
 use crate::tensor_factors::{Factors, padded};
 use crate::tensor_kernel::{LastPlane, Plane};
 
 /// What a walk works in.
 pub(crate) struct Scratch {
-    u: PaddedPlane,
+    ends: RowEnds,
     sums: Aligned,
     /// Planes that belong to another walk.
     discarded: [Vec<f64>; 3],
@@ -21,7 +21,7 @@ pub(crate) struct Scratch {
 impl Scratch {
     fn new([nx, ny, _]: [usize; 3]) -> Self {
         Scratch {
-            u: PaddedPlane::new([nx, ny]),
+            ends: RowEnds::new([nx, ny]),
             sums: Aligned::zeros(3 * 2 * ny * padded(nx)),
             discarded: std::array::from_fn(|_| vec![0.0; nx * ny]),
             row: Vec::with_capacity(nx + 2),
@@ -82,7 +82,11 @@ pub(crate) fn walk(
         let sums = &mut scratch.sums.all_mut()[..sums];
         sums.fill(0.0);
         for k in from..=to {
-            scratch.u.fill(u, shape, k, read.clone());
+            let rows = [0, 1, 2].map(|c| {
+                let plane = (c * nz + k) * ny;
+                &u[(plane + read.start) * nx..(plane + read.end) * nx]
+            });
+            scratch.ends.fill(rows, nx);
             let place = k.checked_sub(planes.start + 1);
             let (complete, later): ([&mut [f64]; 3], [&[f64]; 3]) = match place {
                 Some(place) => {
@@ -105,7 +109,8 @@ pub(crate) fn walk(
             arch.dispatch(Plane {
                 factors,
                 layer: k - factors.first,
-                u: &scratch.u,
+                rows,
+                ends: &scratch.ends,
                 sums,
                 out: complete,
                 nx,

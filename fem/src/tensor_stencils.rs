@@ -62,12 +62,6 @@ impl<S: Simd> AlongX<S> {
         ]
     }
 
-    /// M u.
-    #[inline(always)]
-    pub fn mean(&self, simd: S, u: [S::f64s; 3]) -> S::f64s {
-        self.both(simd, u)[0]
-    }
-
     /// 2 D u less a share of E u.
     #[inline(always)]
     pub fn slope<const END: bool>(&self, simd: S, [low, on, high]: [S::f64s; 3]) -> S::f64s {
@@ -129,47 +123,61 @@ fn vector<S: Simd>(values: &[f64], column: usize) -> S::f64s {
     S::as_simd_f64s(values).0[column]
 }
 
-/// The matrices of x at one vector, for one equation.
-pub(crate) struct AcrossRow<S: Simd, const EQUATION: usize, const END: bool> {
+/// The matrices of x at one vector, for the equations `FIRST` to `FIRST + N`: x alone, or y and z.
+pub(crate) struct AcrossRow<S: Simd, const FIRST: usize, const N: usize, const END: bool> {
     pub x: AlongX<S>,
-    pub share: S::f64s,
+    /// [`Factors::shares`].
+    pub shares: [S::f64s; 2],
     pub zero: S::f64s,
 }
 
-impl<S: Simd, const EQUATION: usize, const END: bool> AcrossRow<S, EQUATION, END> {
+impl<S: Simd, const FIRST: usize, const N: usize, const END: bool> AcrossRow<S, FIRST, N, END> {
     #[inline(always)]
-    pub fn products(&self, simd: S, row: [&[f64]; 3]) -> Products<S> {
-        let x = &self.x;
-        let [a, b] = x.both(simd, three::<S>(row[EQUATION]));
-        let [p, q, r] = match EQUATION {
-            0 => {
-                let p = x.slope::<END>(simd, three::<S>(row[1]));
-                [p, x.slope::<END>(simd, three::<S>(row[2])), self.zero]
-            }
-            1 => {
-                let p = x.slope::<END>(simd, three::<S>(row[0]));
-                [p, self.zero, x.mean(simd, three::<S>(row[2]))]
-            }
-            _ => {
-                let q = x.slope::<END>(simd, three::<S>(row[0]));
-                [self.zero, q, x.mean(simd, three::<S>(row[1]))]
-            }
+    pub fn products(&self, simd: S, row: [&[f64]; 3]) -> [Products<S>; N] {
+        let (x, zero) = (&self.x, self.zero);
+        let [u_x, u_y, u_z] = [three::<S>(row[0]), three::<S>(row[1]), three::<S>(row[2])];
+        if FIRST == 0 {
+            let [a, b] = x.both(simd, u_x);
+            let (p, q) = (x.slope::<END>(simd, u_y), x.slope::<END>(simd, u_z));
+            return [Products {
+                a,
+                b,
+                p,
+                q,
+                r: zero,
+            }; N];
+        }
+        let slope = x.slope::<END>(simd, u_x);
+        let ([m_y, k_y], [m_z, k_z]) = (x.both(simd, u_y), x.both(simd, u_z));
+        let of_y = Products {
+            a: m_y,
+            b: k_y,
+            p: slope,
+            q: zero,
+            r: m_z,
         };
-        Products { a, b, p, q, r }
+        let mut products = [of_y; N];
+        products[N - 1] = Products {
+            a: m_z,
+            b: k_z,
+            p: zero,
+            q: slope,
+            r: m_y,
+        };
+        products
     }
 
     /// What E of y adds to f_m and takes from f_d on the last row, and the other way round on the first.
     #[inline(always)]
-    pub fn on_face(&self, simd: S, row: [&[f64]; 3], r: S::f64s) -> [S::f64s; 2] {
-        let (m, d) = match EQUATION {
-            0 => (
-                self.x.plain_slope::<END>(simd, three::<S>(row[1])),
-                self.zero,
-            ),
-            1 => (self.x.plain_slope::<END>(simd, three::<S>(row[0])), r),
+    pub fn on_face(&self, simd: S, equation: usize, row: [&[f64]; 3], r: S::f64s) -> [S::f64s; 2] {
+        let slope = |c: usize| self.x.plain_slope::<END>(simd, three::<S>(row[c]));
+        let (m, d) = match equation {
+            0 => (slope(1), self.zero),
+            1 => (slope(0), r),
             _ => (self.zero, r),
         };
-        [simd.mul_f64s(self.share, m), simd.mul_f64s(self.share, d)]
+        let share = self.shares[usize::from(equation == 1)];
+        [simd.mul_f64s(share, m), simd.mul_f64s(share, d)]
     }
 }
 
@@ -189,8 +197,9 @@ pub(crate) struct Behind<S: Simd>([S::f64s; 3]);
 
 /// Sums over the cells between two rows.
 #[inline(always)]
-pub(crate) fn between<S: Simd, const EQUATION: usize>(
+pub(crate) fn between<S: Simd>(
     simd: S,
+    equation: usize,
     cell: Cell,
     before: &Products<S>,
     on: &Products<S>,
@@ -199,12 +208,12 @@ pub(crate) fn between<S: Simd, const EQUATION: usize>(
     let a = simd.sub_f64s(on.a, before.a);
     let b = simd.sub_f64s(on.b, before.b);
     let mut m = simd.negate_mul_add_e_f64s(stiffness, a, simd.mul_f64s(mass, b));
-    if EQUATION < 2 {
+    if equation < 2 {
         m = simd.add_f64s(m, simd.add_f64s(on.p, before.p));
     }
     let k = simd.mul_f64s(mass, a);
     // Of 2 D r = w_(below) - w_(above) this is the cell above.
-    let d = match EQUATION {
+    let d = match equation {
         0 => simd.mul_f64s(mass, simd.sub_f64s(on.q, before.q)),
         1 => simd.neg_f64s(simd.add_f64s(on.r, before.r)),
         _ => {
@@ -218,8 +227,9 @@ pub(crate) fn between<S: Simd, const EQUATION: usize>(
 impl<S: Simd> Behind<S> {
     /// The cell below less what the row's own lumped masses give.
     #[inline(always)]
-    pub fn new<const EQUATION: usize>(
+    pub fn new(
         simd: S,
+        equation: usize,
         lumped: f64,
         on: &Products<S>,
         [m, k, d]: [S::f64s; 3],
@@ -228,7 +238,7 @@ impl<S: Simd> Behind<S> {
         Behind([
             simd.negate_mul_add_e_f64s(lumped, on.b, m),
             simd.negate_mul_add_e_f64s(lumped, on.a, k),
-            match EQUATION {
+            match equation {
                 1 => d,
                 _ => simd.negate_mul_add_e_f64s(lumped, on.q, d),
             },

@@ -1,36 +1,44 @@
-//! One plane of a vector, laid out for the tensor operator.
-
-use std::ops::Range;
+//! Both ends of a plane's rows, laid out for the tensor operator.
 
 use crate::tensor_factors::{WIDEST, padded};
 
-/// A plane of u: rows between zeros, as vectors want them.
-pub(crate) struct PaddedPlane {
-    /// By component.
+/// The ends of rows of u between zeros, for the vectors of neighbours along x that would reach over them.
+///
+/// Vectors in between read u itself.
+pub(crate) struct RowEnds {
+    /// By component; node i of a row is number `WIDEST + i` of `stride`.
     pub values: [Aligned; 3],
     /// Numbers from a row to the next.
     pub stride: usize,
 }
 
-impl PaddedPlane {
+/// A vector and the neighbour beyond it.
+const END: usize = WIDEST + 1;
+
+impl RowEnds {
     pub fn new([nx, ny]: [usize; 2]) -> Self {
         // An odd number of cache lines, so that a column of rows spreads over all of a cache's sets.
         let lines = (padded(nx) + 2 * WIDEST) / 8;
         let stride = 8 * (lines | 1);
-        PaddedPlane {
-            // One row more, so that rows from any column on are whole.
-            values: std::array::from_fn(|_| Aligned::zeros((ny + 1) * stride)),
+        RowEnds {
+            values: std::array::from_fn(|_| Aligned::zeros(ny * stride)),
             stride,
         }
     }
 
-    /// Takes rows of plane `k` of a vector on a grid of `shape`.
-    pub fn fill(&mut self, u: &[f64], [nx, ny, nz]: [usize; 3], k: usize, rows: Range<usize>) {
-        for (c, values) in self.values.iter_mut().enumerate() {
-            let plane = (c * nz + k) * ny;
-            let rows = u[(plane + rows.start) * nx..(plane + rows.end) * nx].chunks_exact(nx);
+    /// Takes rows of nx numbers, by component.
+    pub fn fill(&mut self, rows: [&[f64]; 3], nx: usize) {
+        for (values, rows) in self.values.iter_mut().zip(rows) {
+            let rows = rows.chunks_exact(nx);
             for (to, from) in values.all_mut().chunks_exact_mut(self.stride).zip(rows) {
-                to[WIDEST..WIDEST + nx].copy_from_slice(from);
+                let to = &mut to[WIDEST..WIDEST + nx];
+                match (from.first_chunk::<END>(), from.last_chunk::<END>()) {
+                    (Some(first), Some(last)) => {
+                        to[..END].copy_from_slice(first);
+                        to[nx - END..].copy_from_slice(last);
+                    }
+                    _ => to.copy_from_slice(from),
+                }
             }
         }
     }
