@@ -144,8 +144,8 @@ pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
     ny.div_ceil(bands)
 }
 
-/// Bytes of u and K u that may be expected to stay in the last cache.
-const LAST_CACHE: usize = 16 << 20;
+/// Bytes of u and K u that may be expected to stay in the last cache, beside the other vectors of a solve.
+const LAST_CACHE: usize = 12 << 20;
 /// Bytes of a band's sums. The rows of u beside them, and what is asked for ahead of time, are as many again and more.
 const SUMS: usize = 128 << 10;
 

@@ -231,7 +231,7 @@ fn kernels(cells: usize) {
     let nodes = operator.node_count();
     let u: Vec<f64> = (0..3 * nodes).map(|i| (0.37 * i as f64).sin()).collect();
     let mut out = vec![0.0; 3 * nodes];
-    let (apply, ()) = best_of(3 * ROUNDS, || operator.apply(black_box(&u), &mut out));
+    let (apply, ()) = best_of(20 * ROUNDS, || operator.apply(black_box(&u), &mut out));
     let mut modal = vec![0.0; preconditioner.mode_count()];
     let (precondition, ()) = best_of(ROUNDS, || {
         preconditioner.apply(black_box(&u), &mut out, &mut modal)
