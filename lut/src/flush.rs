@@ -1,5 +1,7 @@
 //! Curvature as seen from where the runner lies flush on the track.
 
+use std::hint::select_unpredictable;
+
 use crate::Error;
 
 /// Where a runner of bounded length fits the track, and how sharply that depends on the load.
@@ -73,11 +75,9 @@ impl Flush {
         let below = far((self.from - self.curvature) / width);
         let whole = (far((self.to - self.curvature) / width) * below).ln();
         let x = (curvature - self.curvature) / width;
-        let part = if x < 0.0 {
-            below / far(x)
-        } else {
-            far(x) * below
-        };
+        // Without a branch: random inputs would mispredict it.
+        let near = far(x);
+        let part = select_unpredictable(x < 0.0, below / near, near * below);
         part.ln() / whole
     }
 
