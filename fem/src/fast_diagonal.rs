@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
+use crate::dense::{columns, columns_mut, product};
 use crate::tensor_axis::{Axis, AxisModes};
 use crate::tensor_operator::TensorOperator;
 
@@ -152,16 +152,16 @@ impl FastDiagonal {
                 |half, (k, plane)| {
                     let source = &r[c * nodes + k * nx * ny..c * nodes + (k + 1) * nx * ny];
                     product(
-                        columns_mut(half, mx, ny),
+                        columns_mut(half, [mx, ny]),
                         qx.transpose(),
-                        columns(source, nx, ny),
+                        columns(source, [nx, ny]),
                     );
-                    product(columns_mut(plane, mx, my), columns(half, mx, ny), qy);
+                    product(columns_mut(plane, [mx, my]), columns(half, [mx, ny]), qy);
                 },
             );
             // z, by blocks of columns of the result.
             let target = &mut modal[component.start..component.start + mx * my * mz];
-            let source = columns(planes, mx * my, nz);
+            let source = columns(planes, [mx * my, nz]);
             by_column_blocks(target, mx * my, mz, |first, block| {
                 let width = block.ncols();
                 product(block, source, qz.subcols(first, width));
@@ -188,11 +188,7 @@ impl FastDiagonal {
         for (c, component) in self.components.iter().enumerate() {
             let [mx, my, mz] = component.mode_shape();
             let (qx, qy, qz) = component.vectors();
-            let source = columns(
-                &modal[component.start..component.start + mx * my * mz],
-                mx * my,
-                mz,
-            );
+            let source = columns(&modal[component.start..], [mx * my, mz]);
             let planes = &mut scratch[..mx * my * nz];
             by_column_blocks(planes, mx * my, nz, |first, block| {
                 let width = block.ncols();
@@ -206,10 +202,10 @@ impl FastDiagonal {
                     || vec![0.0; nx * my],
                     |half, (k, plane)| {
                         let source = &planes[k * mx * my..(k + 1) * mx * my];
-                        product(columns_mut(half, nx, my), qx, columns(source, mx, my));
+                        product(columns_mut(half, [nx, my]), qx, columns(source, [mx, my]));
                         product(
-                            columns_mut(plane, nx, ny),
-                            columns(half, nx, my),
+                            columns_mut(plane, [nx, ny]),
+                            columns(half, [nx, my]),
                             qy.transpose(),
                         );
                     },
@@ -239,18 +235,6 @@ impl Component {
     }
 }
 
-fn columns(data: &[f64], rows: usize, cols: usize) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(&data[..rows * cols], rows, cols)
-}
-
-fn columns_mut(data: &mut [f64], rows: usize, cols: usize) -> MatMut<'_, f64> {
-    MatMut::from_column_major_slice_mut(&mut data[..rows * cols], rows, cols)
-}
-
-fn product(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
-    matmul(target, Accum::Replace, left, right, 1.0, Par::Seq);
-}
-
 /// Splits a `rows` x `cols` matrix into blocks of columns that do not depend on the number of threads.
 fn by_column_blocks(
     data: &mut [f64],
@@ -264,9 +248,6 @@ fn by_column_blocks(
         .enumerate()
         .for_each(|(block, chunk)| {
             let width = chunk.len() / rows;
-            work(
-                block * WIDTH,
-                MatMut::from_column_major_slice_mut(chunk, rows, width),
-            );
+            work(block * WIDTH, columns_mut(chunk, [rows, width]));
         });
 }

@@ -1,9 +1,9 @@
 //! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by elimination.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 
+use crate::dense::{columns, columns_mut, product};
 use crate::elimination::{Elimination, End};
 use crate::plane_modes::PlaneModes;
 use crate::tensor_axis::{Axis, AxisModes};
@@ -110,20 +110,20 @@ impl LayeredDiagonal {
         let vertical = &self.components[2];
         let [mx, my] = vertical.pairs();
         let last = vertical.z.inverse_pivots.len() - mx * my;
-        columns(&vertical.z.inverse_pivots[last..], mx, my)
+        columns(&vertical.z.inverse_pivots[last..], [mx, my])
     }
 
     /// What the end plane has gathered of the vertical component, modes of x by modes of y: times
     /// [`LayeredDiagonal::end_response`] it is the displacement there.
     pub fn gathered<'a>(&self, modal: &'a [f64]) -> MatRef<'a, f64> {
         let [mx, my] = self.components[2].pairs();
-        columns(&modal[self.end_plane()], mx, my)
+        columns(&modal[self.end_plane()], [mx, my])
     }
 
     /// The same to be changed by forces on the end plane.
     pub fn gathered_mut<'a>(&self, modal: &'a mut [f64]) -> MatMut<'a, f64> {
         let [mx, my] = self.components[2].pairs();
-        columns_mut(&mut modal[self.end_plane()], mx, my)
+        columns_mut(&mut modal[self.end_plane()], [mx, my])
     }
 
     fn end_plane(&self) -> std::ops::Range<usize> {
@@ -236,26 +236,14 @@ impl Component {
                     self.rounded.leave_modes(modal, plane, room);
                 } else {
                     let mut half = Mat::zeros(nx, my);
-                    let modal = columns(modal, mx, my);
+                    let modal = columns(modal, [mx, my]);
                     product(half.as_mut(), self.x.vectors.as_ref(), modal);
-                    let plane = columns_mut(plane, nx, ny);
+                    let plane = columns_mut(plane, [nx, ny]);
                     product(plane, half.as_ref(), self.y.vectors.transpose());
                 }
             },
         );
     }
-}
-
-fn columns(data: &[f64], rows: usize, cols: usize) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(data, rows, cols)
-}
-
-fn columns_mut(data: &mut [f64], rows: usize, cols: usize) -> MatMut<'_, f64> {
-    MatMut::from_column_major_slice_mut(data, rows, cols)
-}
-
-fn product(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
-    matmul(target, Accum::Replace, left, right, 1.0, Par::Seq);
 }
 
 #[cfg(test)]

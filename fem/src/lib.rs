@@ -53,6 +53,7 @@ mod body;
 mod boussinesq;
 mod cholesky;
 mod constraints;
+mod dense;
 mod dissection;
 mod elimination;
 mod error;

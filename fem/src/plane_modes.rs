@@ -1,8 +1,8 @@
 //! Products with the eigenvectors of x and y, plane by plane, in single precision.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::Mat;
 
+use crate::dense::{columns, columns_mut, product};
 use crate::tensor_axis::AxisModes;
 
 /// The eigenvectors Q of x and y, rounded.
@@ -49,9 +49,13 @@ impl PlaneModes {
         let half = [x.ncols(), y.nrows()];
         let scale = narrow(nodal, &mut room.nodal);
         let narrowed = columns(&room.nodal, [x.nrows(), y.nrows()]);
-        product(&mut room.half, half, x.transpose(), narrowed);
+        product(columns_mut(&mut room.half, half), x.transpose(), narrowed);
         let whole = [x.ncols(), y.ncols()];
-        product(&mut room.modal, whole, columns(&room.half, half), y);
+        product(
+            columns_mut(&mut room.modal, whole),
+            columns(&room.half, half),
+            y,
+        );
         widen(&room.modal, scale, modal);
     }
 
@@ -61,26 +65,12 @@ impl PlaneModes {
         let half = [x.nrows(), y.ncols()];
         let scale = narrow(modal, &mut room.modal);
         let narrowed = columns(&room.modal, [x.ncols(), y.ncols()]);
-        product(&mut room.half, half, x, narrowed);
+        product(columns_mut(&mut room.half, half), x, narrowed);
         let whole = [x.nrows(), y.nrows()];
         let halved = columns(&room.half, half);
-        product(&mut room.nodal, whole, halved, y.transpose());
+        product(columns_mut(&mut room.nodal, whole), halved, y.transpose());
         widen(&room.nodal, scale, nodal);
     }
-}
-
-fn columns(data: &[f32], [rows, cols]: [usize; 2]) -> MatRef<'_, f32> {
-    MatRef::from_column_major_slice(&data[..rows * cols], rows, cols)
-}
-
-fn product(
-    to: &mut [f32],
-    [rows, cols]: [usize; 2],
-    left: MatRef<'_, f32>,
-    right: MatRef<'_, f32>,
-) {
-    let to = MatMut::from_column_major_slice_mut(&mut to[..rows * cols], rows, cols);
-    matmul(to, Accum::Replace, left, right, 1.0, Par::Seq);
 }
 
 /// `to` = `scale` `from` in single precision, `scale` a power of two, which is returned.
