@@ -133,7 +133,8 @@ impl Clamps {
         let count: usize = self.held.iter().map(Vec::len).sum();
         let vertical = count - self.held[2].len();
         let table = contact.table_with(&self.modes[2], fast);
-        let direct = contact.green_between(&table, nodes, &self.held[2]);
+        let basis = &contact.basis;
+        let direct = basis.green_between(table.as_ref(), nodes, &self.held[2]);
         let mut cross = match beam {
             Some(beam) => {
                 let rows: Vec<_> = self.rows.iter().collect();

@@ -6,12 +6,12 @@ use faer::{Mat, MatMut, MatRef};
 use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
 
 use crate::body::Columns;
-use crate::surface::SurfaceModes;
+use crate::plane_basis::PlaneBasis;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
 pub(crate) struct LayeredInverse {
     pub preconditioner: LayeredDiagonal,
-    modes: SurfaceModes,
+    basis: PlaneBasis,
     columns: Columns,
     sign: f64,
     /// Factor by which the true surface response exceeds that of P on a half-space.
@@ -30,8 +30,9 @@ impl LayeredInverse {
         material: Material,
     ) -> Self {
         let preconditioner = LayeredDiagonal::new(operator, end);
+        let [x, y] = preconditioner.plane_modes();
         LayeredInverse {
-            modes: SurfaceModes::new(&preconditioner),
+            basis: PlaneBasis::new(x, y),
             columns,
             sign,
             response: response(operator, material),
@@ -54,10 +55,11 @@ impl LayeredInverse {
 
     /// `closing` += B P^-1 r from what the contact plane has gathered of r.
     pub fn add_closing(&self, gathered: MatRef<'_, f64>, closing: &mut [f64]) {
+        let response = self.preconditioner.end_response();
         let answer = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
-            gathered[(a, b)] * self.modes.table[(a, b)]
+            gathered[(a, b)] * response[(a, b)]
         });
-        let trace = self.modes.to_nodes(answer.as_ref());
+        let trace = self.basis.to_nodes(answer.as_ref());
         let [nx, ny] = self.columns.count;
         for j in 0..ny {
             for i in 0..nx {
@@ -82,7 +84,7 @@ impl LayeredInverse {
                 plane[(i, j)] = m;
             }
         }
-        let load = self.modes.to_modes(plane.as_ref());
+        let load = self.basis.to_modes(plane.as_ref());
         gathered -= faer::Scale(self.sign) * load;
     }
 
@@ -99,7 +101,7 @@ impl LayeredInverse {
     /// Modes of x and of y on the contact plane.
     #[cfg(feature = "gpu")]
     pub fn mode_shape(&self) -> [usize; 2] {
-        [self.modes.table.nrows(), self.modes.table.ncols()]
+        self.basis.mode_shape()
     }
 
     /// See [`crate::member::Member::green`]; the second one is scaled to elasticity's response.
@@ -110,8 +112,7 @@ impl LayeredInverse {
             .filter_map(|&node| self.columns.local(node))
             .collect();
         assert_eq!(local.len(), n, "contact candidates over the body");
-        let mut green = Mat::zeros(n, n);
-        self.modes.add_green(&local, 1.0, &mut green);
+        let green = self.basis.green(self.preconditioner.end_response(), &local);
         let scaled = faer::Scale(self.response) * &green;
         [green, scaled]
     }

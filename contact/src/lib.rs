@@ -75,6 +75,7 @@ mod mount;
 mod options;
 mod plain;
 mod plain_runner;
+mod plane_basis;
 mod plane_modes;
 mod problem;
 mod psor;
@@ -85,7 +86,6 @@ mod solid_body;
 mod solution;
 mod solve;
 mod stretch;
-mod surface;
 mod vector;
 mod window;
 

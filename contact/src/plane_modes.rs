@@ -1,24 +1,19 @@
-//! The modes of one displacement component on one horizontal plane of a body, and the Green's matrices between such planes.
+//! The modes of one displacement component on one horizontal plane of a body.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Mat, MatRef};
 use kufe_fem::FastDiagonal;
 use rayon::prelude::*;
 
+use crate::plane_basis::PlaneBasis;
+
 /// The modes of one displacement component on one horizontal plane of a body, under the fast-diagonalisation operator P.
-///
-/// The Green's matrix of P on the plane is
-/// G_ij = sum over a, b of Qx[i,a] Qx[j,a] Qy[i,b] Qy[j,b] T_ab, T_ab = sum over c of Qz[plane,c]^2 / Lambda_abc.
 pub(crate) struct PlaneModes {
     /// The displacement component.
     component: usize,
-    /// Modes of x, nodes by modes.
-    x: Mat<f64>,
-    /// Modes of y, nodes by modes.
-    y: Mat<f64>,
+    pub basis: PlaneBasis,
     /// Values of the z modes on the plane.
     z: Vec<f64>,
-    /// T, modes of x by modes of y [m/N].
+    /// T, modes of x by modes of y [m/N]: the sum over c of Qz[plane,c]^2 / Lambda_abc.
     table: Mat<f64>,
 }
 
@@ -29,8 +24,7 @@ impl PlaneModes {
         let values: Vec<f64> = (0..z.values.len()).map(|m| z.vectors[(plane, m)]).collect();
         let mut modes = PlaneModes {
             component,
-            x: x.vectors.clone(),
-            y: y.vectors.clone(),
+            basis: PlaneBasis::new(x, y),
             z: values,
             table: Mat::new(),
         };
@@ -41,7 +35,7 @@ impl PlaneModes {
     /// sum over c of Qz[plane,c] Qz[other plane,c] / Lambda_abc, for two planes of one component.
     pub fn table_with(&self, other: &PlaneModes, preconditioner: &FastDiagonal) -> Mat<f64> {
         assert_eq!(self.component, other.component);
-        let (mx, my) = (self.x.ncols(), self.y.ncols());
+        let [mx, my] = self.basis.mode_shape();
         let inverse = preconditioner.inverse(self.component);
         let mut table = Mat::<f64>::zeros(mx, my);
         for (c, (p, q)) in self.z.iter().zip(&other.z).enumerate() {
@@ -57,18 +51,15 @@ impl PlaneModes {
     /// Displacement on the plane's nodes from a modal vector of the body.
     pub fn trace(&self, preconditioner: &FastDiagonal, modal: &[f64]) -> Mat<f64> {
         let own = &modal[preconditioner.component_range(self.component)];
-        let (mx, my) = (self.x.ncols(), self.y.ncols());
+        let [mx, my] = self.basis.mode_shape();
         let mut trace = vec![0.0; mx * my];
         for (layer, value) in own.chunks_exact(mx * my).zip(&self.z) {
             for (t, m) in trace.iter_mut().zip(layer) {
                 *t += value * m;
             }
         }
-        let half = product(
-            self.x.as_ref(),
-            MatRef::from_column_major_slice(&trace, mx, my),
-        );
-        product(half.as_ref(), self.y.transpose())
+        let trace = MatRef::from_column_major_slice(&trace, mx, my);
+        self.basis.to_nodes(trace)
     }
 
     /// Subtracts what P^-1 answers to nodal forces on the plane from a modal vector of the body.
@@ -78,8 +69,7 @@ impl PlaneModes {
         nodal: MatRef<'_, f64>,
         modal: &mut [f64],
     ) {
-        let half = product(self.x.transpose(), nodal);
-        let load = product(half.as_ref(), self.y.as_ref());
+        let load = self.basis.to_modes(nodal);
         let (mx, my) = (load.nrows(), load.ncols());
         let flat: Vec<f64> = (0..mx * my).map(|i| load[(i % mx, i / mx)]).collect();
         modal[preconditioner.component_range(self.component)]
@@ -93,54 +83,8 @@ impl PlaneModes {
             });
     }
 
-    /// G between nodes (i, j) of this plane and of `other`, a plane of the same component, with their [`Self::table_with`].
-    pub fn green_between(
-        &self,
-        table: &Mat<f64>,
-        rows: &[[usize; 2]],
-        columns: &[[usize; 2]],
-    ) -> Mat<f64> {
-        let (mx, my) = (self.x.ncols(), self.y.ncols());
-        let values: Vec<Vec<f64>> = columns
-            .par_iter()
-            .map(|&[i, j]| {
-                let mut weights = vec![0.0; mx];
-                let mut line = usize::MAX;
-                rows.iter()
-                    .map(|&[k, l]| {
-                        if l != line {
-                            line = l;
-                            weights.fill(0.0);
-                            for b in 0..my {
-                                let factor = self.y[(l, b)] * self.y[(j, b)];
-                                for (a, w) in weights.iter_mut().enumerate() {
-                                    *w += factor * table[(a, b)];
-                                }
-                            }
-                            for (a, w) in weights.iter_mut().enumerate() {
-                                *w *= self.x[(i, a)];
-                            }
-                        }
-                        (0..mx).map(|a| weights[a] * self.x[(k, a)]).sum()
-                    })
-                    .collect()
-            })
-            .collect();
-        Mat::from_fn(rows.len(), columns.len(), |i, j| values[j][i])
-    }
-
     /// G between nodes (i, j) of this plane.
     pub fn green(&self, nodes: &[[usize; 2]]) -> Mat<f64> {
-        let green = self.green_between(&self.table, nodes, nodes);
-        // Symmetric to the last bit.
-        Mat::from_fn(nodes.len(), nodes.len(), |i, j| {
-            0.5 * (green[(i, j)] + green[(j, i)])
-        })
+        self.basis.green(self.table.as_ref(), nodes)
     }
-}
-
-fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(left.nrows(), right.ncols());
-    matmul(out.as_mut(), Accum::Replace, left, right, 1.0, Par::Seq);
-    out
 }
