@@ -18,7 +18,8 @@ struct Slurm {
 impl Drop for Slurm {
     fn drop(&mut self) {
         for daemon in self.daemons.iter_mut().rev() {
-            let _ = Command::new("kill").arg(daemon.id().to_string()).status();
+            let end = format!("kill {}", daemon.id());
+            let _ = Command::new("sh").args(["-c", &end]).status();
             let _ = daemon.wait();
         }
     }
