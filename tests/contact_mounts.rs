@@ -14,16 +14,11 @@ use kufe_tests::contact::{Formula, ICE_E, ICE_NU};
 const STEEL: (f64, f64) = (210e9, 0.3);
 
 fn pressed(underside: Arc<dyn Underside>, elastic: ElasticRunner, ice: Ice, load: Load) -> Problem {
-    Problem {
-        runner: Runner {
-            underside,
-            elastic: Some(elastic),
-        },
-        ice,
-        ice_surface: None,
-        track_curvature: 0.0,
-        load,
-    }
+    let runner = Runner {
+        underside,
+        elastic: Some(elastic),
+    };
+    Problem::new(runner, ice, load)
 }
 
 fn steel(top: f64, mount: Mount) -> ElasticRunner {
@@ -35,10 +30,8 @@ fn steel(top: f64, mount: Mount) -> ElasticRunner {
 
 fn ice(foundation: Foundation) -> Ice {
     Ice {
-        youngs_modulus: ICE_E,
-        poissons_ratio: ICE_NU,
         foundation,
-        hardness: None,
+        ..Ice::half_space(ICE_E, ICE_NU)
     }
 }
 
@@ -50,11 +43,6 @@ fn force(fz: f64, offset_x: f64, tilt: Tilt) -> Load {
         tilt,
     }
 }
-
-const LEVEL: Tilt = Tilt::Fixed {
-    pitch: 0.0,
-    roll: 0.0,
-};
 
 fn held(places: &[(f64, f64)]) -> Mount {
     Mount::Places(
@@ -100,8 +88,8 @@ fn short_bob() -> (Arc<dyn Underside>, f64) {
 fn every_mount_gives_the_pressures_of_exact_responses_by_cholesky() {
     let (hull, top) = short_bob();
     let mounts = [
-        (Mount::Top, 0.0, LEVEL),
-        (held(&[(-0.08, 0.02), (0.08, 0.02)]), 0.0, LEVEL),
+        (Mount::Top, 0.0, Tilt::LEVEL),
+        (held(&[(-0.08, 0.02), (0.08, 0.02)]), 0.0, Tilt::LEVEL),
         (held(&[(-0.08, 0.02), (0.03, 0.01)]), 0.0, Tilt::Free),
         (
             carried(&[(-0.08, 0.02, 0.5), (0.08, 0.02, 0.5)]),
@@ -178,10 +166,8 @@ fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lif
     };
     let foundation = Foundation::RigidBed { thickness };
     let layer = Ice {
-        youngs_modulus: soft,
-        poissons_ratio: ratio,
         foundation,
-        hardness: None,
+        ..Ice::half_space(soft, ratio)
     };
     let mount = carried(&[(0.0, 0.004, 1.0)]);
     let problem = pressed(
@@ -246,11 +232,11 @@ fn borne_by_the_bed(s: &Solution) -> f64 {
 fn action_equals_reaction_through_both_bodies() {
     let (hull, top) = short_bob();
     let mounts = [
-        (Mount::Top, ElementKind::Hex8, LEVEL),
+        (Mount::Top, ElementKind::Hex8, Tilt::LEVEL),
         (
             held(&[(-0.08, 0.02), (0.08, 0.02)]),
             ElementKind::Hex8Axial,
-            LEVEL,
+            Tilt::LEVEL,
         ),
         (
             carried(&[(0.0, 0.02, 1.0)]),
@@ -295,18 +281,9 @@ fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
     };
     let peak = |above: (f64, f64), below: (f64, f64)| {
         let runner = ElasticRunner::held_at_top(above.0, above.1, f64::INFINITY);
-        let half_space = Ice {
-            youngs_modulus: below.0,
-            poissons_ratio: below.1,
-            foundation: Foundation::HalfSpace,
-            hardness: None,
-        };
-        let problem = pressed(
-            hull.clone(),
-            runner,
-            half_space,
-            force(1000.0, 0.0, Tilt::Free),
-        );
+        let half_space = Ice::half_space(below.0, below.1);
+        let load = force(1000.0, 0.0, Tilt::Free);
+        let problem = pressed(hull.clone(), runner, half_space, load);
         solve(&problem, &options).unwrap().p_max
     };
     let (one, other) = (peak(STEEL, (ICE_E, ICE_NU)), peak((ICE_E, ICE_NU), STEEL));
@@ -328,7 +305,12 @@ fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
             let mut runner = steel(top, Mount::Top);
             runner.flank = Some(flank);
             let half_space = ice(Foundation::HalfSpace);
-            let problem = pressed(hull.clone(), runner, half_space, force(1000.0, 0.0, LEVEL));
+            let problem = pressed(
+                hull.clone(),
+                runner,
+                half_space,
+                force(1000.0, 0.0, Tilt::LEVEL),
+            );
             let s = solve(&problem, &at(4)).unwrap();
             (s.p_max, s.iterations)
         };

@@ -188,12 +188,7 @@ fn held_tilt_moves_the_patch_to_where_the_hull_is_level() {
         pitch: 0.001,
         roll: -0.02,
     };
-    problem.load = Load::Force {
-        fz: 1000.0,
-        offset_x: 0.0,
-        offset_y: 0.0,
-        tilt,
-    };
+    problem.load = Load::central(1000.0, tilt);
     let s = solve(
         &problem,
         &Options {

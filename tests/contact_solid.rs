@@ -30,33 +30,19 @@ fn pressed(
         solid: Some(solid),
         ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, 0.0)
     };
-    Problem {
-        runner: Runner {
-            underside,
-            elastic: Some(elastic),
-        },
-        ice: Ice {
-            youngs_modulus: ice.0,
-            poissons_ratio: ice.1,
-            foundation: Foundation::RigidBed { thickness },
-            hardness: None,
-        },
-        ice_surface: None,
-        track_curvature: 0.0,
-        load,
-    }
+    let runner = Runner {
+        underside,
+        elastic: Some(elastic),
+    };
+    let ice = Ice {
+        foundation: Foundation::RigidBed { thickness },
+        ..Ice::half_space(ice.0, ice.1)
+    };
+    Problem::new(runner, ice, load)
 }
 
 fn held_level(fz: f64) -> Load {
-    Load::Force {
-        fz,
-        offset_x: 0.0,
-        offset_y: 0.0,
-        tilt: Tilt::Fixed {
-            pitch: 0.0,
-            roll: 0.0,
-        },
-    }
+    Load::central(fz, Tilt::LEVEL)
 }
 
 fn at(cells: usize) -> Options {

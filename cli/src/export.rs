@@ -100,10 +100,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// The mount of a problem that a deck can state, or why it cannot.
 fn statable(problem: &Problem) -> Result<&Mount, &'static str> {
-    let level = Tilt::Fixed {
-        pitch: 0.0,
-        roll: 0.0,
-    };
     let Some(elastic) = &problem.runner.elastic else {
         return Err("runner.elastic: expected true: the deck has two bodies");
     };
@@ -134,7 +130,7 @@ fn statable(problem: &Problem) -> Result<&Mount, &'static str> {
         return Err("track: expected a flat one");
     }
     match problem.load {
-        Load::Force { tilt, .. } if tilt == level => Ok(&elastic.mount),
+        Load::Force { tilt, .. } if tilt == Tilt::LEVEL => Ok(&elastic.mount),
         _ => Err("load.tilt: expected \"fixed\" with no pitch and no roll"),
     }
 }

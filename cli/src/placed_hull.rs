@@ -80,22 +80,19 @@ mod tests {
     fn the_placed_hull_lies_on_the_ice_where_it_touches() -> Result<(), Box<dyn std::error::Error>>
     {
         let hull = BobRunner::default().swept()?;
+        let ice = Ice {
+            foundation: Foundation::RigidBed { thickness: 0.05 },
+            ..Ice::half_space(9e9, 0.33)
+        };
+        let load = Load::Force {
+            fz: 1000.0,
+            offset_x: 0.07,
+            offset_y: 0.0,
+            tilt: Tilt::Free,
+        };
         let problem = Problem {
-            runner: Runner::rigid(Arc::new(hull.clone())),
-            ice: Ice {
-                youngs_modulus: 9e9,
-                poissons_ratio: 0.33,
-                foundation: Foundation::RigidBed { thickness: 0.05 },
-                hardness: None,
-            },
-            ice_surface: None,
             track_curvature: 0.01,
-            load: Load::Force {
-                fz: 1000.0,
-                offset_x: 0.07,
-                offset_y: 0.0,
-                tilt: Tilt::Free,
-            },
+            ..Problem::new(Runner::rigid(Arc::new(hull.clone())), ice, load)
         };
         let solution = solve(&problem, &Options::default())?;
         let placed = placed_hull(&problem, &solution).expect("a hull with ends");

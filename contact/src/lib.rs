@@ -24,17 +24,13 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Tilt, hertz, solve};
+//! use kufe_contact::{Ice, Load, Options, Problem, Runner, Tilt, hertz, solve};
 //! use kufe_mesh::Paraboloid;
 //!
 //! let hull = Paraboloid::new(30.0, 0.005)?;
-//! let problem = Problem {
-//!     runner: Runner::rigid(Arc::new(hull)),
-//!     ice: Ice { youngs_modulus: 9.0e9, poissons_ratio: 0.33, foundation: Foundation::HalfSpace, hardness: None },
-//!     ice_surface: None,
-//!     track_curvature: 0.0,
-//!     load: Load::Force { fz: 1000.0, offset_x: 0.0, offset_y: 0.0, tilt: Tilt::Free },
-//! };
+//! let ice = Ice::half_space(9.0e9, 0.33);
+//! let load = Load::central(1000.0, Tilt::Free);
+//! let problem = Problem::new(Runner::rigid(Arc::new(hull)), ice, load);
 //! let solution = solve(&problem, &Options::default())?;
 //! let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0);
 //! assert!((solution.p_max / exact.p_max - 1.0).abs() < 0.01);

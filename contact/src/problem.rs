@@ -22,6 +22,19 @@ pub struct Problem {
     pub load: Load,
 }
 
+impl Problem {
+    /// On even ice and a track that is straight in the vertical plane.
+    pub fn new(runner: Runner, ice: Ice, load: Load) -> Self {
+        Problem {
+            runner,
+            ice,
+            ice_surface: None,
+            track_curvature: 0.0,
+            load,
+        }
+    }
+}
+
 /// The pressing body.
 #[derive(Clone)]
 pub struct Runner {
@@ -102,6 +115,18 @@ pub struct Ice {
     pub hardness: Option<f64>,
 }
 
+impl Ice {
+    /// Elastic ice without end, of a Young's modulus [Pa] and a Poisson's ratio.
+    pub fn half_space(youngs_modulus: f64, poissons_ratio: f64) -> Self {
+        Ice {
+            youngs_modulus,
+            poissons_ratio,
+            foundation: Foundation::HalfSpace,
+            hardness: None,
+        }
+    }
+}
+
 /// What carries the ice from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Foundation {
@@ -157,6 +182,18 @@ pub enum Load {
     },
 }
 
+impl Load {
+    /// A normal force [N] through the origin.
+    pub fn central(fz: f64, tilt: Tilt) -> Self {
+        Load::Force {
+            fz,
+            offset_x: 0.0,
+            offset_y: 0.0,
+            tilt,
+        }
+    }
+}
+
 /// Whether the runner may turn about its line of action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tilt {
@@ -169,4 +206,12 @@ pub enum Tilt {
         /// Roll about x [rad].
         roll: f64,
     },
+}
+
+impl Tilt {
+    /// Held as the hull is drawn.
+    pub const LEVEL: Tilt = Tilt::Fixed {
+        pitch: 0.0,
+        roll: 0.0,
+    };
 }

@@ -140,7 +140,7 @@ fn report(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Foundation, Ice, Load, Runner, Tilt};
+    use crate::{Ice, Load, Runner, Tilt};
     use kufe_mesh::Paraboloid;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -148,23 +148,9 @@ mod tests {
     #[test]
     fn a_solve_ends_when_it_is_asked_to_before_and_in_between()
     -> Result<(), Box<dyn std::error::Error>> {
-        let problem = Problem {
-            runner: Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?)),
-            ice: Ice {
-                youngs_modulus: 9e9,
-                poissons_ratio: 0.33,
-                foundation: Foundation::HalfSpace,
-                hardness: None,
-            },
-            ice_surface: None,
-            track_curvature: 0.0,
-            load: Load::Force {
-                fz: 1000.0,
-                offset_x: 0.0,
-                offset_y: 0.0,
-                tilt: Tilt::Free,
-            },
-        };
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+        let ice = Ice::half_space(9e9, 0.33);
+        let problem = Problem::new(runner, ice, Load::central(1000.0, Tilt::Free));
         let stop = Arc::new(AtomicBool::new(true));
         let options = Options {
             stop: Some(stop.clone()),

@@ -24,23 +24,9 @@ fn device() -> Option<Arc<Device>> {
 }
 
 fn on_half_space(underside: impl Underside + 'static) -> Problem {
-    Problem {
-        runner: Runner::rigid(Arc::new(underside)),
-        ice: Ice {
-            youngs_modulus: 9e9,
-            poissons_ratio: 0.33,
-            foundation: Foundation::HalfSpace,
-            hardness: None,
-        },
-        ice_surface: None,
-        track_curvature: 0.0,
-        load: Load::Force {
-            fz: 1000.0,
-            offset_x: 0.0,
-            offset_y: 0.0,
-            tilt: Tilt::Free,
-        },
-    }
+    let runner = Runner::rigid(Arc::new(underside));
+    let ice = Ice::half_space(9e9, 0.33);
+    Problem::new(runner, ice, Load::central(1000.0, Tilt::Free))
 }
 
 fn paraboloid() -> Problem {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kufe_contact::{Foundation, Ice, Load, Problem, Runner, Tilt};
+use kufe_contact::{Ice, Load, Problem, Runner, Tilt};
 use kufe_mesh::Underside;
 
 /// Young's modulus of the reference ice [Pa].
@@ -17,23 +17,9 @@ pub fn contact_modulus() -> f64 {
 
 /// A hull on a half-space of reference ice under a central load, free to tilt, on a flat track.
 pub fn on_half_space(underside: impl Underside + 'static, fz: f64) -> Problem {
-    Problem {
-        runner: Runner::rigid(Arc::new(underside)),
-        ice: Ice {
-            youngs_modulus: ICE_E,
-            poissons_ratio: ICE_NU,
-            foundation: Foundation::HalfSpace,
-            hardness: None,
-        },
-        ice_surface: None,
-        track_curvature: 0.0,
-        load: Load::Force {
-            fz,
-            offset_x: 0.0,
-            offset_y: 0.0,
-            tilt: Tilt::Free,
-        },
-    }
+    let runner = Runner::rigid(Arc::new(underside));
+    let ice = Ice::half_space(ICE_E, ICE_NU);
+    Problem::new(runner, ice, Load::central(fz, Tilt::Free))
 }
 
 /// A hull given by a formula.

@@ -9,10 +9,9 @@
 
 use std::sync::Arc;
 
-use kufe_benches::{ICE, again, best_of, cpu_seconds, peak_bytes};
+use kufe_benches::{again, best_of, cpu_seconds, on_half_space, peak_bytes};
 use kufe_contact::{
-    ElasticRunner, Foundation, Ice, Load, LoadedPlace, Mount, Options, Place, Problem, Runner,
-    Tilt, solve,
+    ElasticRunner, Load, LoadedPlace, Mount, Options, Place, Problem, Runner, Tilt, solve,
 };
 use kufe_fem::ElementKind;
 use kufe_mesh::{BobRunner, LugeSteel, MeshError, Underside};
@@ -189,33 +188,18 @@ fn problem(row: &Row, mount: usize, free: bool) -> (&'static str, Problem) {
         1 => ("two places", Mount::Places(places.to_vec())),
         _ => ("two loads", Mount::Loads(loads.to_vec())),
     };
-    let level = Tilt::Fixed {
-        pitch: 0.0,
-        roll: 0.0,
+    let runner = Runner {
+        underside: row.underside.clone(),
+        elastic: Some(ElasticRunner {
+            mount,
+            flank: row.flank,
+            ..ElasticRunner::held_at_top(210e9, 0.3, row.top)
+        }),
     };
+    let tilt = if free { Tilt::Free } else { Tilt::LEVEL };
     let problem = Problem {
-        runner: Runner {
-            underside: row.underside.clone(),
-            elastic: Some(ElasticRunner {
-                mount,
-                flank: row.flank,
-                ..ElasticRunner::held_at_top(210e9, 0.3, row.top)
-            }),
-        },
-        ice: Ice {
-            youngs_modulus: ICE.0,
-            poissons_ratio: ICE.1,
-            foundation: Foundation::HalfSpace,
-            hardness: None,
-        },
-        ice_surface: None,
-        track_curvature: row.curvature,
-        load: Load::Force {
-            fz: 1000.0,
-            offset_x: 0.0,
-            offset_y: 0.0,
-            tilt: if free { Tilt::Free } else { level },
-        },
+        load: Load::central(1000.0, tilt),
+        ..on_half_space(runner, row.curvature, 1000.0)
     };
     (name, problem)
 }
