@@ -20,8 +20,7 @@
 //! | y | 2 D u_x | | M u_z |
 //! | z | | 2 D u_x | M u_y |
 //!
-//! The equations y and z have all their products in common and go up together; that of x shares none that would be worth the
-//! registers.
+//! The equations y and z both take M u_y, M u_z and D u_x, and go up together. That of x takes none of these.
 
 use std::ops::Range;
 
