@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_contact::case::StatedProblem;
+use kufe_case::StatedProblem;
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, solve};
 use serde_json::json;
 

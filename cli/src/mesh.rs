@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_contact::case::{Shape, StatedProblem};
+use kufe_case::{Shape, StatedProblem};
 use kufe_contact::{Options, Runner, solve};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 use serde_json::{Value, json};

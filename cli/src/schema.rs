@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_contact::case::Case;
+use kufe_case::Case;
 use kufe_sled::Model;
 use schemars::generate::SchemaSettings;
 

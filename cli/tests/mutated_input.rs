@@ -5,7 +5,7 @@
 mod damage;
 
 use damage::rounds;
-use kufe_contact::case::Case;
+use kufe_case::Case;
 use kufe_mesh::{
     BobRunner, HullFormat, HullOptions, check_hull, read_gltf, read_obj, read_stl, tessellate,
 };

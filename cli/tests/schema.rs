@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use kufe::Bench;
-use kufe_contact::case::Case;
+use kufe_case::Case;
 use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_sled::Model;
 

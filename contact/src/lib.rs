@@ -7,7 +7,6 @@
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
 //! | [`hertz`] | closed form for smooth point contacts |
-//! | [`case`] | the case file and the problem that it states |
 //!
 //! How a problem becomes a pressure:
 //!
@@ -40,7 +39,6 @@
 mod answer;
 mod beam_space;
 mod body;
-pub mod case;
 mod centre_line;
 mod check;
 mod clamps;
@@ -50,7 +48,6 @@ mod corners;
 #[cfg(feature = "gpu")]
 mod device_cg;
 mod discretise;
-pub mod effects;
 mod error;
 mod extrapolation;
 mod far_field;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_contact::case::{Case, FittedHull, StatedProblem};
+use kufe_case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, Solution, SurfaceField};
 
 use crate::Failure;

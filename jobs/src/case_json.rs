@@ -1,6 +1,6 @@
 //! A case as results and tables keep it.
 
-use kufe_contact::case::Case;
+use kufe_case::Case;
 use serde_json::{Value, json};
 
 /// The case key by key; JSON has no infinity, so `inf` becomes the word "inf".

@@ -4,7 +4,7 @@ mod result;
 
 use std::time::Instant;
 
-use kufe_contact::case::{FittedHull, StatedProblem};
+use kufe_case::{FittedHull, StatedProblem};
 use kufe_contact::{Options, Problem, Solution, Watcher, solve};
 
 use crate::case_file::LoadedCase;

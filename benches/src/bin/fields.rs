@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use kufe_benches::ICE;
-use kufe_contact::case::Case;
+use kufe_case::Case;
 use kufe_contact::{Options, Problem, hertz, solve};
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use kufe_contact::case::StatedProblem;
+use kufe_case::StatedProblem;
 use kufe_contact::{Options, solve};
 use kufe_friction::effects::{Column, Conditions, find};
 use kufe_friction::{Longitudinal, air_density, longitudinal_force};

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use kufe_case::TiltWord;
 use kufe_contact::Options;
-use kufe_contact::case::TiltWord;
 use kufe_jobs::case_file::LoadedCase;
 use kufe_jobs::{Pressed, Watch, case_json, press_with};
 use kufe_mesh::write_pvd;

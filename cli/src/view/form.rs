@@ -1,6 +1,6 @@
 //! What the page's form asks for, and the case that it makes.
 
-use kufe_contact::case::{Case, Shape, TiltWord};
+use kufe_case::{Case, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

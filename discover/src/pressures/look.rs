@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_contact::effects::{CATALOGUE, Effect};
+use kufe_case::effects::{CATALOGUE, Effect};
 
 use super::line::Line;
 use super::simulate::{Active, Bench};

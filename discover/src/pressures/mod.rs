@@ -1,6 +1,6 @@
 //! Pressure measurements: maps and peaks against contact solves.
 //!
-//! Each candidate of [`kufe_contact::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
+//! Each candidate of [`kufe_case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
 //! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that is really left:
 //!
 //! ```text
@@ -24,8 +24,8 @@ mod sample;
 mod simulate;
 mod write;
 
-use kufe_contact::case::Case;
-use kufe_contact::effects::{CATALOGUE, Effect, find};
+use kufe_case::Case;
+use kufe_case::effects::{CATALOGUE, Effect, find};
 
 use crate::closed::Seen;
 use crate::report::{

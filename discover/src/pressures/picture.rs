@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use base64::Engine as _;
-use kufe_contact::effects::Map;
+use kufe_case::effects::Map;
 
 use super::rows::Row;
 use super::simulate::{Active, Bench, REPORTING};

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_contact::case::{Case, CaseError};
-use kufe_contact::effects::{CATALOGUE, Map};
+use kufe_case::effects::{CATALOGUE, Map};
+use kufe_case::{Case, CaseError};
 use kufe_contact::{Load, Problem};
 
 use super::noise::deviations;

@@ -3,8 +3,8 @@
 //! The square of a contact pressure is smooth up to the rim and through it (it is a paraboloid in Hertz's contact), the
 //! pressure is not: the square is continued beyond the rim, interpolated between nodes, and its root is averaged over a pixel.
 
+use kufe_case::effects::Map;
 use kufe_contact::SurfaceField;
-use kufe_contact::effects::Map;
 
 /// Points a pixel along each direction.
 const POINTS: [f64; 3] = [-1.0 / 3.0, 0.0, 1.0 / 3.0];

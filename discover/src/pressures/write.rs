@@ -1,6 +1,6 @@
 //! The case with what was found switched on.
 
-use kufe_contact::effects::Effect;
+use kufe_case::effects::Effect;
 
 /// The case's text with `[effects]` of these sizes; what it had already is kept, sizes of the same effect add up as the
 /// effects themselves do.
@@ -45,7 +45,7 @@ fn together(name: &str, first: f64, second: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kufe_contact::effects::{Map, find};
+    use kufe_case::effects::{Map, find};
 
     #[test]
     fn an_effect_that_the_case_has_already_is_added_to() -> Result<(), String> {

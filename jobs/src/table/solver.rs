@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kufe_contact::case::{Case, CaseError, FittedHull, StatedProblem};
+use kufe_case::{Case, CaseError, FittedHull, StatedProblem};
 use kufe_contact::{Load, Options, Problem, Solution};
 use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
 

@@ -1,64 +1,10 @@
-//! What a case says of an elastic runner's mount.
+//! The ranges of a mount's values, and of what a mesh of hexahedra leaves to say.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::check::{Checked, combination, finite, positive, require};
-use super::{CaseError, LoadTable, RunnerTable, TiltWord};
-use crate::{LoadedPlace, Mount, Place};
-
-/// What holds an elastic runner's top: some places along it, or nothing but the places that carry its load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MountTable {
-    /// Places that are clamped over the runner's full width.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub held: Vec<HeldTable>,
-    /// Places that press the runner down with a share of the load each; nothing else holds it.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub carries: Vec<CarriesTable>,
-}
-
-/// A clamped place along the runner.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct HeldTable {
-    /// Its middle [m].
-    pub x_m: f64,
-    /// Its length [m].
-    pub length_m: f64,
-}
-
-/// A place along the runner that carries a share of the load.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CarriesTable {
-    /// Its middle [m].
-    pub x_m: f64,
-    /// Its length [m].
-    pub length_m: f64,
-    /// Part of the normal force.
-    pub share: f64,
-}
-
-impl MountTable {
-    /// The mount of the problem.
-    pub(super) fn mount(&self) -> Mount {
-        let place = |x, length| Place { x, length };
-        if self.carries.is_empty() {
-            let held = self.held.iter();
-            return Mount::Places(held.map(|p| place(p.x_m, p.length_m)).collect());
-        }
-        let loads = self.carries.iter().map(|p| LoadedPlace {
-            place: place(p.x_m, p.length_m),
-            share: p.share,
-        });
-        Mount::Loads(loads.collect())
-    }
-}
+use super::range::{Checked, combination, finite, positive, require};
+use crate::table::{LoadTable, RunnerTable, TiltWord};
 
 /// Checks a runner's mount, and that it agrees with the load.
-pub(super) fn check_mount(runner: &RunnerTable, load: &LoadTable) -> Checked {
+pub(crate) fn check_mount(runner: &RunnerTable, load: &LoadTable) -> Checked {
     let Some(mount) = &runner.mount else {
         return Ok(());
     };
@@ -140,16 +86,9 @@ impl RunnerTable {
     }
 }
 
-/// Fails with a mesh that cannot be had.
-pub(super) fn mesh_error(reason: impl ToString) -> CaseError {
-    CaseError::Mesh {
-        reason: reason.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::Case;
+    use crate::Case;
 
     fn case(mount: &str, load: &str) -> String {
         let shape = "shape = { kind = \"bob\", length_m = 1.0, rocker_radius_m = 30.0, section_radius_m = 0.005, width_m = 0.010, height_m = 0.030 }";

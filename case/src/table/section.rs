@@ -29,7 +29,7 @@ const WORN_EDGE: f64 = 0.2;
 
 impl SectionTable {
     /// `own`, the shape's section, replaced by the measured one where there is one, and worn.
-    pub(super) fn of(&self, own: Section, base: &Path) -> Result<Section, MeshError> {
+    pub(crate) fn of(&self, own: Section, base: &Path) -> Result<Section, MeshError> {
         let section = match (&self.points_m, &self.profile) {
             (Some(points), _) => Section::points(points)?,
             (None, Some(path)) => {

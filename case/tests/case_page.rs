@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use kufe_contact::case::Case;
+use kufe_case::Case;
 
 const PAGE: &str = include_str!("../../docs/case.md");
 

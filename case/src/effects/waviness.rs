@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::shaped::Shaped;
 use super::{Effect, Info};
-use crate::Problem;
+use kufe_contact::Problem;
 
 /// See the module.
 pub struct Waviness;

@@ -20,8 +20,8 @@ mod waviness;
 
 use std::collections::BTreeMap;
 
-use crate::Problem;
-use crate::case::CaseError;
+use crate::CaseError;
+use kufe_contact::Problem;
 
 /// Name, parameter and bounds of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 //! runner in the model), sensor gain. Source: E.M. Schulson, P. Duval, Creep and Fracture of Ice (2009).
 
 use super::{Effect, Info};
-use crate::Problem;
+use kufe_contact::Problem;
 
 /// See the module.
 pub struct IceModulus;

@@ -7,8 +7,10 @@ use kufe_mesh::{IceSurface, Waviness, load_height_map};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CaseError, Hardness, Thickness};
-use crate::{Bed, Foundation, ICE_POISSONS_RATIO, Ice, ice_hardness, ice_youngs_modulus};
+use super::hardness::Hardness;
+use super::thickness::Thickness;
+use crate::CaseError;
+use kufe_contact::{Bed, Foundation, ICE_POISSONS_RATIO, Ice, ice_hardness, ice_youngs_modulus};
 
 /// The pressed body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -69,7 +71,7 @@ pub struct WavinessTable {
 
 impl IceTable {
     /// The material and what carries it; the table has been checked.
-    pub(super) fn ice(&self) -> Ice {
+    pub(crate) fn ice(&self) -> Ice {
         let of_temperature =
             |function: fn(f64) -> f64| self.temperature_c.map_or(f64::NAN, function);
         Ice {
@@ -97,7 +99,7 @@ impl IceTable {
     }
 
     /// The ice's surface; a height map's path is taken from `base`.
-    pub(super) fn surface(&self, base: &Path) -> Result<Option<Arc<dyn IceSurface>>, CaseError> {
+    pub(crate) fn surface(&self, base: &Path) -> Result<Option<Arc<dyn IceSurface>>, CaseError> {
         if let Some(path) = &self.surface {
             let map = load_height_map(&base.join(path)).map_err(CaseError::IceSurface)?;
             return Ok(Some(Arc::new(map)));

@@ -2,7 +2,7 @@
 //! runner bends. Signature: that of a softer ice. Confounders: ice modulus. Source: K.L. Johnson, Contact Mechanics (1985), ch. 4.2.
 
 use super::{Effect, Info};
-use crate::Problem;
+use kufe_contact::Problem;
 
 /// See the module.
 pub struct RunnerCompliance;

@@ -3,7 +3,7 @@
 
 use super::turned::{About, turn};
 use super::{Effect, Info};
-use crate::Problem;
+use kufe_contact::Problem;
 
 /// See the module.
 pub struct RollTilt;

@@ -2,7 +2,7 @@
 //! as wide as the layer is thick. Confounders: modulus. Source: K.L. Johnson, Contact Mechanics (1985), ch. 5.8.
 
 use super::{Effect, Info};
-use crate::{Foundation, Problem};
+use kufe_contact::{Foundation, Problem};
 
 /// See the module.
 pub struct IceThickness;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::shaped::Shaped;
 use super::{Effect, Info};
-use crate::Problem;
+use kufe_contact::Problem;
 
 /// See the module.
 pub struct SectionWear;

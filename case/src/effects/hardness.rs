@@ -3,7 +3,7 @@
 //! Cold Reg. Sci. Technol. 67 (2011) 129-134; K.L. Johnson, Contact Mechanics (1985), ch. 6.
 
 use super::{Effect, Info};
-use crate::Problem;
+use kufe_contact::Problem;
 
 /// See the module.
 pub struct Hardness;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::shaped::Shaped;
-use crate::{Load, Problem, Tilt};
+use kufe_contact::{Load, Problem, Tilt};
 
 /// The axis that it is turned about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,10 +8,10 @@ use kufe_mesh::{
     Rocker, Section, Underside, load_hull, read_gmsh, read_vtu,
 };
 
-use super::check::combination;
-use super::mount::mesh_error;
-use super::{Case, CaseError, ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis};
-use crate::{ElasticRunner, Load, Problem, Runner, RunnerSolid, Tilt};
+use crate::check::range::combination;
+use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis, mesh_error};
+use crate::{Case, CaseError};
+use kufe_contact::{ElasticRunner, Load, Problem, Runner, RunnerSolid, Tilt};
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
@@ -254,7 +254,7 @@ fn shape_underside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Foundation;
+    use kufe_contact::Foundation;
 
     fn case(shape: &str, rest: &str) -> Case {
         let text = format!(

@@ -1,0 +1,74 @@
+//! One contact problem as a file states it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::CaseError;
+use crate::table::{AccuracyTable, IceTable, LoadTable, RunnerTable, TrackTable};
+
+/// One contact problem as a file states it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "case.toml")]
+pub struct Case {
+    /// The runner.
+    pub runner: RunnerTable,
+    /// The ice.
+    pub ice: IceTable,
+    /// The track under the runner; flat where the table is absent.
+    #[serde(default)]
+    pub track: TrackTable,
+    /// The load.
+    pub load: LoadTable,
+    /// The accuracy asked; one per cent of the peak pressure where the table is absent.
+    #[serde(default)]
+    pub accuracy: AccuracyTable,
+    /// Effects that are switched on, by name ([`crate::effects`]); an absent one is off.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(schema_with = "crate::effects::schema::schema")]
+    pub effects: BTreeMap<String, toml::Table>,
+}
+
+impl Case {
+    /// Reads and checks a case.
+    ///
+    /// # Errors
+    /// [`CaseError`] with the line, the key, the value and what was expected.
+    pub fn parse(text: &str) -> Result<Case, CaseError> {
+        let case: Case =
+            toml::from_str(text).map_err(|error| CaseError::from_toml(text, &error))?;
+        case.check().map_err(|error| error.locate(text))?;
+        Ok(case)
+    }
+
+    /// The files that the case names, as it names them: hull, section, ice surface.
+    pub fn files(&self) -> Vec<&Path> {
+        let profile = self
+            .runner
+            .section
+            .as_ref()
+            .and_then(|s| s.profile.as_ref());
+        [
+            self.runner.hull.as_ref(),
+            profile,
+            self.ice.surface.as_ref(),
+        ]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect()
+    }
+
+    /// The case as TOML; [`Case::parse`] of it gives the case back.
+    ///
+    /// # Errors
+    /// [`CaseError::Unwritable`] where the hull's path is not valid Unicode.
+    pub fn to_toml(&self) -> Result<String, CaseError> {
+        toml::to_string(self).map_err(|error| CaseError::Unwritable {
+            reason: error.to_string(),
+        })
+    }
+}

@@ -1,0 +1,38 @@
+//! The file that states one contact problem, `case.toml`.
+//!
+//! [`Case`] mirrors the file key by key; [`Case::parse`] reads and checks it, [`Case::problem`]
+//! turns it into a [`Problem`](kufe_contact::Problem). Unknown keys are errors, and every error names the
+//! line, the key, the value found and what was expected.
+//!
+//! ```
+//! use kufe_case::Case;
+//! let case = Case::parse(
+//!     "[runner]\n\
+//!      shape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }\n\
+//!      [ice]\n\
+//!      youngs_modulus_pa = 9.0e9\n\
+//!      poissons_ratio = 0.33\n\
+//!      thickness_m = \"half-space\"\n\
+//!      [load]\n\
+//!      fz_n = 1000.0\n",
+//! )?;
+//! assert_eq!(case.load.fz_n, 1000.0);
+//! assert_eq!(case.track.curvature(), 0.0);
+//! # Ok::<(), kufe_case::CaseError>(())
+//! ```
+
+mod case;
+mod check;
+pub mod effects;
+mod error;
+mod problem;
+mod table;
+
+pub use case::Case;
+pub use error::CaseError;
+pub use problem::{FittedHull, StatedProblem};
+pub use table::{
+    AccuracyTable, BedTable, CarriesTable, ForwardAxis, Hardness, HeldTable, IceTable, LoadTable,
+    MountTable, RunnerTable, SectionTable, Shape, Thickness, TiltWord, TrackTable, UpAxis,
+    WavinessTable,
+};

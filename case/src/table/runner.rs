@@ -1,0 +1,93 @@
+//! What a case says of the runner.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::mount::MountTable;
+use super::section::SectionTable;
+use super::shape::Shape;
+
+/// The pressing body: a hull's file or a parametric shape.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunnerTable {
+    /// Hull file (OBJ, glTF/GLB or STL), relative to the case's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hull: Option<PathBuf>,
+    /// Metres per unit of the hull's file; 0.001 for millimetres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// The hull's upward axis; z where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<UpAxis>,
+    /// The hull's forward axis; x where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forward: Option<ForwardAxis>,
+    /// Standard deviation of a scanned hull's vertices; 0 where absent [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_m: Option<f64>,
+    /// Parametric shape instead of a hull.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Shape>,
+    /// A measured section, and wear; for shapes with a section.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub section: Option<SectionTable>,
+    /// Hexahedra of an elastic runner instead (Gmsh's .msh or .vtu), relative to the case's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
+    /// Whether the runner deforms.
+    #[serde(default)]
+    pub elastic: bool,
+    /// Young's modulus of the runner [Pa].
+    #[serde(default = "steel_modulus")]
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio of the runner.
+    #[serde(default = "steel_poisson")]
+    pub poissons_ratio: f64,
+    /// What holds an elastic runner; its whole top where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount: Option<MountTable>,
+}
+
+/// The axis of a hull's file that points upwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// z, this project's own.
+    Z,
+    /// y, glTF's own.
+    Y,
+}
+
+/// The axis of a hull's file that points forwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ForwardAxis {
+    /// +x.
+    #[serde(rename = "x")]
+    X,
+    /// -x.
+    #[serde(rename = "-x")]
+    MinusX,
+    /// +y.
+    #[serde(rename = "y")]
+    Y,
+    /// -y.
+    #[serde(rename = "-y")]
+    MinusY,
+    /// +z.
+    #[serde(rename = "z")]
+    Z,
+    /// -z.
+    #[serde(rename = "-z")]
+    MinusZ,
+}
+
+fn steel_modulus() -> f64 {
+    210e9
+}
+
+fn steel_poisson() -> f64 {
+    0.30
+}
