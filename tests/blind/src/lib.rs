@@ -19,23 +19,15 @@
 //! let case = specs[0].build(1).unwrap();
 //! assert_eq!(case.answer.hides[0].effect, "temperature");
 //! ```
-pub mod answer;
-pub mod campaign;
-pub mod catalogue;
-pub mod ci;
-pub mod drive;
-pub mod experiments;
-pub mod fourier;
-pub mod half_space;
-pub mod hidden;
-pub mod inverse;
-pub mod least_squares;
-pub mod noise;
-pub mod pressure_case;
-pub mod run_case;
+
+mod cases;
+mod contact;
+mod residuals;
 pub mod score;
-pub mod sensors;
-pub mod signature;
-pub mod sled;
-pub mod table;
-pub mod track;
+mod world;
+
+pub use cases::{answer, catalogue, experiments, label, pressure_case, run_case};
+pub use contact::{fourier, half_space};
+pub use residuals::{inverse, least_squares, signature};
+pub use score::{ci, table};
+pub use world::{campaign, drive, hidden, noise, sensors, sled, track};
