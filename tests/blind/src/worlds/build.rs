@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use super::hidden::{Acts, Effect, Hidden};
-use super::recorder::{Fault, NOISE, record};
+use super::recorder::{NOISE, record};
 use super::ride::{Plan, ride};
 use super::road::Road;
 use super::runners::Sled;
-use super::wrong::{CHANNELS, World, Wrong};
+use super::wrong::{CHANNELS, Fault, World, Wrong};
 use crate::answer::{Answer, Case, Hides};
 use crate::noise::Source;
 

@@ -1,6 +1,6 @@
 //! What a case of another world hides.
 
-use super::recorder::Fault;
+use super::wrong::Fault;
 
 /// A hidden force, by the size that stands in its law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

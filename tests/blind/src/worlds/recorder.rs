@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use super::ride::{RATE_HZ, Truth};
 use super::runners::Sled;
-use super::wrong::{CHANNELS, Wrong};
+use super::wrong::{CHANNELS, Fault, Wrong};
 use crate::noise::Source;
 
 /// Rows a second in the files.
@@ -14,17 +14,6 @@ pub const ROWS_HZ: f64 = 100.0;
 pub const NOISE: [f64; CHANNELS] = [
     0.06, 0.06, 0.06, 0.0012, 0.0012, 0.0012, 0.025, 0.0006, 0.0003, 0.0003,
 ];
-
-/// A fault of one channel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fault {
-    /// Reads so much too high.
-    Bias(usize),
-    /// Reads this share too high.
-    Scale(usize),
-    /// Is late by so much [s].
-    Delay(usize),
-}
 
 /// Records a ride: one row of all channels every hundredth of a second.
 pub fn record(

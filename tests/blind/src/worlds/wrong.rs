@@ -59,6 +59,17 @@ impl World {
 /// Channels of a record in the order of its columns: ax, ay, az, roll, pitch and yaw rate, speed, slip, steering, roll split.
 pub const CHANNELS: usize = 10;
 
+/// A fault of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// Reads so much too high.
+    Bias(usize),
+    /// Reads this share too high.
+    Scale(usize),
+    /// Is late by so much [s].
+    Delay(usize),
+}
+
 /// What is wrong, drawn for one campaign.
 #[derive(Debug, Clone)]
 pub struct Wrong {
