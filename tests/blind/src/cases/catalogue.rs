@@ -3,7 +3,8 @@
 use crate::cases::answer::{Case, CaseError};
 use crate::cases::label::Label;
 use crate::cases::{experiments, pressure_case, run_case};
-use crate::world::hidden::{ENTRIES, Kind};
+use crate::runs::hidden::{ENTRIES, Kind};
+use crate::worlds::{self, EFFECTS, WORLDS};
 
 /// Shares of the residual's noise variance for effects in runs.
 pub const RUN_SHARES: [f64; 3] = [0.007, 0.02, 0.06];
@@ -24,6 +25,8 @@ pub struct Spec {
 pub enum Recipe {
     /// A campaign of runs.
     Runs(run_case::Recipe),
+    /// A campaign of another world, with what it hides.
+    World(worlds::World, Option<worlds::Effect>),
     /// A table of friction experiments.
     Experiments(experiments::Recipe),
     /// Pressure measurements.
@@ -45,6 +48,10 @@ impl Spec {
     pub fn build(&self, seed: u64) -> Result<Case, CaseError> {
         match self.recipe {
             Recipe::Runs(recipe) => Ok(run_case::build(&self.label, recipe, seed)),
+            Recipe::World(world, effect) => {
+                let Label { family, name, .. } = &self.label;
+                Ok(worlds::build(world, effect, family, name, seed))
+            }
             Recipe::Experiments(recipe) => Ok(experiments::build(&self.label, recipe, seed)),
             Recipe::Pressures(recipe) => pressure_case::build(&self.label, recipe, seed),
         }
@@ -177,6 +184,18 @@ pub fn all() -> Vec<Spec> {
         Some(0.02),
         Recipe::Runs(R::NewTrack(Kind::CamberThrust)),
     );
+    for world in WORLDS {
+        let [null, effects] = world.families();
+        add(null, "none", None, Recipe::World(world, None));
+        for effect in EFFECTS {
+            add(
+                effects,
+                effect.name,
+                None,
+                Recipe::World(world, Some(*effect)),
+            );
+        }
+    }
     for cause in experiments::CAUSES {
         for share in EXPERIMENT_SHARES {
             add(
