@@ -1,8 +1,8 @@
 //! The fixed subset with thresholds that runs with the other checks.
 
-use crate::catalogue::{Spec, all};
-use crate::score::Outcome;
-use crate::table::{Rates, rates};
+use crate::cases::catalogue::{Spec, all};
+use crate::score::outcome::Outcome;
+use crate::score::table::{Rates, rates};
 
 /// First seed of the subset, outside the range of the full table.
 pub const FIRST_SEED: u64 = 901;

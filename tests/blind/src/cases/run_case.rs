@@ -2,15 +2,15 @@
 
 use std::fmt::Write as _;
 
-use crate::answer::{Answer, Case, Hides};
-use crate::campaign::{Campaign, Layout};
-use crate::catalogue::Spec;
-use crate::drive::{SAMPLE_S, Truth};
-use crate::hidden::{Hidden, Kind, Place};
-use crate::noise::Source;
-use crate::sensors::{Noise, Sample};
-use crate::signature::{Channels, Gauge};
-use crate::sled::{Conditions, Sled};
+use crate::cases::answer::{Answer, Case, Hides};
+use crate::cases::label::Label;
+use crate::residuals::signature::{Channels, Gauge};
+use crate::world::campaign::{Campaign, Layout};
+use crate::world::drive::{SAMPLE_S, Truth};
+use crate::world::hidden::{Hidden, Kind, Place};
+use crate::world::noise::Source;
+use crate::world::sensors::{Noise, Sample};
+use crate::world::sled::{Conditions, Sled};
 
 /// Ways to build a campaign.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,8 +35,8 @@ pub enum Recipe {
 const SAME: f64 = 0.9;
 
 /// Builds a campaign with what the recipe hides, and its answer.
-pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
-    let source = &mut Source::new(seed, &spec.id());
+pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
+    let source = &mut Source::new(seed, &label.id());
     let case_seed = seed ^ ((source.uniform(0.0, 1.0) * 2f64.powi(52)) as u64) << 8;
     let mut layout = Layout::default();
     let mut noise = Noise::default();
@@ -90,7 +90,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
     {
         let (effect, answer) = hide(
             kind,
-            spec.share.unwrap_or(0.02),
+            label.share.unwrap_or(0.02),
             gauge,
             &campaign,
             &layout,
@@ -169,16 +169,16 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
     Case {
         files,
         answer: Answer {
-            family: spec.family.to_owned(),
-            name: spec.name.clone(),
-            wanted_share: spec.share,
+            family: label.family.to_owned(),
+            name: label.name.clone(),
+            wanted_share: label.share,
             seed,
             data: "runs.csv".to_owned(),
             model: "model.toml".to_owned(),
             hides,
             tolerated,
             // a twin's name alone says more than the data can
-            too_little_to_name: matches!(recipe, Recipe::TwoSessions(_)) || spec.family == "twin",
+            too_little_to_name: matches!(recipe, Recipe::TwoSessions(_)) || label.family == "twin",
             base: base.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
         },
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::score::{Found, Outcome};
+use crate::score::outcome::{Found, Outcome};
 
 /// Rates of one group of outcomes.
 #[derive(Debug, Clone, serde::Serialize)]

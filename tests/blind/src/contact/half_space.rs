@@ -4,8 +4,8 @@
 //! Trans. R. Soc. A 228 (1929) 377), the layer's difference by a Hankel integral, and the contact by
 //! projected conjugate gradients after I.A. Polonsky and L.M. Keer, Wear 231 (1999) 206.
 
-use crate::answer::CaseError;
-use crate::fourier::Kernel;
+use crate::cases::answer::CaseError;
+use crate::contact::fourier::Kernel;
 
 /// The ice (or the ice and the runner as one body of contact modulus).
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,10 @@
 //! The list of cases: families, what each hides, and how large.
 
-use crate::answer::{Case, CaseError};
-use crate::hidden::{ENTRIES, Kind};
-use crate::worlds::{self, EFFECTS, WORLDS};
-use crate::{experiments, pressure_case, run_case};
+use crate::cases::answer::{Case, CaseError};
+use crate::cases::label::Label;
+use crate::cases::{experiments, pressure_case, run_case};
+use crate::other_worlds::{self, EFFECTS, WORLDS};
+use crate::world::hidden::{ENTRIES, Kind};
 
 /// Shares of the residual's noise variance for effects in runs.
 pub const RUN_SHARES: [f64; 3] = [0.007, 0.02, 0.06];
@@ -13,12 +14,8 @@ pub const EXPERIMENT_SHARES: [f64; 3] = [0.5, 1.5, 4.0];
 /// One case, before its seed is chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
-    /// Family.
-    pub family: &'static str,
-    /// What it is.
-    pub name: String,
-    /// Share of the noise variance, where the family has sizes.
-    pub share: Option<f64>,
+    /// What it is called.
+    pub label: Label,
     /// How it is built.
     pub recipe: Recipe,
 }
@@ -29,7 +26,7 @@ pub enum Recipe {
     /// A campaign of runs.
     Runs(run_case::Recipe),
     /// A campaign of another world, with what it hides.
-    World(worlds::World, Option<worlds::Effect>),
+    World(other_worlds::World, Option<other_worlds::Effect>),
     /// A table of friction experiments.
     Experiments(experiments::Recipe),
     /// Pressure measurements.
@@ -39,29 +36,23 @@ pub enum Recipe {
 impl Spec {
     /// `family/name@share`.
     pub fn id(&self) -> String {
-        match self.share {
-            Some(share) => format!("{}/{}@{share}", self.family, self.name),
-            None => format!("{}/{}", self.family, self.name),
-        }
+        self.label.id()
     }
 
     /// Its name as a folder.
     pub fn folder(&self, seed: u64) -> String {
-        format!(
-            "{}-{seed}",
-            self.id().replace(['/', '@', '~', '+', ':'], "_")
-        )
+        self.label.folder(seed)
     }
 
     /// Builds the case for a seed.
     pub fn build(&self, seed: u64) -> Result<Case, CaseError> {
         match self.recipe {
-            Recipe::Runs(recipe) => Ok(run_case::build(self, recipe, seed)),
+            Recipe::Runs(recipe) => Ok(run_case::build(&self.label, recipe, seed)),
             Recipe::World(world, effect) => {
-                Ok(worlds::build(world, effect, self.family, &self.name, seed))
+                Ok(other_worlds::build(world, effect, &self.label, seed))
             }
-            Recipe::Experiments(recipe) => Ok(experiments::build(self, recipe, seed)),
-            Recipe::Pressures(recipe) => pressure_case::build(self, recipe, seed),
+            Recipe::Experiments(recipe) => Ok(experiments::build(&self.label, recipe, seed)),
+            Recipe::Pressures(recipe) => pressure_case::build(&self.label, recipe, seed),
         }
     }
 }
@@ -71,12 +62,12 @@ pub fn all() -> Vec<Spec> {
     use run_case::Recipe as R;
     let mut specs = Vec::new();
     let mut add = |family, name: &str, share, recipe| {
-        specs.push(Spec {
+        let label = Label {
             family,
             name: name.to_owned(),
             share,
-            recipe,
-        });
+        };
+        specs.push(Spec { label, recipe });
     };
     for (name, recipe) in [
         ("white", R::White),

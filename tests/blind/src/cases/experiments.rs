@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use crate::answer::{Answer, Case, Hides};
-use crate::catalogue::Spec;
-use crate::least_squares::{cosine, dot, project_out};
-use crate::noise::Source;
+use crate::cases::answer::{Answer, Case, Hides};
+use crate::cases::label::Label;
+use crate::residuals::least_squares::{cosine, dot, project_out};
+use crate::world::noise::Source;
 
 /// What an experiment can hide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,8 +141,8 @@ fn row_sd(law: [f64; 3], row: &Row) -> f64 {
 }
 
 /// Builds a table with what the recipe hides, and its answer.
-pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
-    let source = &mut Source::new(seed, &spec.id());
+pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
+    let source = &mut Source::new(seed, &label.id());
     let law = [0.088, 2.01, 14.66];
     let (table, hides) = match recipe {
         Recipe::SevenPoints => (published(), Vec::new()),
@@ -159,7 +159,7 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
                 let s = signature(law, &rows, cause, size);
                 dot(&s, &s) / s.len() as f64
             };
-            let wanted = spec.share.unwrap_or(1.5);
+            let wanted = label.share.unwrap_or(1.5);
             for _ in 0..6 {
                 size = (size * (wanted / share_of(size)).sqrt()).clamp(-entry.limit, entry.limit);
             }
@@ -199,9 +199,9 @@ pub fn build(spec: &Spec, recipe: Recipe, seed: u64) -> Case {
             ("model.toml".to_owned(), model(law_stated).into_bytes()),
         ],
         answer: Answer {
-            family: spec.family.to_owned(),
-            name: spec.name.clone(),
-            wanted_share: spec.share,
+            family: label.family.to_owned(),
+            name: label.name.clone(),
+            wanted_share: label.share,
             seed,
             data: "experiments.csv".to_owned(),
             model: "model.toml".to_owned(),

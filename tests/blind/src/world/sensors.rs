@@ -1,9 +1,9 @@
 //! The measurement chain: sensors at their places, their faults, and noise in every channel.
 
-use crate::drive::{SAMPLE_S, Truth};
-use crate::hidden::{Hidden, Kind};
-use crate::noise::{Ar1, Source};
-use crate::sled::Sled;
+use crate::world::drive::{SAMPLE_S, Truth};
+use crate::world::hidden::{Hidden, Kind};
+use crate::world::noise::{Ar1, Source};
+use crate::world::sled::Sled;
 
 /// Standard deviations of the sensors.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
