@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 use kufe_jobs::Failure;
+use tempfile::TempDir;
 
 /// A hidden folder beside the output that collects files until [`Staging::commit`] moves them in.
 ///

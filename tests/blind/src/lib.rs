@@ -10,7 +10,7 @@
 //! | [`run_case`], [`experiments`], [`pressure_case`] | builders of the three kinds of data |
 //! | [`track`], [`sled`], [`drive`], [`sensors`], [`campaign`] | the sled on its track and its measurement chain |
 //! | [`inverse`], [`signature`] | residuals by an independent inversion; size and likeness of effects in them |
-//! | [`worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
+//! | [`other_worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
 //! | [`half_space`], [`fourier`] | contact pressures by boundary elements |
 //! | [`answer`] | what a case hides, as a file |
 //! | [`score`], [`table`], [`ci`] | runs the finder on cases and compares its reports with the answers |
@@ -23,13 +23,13 @@
 
 mod cases;
 mod contact;
+pub mod other_worlds;
 mod residuals;
-mod runs;
 pub mod score;
-pub mod worlds;
+mod world;
 
 pub use cases::{answer, catalogue, experiments, label, pressure_case, run_case};
 pub use contact::{fourier, half_space};
 pub use residuals::{inverse, least_squares, signature};
-pub use runs::{campaign, drive, hidden, noise, sensors, sled, track};
 pub use score::{ci, table};
+pub use world::{campaign, drive, hidden, noise, sensors, sled, track};

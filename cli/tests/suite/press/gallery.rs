@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::kufe::Bench;
 use serde_json::Value;
+
+use crate::kufe::Bench;
 
 fn p_max(bench: &Bench, name: &str) -> f64 {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/gallery/{name}.toml"));

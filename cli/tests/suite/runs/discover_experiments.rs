@@ -1,7 +1,6 @@
 //! `kufe discover` on friction experiments, as a user meets it.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::Value;
 

@@ -1,5 +1,7 @@
 //! `kufe discover` with experiments that are wrong, or asked for wrongly.
 
+use std::process::Output;
+
 use crate::runs::experiments::{MODEL, TABLE, discover};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;

@@ -3,8 +3,8 @@
 use crate::cases::answer::{Case, CaseError};
 use crate::cases::label::Label;
 use crate::cases::{experiments, pressure_case, run_case};
-use crate::runs::hidden::{ENTRIES, Kind};
-use crate::worlds::{self, EFFECTS, WORLDS};
+use crate::other_worlds::{self, EFFECTS, WORLDS};
+use crate::world::hidden::{ENTRIES, Kind};
 
 /// Shares of the residual's noise variance for effects in runs.
 pub const RUN_SHARES: [f64; 3] = [0.007, 0.02, 0.06];
@@ -26,7 +26,7 @@ pub enum Recipe {
     /// A campaign of runs.
     Runs(run_case::Recipe),
     /// A campaign of another world, with what it hides.
-    World(worlds::World, Option<worlds::Effect>),
+    World(other_worlds::World, Option<other_worlds::Effect>),
     /// A table of friction experiments.
     Experiments(experiments::Recipe),
     /// Pressure measurements.
@@ -49,8 +49,7 @@ impl Spec {
         match self.recipe {
             Recipe::Runs(recipe) => Ok(run_case::build(&self.label, recipe, seed)),
             Recipe::World(world, effect) => {
-                let Label { family, name, .. } = &self.label;
-                Ok(worlds::build(world, effect, family, name, seed))
+                Ok(other_worlds::build(world, effect, &self.label, seed))
             }
             Recipe::Experiments(recipe) => Ok(experiments::build(&self.label, recipe, seed)),
             Recipe::Pressures(recipe) => pressure_case::build(&self.label, recipe, seed),

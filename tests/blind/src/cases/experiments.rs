@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::cases::answer::{Answer, Case, Hides};
 use crate::cases::label::Label;
 use crate::residuals::least_squares::{cosine, dot, project_out};
-use crate::runs::noise::Source;
+use crate::world::noise::Source;
 
 /// What an experiment can hide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

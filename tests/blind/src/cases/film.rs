@@ -7,7 +7,7 @@ use exr::prelude::{
 
 use crate::cases::answer::CaseError;
 use crate::contact::half_space::{Elastic, Grid};
-use crate::runs::noise::Source;
+use crate::world::noise::Source;
 
 /// Radius of the runner's section.
 pub const SECTION_M: f64 = 0.005;

@@ -6,7 +6,7 @@ use crate::cases::answer::{Answer, Case, CaseError, Hides};
 use crate::cases::film::{SECTION_M, World, encode, measure};
 use crate::cases::label::Label;
 use crate::contact::half_space::Elastic;
-use crate::runs::noise::Source;
+use crate::world::noise::Source;
 
 /// What the measurements hide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

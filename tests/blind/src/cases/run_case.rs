@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 use crate::cases::answer::{Answer, Case, Hides};
 use crate::cases::label::Label;
 use crate::residuals::signature::{Channels, Gauge};
-use crate::runs::campaign::{Campaign, Layout};
-use crate::runs::drive::{SAMPLE_S, Truth};
-use crate::runs::hidden::{Hidden, Kind, Place};
-use crate::runs::noise::Source;
-use crate::runs::sensors::{Noise, Sample};
-use crate::runs::sled::{Conditions, Sled};
+use crate::world::campaign::{Campaign, Layout};
+use crate::world::drive::{SAMPLE_S, Truth};
+use crate::world::hidden::{Hidden, Kind, Place};
+use crate::world::noise::Source;
+use crate::world::sensors::{Noise, Sample};
+use crate::world::sled::{Conditions, Sled};
 
 /// Ways to build a campaign.
 #[derive(Debug, Clone, Copy, PartialEq)]

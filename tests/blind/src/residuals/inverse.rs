@@ -3,9 +3,9 @@
 //! Written from the momentum equations on their own, in the other direction than the drive, so
 //! that it also checks it: without noise and hidden effects nothing is left.
 
-use crate::runs::drive::SAMPLE_S;
-use crate::runs::sensors::Sample;
-use crate::runs::sled::{Conditions, Lateral, Sled};
+use crate::world::drive::SAMPLE_S;
+use crate::world::sensors::Sample;
+use crate::world::sled::{Conditions, Lateral, Sled};
 
 /// Residual of the three momentum equations at one sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -3,12 +3,12 @@
 
 use crate::residuals::inverse::{Residual, low_pass, residuals};
 use crate::residuals::least_squares::{cosine, dot, project_out, variance};
-use crate::runs::campaign::Campaign;
-use crate::runs::drive::{SAMPLE_S, Truth};
-use crate::runs::hidden::{Hidden, Kind};
-use crate::runs::noise::Source;
-use crate::runs::sensors::{Lag, Noise, measure};
-use crate::runs::sled::{Sled, forces};
+use crate::world::campaign::Campaign;
+use crate::world::drive::{SAMPLE_S, Truth};
+use crate::world::hidden::{Hidden, Kind};
+use crate::world::noise::Source;
+use crate::world::sensors::{Lag, Noise, measure};
+use crate::world::sled::{Sled, forces};
 
 /// Low-pass before the residuals are compared: all channels but the speed's [Hz].
 const CUTOFF_HZ: f64 = 20.0;
@@ -291,7 +291,7 @@ impl Gauge {
         let own = self.signature(effect, channels);
         let base = self.base(channels);
         let longitudinal = channels == Channels::Longitudinal;
-        let mut found: Vec<(&'static str, f64)> = crate::runs::hidden::ENTRIES
+        let mut found: Vec<(&'static str, f64)> = crate::world::hidden::ENTRIES
             .iter()
             .filter(|entry| entry.longitudinal == longitudinal && entry.kind != effect.kind)
             .filter(|entry| !entry.name.starts_with("unknown"))

@@ -3,7 +3,7 @@
 use super::hidden::{Acts, Hidden};
 use super::road::{Here, Road};
 use super::runners::{Now, Push, Sled, push};
-use crate::runs::noise::{Smooth, Source};
+use crate::world::noise::{Smooth, Source};
 
 /// Steps a second.
 pub const RATE_HZ: f64 = 1000.0;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::runs::noise::{Smooth, Source};
+use crate::world::noise::{Smooth, Source};
 
 /// Gravity [m/s2].
 pub const GRAVITY: f64 = 9.81;

@@ -1,6 +1,6 @@
 //! The contact's rim below the cell.
 
-use kufe_contact::SurfaceField;
+use crate::result::solution::SurfaceField;
 
 /// The square of the pressure at the nodes, continued to negative values just outside the contact; NaN farther out.
 ///

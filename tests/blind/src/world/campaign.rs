@@ -1,11 +1,11 @@
 //! A campaign: tracks, sessions and runs, driven and recorded.
 
-use crate::runs::drive::{Plan, Truth, drive};
-use crate::runs::hidden::{Hidden, Kind};
-use crate::runs::noise::{Smooth, Source};
-use crate::runs::sensors::{Noise, Sample, measure};
-use crate::runs::sled::{Conditions, Sled};
-use crate::runs::track::Track;
+use crate::world::drive::{Plan, Truth, drive};
+use crate::world::hidden::{Hidden, Kind};
+use crate::world::noise::{Smooth, Source};
+use crate::world::sensors::{Noise, Sample, measure};
+use crate::world::sled::{Conditions, Sled};
+use crate::world::track::Track;
 
 /// How large a campaign is and what varies in it without a cause.
 #[derive(Debug, Clone)]

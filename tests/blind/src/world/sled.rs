@@ -1,7 +1,7 @@
 //! The sled of the generator: geometry, runner forces by the magic formula, and hidden effects
 //! inside them.
 
-use crate::runs::hidden::{Hidden, Kind};
+use crate::world::hidden::{Hidden, Kind};
 
 /// Geometry and inertia; positions are from the centre of gravity.
 #[derive(Debug, Clone)]

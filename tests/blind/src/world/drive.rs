@@ -2,10 +2,10 @@
 
 use std::cell::Cell;
 
-use crate::runs::hidden::{Hidden, Kind};
-use crate::runs::noise::{Smooth, Source};
-use crate::runs::sled::{Conditions, Motion, Sled, forces};
-use crate::runs::track::Track;
+use crate::world::hidden::{Hidden, Kind};
+use crate::world::noise::{Smooth, Source};
+use crate::world::sled::{Conditions, Motion, Sled, forces};
+use crate::world::track::Track;
 
 const GRAVITY: f64 = 9.81;
 /// Sampling interval of the files [s].

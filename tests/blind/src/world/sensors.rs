@@ -1,9 +1,9 @@
 //! The measurement chain: sensors at their places, their faults, and noise in every channel.
 
-use crate::runs::drive::{SAMPLE_S, Truth};
-use crate::runs::hidden::{Hidden, Kind};
-use crate::runs::noise::{Ar1, Source};
-use crate::runs::sled::Sled;
+use crate::world::drive::{SAMPLE_S, Truth};
+use crate::world::hidden::{Hidden, Kind};
+use crate::world::noise::{Ar1, Source};
+use crate::world::sled::Sled;
 
 /// Standard deviations of the sensors.
 #[derive(Debug, Clone, Copy, serde::Serialize)]

@@ -9,7 +9,8 @@ use super::road::Road;
 use super::runners::Sled;
 use super::wrong::{CHANNELS, Fault, World, Wrong};
 use crate::cases::answer::{Answer, Case, Hides};
-use crate::runs::noise::Source;
+use crate::cases::label::Label;
+use crate::world::noise::Source;
 
 /// Longest run [s].
 const SECONDS: f64 = 20.0;
@@ -18,8 +19,8 @@ const SECONDS: f64 = 20.0;
 const COLUMNS: &str = "ax_mps2,ay_mps2,az_mps2,roll_rate_radps,pitch_rate_radps,yaw_rate_radps,v_mps,alpha_rad,delta_rad,gamma_rad";
 
 /// Builds the campaign of a world, with an effect hidden in it or none.
-pub fn build(world: World, effect: Option<Effect>, family: &str, name: &str, seed: u64) -> Case {
-    let source = &mut Source::new(seed, &format!("{family}/{name}"));
+pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> Case {
+    let source = &mut Source::new(seed, &label.id());
     let wrong = Wrong::draw(world, source);
     let stated = stated_sled(source);
     let mut truth = stated;
@@ -78,8 +79,8 @@ pub fn build(world: World, effect: Option<Effect>, family: &str, name: &str, see
     Case {
         files,
         answer: Answer {
-            family: family.to_owned(),
-            name: name.to_owned(),
+            family: label.family.to_owned(),
+            name: label.name.clone(),
             wanted_share: None,
             seed,
             data: "runs.csv".to_owned(),
@@ -250,13 +251,17 @@ fn model_file(sled: &Sled, wrong: &Wrong, source: &mut Source) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{EFFECTS, WORLDS};
     use super::*;
-    use crate::worlds::{EFFECTS, WORLDS};
 
     #[test]
     fn the_same_seed_gives_the_same_files_and_none_says_what_is_hidden() {
-        let [a, b] =
-            [(); 2].map(|()| build(World::Few, Some(EFFECTS[5]), "few-effect", "speed-grip", 3));
+        let label = Label {
+            family: "few-effect",
+            name: "speed-grip".to_owned(),
+            share: None,
+        };
+        let [a, b] = [(); 2].map(|()| build(World::Few, Some(EFFECTS[5]), &label, 3));
         assert_eq!(a.files, b.files);
         for (name, bytes) in &a.files {
             let text = String::from_utf8_lossy(bytes);

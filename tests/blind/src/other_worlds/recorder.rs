@@ -5,7 +5,7 @@ use std::f64::consts::{PI, SQRT_2};
 use super::ride::{RATE_HZ, Truth};
 use super::runners::Sled;
 use super::wrong::{CHANNELS, Fault, Wrong};
-use crate::runs::noise::Source;
+use crate::world::noise::Source;
 
 /// Rows a second in the files.
 pub const ROWS_HZ: f64 = 100.0;

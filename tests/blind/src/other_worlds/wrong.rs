@@ -1,6 +1,6 @@
 //! What is wrong in a world besides noise.
 
-use crate::runs::noise::Source;
+use crate::world::noise::Source;
 
 /// The worlds by name.
 pub const WORLDS: [World; 12] = [

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_contact::{Solution, SurfaceField};
+use crate::result::solution::{Solution, SurfaceField};
 
 use crate::map::pressure_map::PressureMap;
 
@@ -10,7 +10,7 @@ use crate::map::pressure_map::PressureMap;
 const APART: f64 = 5.0;
 
 /// One map for the whole contact, or two where it consists of two parts that are far apart along the runner.
-pub fn maps(solution: &Solution) -> Vec<PressureMap> {
+pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
     let field = &solution.surface;
     let Some(parts) = split(field) else {
         return vec![PressureMap::of(solution)];
@@ -28,7 +28,7 @@ pub fn maps(solution: &Solution) -> Vec<PressureMap> {
 }
 
 /// A map cut in two where it shows two parts that are far apart, each with a margin around its contact.
-pub fn parts(map: PressureMap) -> Vec<PressureMap> {
+pub fn parted(map: PressureMap) -> Vec<PressureMap> {
     let x: Vec<f64> = (0..map.nx).map(|i| map.x0 + i as f64 * map.dx).collect();
     match split_columns(&x, &map.pressure) {
         None => vec![map],
@@ -159,7 +159,7 @@ mod tests {
             gap: two.gap,
             uz: two.uz,
         };
-        let [left, right]: [PressureMap; 2] = parts(map).try_into().expect("two parts");
+        let [left, right]: [PressureMap; 2] = parted(map).try_into().expect("two parts");
         assert_eq!((left.x0, left.nx, right.x0, right.nx), (0.0, 6, 34.0, 7));
         assert_eq!(left.pressure[6..12], [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]);
         assert_eq!(right.pressure[7..14], [0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);

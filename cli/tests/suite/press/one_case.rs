@@ -1,7 +1,8 @@
 //! `kufe press` from a case to its files.
 
-use crate::kufe::{Bench, CASE, errors, names};
 use serde_json::Value;
+
+use crate::kufe::{Bench, CASE, errors, names};
 
 fn result(bench: &Bench, folder: &str) -> Value {
     let text = std::fs::read_to_string(bench.path(folder).join("result.json")).expect("a result");

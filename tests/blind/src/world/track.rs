@@ -1,6 +1,6 @@
 //! Ice tracks: heading, bank and slope along the line, and what a sled feels on it.
 
-use crate::runs::noise::{Smooth, Source};
+use crate::world::noise::{Smooth, Source};
 
 /// One corner: a raised-cosine entry and exit around a constant horizontal curvature.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! A closed form to test the map with.
 
-use kufe_contact::SurfaceField;
+use crate::result::solution::SurfaceField;
 
 /// Hertz's ellipse of pressure on a graded grid, its gap infinite beyond `|y| = 2 b`.
 pub fn ellipse(a: f64, b: f64, peak: f64) -> SurfaceField {

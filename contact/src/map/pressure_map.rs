@@ -1,6 +1,6 @@
 //! The contact's fields on a regular grid of pixels.
 
-use kufe_contact::{Solution, SurfaceField};
+use crate::result::solution::{Solution, SurfaceField};
 
 use crate::map::hermite::Hermite;
 use crate::map::rim::squared_pressure;

@@ -1,9 +1,0 @@
-//! Runs by the first generator: a sled on its track and its measurement chain, with physics written a second time.
-
-pub mod campaign;
-pub mod drive;
-pub mod hidden;
-pub mod noise;
-pub mod sensors;
-pub mod sled;
-pub mod track;
