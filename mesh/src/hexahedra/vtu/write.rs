@@ -121,10 +121,12 @@ fn write_array(
     data: &[u8],
 ) -> Result<()> {
     let name = quick_xml::escape::escape(name);
-    writeln!(
-        out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
-    )?;
+    write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"")?;
+    // Some readers make a column of an array that says that it has one component.
+    if components != 1 {
+        write!(out, " NumberOfComponents=\"{components}\"")?;
+    }
+    writeln!(out, " format=\"binary\">")?;
     let blocks = data.chunks(BLOCK);
     let mut header = vec![blocks.len(), BLOCK, data.len() % BLOCK];
     let mut packed = Vec::new();
