@@ -16,7 +16,6 @@
 //! assert!(fx < 0.0 && fy > 20.0 * fx.abs());
 //! ```
 
-pub mod effects;
 mod error;
 mod estimate;
 mod experiments;
@@ -36,6 +35,8 @@ mod mu_plot;
 mod mu_pressure_fit;
 mod orthogonal_distance;
 mod table;
+
+pub use kufe_effect as effects;
 
 pub use error::Error;
 pub use estimate::Estimate;

@@ -27,7 +27,6 @@ pub mod check;
 mod derivative;
 mod driver;
 mod dynamics;
-pub mod effects;
 mod error;
 mod evaluate;
 mod filter;
@@ -51,6 +50,8 @@ mod track;
 mod transfer;
 mod validate;
 mod write;
+
+pub use kufe_effect as effects;
 
 pub use bootstrap::{Summary, quantile, summarise};
 pub use derivative::derivative;

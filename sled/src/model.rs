@@ -26,7 +26,7 @@ pub struct Model {
     pub noise: Option<Noise>,
     /// Effects beyond the base model, by name; an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(schema_with = "crate::effects::schema::schema")]
+    #[schemars(schema_with = "kufe_effect::schema")]
     pub effects: BTreeMap<String, toml::Table>,
     /// Folder that paths in the file are relative to.
     #[serde(skip)]
@@ -75,6 +75,28 @@ fn published_yaw_drag() -> f64 {
 }
 
 impl Sled {
+    /// What effects may find to be another than stated.
+    pub fn constants(&self) -> kufe_effect::Constants {
+        kufe_effect::Constants {
+            mass: self.mass_kg,
+            pitch_inertia: self.j_yy_kgm2,
+            yaw_inertia: self.j_zz_kgm2,
+            axles: [self.l_f_m, self.l_r_m],
+            accelerometer: [self.accel_x_m, self.accel_y_m, self.accel_z_m],
+            slip_sensor: self.slip_x_m,
+        }
+    }
+
+    /// Takes them over.
+    pub fn set_constants(&mut self, to: &kufe_effect::Constants) {
+        self.mass_kg = to.mass;
+        self.j_yy_kgm2 = to.pitch_inertia;
+        self.j_zz_kgm2 = to.yaw_inertia;
+        [self.l_f_m, self.l_r_m] = to.axles;
+        [self.accel_x_m, self.accel_y_m, self.accel_z_m] = to.accelerometer;
+        self.slip_x_m = to.slip_sensor;
+    }
+
     /// Distance between the axles [m].
     pub fn wheelbase_m(&self) -> f64 {
         self.l_f_m + self.l_r_m

@@ -14,9 +14,9 @@
 use kufe_friction::{Braghin, longitudinal_force};
 
 use crate::aero;
-use crate::effects::{self, Forces};
 use crate::friction::{RunnerFriction, Vehicle};
 use crate::model::Sled;
+use kufe_effect::{self as effects, Forces};
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,8 +85,8 @@ pub struct AxleForces {
     pub front_body: [f64; 3],
     /// On the rear runner; its frame is the body's [N].
     pub rear: [f64; 3],
-    /// On the body besides runners and base drag (x, y): what effects add, a headwind or a wall [N].
-    pub body: [f64; 2],
+    /// On the body besides runners and base drag: what effects add along x and y, a headwind or a wall [N], and about z [N m].
+    pub body: [f64; 3],
 }
 
 /// Sums of what acts in the plane of the sled.
@@ -177,7 +177,7 @@ pub fn inverse(vehicle: &Vehicle, state: &State, motion: &Motion) -> AxleForces 
         front: body_to_front(front_body, state.delta_rad, state.gamma_rad),
         front_body,
         rear: [fx_r, fy_r, fz_r],
-        body: [0.0; 2],
+        body: [0.0; 3],
     }
 }
 
@@ -216,7 +216,7 @@ pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
             vehicle.rear.lateral.force(state.alpha_r_rad, fz_r),
             fz_r,
         ],
-        body: [0.0; 2],
+        body: [0.0; 3],
     };
     if vehicle.effects.is_empty() {
         return base;
@@ -236,6 +236,7 @@ fn with_effects(vehicle: &Vehicle, state: &State, base: &AxleForces) -> AxleForc
         ],
         body_along: 0.0,
         body_across: 0.0,
+        body_yaw: 0.0,
     };
     let seen = effects::State {
         conditions: effects::Conditions {
@@ -259,9 +260,11 @@ fn with_effects(vehicle: &Vehicle, state: &State, base: &AxleForces) -> AxleForc
         roll_split: state.gamma_rad,
         roll_rate: state.roll_rate_radps,
         roll_acceleration: state.roll_accel_radps2,
+        pitch_rate: state.pitch_rate_radps,
         yaw_rate: state.yaw_rate_radps,
         acceleration: state.accel_mps2,
         mass: vehicle.sled.mass_kg,
+        carried: f64::NAN,
     };
     vehicle.effects.act("", &seen, &mut forces);
     let ((sd, cd), (sg, cg)) = (state.delta_rad.sin_cos(), state.gamma_rad.sin_cos());
@@ -271,7 +274,7 @@ fn with_effects(vehicle: &Vehicle, state: &State, base: &AxleForces) -> AxleForc
         front,
         front_body: front_to_body(front, state.delta_rad, state.gamma_rad),
         rear: [forces.along[1], forces.across[1], state.fz_r_n],
-        body: [forces.body_along, forces.body_across],
+        body: [forces.body_along, forces.body_across, forces.body_yaw],
     }
 }
 
@@ -303,7 +306,7 @@ pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleF
             law.force(state.alpha_r_rad, state.fz_r_n),
             state.fz_r_n,
         ],
-        body: [0.0; 2],
+        body: [0.0; 3],
     }
 }
 
@@ -314,6 +317,6 @@ pub fn resultant(sled: &Sled, state: &State, forces: &AxleForces) -> Resultant {
     Resultant {
         fx_n: f[0] + r[0] + aero[0] + forces.body[0],
         fy_n: f[1] + r[1] + aero[1] + forces.body[1],
-        mz_nm: sled.l_f_m * f[1] - sled.l_r_m * r[1],
+        mz_nm: sled.l_f_m * f[1] - sled.l_r_m * r[1] + forces.body[2],
     }
 }

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::check::LEAST_SAMPLES;
 use crate::derivative::derivative;
-use crate::effects::Measured;
 use crate::filter::{low_pass, noise_gain, resample, resampled_length};
 use crate::friction::Vehicle;
 use crate::model::Noise;
@@ -13,6 +12,7 @@ use crate::noise::{estimate_noise, slip_noise};
 use crate::one_track::{AxleForces, Motion, State, inverse, normal_forces};
 use crate::run::{Entry, Run};
 use crate::transfer::{slips, to_centre_of_gravity};
+use kufe_effect::{Conditions, Sensor, Signals};
 
 /// How a run is brought to the rate that everything else works at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,43 +90,24 @@ pub fn prepare(
         let slow = resample(run.column(name)?, from, rate);
         Ok(low_pass(&slow, rate, options.cutoff_hz))
     };
-    let (ax, ay, az) = (
-        channel("ax_mps2")?,
-        channel("ay_mps2")?,
-        channel("az_mps2")?,
-    );
-    let (roll, pitch, yaw) = (
-        channel("roll_rate_radps")?,
-        channel("pitch_rate_radps")?,
-        channel("yaw_rate_radps")?,
-    );
-    let (v, mut alpha) = (channel("v_mps")?, channel("alpha_rad")?);
-    let (mut delta, gamma) = (channel("delta_rad")?, channel("gamma_rad")?);
     let dt = 1.0 / rate;
-    let (mut ax, mut ay, mut az) = (ax, ay, az);
-    if !vehicle.effects.is_empty() {
-        let slip_rate = derivative(&alpha, dt);
-        for i in 0..v.len() {
-            let mut measured = Measured {
-                acceleration: [ax[i], ay[i], az[i]],
-                slip: alpha[i],
-                slip_rate: slip_rate[i],
-                steering: delta[i],
-                ..Measured::default()
-            };
-            vehicle.effects.correct(&mut measured);
-            [ax[i], ay[i], az[i]] = measured.acceleration;
-            (alpha[i], delta[i]) = (measured.slip, measured.steering);
-        }
+    let mut recorded = Vec::with_capacity(Sensor::ALL.len());
+    for sensor in Sensor::ALL {
+        recorded.push(channel(sensor.name())?);
     }
+    if !vehicle.effects.is_empty() {
+        take_out(run, vehicle, dt, &mut recorded);
+    }
+    let [ax, ay, az, roll, pitch, yaw, v, alpha, delta, gamma] =
+        Sensor::ALL.map(|sensor| &recorded[sensor as usize]);
     let (roll_accel, pitch_accel, yaw_accel) = (
-        derivative(&roll, dt),
-        derivative(&pitch, dt),
-        derivative(&yaw, dt),
+        derivative(roll, dt),
+        derivative(pitch, dt),
+        derivative(yaw, dt),
     );
     let distance = match run.columns.get("s_m") {
         Some(s) if s.iter().all(|s| s.is_finite()) => resample(s, from, rate),
-        _ => integrate(&v, dt),
+        _ => integrate(v, dt),
     };
 
     let density = run.entry.conditions.air_density();
@@ -200,6 +181,33 @@ pub fn prepare(
         motions,
         slip_sd_rad: [gain * front, gain * rear],
     })
+}
+
+/// Takes the faults of the sensors out of the recorded channels, `dt` [s] between samples.
+fn take_out(run: &Run, vehicle: &Vehicle, dt: f64, recorded: &mut [Vec<f64>]) {
+    let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
+    let weather = run.entry.conditions;
+    let distance = integrate(&recorded[Sensor::Speed as usize], dt);
+    for i in 0..distance.len() {
+        let mut signals = Signals::default();
+        for sensor in Sensor::ALL {
+            let k = sensor as usize;
+            signals.set(sensor, recorded[k][i], rates[k][i]);
+        }
+        let at = Conditions {
+            t: run.t0_s + i as f64 * dt,
+            s: distance[i],
+            v: signals[Sensor::Speed],
+            ice_c: weather.ice_c,
+            air_c: weather.air_c,
+            air_pa: weather.air_pa,
+            ..Conditions::default()
+        };
+        vehicle.effects.correct(&at, &mut signals);
+        for (channel, value) in recorded.iter_mut().zip(signals.value) {
+            channel[i] = value;
+        }
+    }
 }
 
 /// Prepares every run, in parallel and in order.

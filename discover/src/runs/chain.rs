@@ -13,7 +13,7 @@
 //! two smoothed signals is not the smoothed product.
 
 use kufe_friction::{LateralDerivatives, MagicFormula};
-use kufe_sled::effects::{Active, Conditions, Effects, Forces, Kind, Measured, State};
+use kufe_sled::effects::{Active, Conditions, Effects, Forces, Kind, Sensor, Signals, State};
 use kufe_sled::{Vehicle, aero, to_centre_of_gravity};
 
 use super::data::Frame;
@@ -90,13 +90,6 @@ impl Chain {
         rows
     }
 
-    fn on_track(&self, track: &str) -> Effects {
-        let acts = |e: &&Active| e.track.as_deref().is_none_or(|only| only == track);
-        let mut active: Vec<Active> = self.effects.active.iter().filter(acts).cloned().collect();
-        active.iter_mut().for_each(|e| e.track = None);
-        Effects { active }
-    }
-
     /// The lateral laws with the base multipliers applied.
     pub fn laws(&self) -> [MagicFormula; 2] {
         let scaled = |law: MagicFormula, mu: f64, k: f64| MagicFormula {
@@ -146,7 +139,7 @@ impl Chain {
 pub struct Instant {
     /// What the effects see; the loads are those of the laws that were asked last.
     pub state: State,
-    signals: Measured,
+    signals: Signals,
     front_z: f64,
     rear_z: f64,
     curvature: f64,
@@ -174,7 +167,7 @@ impl<'a> Here<'a> {
         Self {
             chain,
             frame,
-            effects: chain.on_track(&frame.track),
+            effects: chain.effects.on_track(&frame.track),
             laws: chain.laws(),
             humidity: frame.extra.get("humidity_pct"),
             wear: frame.extra.get("distance_m"),
@@ -182,73 +175,90 @@ impl<'a> Here<'a> {
     }
 
     /// The signals of a sample, corrected by the active effects.
-    pub fn measured(&self, i: usize, mass: f64) -> Measured {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
-        let mut m = Measured {
-            acceleration: std::array::from_fn(|axis| frame.acceleration[axis][i]),
-            slip: frame.slip[i],
-            slip_rate: frame.slip_rate[i],
-            steering: frame.steer[i],
-            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
-            mass,
-        };
-        self.effects.correct(&mut m);
+    pub fn measured(&self, i: usize, mass: f64) -> Signals {
+        let frame = self.frame;
+        let mut m = Signals::default();
+        m.sled = self.chain.vehicle.sled.constants();
+        m.sled.mass = mass;
+        let axes = [Sensor::Ax, Sensor::Ay, Sensor::Az];
+        let turns = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+        for axis in 0..3 {
+            m[axes[axis]] = frame.acceleration[axis][i];
+            m.set(turns[axis], frame.rate[axis][i], frame.rate_slope[axis][i]);
+        }
+        m.set(Sensor::Speed, frame.v[i], frame.v_slope[i]);
+        m.set(Sensor::Slip, frame.slip[i], frame.slip_rate[i]);
+        m.set(Sensor::Steering, frame.steer[i], frame.steer_rate[i]);
+        m[Sensor::RollSplit] = frame.roll_split[i];
+        if !self.effects.is_empty() {
+            self.effects
+                .correct(&self.conditions(i, frame.v[i]), &mut m);
+        }
         m
     }
 
+    /// Time, place and weather of a sample at a speed [m/s].
+    fn conditions(&self, i: usize, v: f64) -> Conditions {
+        let frame = self.frame;
+        Conditions {
+            t: frame.t[i],
+            s: frame.s[i],
+            v,
+            fz: f64::NAN,
+            ice_c: frame.ice_c,
+            air_c: frame.air_c,
+            air_pa: frame.air_pa,
+            humidity_pct: self.humidity.map_or(f64::NAN, |x| x[i]),
+            distance: self.wear.map_or(frame.distance_before, |x| x[i]),
+            air_density: aero::air_density(frame.air_pa, frame.air_c),
+            drag_area: self.chain.vehicle.sled.cda_m2,
+        }
+    }
+
     /// The motion of a sample, from its corrected signals.
-    pub fn instant(&self, i: usize, m: &Measured) -> Instant {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
-        let rate: [f64; 3] = std::array::from_fn(|axis| frame.rate[axis][i]);
-        let rate_slope: [f64; 3] = std::array::from_fn(|axis| frame.rate_slope[axis][i]);
-        let a = to_centre_of_gravity(m.acceleration, rate, rate_slope, m.accelerometer);
-        let v = frame.v[i].max(0.5);
-        let turn = |x: f64| (x - sled.slip_x_m) / v;
-        let chassis = m.slip - rate[2] * turn(0.0);
-        let wheelbase = sled.l_f_m + sled.l_r_m;
-        let (weight, pitch) = (m.mass * a[2], sled.j_yy_kgm2 * rate_slope[1]);
-        let air_density = aero::air_density(frame.air_pa, frame.air_c);
+    pub fn instant(&self, i: usize, m: &Signals) -> Instant {
+        let (rate, rate_slope) = (m.rates(), m.angular_acceleration());
+        let [front_axle, rear_axle] = m.sled.axles;
+        let a = to_centre_of_gravity(m.acceleration(), rate, rate_slope, m.sled.accelerometer);
+        let v = m[Sensor::Speed].max(0.5);
+        let turn = |x: f64| (x - m.sled.slip_sensor) / v;
+        let (slip, slip_rate) = (m[Sensor::Slip], m.rate(Sensor::Slip));
+        let chassis = slip - rate[2] * turn(0.0);
+        let wheelbase = front_axle + rear_axle;
+        let (weight, pitch) = (m.sled.mass * a[2], m.sled.pitch_inertia * rate_slope[1]);
+        let conditions = self.conditions(i, v);
+        let air_density = conditions.air_density;
         Instant {
             state: State {
-                conditions: Conditions {
-                    t: frame.t[i],
-                    s: frame.s[i],
-                    v,
-                    fz: f64::NAN,
-                    ice_c: frame.ice_c,
-                    air_c: frame.air_c,
-                    air_pa: frame.air_pa,
-                    humidity_pct: self.humidity.map_or(f64::NAN, |x| x[i]),
-                    distance: self.wear.map_or(frame.distance_before, |x| x[i]),
-                    air_density,
-                    drag_area: sled.cda_m2,
-                },
+                conditions,
                 slip: [
-                    m.slip - rate[2] * turn(sled.l_f_m) + m.steering,
-                    m.slip - rate[2] * turn(-sled.l_r_m),
+                    slip - rate[2] * turn(front_axle) + m[Sensor::Steering],
+                    slip - rate[2] * turn(-rear_axle),
                 ],
                 slip_rate: [
-                    m.slip_rate - rate_slope[2] * turn(sled.l_f_m) + frame.steer_rate[i],
-                    m.slip_rate - rate_slope[2] * turn(-sled.l_r_m),
+                    slip_rate - rate_slope[2] * turn(front_axle) + m.rate(Sensor::Steering),
+                    slip_rate - rate_slope[2] * turn(-rear_axle),
                 ],
                 load: [f64::NAN; 2],
                 chassis_slip: chassis,
-                steering: m.steering,
-                roll_split: frame.roll_split[i],
+                steering: m[Sensor::Steering],
+                roll_split: m[Sensor::RollSplit],
                 roll_rate: rate[0],
                 roll_acceleration: rate_slope[0],
+                pitch_rate: rate[1],
                 yaw_rate: rate[2],
                 acceleration: a,
-                mass: m.mass,
+                mass: m.sled.mass,
+                carried: f64::NAN,
             },
             signals: *m,
-            front_z: (sled.l_r_m * weight - pitch) / wheelbase,
-            rear_z: (sled.l_f_m * weight + pitch) / wheelbase,
+            front_z: (rear_axle * weight - pitch) / wheelbase,
+            rear_z: (front_axle * weight + pitch) / wheelbase,
             curvature: -rate[1] / v,
-            drag: aero::drag(sled, v, air_density, -chassis),
+            drag: aero::drag(&self.chain.vehicle.sled, v, air_density, -chassis),
             yaw_slope: rate_slope[2],
-            split: frame.roll_split[i].sin_cos(),
-            steer: m.steering.sin_cos(),
+            split: m[Sensor::RollSplit].sin_cos(),
+            steer: m[Sensor::Steering].sin_cos(),
             chassis: chassis.sin_cos(),
             laws: [LateralDerivatives::default(); 2],
         }
@@ -305,6 +315,7 @@ impl<'a> Here<'a> {
             stiffness: at.laws.map(|law| law.alpha),
             body_along: 0.0,
             body_across: 0.0,
+            body_yaw: 0.0,
         }
     }
 
@@ -348,8 +359,7 @@ impl<'a> Here<'a> {
 
     /// What the balances along, aside and about the vertical leave of these forces.
     pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
-        let sled = &self.chain.vehicle.sled;
-        let (m, a) = (&at.signals, &at.state.acceleration);
+        let (m, a) = (&at.signals.sled, &at.state.acceleration);
         let ((sg, cg), (sd, cd), (sa, ca)) = (at.split, at.steer, at.chassis);
         let (fx, fy) = (forces.along[0], forces.across[0]);
         let front_load = (at.front_z - sg * (sd * fx + cd * fy)) / cg;
@@ -358,30 +368,32 @@ impl<'a> Here<'a> {
         [
             m.mass * a[0] - (front_x + forces.along[1] + at.drag * ca + forces.body_along),
             m.mass * a[1] - (front_y + forces.across[1] - at.drag * sa + forces.body_across),
-            sled.j_zz_kgm2 * at.yaw_slope - (sled.l_f_m * front_y - sled.l_r_m * forces.across[1]),
+            m.yaw_inertia * at.yaw_slope
+                - (m.axles[0] * front_y - m.axles[1] * forces.across[1] + forces.body_yaw),
         ]
     }
 
     /// What the track channel leaves; 0 without a survey.
     fn track(&self, i: usize, at: &Instant) -> f64 {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
+        let (frame, m) = (self.frame, &at.signals);
         let (a, (sa, ca)) = (&at.state.acceleration, at.chassis);
+        let (v, v_slope) = (m[Sensor::Speed], m.rate(Sensor::Speed));
         let Some(slope) = frame.slope.get(i) else {
             return 0.0;
         };
         let gravity = GRAVITY * (slope + self.effects.slope("", frame.s[i])).sin();
         if self.chain.along_path {
-            return frame.v_slope[i] - gravity - a[0] * ca + a[1] * sa;
+            return v_slope - gravity - a[0] * ca + a[1] * sa;
         }
-        let (sin, cos) = at.signals.slip.sin_cos();
-        let forward = frame.v_slope[i] * cos - frame.v[i] * sin * at.signals.slip_rate;
+        let (sin, cos) = m[Sensor::Slip].sin_cos();
+        let forward = v_slope * cos - v * sin * m.rate(Sensor::Slip);
         let rate = at.state.yaw_rate;
-        let across = -frame.v[i] * sin - sled.slip_x_m * rate;
+        let across = -v * sin - m.sled.slip_sensor * rate;
         forward - gravity - a[0] - rate * across
     }
 
     /// Residual of a sample with these corrected signals.
-    pub fn residual(&self, i: usize, m: &Measured) -> [f64; CHANNELS] {
+    pub fn residual(&self, i: usize, m: &Signals) -> [f64; CHANNELS] {
         let mut at = self.instant(i, m);
         let [_, forces] = self.forces(&mut at);
         let [along, side, yaw] = self.balances(&at, &forces);
@@ -407,34 +419,23 @@ impl<'a> Here<'a> {
         at: &Instant,
         forces: &Forces,
     ) -> [f64; BALANCES] {
-        if effect
-            .track
-            .as_deref()
-            .is_some_and(|only| only != self.frame.track)
-        {
+        if !effect.acts_on(&self.frame.track) {
             return self.balances(at, forces);
         }
-        match &effect.kind {
-            Kind::Custom(custom) => {
-                let mut forces = *forces;
-                custom.act(effect.values[0], &at.state, &mut forces);
-                self.balances(at, &forces)
-            }
-            Kind::Catalogue(kind) => {
-                let mut m = at.signals;
-                kind.correct(&effect.values, &mut m);
-                if m == at.signals {
-                    let mut forces = *forces;
-                    kind.act(&effect.values, &at.state, &mut forces);
-                    return self.balances(at, &forces);
-                }
-                // Another signal is another motion.
-                let mut other = self.instant(i, &m);
-                let base = self.base_forces_near(&mut other, at);
-                let mut forces = self.with_effects(&other, base);
-                kind.act(&effect.values, &other.state, &mut forces);
-                self.balances(&other, &forces)
-            }
+        let mut m = at.signals;
+        if effect.moves_signals() {
+            effect.correct(&at.state.conditions, &mut m);
         }
+        if m == at.signals {
+            let mut forces = *forces;
+            effect.act(&at.state, &mut forces);
+            return self.balances(at, &forces);
+        }
+        // Another signal is another motion.
+        let mut other = self.instant(i, &m);
+        let base = self.base_forces_near(&mut other, at);
+        let mut forces = self.with_effects(&other, base);
+        effect.act(&other.state, &mut forces);
+        self.balances(&other, &forces)
     }
 }

@@ -138,7 +138,7 @@ impl Design<'_> {
                     None => here.balances_with(i, trial, &at, &own),
                     Some(x) => {
                         let mut at = at;
-                        at.state.conditions.humidity_pct = x[i];
+                        at.state.carried = x[i];
                         here.balances_with(i, trial, &at, &own)
                     }
                 };
