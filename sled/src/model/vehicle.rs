@@ -1,0 +1,128 @@
+//! A model made ready to drive: friction laws with their pressure tables opened.
+
+use kufe_friction::MagicFormula;
+
+use crate::effects::{Effects, Measured};
+use crate::error::Error;
+use crate::model::model_toml::Model;
+use crate::model::runner::{PressureLookup, RunnerFriction, open_table};
+use crate::model::sled::Sled;
+
+/// A sled with the friction of both runners.
+#[derive(Clone)]
+pub struct Vehicle {
+    /// Masses, lengths, sensor places and drag.
+    pub sled: Sled,
+    /// Front runner.
+    pub front: RunnerFriction,
+    /// Rear runner.
+    pub rear: RunnerFriction,
+    /// Effects beyond the base model that act on forces, sensors and track; none from [`Vehicle::new`].
+    pub effects: Effects,
+}
+
+impl std::fmt::Debug for Vehicle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let effects: Vec<&str> = self
+            .effects
+            .active
+            .iter()
+            .map(|e| e.name.as_str())
+            .collect();
+        f.debug_struct("Vehicle")
+            .field("sled", &self.sled)
+            .field("front", &self.front)
+            .field("rear", &self.rear)
+            .field("effects", &effects)
+            .finish()
+    }
+}
+
+impl Vehicle {
+    /// The base model: opens the pressure tables that the model names, relative to the model's folder.
+    ///
+    /// # Errors
+    /// [`Error::Keys`] where the friction law needs a pressure and the model names no table, [`Error::File`] where a
+    /// table cannot be read.
+    pub fn new(model: &Model) -> Result<Vehicle, Error> {
+        let keys = &model.friction.longitudinal;
+        let longitudinal = keys.model()?;
+        let open = |key: &str, path: &Option<String>| -> Result<Option<PressureLookup>, Error> {
+            if !longitudinal.needs_pressure() {
+                return Ok(None);
+            }
+            let path = path.as_ref().ok_or_else(|| Error::Keys {
+                file: model.name(),
+                reason: format!(
+                    "[friction.longitudinal] {key} is missing: friction over pressure needs the runner's table"
+                ),
+            })?;
+            open_table(&model.folder.join(path)).map(Some)
+        };
+        Ok(Vehicle {
+            sled: model.sled,
+            front: RunnerFriction {
+                longitudinal,
+                pressure: open("front_table", &keys.front_table)?,
+                lateral: model.friction.front,
+            },
+            rear: RunnerFriction {
+                longitudinal,
+                pressure: open("rear_table", &keys.rear_table)?,
+                lateral: model.friction.rear,
+            },
+            effects: Effects::default(),
+        })
+    }
+
+    /// [`Vehicle::new`] with the effects that the model switches on.
+    ///
+    /// What is constant about the sensors, the accelerometer's true place and the true mass, is put into `sled`.
+    ///
+    /// # Errors
+    /// Those of [`Vehicle::new`], and [`Error::Keys`] for an effect that does not exist or whose parameters are wrong.
+    pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
+        let mut vehicle = Vehicle::new(model)?;
+        vehicle.effects = Effects::from_tables(&model.effects).map_err(|error| Error::Keys {
+            file: model.name(),
+            reason: error.to_string(),
+        })?;
+        let sled = &mut vehicle.sled;
+        let mut truth = Measured {
+            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
+            mass: sled.mass_kg,
+            ..Measured::default()
+        };
+        vehicle.effects.correct(&mut truth);
+        [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m] = truth.accelerometer;
+        sled.mass_kg = truth.mass;
+        if sled.mass_kg > 0.0 {
+            return Ok(vehicle);
+        }
+        Err(Error::KeyRange {
+            file: model.name(),
+            key: "sled.mass_kg with [effects.mass]".to_string(),
+            value: sled.mass_kg,
+            expected: "a positive number",
+        })
+    }
+
+    /// The vehicle with only the effects that act on this track, freed of its name.
+    pub fn on_track(&self, track: &str) -> Vehicle {
+        let mut vehicle = self.clone();
+        let active = &mut vehicle.effects.active;
+        active.retain(|effect| effect.track.as_deref().is_none_or(|only| only == track));
+        for effect in active {
+            effect.track = None;
+        }
+        vehicle
+    }
+
+    /// The vehicle with other lateral laws, for fits.
+    pub fn with_lateral(&self, front: MagicFormula, rear: MagicFormula) -> Vehicle {
+        let mut vehicle = self.clone();
+        vehicle.front.lateral = front;
+        vehicle.rear.lateral = rear;
+        vehicle
+    }
+}
