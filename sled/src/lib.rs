@@ -5,6 +5,7 @@
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
 //! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 (feature `mdf4`) |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
+//! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
@@ -21,7 +22,6 @@
 //! # Ok::<(), kufe_sled::Error>(())
 //! ```
 
-pub mod effects;
 mod error;
 mod evaluate;
 mod fit;
@@ -33,10 +33,13 @@ mod signals;
 mod simulate;
 mod track;
 
+pub use kufe_effect as effects;
+
 pub use error::Error;
 pub use evaluate::bootstrap::{Summary, quantile, summarise};
 pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
 pub use evaluate::groups::{Group, distinct, groups};
+pub use evaluate::residuals::{balances_left, residuals, root_mean_square};
 pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
@@ -45,18 +48,23 @@ pub use fit::runners::{SledFit, fit};
 pub use fit::samples::{FitOptions, lateral_samples};
 pub use model::model_toml::{Friction, Model};
 pub use model::runner::{PressureLookup, RunnerFriction};
-pub use model::sled::{Noise, Sled, Survey};
-pub use model::vehicle::Vehicle;
-pub use motion::one_track::{AxleForces, Motion, State};
+pub use model::sled::{ModelConditions, Noise, Sled, Survey};
+pub use model::vehicle::{BaseParameter, Vehicle};
+pub use motion::balance::{Balance, Left};
+pub use motion::law_forces::LawForces;
+pub use motion::measured::from_sensors;
+pub use motion::state::{AxleForces, GRAVITY, Motion, State};
 pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::columns::Columns;
 pub use record::csv::{read_csv, write_csv};
-pub use record::index::{Conditions, Entry, INDEX_COLUMNS, read_index, write_index};
+pub use record::index::{
+    Conditions, Entry, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
+};
 pub use record::parquet::{read_parquet, write_parquet};
 pub use record::read::read_columns;
-pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs};
+pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs, state_distances};
 pub use record::write::{RunFormat, write_run};
 pub use signals::derivative::derivative;
 pub use signals::filter::{low_pass, noise_gain, resample};
@@ -64,7 +72,7 @@ pub use signals::noise::{estimate_noise, slip_noise, white_noise_sd};
 pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
 pub use simulate::drive::{EnergyBalance, Simulated, simulate};
 pub use simulate::driver::Driver;
-pub use simulate::dynamics::{GRAVITY, Instant, WallContact};
+pub use simulate::dynamics::{Instant, WallContact};
 pub use simulate::options::SimulateOptions;
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};

@@ -1,12 +1,38 @@
 //! A model made ready to drive: friction laws with their pressure tables opened.
 
+use kufe_effect::Effects;
 use kufe_friction::MagicFormula;
 
-use crate::effects::{Effects, Measured};
 use crate::error::Error;
 use crate::model::model_toml::Model;
 use crate::model::runner::{PressureLookup, RunnerFriction, open_table};
-use crate::model::sled::Sled;
+use crate::model::sled::{ModelConditions, Sled};
+
+/// A parameter of the base laws that a fit may move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaseParameter {
+    /// The longitudinal coefficient of both runners.
+    Longitudinal,
+    /// `mu_zeta` of the front runner.
+    FrontGrip,
+    /// `k_n_per_rad` of the front runner.
+    FrontStiffness,
+    /// `mu_zeta` of the rear runner.
+    RearGrip,
+    /// `k_n_per_rad` of the rear runner.
+    RearStiffness,
+}
+
+impl BaseParameter {
+    /// All of them.
+    pub const ALL: [BaseParameter; 5] = [
+        BaseParameter::Longitudinal,
+        BaseParameter::FrontGrip,
+        BaseParameter::FrontStiffness,
+        BaseParameter::RearGrip,
+        BaseParameter::RearStiffness,
+    ];
+}
 
 /// A sled with the friction of both runners.
 #[derive(Clone)]
@@ -19,6 +45,8 @@ pub struct Vehicle {
     pub rear: RunnerFriction,
     /// Effects beyond the base model that act on forces, sensors and track; none from [`Vehicle::new`].
     pub effects: Effects,
+    /// What the model states for all runs that do not state it themselves.
+    pub conditions: ModelConditions,
 }
 
 impl std::fmt::Debug for Vehicle {
@@ -65,13 +93,16 @@ impl Vehicle {
                 longitudinal,
                 pressure: open("front_table", &keys.front_table)?,
                 lateral: model.friction.front,
+                mu_scale: 1.0,
             },
             rear: RunnerFriction {
                 longitudinal,
                 pressure: open("rear_table", &keys.rear_table)?,
                 lateral: model.friction.rear,
+                mu_scale: 1.0,
             },
             effects: Effects::default(),
+            conditions: model.conditions.unwrap_or_default(),
         })
     }
 
@@ -87,34 +118,48 @@ impl Vehicle {
             file: model.name(),
             reason: error.to_string(),
         })?;
-        let sled = &mut vehicle.sled;
-        let mut truth = Measured {
-            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
-            mass: sled.mass_kg,
-            ..Measured::default()
-        };
-        vehicle.effects.correct(&mut truth);
-        [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m] = truth.accelerometer;
-        sled.mass_kg = truth.mass;
-        if sled.mass_kg > 0.0 {
-            return Ok(vehicle);
+        let mut constants = model.sled.constants();
+        vehicle.effects.find_constants(&mut constants);
+        vehicle.sled.set_constants(&constants);
+        let sled = &vehicle.sled;
+        for (key, value) in [
+            ("sled.mass_kg", sled.mass_kg),
+            ("sled.j_yy_kgm2", sled.j_yy_kgm2),
+            ("sled.j_zz_kgm2", sled.j_zz_kgm2),
+        ] {
+            if value.is_nan() || value <= 0.0 {
+                return Err(Error::KeyRange {
+                    file: model.name(),
+                    key: format!("{key} with [effects]"),
+                    value,
+                    expected: "a positive number",
+                });
+            }
         }
-        Err(Error::KeyRange {
-            file: model.name(),
-            key: "sled.mass_kg with [effects.mass]".to_string(),
-            value: sled.mass_kg,
-            expected: "a positive number",
-        })
+        Ok(vehicle)
     }
 
     /// The vehicle with only the effects that act on this track, freed of its name.
     pub fn on_track(&self, track: &str) -> Vehicle {
-        let mut vehicle = self.clone();
-        let active = &mut vehicle.effects.active;
-        active.retain(|effect| effect.track.as_deref().is_none_or(|only| only == track));
-        for effect in active {
-            effect.track = None;
+        Vehicle {
+            effects: self.effects.on_track(track),
+            ..self.clone()
         }
+    }
+
+    /// The vehicle with its base parameters times these multipliers, in the order of [`BaseParameter::ALL`].
+    pub fn scaled(&self, by: &[f64; 5]) -> Vehicle {
+        let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
+            mu_zeta: law.mu_zeta * grip,
+            k_n_per_rad: law.k_n_per_rad * stiffness,
+            ..*law
+        };
+        let mut vehicle = self.with_lateral(
+            law(&self.front.lateral, by[1], by[2]),
+            law(&self.rear.lateral, by[3], by[4]),
+        );
+        vehicle.front.mu_scale *= by[0];
+        vehicle.rear.mu_scale *= by[0];
         vehicle
     }
 

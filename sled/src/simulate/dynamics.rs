@@ -1,14 +1,14 @@
 //! Equations of motion of the one-track sled on a track.
 
 use crate::model::vehicle::Vehicle;
-use crate::motion::one_track::{AxleForces, Motion, State, aero_force, forward, normal_forces};
+use crate::motion::axles::normal_forces;
+use crate::motion::balance::Balance;
+use crate::motion::one_track::forces_at;
+use crate::motion::state::{AxleForces, GRAVITY, Motion, State};
 use crate::motion::transfer::{Slips, slips};
 use crate::record::index::Conditions;
 use crate::simulate::driver::{Driver, Mood};
 use crate::track::shape::TrackShape;
-
-/// Gravity as the format's conventions have it: an accelerometer at rest on level ice reads it [m/s2].
-pub const GRAVITY: f64 = 9.81;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///
@@ -97,6 +97,8 @@ pub struct Instant {
     pub speed_growth: f64,
     /// Rate of the slip angle at the sensor [rad/s].
     pub alpha_sensor_rate_radps: f64,
+    /// Rate of the steering angle [rad/s].
+    pub steering_rate_radps: f64,
 }
 
 impl World<'_> {
@@ -172,11 +174,14 @@ impl World<'_> {
             ice_c: self.conditions.ice_c,
             air_c: self.conditions.air_c,
             air_pa: self.conditions.air_pa,
+            humidity_pct: self.conditions.humidity_pct.unwrap_or(f64::NAN),
+            distance_before_m: self.conditions.distance_m.unwrap_or(f64::NAN),
             slip_rate_radps: before.slip_rate,
             accel_mps2: before.accel,
         };
-        let forces = forward(self.vehicle, &state);
-        let air = aero_force(sled, &state);
+        let at = Balance::new(sled, &state, &Motion::default());
+        let forces = forces_at(self.vehicle, &at);
+        let air = at.air();
         let (mut wall, mut wall_moment) = (0.0, 0.0);
         for contact in self.contacts {
             let force = contact.force_at(s);
@@ -188,12 +193,13 @@ impl World<'_> {
             forces.front_body[1] + forces.rear[1],
         ];
         let ice_moment = sled.l_f_m * forces.front_body[1] - sled.l_r_m * forces.rear[1];
+        let body_moment = forces.body[2];
         let air = [air[0] + forces.body[0], air[1] + forces.body[1]];
         let fx = (ice[0] + air[0]) / sled.mass_kg;
         let fy = (ice[1] + air[1] + wall) / sled.mass_kg;
         let vx_t = fx - GRAVITY * up[0] + yaw * vy;
         let vy_t = fy - GRAVITY * up[1] - yaw * vx;
-        let yaw_accel = (ice_moment + wall_moment) / sled.j_zz_kgm2;
+        let yaw_accel = (ice_moment + wall_moment + body_moment) / sled.j_zz_kgm2;
 
         // The line: where the apparent weight, tilted by the cross-section off it, needs no lateral force.
         let weight = curvature * vx * vx + GRAVITY * cos_theta * bank.cos();
@@ -229,7 +235,7 @@ impl World<'_> {
             steering_t,
             -sled.mass_kg * GRAVITY * (up[0] * vx + up[1] * vy),
             ice[0] * vx + ice[1] * vy + ice_moment * yaw,
-            air[0] * vx + air[1] * vy,
+            air[0] * vx + air[1] * vy + body_moment * yaw,
             wall * vy + wall_moment * yaw,
             1.0,
         ];
@@ -246,6 +252,7 @@ impl World<'_> {
             wall_n: wall,
             speed_growth,
             alpha_sensor_rate_radps: alpha_t,
+            steering_rate_radps: steering_t,
         };
         (rates, instant)
     }
