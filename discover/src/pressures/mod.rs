@@ -33,7 +33,7 @@ use crate::report::{
 };
 use crate::{Error, Options};
 use line::Line;
-use look::{LEAST_DROP, NEED_MAPS, Steps, correlation, look};
+use look::{LEAST_DROP, Steps, correlation, look};
 use polish::polish;
 use rows::{Row, read};
 use simulate::{Active, Bench, Misfit, REPORTING, SEARCHING};
@@ -149,7 +149,7 @@ struct Found {
     detectable: Vec<Detectable>,
     last: Misfit,
     /// What would lower the misfit most beside what was found, claimed or not.
-    next: Option<(&'static dyn Effect, f64)>,
+    next: Option<(&'static Effect, f64)>,
 }
 
 impl Found {
@@ -276,10 +276,10 @@ fn find_steps(bench: &Bench, progress: &(dyn Fn(&str) + Sync)) -> Result<Found, 
     remove_idle(bench, &mut found, &mut errors)?;
     let spread = found.last.mean_square().sqrt();
     for ((step, (effect, size)), error) in found.steps.iter_mut().zip(&found.active).zip(&errors) {
-        let info = effect.info();
+        let info = effect.parameter();
         let half = 1.96 * (error * spread).hypot(effect.form_error() * size);
         step.parameters.push(Fitted {
-            name: info.key.to_owned(),
+            name: info.name.to_owned(),
             value: *size,
             low: (size - half).max(info.low),
             high: (size + half).min(info.high),
@@ -329,9 +329,9 @@ fn rivals(lines: &[Line], before: f64, mean_square: f64) -> Vec<Rival> {
             let info = line.effect.info();
             Rival {
                 effect: info.name.to_owned(),
-                parameter: info.key.to_owned(),
+                parameter: line.effect.parameter().name.to_owned(),
                 size: line.size(),
-                unit: info.unit.to_owned(),
+                unit: line.effect.parameter().unit.to_owned(),
                 t: line.size() / line.error().max(1e-300),
                 gain: before - line.chi2(),
                 correlation: correlation(best, line),
@@ -355,10 +355,10 @@ fn detectable(lines: &[Line]) -> Vec<Detectable> {
             let info = line.effect.info();
             Detectable {
                 effect: info.name.to_owned(),
-                parameter: info.key.to_owned(),
+                parameter: line.effect.parameter().name.to_owned(),
                 // A drop of 30 in chi2, nine times in ten.
                 size: line.size_at(LEAST_DROP.sqrt() + 1.28),
-                unit: info.unit.to_owned(),
+                unit: line.effect.parameter().unit.to_owned(),
                 left_after_refit: 1.0,
                 most_like: like.map_or(String::new(), |(j, _)| {
                     lines[j].effect.info().name.to_owned()
@@ -418,11 +418,10 @@ fn untestable(rows: &[Row]) -> Vec<(String, String)> {
     }
     CATALOGUE
         .iter()
-        .map(|e| e.info().name)
-        .filter(|name| NEED_MAPS.contains(name))
-        .map(|name| {
+        .filter(|e| e.search.needs_map)
+        .map(|e| {
             (
-                name.to_owned(),
+                e.info().name.to_owned(),
                 "needs the column map, which is absent or empty".to_owned(),
             )
         })

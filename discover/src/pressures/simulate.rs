@@ -20,7 +20,7 @@ pub const REPORTING: usize = 12;
 const PATCH: f64 = 4.0;
 
 /// Effects with their sizes.
-pub type Active = Vec<(&'static dyn Effect, f64)>;
+pub type Active = Vec<(&'static Effect, f64)>;
 
 /// What a solve gives of a row before the sensor: a map on its pixels, or the peak alone.
 enum Seen {
@@ -189,10 +189,7 @@ fn compare(row: &Row, seen: &Seen, deviation: &[f64], active: &Active, out: &mut
         (Seen::Map(map), Some(measured)) => (sensed(row, map, active), measured),
         (Seen::Map(_), None) => unreachable!("a map is simulated where one was measured"),
         (Seen::Peak(p_max), _) => {
-            let gain = |(e, v): &(&'static dyn Effect, f64)| match e.info().name {
-                "sensor-gain" => 1.0 + v,
-                _ => 1.0,
-            };
+            let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
             let all = row.sensor.iter().chain(active);
             let simulated = p_max * all.map(gain).product::<f64>();
             let r = row.p_max - simulated;

@@ -13,7 +13,7 @@ impl Searcher<'_> {
         }
         let form = match &candidate.kind {
             Kind::Custom(custom) => {
-                format!("; form {} on {:?}", custom.text, custom.channel).to_lowercase()
+                format!("; form {} on {}", custom.text, custom.channel.name()).to_lowercase()
             }
             Kind::Catalogue(_) => String::new(),
         };
