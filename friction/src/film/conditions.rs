@@ -1,8 +1,7 @@
 //! The state of sliding that a film is asked for, and how exactly.
 
 use super::properties::Properties;
-use crate::Error;
-use crate::longitudinal::in_range;
+use crate::error::{Error, in_range};
 
 /// Speed and temperatures of a runner that slides.
 #[derive(Clone, Copy, Debug, PartialEq)]

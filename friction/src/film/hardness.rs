@@ -1,8 +1,7 @@
 //! The pressure that ice bears before it yields, over temperature and contact time.
 
 use super::properties::Properties;
-use crate::Error;
-use crate::longitudinal::in_range;
+use crate::error::{Error, in_range};
 
 /// Molar gas constant [J/(mol K)], exact in the SI of 2019.
 const GAS_CONSTANT: f64 = 8.314_462_618;

@@ -6,7 +6,7 @@ use super::radau;
 use super::solution::{Film, FilmTotals};
 use super::strip::Strip;
 use super::track::Track;
-use crate::Error;
+use crate::error::Error;
 
 /// Most steps of one integration.
 const MOST_STEPS: usize = 20_000;

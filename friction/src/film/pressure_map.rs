@@ -1,8 +1,7 @@
 //! A contact patch as a map of pressures, and the strip that it is.
 
 use super::strip::Strip;
-use crate::Error;
-use crate::longitudinal::in_range;
+use crate::error::{Error, in_range};
 
 /// Pressures of a contact patch on even cells; a cell is in contact where its pressure is above 0.
 ///
@@ -31,7 +30,7 @@ impl PressureMap {
             have,
             need,
         };
-        if columns == 0 || pressure.len() % columns != 0 {
+        if columns == 0 || !pressure.len().is_multiple_of(columns) {
             let need = columns.max(1) * pressure.len().div_ceil(columns.max(1)).max(1);
             return Err(missing("cells of a pressure map", pressure.len(), need));
         }

@@ -1,7 +1,6 @@
 //! What water, ice and steel are at 0 C.
 
-use crate::Error;
-use crate::longitudinal::in_range;
+use crate::error::{Error, in_range};
 
 /// Material constants of the film and of its two walls, all at 0 C.
 ///

@@ -11,7 +11,7 @@ use super::properties::Properties;
 use super::solution::Film;
 use super::strip::Strip;
 use super::track::Track;
-use crate::Error;
+use crate::error::Error;
 
 /// Most passes between film and Reynolds equation.
 const MOST_PASSES: usize = 100;
@@ -72,7 +72,9 @@ pub fn reynolds_film(
             // What a long strip would need to lose as much: s = p h^3/(mu w^2), the viscosity being left out of `losses`.
             outflow[row + 1] = losses.rate[row] * strip.width()[row + 1].powi(2) / h[row].powi(3);
         }
-        (outflow[0], outflow[rows + 1]) = (outflow[1], outflow[rows]);
+        for (end, row) in [(0, 1), (rows + 1, rows)] {
+            outflow[end] = strip.pressure()[end] * outflow[row] / strip.pressure()[row];
+        }
         if change <= options.accuracy {
             let pressures = strip.pressure()[1..=rows].iter();
             return Ok(ReynoldsFilm {

@@ -1,7 +1,6 @@
 //! The contact patch as a strip: width and mean pressure along the sliding direction.
 
-use crate::Error;
-use crate::longitudinal::in_range;
+use crate::error::{Error, in_range};
 
 /// A contact patch much longer than wide, by stations from its leading edge.
 ///

@@ -76,7 +76,7 @@ impl<'a> Track<'a> {
         p / (self.viscosity * self.width_squared(k, xi).max(self.narrowest_squared))
     }
 
-    fn into_steel(&self, k: usize, xi: f64) -> f64 {
+    fn heat_into_steel(&self, k: usize, xi: f64) -> f64 {
         let melting = self.properties.melting_temperature(self.pressure(k, xi));
         self.steel_transfer * (melting - self.steel_temperature)
     }
@@ -85,7 +85,7 @@ impl<'a> Track<'a> {
     pub(crate) fn rate(&self, k: usize, s: f64) -> Rate {
         let xi = s * s;
         let heat = self.properties.heat_of_water();
-        let lost = self.heat_into_ice.scaled(xi) + s * self.into_steel(k, xi);
+        let lost = self.heat_into_ice.scaled(xi) + s * self.heat_into_steel(k, xi);
         Rate {
             alpha: 4.0 * self.viscosity * self.v * s / heat,
             beta: 4.0 / self.v * lost / heat,
@@ -100,7 +100,7 @@ impl<'a> Track<'a> {
         let area = 2.0 * s * width;
         let drag = self.viscosity * self.v / h * area;
         let into_ice = 2.0 * width * self.heat_into_ice.scaled(xi);
-        let into_steel = self.into_steel(k, xi) * area;
+        let into_steel = self.heat_into_steel(k, xi) * area;
         let melting = (drag * self.v - into_ice - into_steel) / self.properties.latent_heat;
         FilmTotals {
             load: self.pressure(k, xi) * area,
@@ -121,7 +121,7 @@ impl<'a> Track<'a> {
     pub(crate) fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
         let xi = self.strip.xi()[k];
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
-        let heat_into_steel = self.into_steel(k - 1, xi);
+        let heat_into_steel = self.heat_into_steel(k - 1, xi);
         let shear = self.viscosity * self.v / h;
         let melting = shear * self.v - heat_into_ice - heat_into_steel;
         FilmStation {

@@ -1,6 +1,6 @@
 //! Input that is not what it must be is answered with an error that names it.
 
-use crate::patches::{WATER, strip};
+use super::patches::{WATER, strip};
 use kufe_friction::Error;
 use kufe_friction::film::{
     FilmConditions, FilmOptions, PressureMap, Properties, Strip, film, reynolds_film,

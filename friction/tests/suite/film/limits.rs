@@ -1,6 +1,6 @@
 //! Closed forms: melting against squeeze-out, cold and slow ice, the start at the leading edge.
 
-use crate::patches::{INSULATED, STEEL_INSULATED, WATER, hertz, solved};
+use super::patches::{INSULATED, STEEL_INSULATED, WATER, hertz, solved};
 use kufe_friction::film::{
     FilmConditions, FilmOptions, Properties, Strip, cold_friction, film, film_pressure,
     melt_and_squeeze_friction, melt_and_squeeze_thickness, self_similar_start, squeeze_out_rate,

@@ -1,6 +1,6 @@
 //! A bob runner's groove, as a strip written down from its measures.
 
-use crate::patches::{WATER, solved};
+use super::patches::{WATER, solved};
 use kufe_friction::film::{FilmConditions, Strip};
 
 /// Ice that yields at `h` [Pa] in front of the lowest point and springs back behind it: a section of radius `r` as deep as the

@@ -1,6 +1,6 @@
 //! Heat and water that come in go out; what more speed, cold, load and viscosity do.
 
-use crate::patches::{STEEL_INSULATED, WATER, hertz, solved, strip};
+use super::patches::{STEEL_INSULATED, WATER, hertz, solved, strip};
 use kufe_friction::film::{FilmConditions, FilmOptions, HeatIntoIce, Strip, film};
 
 #[test]

@@ -1,6 +1,6 @@
 //! Hardness over temperature and contact time.
 
-use crate::patches::WATER;
+use super::patches::WATER;
 use kufe_friction::Error;
 use kufe_friction::film::{HARDNESS_EXPONENT, IceHardness, Properties, pressure_melting_bound};
 
