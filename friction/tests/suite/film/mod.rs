@@ -1,5 +1,6 @@
 //! The melt film under a runner against closed forms, balances and a second method.
 
+mod any_patch;
 mod balance;
 mod groove;
 mod hardness;
