@@ -66,7 +66,8 @@ impl FilmConditions {
 /// How exactly the film's equation is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
-    /// Discretisation error asked of every total, relative to its value; 1e-10 to 0.1.
+    /// Discretisation error asked of every total, 1e-10 to 0.1: relative to its value, that of heat and water, which may be small
+    /// differences, to the power that is dissipated and the water that it would melt.
     pub accuracy: f64,
 }
 
