@@ -64,10 +64,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         kufe_discover::discover(&args.data, &args.model, &options, &progress).map_err(failure)?;
     bar.finish_and_clear();
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
+    let page = report.page_data().map_err(Failure::bad_input)?;
     let out = |name: &str| -> PathBuf { Path::new(&args.output).join(name) };
     write_whole(&out("report.json"), |w| writeln!(w, "{json}"))?;
     write_whole(&out("report.html"), |w| {
-        w.write_all(kufe_discover::page(&report).as_bytes())
+        w.write_all(kufe_report::discovery_page(&page).as_bytes())
     })?;
     write_whole(&out("model.next.toml"), |w| w.write_all(next.as_bytes()))?;
     if global.json {

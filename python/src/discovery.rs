@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_discover::{Error, Options, Report, page};
+use kufe_discover::{Error, Options, Report};
 use pyo3::prelude::*;
 
 use crate::error::{InputError, NotConvergedError, bad_input};
@@ -86,8 +86,9 @@ impl Discovery {
 
     /// The report as a page.
     #[getter]
-    fn html(&self) -> String {
-        page(&self.report)
+    fn html(&self) -> PyResult<String> {
+        let data = self.report.page_data().map_err(bad_input)?;
+        Ok(kufe_report::discovery_page(&data))
     }
 
     fn __repr__(&self) -> String {
