@@ -60,8 +60,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let (report, next) =
+    let found =
         kufe_discover::discover(&args.data, &args.model, &options, &progress).map_err(failure)?;
+    let (report, next) = (found.report, found.next_model);
     bar.finish_and_clear();
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use crate::error::Error;
 use crate::evidence::{experiments, maps, runs};
-use crate::finding::report::Report;
+
+use crate::error::Error;
 use crate::input::table::Table;
 use crate::options::Options;
+use crate::procedure::search::Found;
 
 /// What the three kinds of data are usually called.
 const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
@@ -22,7 +23,7 @@ pub fn discover(
     model: &Path,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<(Report, String), Error> {
+) -> Result<Found, Error> {
     if data.is_dir() {
         let held = FILES.iter().filter(|name| data.join(name).is_file());
         let held: Vec<String> = held
@@ -42,13 +43,11 @@ pub fn discover(
         let model = kufe_sled::Model::load(model)?;
         progress("reading runs");
         let data = runs::read(data, &model)?;
-        let found = runs::search(&data, &model, options, progress)?;
-        return Ok((found.report, found.next.to_toml()));
+        return runs::search(&data, &model, options, progress);
     }
     if has("mu") {
         let model = kufe_sled::Model::load(model)?;
-        let (report, next) = experiments::search(data, &model, options, progress)?;
-        return Ok((report, next.to_toml()));
+        return experiments::search(data, &model, options, progress);
     }
     if has("case") {
         return maps::search(data, model, options, progress);

@@ -6,7 +6,7 @@
 //! | [`maps`] | pressure maps against contact solves |
 //! | [`experiments`] | friction over pressure and conditions |
 //! | [`Report`], [`Verdict`] | what is found |
-//! | [`Options`] | seed, number of twins and sign-flips, channels |
+//! | [`Options`], [`Rules`] | how a search is made: seed, channels; every constant of judgement |
 //!
 //! ```no_run
 //! use kufe_discover::{Options, runs};
@@ -37,4 +37,7 @@ pub use finding::{
 pub use input::{read_map, read_map_bytes};
 pub use null::{MaxT, by_session_permutation, gumbel_tail};
 pub use options::Options;
+pub use procedure::{
+    ExperimentRules, Found, LockRules, MapRules, RivalRule, Rules, RunRules, SearchRules,
+};
 pub use regression::{Gram, Scores};

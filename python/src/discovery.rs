@@ -51,11 +51,14 @@ pub fn discover(
     let worked = work(py, progress, |watch, _| {
         kufe_discover::discover(&data, &model, &options, &|text| watch.progress(text))
     })?;
-    let (report, next_model) = worked.value.map_err(|error| match error {
+    let found = worked.value.map_err(|error| match error {
         Error::BaseFit { .. } => NotConvergedError::new_err(error.to_string()),
         other => bad_input(other),
     })?;
-    Ok(Discovery { report, next_model })
+    Ok(Discovery {
+        report: found.report,
+        next_model: found.next_model,
+    })
 }
 
 #[pymethods]

@@ -102,6 +102,16 @@ pub struct Step {
     pub rivals: Vec<Rival>,
 }
 
+impl Step {
+    /// Another stretch or another amplitude of the same effect.
+    pub(crate) fn join(&mut self, place: &str, gap_after: f64) {
+        if !place.is_empty() {
+            self.place = format!("{}; {place}", self.place);
+        }
+        self.gap_after = gap_after;
+    }
+}
+
 /// The gap on runs that were locked away.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HeldOut {

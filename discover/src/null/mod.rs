@@ -8,4 +8,3 @@ pub(crate) mod sign_flips;
 pub use gumbel::gumbel_tail;
 pub use permutations::by_session_permutation;
 pub use sign_flips::MaxT;
-pub(crate) use sign_flips::statistics;

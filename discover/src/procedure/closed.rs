@@ -3,7 +3,7 @@
 use crate::finding::report::Interval;
 
 /// What the rows hold to judge by; all entries in units of their standard deviations.
-pub struct Seen<'a> {
+pub struct ClosedGap<'a> {
     /// Change of the simulation by all that the training rows explain, what was found and the best of the rest.
     pub direction: &'a [f64],
     /// Residual before.
@@ -16,7 +16,7 @@ pub struct Seen<'a> {
     pub spread: f64,
 }
 
-impl Seen<'_> {
+impl ClosedGap<'_> {
     /// 1 - |f . r_after| / f . r_before, too much counting as too little, with 95 % for the noise on these rows and for
     /// that of the fit; -1 to 1 where nothing explainable stands out of the noise here.
     ///
@@ -79,7 +79,7 @@ mod tests {
             let by_size = |part: &[f64]| -> Vec<f64> { part.iter().map(|c| size * c).collect() };
             let scaled = by_size(locked);
             let after: Vec<f64> = before.iter().zip(&scaled).map(|(r, s)| r - s).collect();
-            let seen = Seen {
+            let seen = ClosedGap {
                 direction: &scaled,
                 before: &before,
                 after: &after,
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn where_nothing_explainable_is_seen_nothing_is_told() {
-        let seen = Seen {
+        let seen = ClosedGap {
             direction: &[0.1, -0.1],
             before: &[0.5, 0.4],
             after: &[0.4, 0.5],
@@ -114,7 +114,7 @@ mod tests {
         // A change of 50 standard deviations: noise takes off 2e-4 of a half.
         for (left, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
             let after = f.map(|f| left * f);
-            let seen = Seen {
+            let seen = ClosedGap {
                 direction: &f,
                 before: &f,
                 after: &after,

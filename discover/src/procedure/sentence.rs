@@ -2,16 +2,18 @@
 
 use kufe_plot::{number4, quantity};
 
-use crate::finding::report::{HeldOut, Step, Verdict};
+use crate::finding::report::{HeldOut, Verdict};
+use crate::procedure::evidence::{Account, Words};
 
 /// One sentence for the top of the report.
 pub fn sentence(
     verdict: Verdict,
-    steps: &[Step],
+    account: &Account,
     held: &HeldOut,
     next: &str,
-    depends: &[String],
+    words: &Words,
 ) -> String {
+    let (steps, depends) = (&account.steps, &account.depends);
     let names: Vec<String> = steps
         .iter()
         .map(|step| {
@@ -55,6 +57,7 @@ pub fn sentence(
         ),
         Verdict::DependsOn => format!("{}; {}.{gap}", names.join(", then "), depends.join("; ")),
         Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
+        Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
         Verdict::None => "Nothing to be found: no effect stands out from chance and from the noise of the inputs.".to_owned(),
         Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
     }

@@ -10,11 +10,9 @@ use crate::finding::report::Bin;
 const BINS: usize = 3;
 /// Fewest rows in a bin.
 const FEWEST: usize = 3;
-/// Largest p-value that is shown.
-const SHOWN: f64 = 0.05;
 
 /// Bins of measured less fitted mu that stand out, strongest first; p-values hold over all bins (Bonferroni).
-pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize]) -> Vec<Bin> {
+pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize], shown: f64) -> Vec<Bin> {
     let rest: Vec<f64> = rows
         .iter()
         .map(|row| row.mu - fit.predict(setting, row, chosen).1)
@@ -58,7 +56,7 @@ pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize]) -> Vec
     for bin in &mut found {
         bin.p_value = (bin.p_value * count).min(1.0);
     }
-    found.retain(|bin| bin.p_value <= SHOWN);
+    found.retain(|bin| bin.p_value <= shown);
     found.sort_by(|a, b| {
         let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
         t(b).total_cmp(&t(a))

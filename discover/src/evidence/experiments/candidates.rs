@@ -1,51 +1,43 @@
 //! What may be missing: effects of the catalogue, effects of one's own, and a straight line in each further column.
 
-use kufe_friction::effects::{CATALOGUE, Column, Effect, find};
+use std::sync::Arc;
+
+use kufe_friction::effects::{CATALOGUE, Column, Effect};
 use kufe_sled::effects::{Channel, Custom, Effects, Kind};
 
-use crate::error::Error;
+use crate::evidence::experiments::known::is_on;
 use crate::evidence::experiments::rows::Row;
 use crate::input::table::Table;
+use crate::procedure::candidate::Candidate;
 
 /// Change of mu of a row, from its coefficient without the effect and the size in units of `typical`.
-type Change = Box<dyn Fn(&Row, f64, f64) -> f64 + Sync>;
+type Change = Arc<dyn Fn(&Row, f64, f64) -> f64 + Send + Sync>;
 
-/// One effect, or a straight line in one column.
-pub struct Candidate {
-    /// Name in reports and in `[effects.NAME]`.
-    pub name: String,
-    /// Parameter.
-    pub key: String,
-    /// Its unit.
-    pub unit: String,
-    /// Smallest admissible size.
-    pub low: f64,
-    /// Largest admissible size.
-    pub high: f64,
-    /// A noticeable size.
-    pub typical: f64,
-    /// What would tell it from its rivals.
-    pub decides: String,
-    /// Change of mu.
-    pub change: Change,
-    /// Whether it is an effect by name, and no mere column.
-    pub by_name: bool,
+/// How a candidate changes the coefficient of friction.
+#[derive(Clone)]
+pub struct FrictionChange {
+    of: Change,
     /// The table that switches it on, but for its size; `None` where no simulation knows its column.
     pub table: Option<toml::Table>,
     /// Whether it is constant within each session.
     pub by_session: bool,
 }
 
-impl Candidate {
+impl Candidate<FrictionChange> {
+    /// Change of mu of a row at a size in units of `typical`; `mu` is the coefficient without it.
+    pub fn change(&self, row: &Row, mu: f64, size: f64) -> f64 {
+        (self.act.of)(row, mu, size)
+    }
+
     /// Derivative of the change with the size, at a size.
     pub fn slope(&self, row: &Row, mu: f64, size: f64) -> f64 {
         const STEP: f64 = 0.01;
-        ((self.change)(row, mu, size + STEP) - (self.change)(row, mu, size)) / STEP
+        (self.change(row, mu, size + STEP) - self.change(row, mu, size)) / STEP
     }
 }
 
 /// What can be tested, and names of what cannot with the reason.
-pub type Listed = (Vec<Candidate>, Vec<(String, String)>);
+pub type Listed = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
 
 /// Lists the candidates; effects that the model has switched on are none.
 pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
@@ -118,45 +110,33 @@ fn needs(columns: &[&str]) -> String {
     )
 }
 
-/// Whether a model's effect is switched on and no candidate.
-fn is_on(active: &kufe_sled::effects::Active) -> bool {
-    match &active.kind {
-        Kind::Custom(_) => active.values[0] != 0.0,
-        Kind::Catalogue(effect) => {
-            let parameters = effect.info().parameters.iter();
-            parameters
-                .zip(&active.values)
-                .any(|(p, v)| p.is_amplitude() && *v != 0.0)
-        }
-    }
-}
-
-fn of_catalogue(effect: &'static dyn Effect) -> Option<Candidate> {
+fn of_catalogue(effect: &'static dyn Effect) -> Option<Candidate<FrictionChange>> {
     let info = effect.info();
     let index = info.parameters.iter().position(|p| p.is_amplitude())?;
     let p = info.parameters[index];
     let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
     Some(Candidate {
-        name: info.name.to_owned(),
+        effect: info.name.to_owned(),
         key: p.name.to_owned(),
         unit: p.unit.to_owned(),
         low: p.low,
         high: p.high,
         typical: p.typical,
         decides: info.decides.to_owned(),
-        change: Box::new(move |row, mu, size| {
-            let mut values = defaults.clone();
-            values[index] = size * p.typical;
-            effect.coefficient(&values, mu, &row.conditions) - mu
-        }),
-        by_name: true,
-        table: Some(toml::Table::new()),
-        by_session: false,
+        act: FrictionChange {
+            of: Arc::new(move |row, mu, size| {
+                let mut values = defaults.clone();
+                values[index] = size * p.typical;
+                effect.coefficient(&values, mu, &row.conditions) - mu
+            }),
+            table: Some(toml::Table::new()),
+            by_session: false,
+        },
     })
 }
 
 /// An effect of one's own that `model.toml` proposes with `value = 0`.
-fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate {
+fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
     let custom = custom.clone();
     let squares = rows
         .iter()
@@ -170,17 +150,18 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate {
     table.insert("low".to_owned(), custom.low.into());
     table.insert("high".to_owned(), custom.high.into());
     Candidate {
-        name: name.to_owned(),
+        effect: name.to_owned(),
         key: "value".to_owned(),
         unit: custom.unit.clone(),
         low: custom.low,
         high: custom.high,
         typical,
         decides: format!("rows in which {} is varied by itself", custom.text),
-        change: Box::new(move |row, _, size| custom.coefficient(size * typical, &row.conditions)),
-        by_name: true,
-        table: Some(table),
-        by_session: false,
+        act: FrictionChange {
+            of: Arc::new(move |row, _, size| custom.coefficient(size * typical, &row.conditions)),
+            table: Some(table),
+            by_session: false,
+        },
     }
 }
 
@@ -198,7 +179,7 @@ fn further(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
         .collect()
 }
 
-fn of_column(name: &str, values: &[f64]) -> Option<Candidate> {
+fn of_column(name: &str, values: &[f64]) -> Option<Candidate<FrictionChange>> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let sd = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
@@ -218,30 +199,31 @@ fn of_column(name: &str, values: &[f64]) -> Option<Candidate> {
     });
     let column = name.to_owned();
     Some(Candidate {
-        name: format!("unknown:{name}"),
+        effect: format!("unknown:{name}"),
         key: "value".to_owned(),
         unit: format!("for {sd:.4} of {name}"),
         low: -1.0,
         high: 1.0,
         typical: 1e-4,
         decides: format!("rows in which {name} is varied by itself"),
-        change: Box::new(move |row, _, size| {
-            1e-4 * size * (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd
-        }),
-        by_name: false,
-        table,
-        by_session: false,
+        act: FrictionChange {
+            of: Arc::new(move |row, _, size| {
+                1e-4 * size * (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd
+            }),
+            table,
+            by_session: false,
+        },
     })
 }
 
 /// What is constant within every session is judged by permuting sessions.
-fn mark_sessions(rows: &[Row], candidates: &mut [Candidate]) {
+fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
     let sessions = sessions(rows);
     if sessions.len() == rows.len() {
         return;
     }
     for candidate in candidates {
-        candidate.by_session = sessions.iter().all(|s| {
+        candidate.act.by_session = sessions.iter().all(|s| {
             let mut own = rows
                 .iter()
                 .filter(|r| r.session == *s)
@@ -258,77 +240,4 @@ pub fn sessions(rows: &[Row]) -> Vec<&str> {
     sessions.sort_unstable();
     sessions.dedup();
     sessions
-}
-
-/// What the effects that the model has switched on add to mu.
-pub struct Known {
-    effects: Vec<(Part, Vec<f64>)>,
-}
-
-enum Part {
-    Catalogue(&'static dyn Effect),
-    Own(Custom),
-}
-
-impl Known {
-    /// The model's effects on the friction coefficient, and the names of its others, which a table of friction
-    /// coefficients says nothing about.
-    ///
-    /// # Errors
-    /// [`Error::MissingColumn`] where one needs a column that the table lacks.
-    pub fn new(model: &Effects, table: &Table) -> Result<(Self, Vec<String>), Error> {
-        let (mut effects, mut others) = (Vec::new(), Vec::new());
-        for active in model.active.iter().filter(|a| is_on(a)) {
-            let (part, needed): (Part, Vec<&str>) = match &active.kind {
-                Kind::Custom(custom) if custom.channel == Channel::Friction => {
-                    let names = custom.expression.names();
-                    (
-                        Part::Own(custom.clone()),
-                        names.iter().map(String::as_str).collect(),
-                    )
-                }
-                Kind::Catalogue(_) => match find(active.effect_name()) {
-                    Some(effect) => (
-                        Part::Catalogue(effect),
-                        effect.info().needs.iter().map(|c| c.name()).collect(),
-                    ),
-                    None => {
-                        others.push(active.name.clone());
-                        continue;
-                    }
-                },
-                Kind::Custom(_) => {
-                    others.push(active.name.clone());
-                    continue;
-                }
-            };
-            if let Some(column) = needed.into_iter().find(|c| table.place(c).is_none()) {
-                return Err(Error::MissingColumn {
-                    file: table.file.clone(),
-                    column: column.to_owned(),
-                    found: format!(
-                        "{} (the model's effect {} needs it)",
-                        table.header.join(", "),
-                        active.name
-                    ),
-                });
-            }
-            effects.push((part, active.values.clone()));
-        }
-        Ok((Known { effects }, others))
-    }
-
-    /// What they add to the coefficient `mu` of a row.
-    pub fn add(&self, row: &Row, mu: f64) -> f64 {
-        let mut with = mu;
-        for (part, values) in &self.effects {
-            match part {
-                Part::Catalogue(effect) => {
-                    with = effect.coefficient(values, with, &row.conditions);
-                }
-                Part::Own(custom) => with += custom.coefficient(values[0], &row.conditions),
-            }
-        }
-        with - mu
-    }
 }

@@ -2,24 +2,27 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::evidence::experiments::candidates::{Candidate, Known};
+use crate::evidence::experiments::candidates::FrictionChange;
+use crate::evidence::experiments::known::Known;
 use crate::evidence::experiments::rows::Row;
+use crate::procedure::candidate::Candidate;
 use crate::regression::inverse::ridge_inverse;
 
 /// Rounds of Gauss-Newton.
 const ROUNDS: usize = 8;
 
 /// What is fitted to.
-pub struct Setting<'a> {
+pub struct Setting {
     /// What may take part.
-    pub candidates: &'a [Candidate],
+    pub candidates: Vec<Candidate<FrictionChange>>,
     /// What the model has switched on.
-    pub known: &'a Known,
+    pub known: Known,
     /// Coefficients of the base: 3 (p^2, p, 1) or 1.
     pub base: usize,
 }
 
 /// A fit of base and chosen candidates.
+#[derive(Clone)]
 pub struct Fit {
     /// Base coefficients (of p^2, p, 1 in MPa, or of 1), then the candidates' in units of `typical`.
     pub step: DVector<f64>,
@@ -57,7 +60,7 @@ impl Fit {
         let more: f64 = chosen
             .iter()
             .zip(sizes)
-            .map(|(c, size)| (setting.candidates[*c].change)(row, mu, *size))
+            .map(|(c, size)| setting.candidates[*c].change(row, mu, *size))
             .sum();
         (own, own + setting.known.add(row, mu) + more)
     }
@@ -97,7 +100,7 @@ pub fn base_row(row: &Row, base: usize) -> Vec<f64> {
 
 /// Fits base and chosen candidates together; weights and effects follow the fitted coefficient over a few rounds.
 pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
-    let (candidates, base) = (setting.candidates, setting.base);
+    let (candidates, base) = (&setting.candidates, setting.base);
     let n = rows.len();
     let m = base + chosen.len();
     let mut step = DVector::zeros(m);
@@ -122,7 +125,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
             for (k, c) in chosen.iter().enumerate() {
                 let size: f64 = step[base + k];
                 let slope = candidates[*c].slope(row, mu.max(1e-5), size);
-                let change = (candidates[*c].change)(row, mu.max(1e-5), size);
+                let change = candidates[*c].change(row, mu.max(1e-5), size);
                 columns[(i, base + k)] = slope / sd;
                 y[i] -= (change - slope * size) / sd;
             }

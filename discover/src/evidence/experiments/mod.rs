@@ -2,10 +2,13 @@
 
 pub(crate) mod bins;
 pub(crate) mod candidates;
+pub(crate) mod compare;
+pub(crate) mod evidence;
 pub(crate) mod fit;
+pub(crate) mod known;
+pub(crate) mod outcome;
 pub(crate) mod pictures;
 pub(crate) mod rows;
 pub(crate) mod screen;
-pub(crate) mod search;
 
-pub use search::search;
+pub use evidence::search;

@@ -32,7 +32,7 @@ pub fn pictures(
             sd: Vec::new(),
         });
         pictures.push(Picture {
-            title: format!("{} over {column}", setting.candidates[*c].name),
+            title: format!("{} over {column}", setting.candidates[*c].effect),
             plot: Plot::Scatter {
                 label: "what is left of mu".to_owned(),
                 x_name: column,

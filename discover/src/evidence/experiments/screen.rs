@@ -1,36 +1,38 @@
-//! One look at all candidates: t of each beside the chosen ones, and what chance makes of the largest.
+//! One screen of all candidates: t of each beside the chosen ones, and what chance makes of the largest.
 
 use nalgebra::DVector;
 
-use crate::evidence::experiments::candidates::{Candidate, sessions};
+use crate::evidence::experiments::candidates::{FrictionChange, sessions};
 use crate::evidence::experiments::fit::{Setting, fit};
 use crate::evidence::experiments::rows::Row;
 use crate::finding::report::Detectable;
 use crate::null::gumbel::gumbel_tail;
 use crate::null::random::{normal, shuffle, stream};
 use crate::options::Options;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::rules::ExperimentRules;
 use crate::regression::inverse::ridge_inverse;
 
-/// Largest p-value of a claim.
-const ALPHA: f64 = 0.03;
-
-/// What a look sees.
-pub struct Looked {
+/// What a screen shows.
+pub struct TableScreen {
     /// t of each candidate.
     pub t: Vec<f64>,
     /// Size of each, in units of `typical`.
     pub size: Vec<f64>,
-    error: Vec<f64>,
+    /// Standard error of each, in units of `typical`.
+    pub error: Vec<f64>,
     left: Vec<f64>,
     free: Vec<DVector<f64>>,
-    twins: Vec<f64>,
+    simulated: Vec<f64>,
     permuted: Vec<f64>,
     permuted_sessions: Vec<f64>,
     by_session: Vec<bool>,
     critical: f64,
+    nine_in_ten: f64,
+    rules: ExperimentRules,
 }
 
-impl Looked {
+impl TableScreen {
     /// The larger of the p-values by permutation and against twins, over all candidates.
     pub fn p_value(&self, c: usize) -> f64 {
         let t = self.t[c].abs();
@@ -41,7 +43,7 @@ impl Looked {
         };
         let above = null.iter().filter(|m| **m >= t - 1e-9).count();
         let by_permutation = (above + 1) as f64 / (null.len() + 1) as f64;
-        by_permutation.max(gumbel_tail(&self.twins, t))
+        by_permutation.max(gumbel_tail(&self.simulated, t))
     }
 
     /// The one with the largest |t| of those that are not chosen.
@@ -52,10 +54,10 @@ impl Looked {
     }
 
     /// Whether it stands out, beyond the base and within its bounds.
-    pub fn claimable(&self, c: usize, candidate: &Candidate) -> bool {
-        self.left[c] > 0.02
-            && self.p_value(c) <= ALPHA
-            && (candidate.low..=candidate.high).contains(&(self.size[c] * candidate.typical))
+    pub fn claimable(&self, c: usize, candidate: &Candidate<FrictionChange>) -> bool {
+        self.left[c] > self.rules.least_left
+            && self.p_value(c) <= self.rules.alpha
+            && candidate.admits(self.size[c] * candidate.typical)
     }
 
     /// Cosine of two candidates beyond the base.
@@ -69,23 +71,27 @@ impl Looked {
     }
 
     /// The smallest sizes that would be claimed nine times in ten.
-    pub fn detectable(&self, candidates: &[Candidate]) -> Vec<Detectable> {
+    pub fn detectable(&self, candidates: &[Candidate<FrictionChange>]) -> Vec<Detectable> {
         (0..candidates.len())
             .map(|c| {
                 let like = (0..candidates.len())
-                    .filter(|j| candidates[*j].by_name && candidates[*j].name != candidates[c].name)
+                    .filter(|j| {
+                        !candidates[*j].is_column() && candidates[*j].effect != candidates[c].effect
+                    })
                     .max_by(|a, b| {
                         self.correlation(c, *a)
                             .abs()
                             .total_cmp(&self.correlation(c, *b).abs())
                     });
                 Detectable {
-                    effect: candidates[c].name.clone(),
+                    effect: candidates[c].effect.clone(),
                     parameter: candidates[c].key.clone(),
-                    size: (self.critical + 1.28) * self.error[c] * candidates[c].typical,
+                    size: (self.critical + self.nine_in_ten)
+                        * self.error[c]
+                        * candidates[c].typical,
                     unit: candidates[c].unit.clone(),
                     left_after_refit: self.left[c],
-                    most_like: like.map_or(String::new(), |j| candidates[j].name.clone()),
+                    most_like: like.map_or(String::new(), |j| candidates[j].effect.clone()),
                     correlation: like.map_or(0.0, |j| self.correlation(c, j)),
                 }
             })
@@ -94,8 +100,14 @@ impl Looked {
 }
 
 /// t of every candidate added to the chosen ones, and the nulls of the largest.
-pub fn look(setting: &Setting, rows: &[Row], chosen: &[usize], options: &Options) -> Looked {
-    let (candidates, base) = (setting.candidates, setting.base);
+pub fn screen_table(
+    setting: &Setting,
+    rows: &[Row],
+    chosen: &[usize],
+    options: &Options,
+) -> TableScreen {
+    let (candidates, base) = (&setting.candidates, setting.base);
+    let rules = options.rules.experiments;
     let now = fit(setting, rows, chosen);
     let n = rows.len();
     let inverse = ridge_inverse(now.columns.tr_mul(&now.columns));
@@ -119,7 +131,7 @@ pub fn look(setting: &Setting, rows: &[Row], chosen: &[usize], options: &Options
     let freedom = (n as f64 - base as f64 - chosen.len() as f64 - 1.0).max(1.0);
     // Errors are scaled up by what is left where the rows scatter more than stated, never down.
     let t_of = |rest: &DVector<f64>, c: usize| -> f64 {
-        if left[c] <= 0.02 || chosen.contains(&c) {
+        if left[c] <= rules.least_left || chosen.contains(&c) {
             return 0.0;
         }
         let norm = free[c].norm();
@@ -132,7 +144,7 @@ pub fn look(setting: &Setting, rows: &[Row], chosen: &[usize], options: &Options
     };
     let largest = |rest: &DVector<f64>, only_sessions: bool| -> f64 {
         (0..candidates.len())
-            .filter(|c| !only_sessions || candidates[*c].by_session)
+            .filter(|c| !only_sessions || candidates[*c].act.by_session)
             .map(|c| t_of(rest, c).abs())
             .fold(0.0, f64::max)
     };
@@ -173,7 +185,7 @@ pub fn look(setting: &Setting, rows: &[Row], chosen: &[usize], options: &Options
             largest(&project(&mixed), true)
         })
         .collect();
-    let twins: Vec<f64> = (0..options.twins.max(40))
+    let simulated: Vec<f64> = (0..options.twins.max(40))
         .map(|k| {
             let mut rng = stream(options.seed, 0x7A17, k);
             let twin: Vec<Row> = rows
@@ -190,21 +202,23 @@ pub fn look(setting: &Setting, rows: &[Row], chosen: &[usize], options: &Options
             largest(&project(&refit.rest), false)
         })
         .collect();
-    let mut order = twins.clone();
+    let mut order = simulated.clone();
     order.sort_by(f64::total_cmp);
-    let critical = order[(0.97 * order.len() as f64) as usize % order.len()];
-    Looked {
+    let critical = order[((1.0 - rules.alpha) * order.len() as f64) as usize % order.len()];
+    TableScreen {
         size: (0..candidates.len())
             .map(|c| free[c].dot(&now.rest) / free[c].norm_squared().max(1e-300))
             .collect(),
         error: free.iter().map(|f| 1.0 / f.norm().max(1e-300)).collect(),
-        by_session: candidates.iter().map(|c| c.by_session).collect(),
+        by_session: candidates.iter().map(|c| c.act.by_session).collect(),
         t,
         left,
         free,
-        twins,
+        simulated,
         permuted,
         permuted_sessions,
         critical,
+        nine_in_ten: options.rules.search.nine_in_ten,
+        rules,
     }
 }

@@ -3,25 +3,28 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::{Active, Bench, REPORTING};
+use crate::evidence::maps::simulate::{REPORTING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::report::Bin;
 
 /// Bins a variable.
 const BINS: usize = 8;
 /// Pixels that are counted as one value.
 const PATCH: f64 = 16.0;
-/// Largest p-value that is shown.
-const SHOWN: f64 = 0.05;
 
 /// Bins of measured less simulated pressure that stand out, strongest first; p-values hold over all bins (Bonferroni).
 ///
 /// # Errors
 /// Those of the contact solver.
-pub fn bins(bench: &Bench, active: &Active) -> Result<Vec<Bin>, Error> {
-    let maps = bench.maps(active, REPORTING)?;
+pub fn bins(
+    simulations: &Simulations,
+    active: &SizedEffects,
+    shown: f64,
+) -> Result<Vec<Bin>, Error> {
+    let maps = simulations.maps(active, REPORTING)?;
     // One value a pixel in contact: load, curvature, place, simulated pressure, residual.
     let mut values: Vec<([f64; 5], f64)> = Vec::new();
-    for (row, map) in bench.rows.iter().zip(&maps) {
+    for (row, map) in simulations.rows.iter().zip(&maps) {
         let (Some(map), Some(measured)) = (map, &row.map) else {
             continue;
         };
@@ -79,7 +82,7 @@ pub fn bins(bench: &Bench, active: &Active) -> Result<Vec<Bin>, Error> {
     for bin in &mut found {
         bin.p_value = (bin.p_value * count).min(1.0);
     }
-    found.retain(|bin| bin.p_value <= SHOWN);
+    found.retain(|bin| bin.p_value <= shown);
     found.sort_by(|a, b| {
         let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
         t(b).total_cmp(&t(a))

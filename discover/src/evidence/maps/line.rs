@@ -5,7 +5,8 @@
 
 use kufe_case::effects::Effect;
 
-use crate::evidence::maps::simulate::{Active, Bench, Misfit, SEARCHING};
+use crate::evidence::maps::simulate::{Misfit, SEARCHING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
 
 /// Change of the maps that a first step should make, relative, and where it is taken as it is.
 const CHANGE: f64 = 0.04;
@@ -20,7 +21,7 @@ struct Point {
 }
 
 /// The misfit along the sizes of one effect.
-pub struct Line {
+pub struct LineSearch {
     /// The effect.
     pub effect: &'static dyn Effect,
     points: Vec<Point>,
@@ -32,17 +33,17 @@ pub struct Line {
     pub settled: bool,
 }
 
-impl Line {
+impl LineSearch {
     /// The first two points; `None` where the effect does nothing or cannot be solved. `step` is the one that an earlier
     /// line of this effect found to be a good one.
     pub fn start(
-        bench: &Bench,
-        active: &Active,
+        simulations: &Simulations,
+        active: &SizedEffects,
         effect: &'static dyn Effect,
         step: Option<f64>,
     ) -> Option<Self> {
         let info = effect.info();
-        let mut line = Line {
+        let mut line = LineSearch {
             effect,
             points: Vec::new(),
             best: 0,
@@ -51,8 +52,8 @@ impl Line {
             failures: 0,
             settled: false,
         };
-        let from = beginning(bench, effect);
-        line.eval(bench, active, from)?;
+        let from = beginning(simulations, effect);
+        line.eval(simulations, active, from)?;
         let room = line.high - from;
         let mut step = step
             .unwrap_or_else(|| along(effect, info.typical))
@@ -60,7 +61,7 @@ impl Line {
         for round in 0..3 {
             let at = from + step;
             line.points.truncate(1);
-            let tried = line.eval(bench, active, at);
+            let tried = line.eval(simulations, active, at);
             let Some(()) = tried else {
                 step *= 0.2;
                 continue;
@@ -86,13 +87,13 @@ impl Line {
 
     /// Goes on from the first step to four times as far each time, until that has made things worse twice: for effects
     /// whose first step says little of where they lead.
-    pub fn march(&mut self, bench: &Bench, active: &Active) {
+    pub fn march(&mut self, simulations: &Simulations, active: &SizedEffects) {
         let from = self.points[0].u;
         let mut step = self.points[1].u - from;
         let mut worse = 0;
         while worse < 2 {
             step *= 4.0;
-            if from + step > self.high || self.eval(bench, active, from + step).is_none() {
+            if from + step > self.high || self.eval(simulations, active, from + step).is_none() {
                 return;
             }
             let last = self.points.len() - 1;
@@ -158,7 +159,7 @@ impl Line {
     }
 
     /// One more point.
-    pub fn advance(&mut self, bench: &Bench, active: &Active) {
+    pub fn advance(&mut self, simulations: &Simulations, active: &SizedEffects) {
         let Some((jj, jr)) = self.slopes() else {
             self.settled = true;
             return;
@@ -188,7 +189,7 @@ impl Line {
             to = here + 0.5 * (to - here);
         }
         let before = self.chi2();
-        match self.eval(bench, active, to) {
+        match self.eval(simulations, active, to) {
             None => {
                 // Nothing can be solved there: not beyond half the way.
                 let wall = here + 0.5 * (to - here);
@@ -224,10 +225,10 @@ impl Line {
         (jj > 0.0).then(|| a.u - jr / jj - here)
     }
 
-    fn eval(&mut self, bench: &Bench, active: &Active, u: f64) -> Option<()> {
+    fn eval(&mut self, simulations: &Simulations, active: &SizedEffects, u: f64) -> Option<()> {
         let mut with = active.clone();
         with.push((self.effect, back(self.effect, u)));
-        let misfit = bench.misfit(&with, SEARCHING).ok()?;
+        let misfit = simulations.misfit(&with, SEARCHING).ok()?;
         self.points.push(Point { u, misfit });
         Some(())
     }
@@ -285,14 +286,14 @@ fn back(effect: &'static dyn Effect, u: f64) -> f64 {
 }
 
 /// A bound on the pressure acts only below the peak: it starts at the largest one measured.
-fn beginning(bench: &Bench, effect: &'static dyn Effect) -> f64 {
+fn beginning(simulations: &Simulations, effect: &'static dyn Effect) -> f64 {
     match effect.info().name {
         "hardness" => {
             let own = |r: &&crate::evidence::maps::rows::Row| {
                 r.problem.ice.hardness.map_or(0.0, |h| 1.0 / h)
             };
-            let stated = bench.rows.iter().map(own).fold(0.0, f64::max);
-            let largest = bench.rows.iter().map(|r| r.p_max).fold(1.0, f64::max);
+            let stated = simulations.rows.iter().map(own).fold(0.0, f64::max);
+            let largest = simulations.rows.iter().map(|r| r.p_max).fold(1.0, f64::max);
             (1.0 / largest - stated).max(0.0)
         }
         _ => 0.0,

@@ -1,7 +1,8 @@
 //! Measured and simulated maps side by side, for the report.
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::{Active, Bench, REPORTING};
+use crate::evidence::maps::simulate::{REPORTING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::picture::{Picture, Plot};
 
 /// For the learned map with the largest difference, and the first locked-away one: measured pressure, and what is simulated
@@ -9,24 +10,28 @@ use crate::finding::picture::{Picture, Plot};
 ///
 /// # Errors
 /// Those of the contact solver.
-pub fn pictures(bench: &Bench, locked: &Bench, active: &Active) -> Result<Vec<Picture>, Error> {
+pub fn pictures(
+    simulations: &Simulations,
+    locked: &Simulations,
+    active: &SizedEffects,
+) -> Result<Vec<Picture>, Error> {
     let mut pictures = Vec::new();
-    for (bench, kind) in [
-        (bench, "a map used for learning"),
+    for (simulations, kind) in [
+        (simulations, "a map used for learning"),
         (locked, "a locked-away map"),
     ] {
-        let before = bench.maps(&Active::new(), REPORTING)?;
-        let after = bench.maps(active, REPORTING)?;
-        let chi2 = bench.misfit(&Active::new(), REPORTING)?.by_row;
-        let shown = (0..bench.rows.len())
-            .filter(|k| bench.rows[*k].map.is_some())
+        let before = simulations.maps(&SizedEffects::new(), REPORTING)?;
+        let after = simulations.maps(active, REPORTING)?;
+        let chi2 = simulations.misfit(&SizedEffects::new(), REPORTING)?.by_row;
+        let shown = (0..simulations.rows.len())
+            .filter(|k| simulations.rows[*k].map.is_some())
             .max_by(|a, b| chi2[*a].total_cmp(&chi2[*b]));
         let Some(k) = shown else { continue };
         if let (Some(measured), Some(before), Some(after)) =
-            (&bench.rows[k].map, &before[k], &after[k])
+            (&simulations.rows[k].map, &before[k], &after[k])
         {
             pictures.push(Picture {
-                title: format!("{}, {kind}", bench.rows[k].name),
+                title: format!("{}, {kind}", simulations.rows[k].name),
                 plot: Plot::Maps {
                     nx: measured.nx,
                     ny: measured.ny,

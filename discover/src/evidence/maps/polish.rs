@@ -3,12 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::{Active, Bench, Misfit, REPORTING};
+use crate::evidence::maps::simulate::{Misfit, REPORTING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
 
 /// Effects at their final sizes.
 pub struct Polished {
     /// Effects and sizes.
-    pub active: Active,
+    pub active: SizedEffects,
     /// Standard errors of the sizes, for noise as stated.
     pub errors: Vec<f64>,
     /// What is left.
@@ -19,8 +20,12 @@ pub struct Polished {
 ///
 /// # Errors
 /// Those of the contact solver at the sizes given.
-pub fn polish(bench: &Bench, active: &Active, errors: &[f64]) -> Result<Polished, Error> {
-    let here = bench.misfit(active, REPORTING)?;
+pub fn polish(
+    simulations: &Simulations,
+    active: &SizedEffects,
+    errors: &[f64],
+) -> Result<Polished, Error> {
+    let here = simulations.misfit(active, REPORTING)?;
     let count = active.len();
     let mut derivative = DMatrix::zeros(here.rest.len(), count);
     for k in 0..count {
@@ -34,7 +39,7 @@ pub fn polish(bench: &Bench, active: &Active, errors: &[f64]) -> Result<Polished
         };
         let mut moved = active.clone();
         moved[k].1 += step;
-        let Ok(there) = bench.misfit(&moved, REPORTING) else {
+        let Ok(there) = simulations.misfit(&moved, REPORTING) else {
             return Ok(Polished {
                 active: active.clone(),
                 errors: errors.to_vec(),
@@ -62,7 +67,7 @@ pub fn polish(bench: &Bench, active: &Active, errors: &[f64]) -> Result<Polished
         let most = 0.2 * size.abs();
         *size = (*size + by[k].clamp(-most, most)).clamp(effect.info().low, effect.info().high);
     }
-    let (active, misfit) = match bench.misfit(&moved, REPORTING) {
+    let (active, misfit) = match simulations.misfit(&moved, REPORTING) {
         Ok(better) if better.chi2 < here.chi2 => (moved, better),
         _ => (active.clone(), here),
     };

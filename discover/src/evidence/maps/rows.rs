@@ -8,7 +8,7 @@ use kufe_contact::{Load, Problem};
 
 use crate::error::Error;
 use crate::evidence::maps::noise::deviations;
-use crate::evidence::maps::simulate::Active;
+use crate::evidence::maps::sized::SizedEffects;
 use crate::input::exr_map::read_map;
 use crate::input::table::Table;
 
@@ -29,7 +29,7 @@ pub struct Row {
     /// Standard deviation of each pixel [Pa]; empty without a map.
     pub noise: Vec<f64>,
     /// The sensor as the case knows it already.
-    pub sensor: Active,
+    pub sensor: SizedEffects,
 }
 
 /// Reads the table and the cases and maps that it names; rows with the case `model` take `model_case`.
@@ -142,7 +142,7 @@ pub fn read(
 }
 
 /// The effects of a case that belong to the sensor, with their sizes.
-fn sensor(case: &Case) -> Active {
+fn sensor(case: &Case) -> SizedEffects {
     CATALOGUE
         .iter()
         .filter(|effect| effect.is_of_the_sensor())

@@ -1,14 +1,15 @@
-//! One look at all effects: which of them, at its best size, leaves least.
+//! One screen of all effects: which of them, at its best size, leaves least.
 
 use std::collections::BTreeMap;
 
 use kufe_case::effects::{CATALOGUE, Effect};
 
-use crate::evidence::maps::line::Line;
-use crate::evidence::maps::simulate::{Active, Bench};
+use crate::evidence::maps::line::LineSearch;
+use crate::evidence::maps::simulate::Simulations;
+use crate::evidence::maps::sized::SizedEffects;
+use crate::finding::report::Detectable;
+use crate::procedure::rules::Rules;
 
-/// Drop of chi2 below which nothing is claimed.
-pub const LEAST_DROP: f64 = 30.0;
 /// Lines that are followed at a time.
 const FOLLOWED: usize = 4;
 /// Rounds in which they are.
@@ -18,7 +19,7 @@ const ROUNDS: usize = 10;
 /// layer acts once it is as thin as the contact is wide.
 const MARCHED: [&str; 2] = ["section-wear", "ice-thickness"];
 
-/// First steps by effect's name, kept from look to look.
+/// First steps by effect's name, kept from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
 
 /// Effects that need a map: a peak pressure alone says next to nothing of them.
@@ -34,17 +35,18 @@ pub const NEED_MAPS: [&str; 5] = [
 ///
 /// Bounds on the pressure and worn sections are far from linear: what their first step promises means little, and they
 /// are followed for some rounds whatever it is.
-pub fn look(
-    bench: &Bench,
-    active: &Active,
+pub fn screen_maps(
+    simulations: &Simulations,
+    active: &SizedEffects,
     steps: &mut Steps,
+    least_drop: f64,
     progress: &dyn Fn(&str),
-) -> Vec<Line> {
-    let chi2 = match bench.misfit(active, crate::evidence::maps::simulate::SEARCHING) {
+) -> Vec<LineSearch> {
+    let chi2 = match simulations.misfit(active, crate::evidence::maps::simulate::SEARCHING) {
         Ok(misfit) => misfit.chi2,
         Err(_) => return Vec::new(),
     };
-    let mapped = bench.rows.iter().any(|r| r.map.is_some());
+    let mapped = simulations.rows.iter().any(|r| r.map.is_some());
     let mut lines = Vec::new();
     for effect in CATALOGUE {
         let name = effect.info().name;
@@ -53,11 +55,11 @@ pub fn look(
             continue;
         }
         progress(name);
-        let line = Line::start(bench, active, *effect, steps.get(name).copied());
+        let line = LineSearch::start(simulations, active, *effect, steps.get(name).copied());
         if let Some(mut line) = line {
             steps.insert(name, line.first_step());
             if MARCHED.contains(&name) {
-                line.march(bench, active);
+                line.march(simulations, active);
             }
             lines.push(line);
         }
@@ -67,13 +69,13 @@ pub fn look(
         let mut moved = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let near = place < FOLLOWED || round < 2;
-            let promising = chi2 - line.promise() >= LEAST_DROP && near;
+            let promising = chi2 - line.promise() >= least_drop && near;
             let bent = is_bent(line.effect) && round < 3;
             if line.settled || !(promising || bent) {
                 continue;
             }
             progress(line.effect.info().name);
-            line.advance(bench, active);
+            line.advance(simulations, active);
             moved = true;
         }
         if !moved {
@@ -89,8 +91,34 @@ fn is_bent(effect: &'static dyn Effect) -> bool {
 }
 
 /// Cosine between two effects' changes of the maps.
-pub fn correlation(a: &Line, b: &Line) -> f64 {
+pub fn correlation(a: &LineSearch, b: &LineSearch) -> f64 {
     let (a, b) = (a.signature(), b.signature());
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
+}
+
+/// What would have been seen: the sizes at which chi2 drops by enough, nine times in ten.
+pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
+    lines
+        .iter()
+        .enumerate()
+        .map(|(k, line)| {
+            let like = (0..lines.len())
+                .filter(|j| *j != k)
+                .map(|j| (j, correlation(line, &lines[j])))
+                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let info = line.effect.info();
+            Detectable {
+                effect: info.name.to_owned(),
+                parameter: info.key.to_owned(),
+                size: line.size_at(rules.maps.least_drop.sqrt() + rules.search.nine_in_ten),
+                unit: info.unit.to_owned(),
+                left_after_refit: 1.0,
+                most_like: like.map_or(String::new(), |(j, _)| {
+                    lines[j].effect.info().name.to_owned()
+                }),
+                correlation: like.map_or(0.0, |(_, r)| r),
+            }
+        })
+        .collect()
 }

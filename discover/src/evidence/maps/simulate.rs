@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::evidence::maps::rows::Row;
 use crate::evidence::maps::sample::sample;
+use crate::evidence::maps::sized::SizedEffects;
 
 /// Cells over half the patch while searching.
 pub const SEARCHING: usize = 8;
@@ -19,11 +20,8 @@ pub const REPORTING: usize = 12;
 /// Pixels that count as one independent value along each direction.
 const PATCH: f64 = 4.0;
 
-/// Effects with their sizes.
-pub type Active = Vec<(&'static dyn Effect, f64)>;
-
 /// What a solve gives of a row before the sensor: a map on its pixels, or the peak alone.
-enum Seen {
+enum Simulated {
     Map(Map),
     Peak(f64),
 }
@@ -32,15 +30,16 @@ enum Seen {
 type Key = (usize, Vec<(&'static str, u64)>);
 
 /// Rows that are solved once for each set of effects; those of the sensor need no solve of their own.
-pub struct Bench<'a> {
+pub struct Simulations<'a> {
     /// The rows.
     pub rows: Vec<&'a Row>,
     /// Standard deviation of each value: the sensor's, and what a finer mesh changes there, by row [Pa].
     deviation: Vec<Vec<f64>>,
-    solved: RefCell<BTreeMap<Key, Arc<Vec<Seen>>>>,
+    solved: RefCell<BTreeMap<Key, Arc<Vec<Simulated>>>>,
 }
 
 /// Simulation against measurement.
+#[derive(Clone)]
 pub struct Misfit {
     /// Sum of squares in units of the noise.
     pub chi2: f64,
@@ -65,23 +64,26 @@ impl Misfit {
     }
 }
 
-impl<'a> Bench<'a> {
+impl<'a> Simulations<'a> {
     /// Solves each row on two meshes, whose difference counts as an error of every later comparison.
     ///
     /// # Errors
     /// Those of the contact solver.
     pub fn new(rows: Vec<&'a Row>) -> Result<Self, Error> {
-        let mut bench = Bench {
+        let mut simulations = Simulations {
             rows,
             deviation: Vec::new(),
             solved: RefCell::default(),
         };
-        let none = Active::new();
-        let (coarse, fine) = (bench.seen(&none, SEARCHING)?, bench.seen(&none, REPORTING)?);
-        let pairs = coarse.iter().zip(fine.iter()).zip(&bench.rows);
-        bench.deviation = pairs
+        let none = SizedEffects::new();
+        let (coarse, fine) = (
+            simulations.simulated(&none, SEARCHING)?,
+            simulations.simulated(&none, REPORTING)?,
+        );
+        let pairs = coarse.iter().zip(fine.iter()).zip(&simulations.rows);
+        simulations.deviation = pairs
             .map(|((coarse, fine), row)| match (coarse, fine) {
-                (Seen::Map(a), Seen::Map(b)) => {
+                (Simulated::Map(a), Simulated::Map(b)) => {
                     let both = a.pressure.iter().zip(&b.pressure);
                     both.zip(&row.noise)
                         .map(|((a, b), sd)| sd.hypot(a - b))
@@ -90,15 +92,15 @@ impl<'a> Bench<'a> {
                 _ => vec![row.p_max_sd],
             })
             .collect();
-        Ok(bench)
+        Ok(simulations)
     }
 
     /// Simulates every row with the effects, on meshes of `cells` cells over half the patch.
     ///
     /// # Errors
     /// Those of the contact solver.
-    pub fn misfit(&self, active: &Active, cells: usize) -> Result<Misfit, Error> {
-        let seen = self.seen(active, cells)?;
+    pub fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
+        let seen = self.simulated(active, cells)?;
         let mut out = Misfit {
             chi2: 0.0,
             by_row: Vec::new(),
@@ -125,19 +127,19 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// Those of the contact solver.
-    pub fn maps(&self, active: &Active, cells: usize) -> Result<Vec<Option<Map>>, Error> {
-        let seen = self.seen(active, cells)?;
+    pub fn maps(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<Map>>, Error> {
+        let seen = self.simulated(active, cells)?;
         Ok(seen
             .iter()
             .zip(&self.rows)
             .map(|(seen, row)| match seen {
-                Seen::Map(map) => Some(sensed(row, map, active)),
-                Seen::Peak(_) => None,
+                Simulated::Map(map) => Some(sensed(row, map, active)),
+                Simulated::Peak(_) => None,
             })
             .collect())
     }
 
-    fn seen(&self, active: &Active, cells: usize) -> Result<Arc<Vec<Seen>>, Error> {
+    fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>, Error> {
         let sizes = active
             .iter()
             .filter(|(e, v)| !e.is_of_the_sensor() && *v != 0.0)
@@ -146,7 +148,7 @@ impl<'a> Bench<'a> {
         if let Some(seen) = self.solved.borrow().get(&key) {
             return Ok(seen.clone());
         }
-        let seen: Vec<Seen> = self
+        let seen: Vec<Simulated> = self
             .rows
             .par_iter()
             .map(|row| simulate(row, active, cells))
@@ -157,7 +159,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-fn simulate(row: &Row, active: &Active, cells: usize) -> Result<Seen, Error> {
+fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated, Error> {
     let mut problem = row.problem.clone();
     for (effect, size) in active {
         effect.alter(*size, &mut problem);
@@ -169,13 +171,13 @@ fn simulate(row: &Row, active: &Active, cells: usize) -> Result<Seen, Error> {
     };
     let solution = solve(&problem, &options)?;
     Ok(match &row.map {
-        Some(measured) => Seen::Map(sample(&solution.surface, measured)),
-        None => Seen::Peak(solution.p_max),
+        Some(measured) => Simulated::Map(sample(&solution.surface, measured)),
+        None => Simulated::Peak(solution.p_max),
     })
 }
 
 /// The map as the sensor shows it.
-fn sensed(row: &Row, map: &Map, active: &Active) -> Map {
+fn sensed(row: &Row, map: &Map, active: &SizedEffects) -> Map {
     let mut map = map.clone();
     for (effect, size) in row.sensor.iter().chain(active) {
         effect.sense(*size, &mut map);
@@ -184,11 +186,17 @@ fn sensed(row: &Row, map: &Map, active: &Active) -> Map {
 }
 
 /// Adds a row's weighted residuals, its independent values and its squares [Pa2]; the number of its values comes back.
-fn compare(row: &Row, seen: &Seen, deviation: &[f64], active: &Active, out: &mut Misfit) -> f64 {
+fn compare(
+    row: &Row,
+    seen: &Simulated,
+    deviation: &[f64],
+    active: &SizedEffects,
+    out: &mut Misfit,
+) -> f64 {
     let (map, measured) = match (seen, &row.map) {
-        (Seen::Map(map), Some(measured)) => (sensed(row, map, active), measured),
-        (Seen::Map(_), None) => unreachable!("a map is simulated where one was measured"),
-        (Seen::Peak(p_max), _) => {
+        (Simulated::Map(map), Some(measured)) => (sensed(row, map, active), measured),
+        (Simulated::Map(_), None) => unreachable!("a map is simulated where one was measured"),
+        (Simulated::Peak(p_max), _) => {
             let gain = |(e, v): &(&'static dyn Effect, f64)| match e.info().name {
                 "sensor-gain" => 1.0 + v,
                 _ => 1.0,

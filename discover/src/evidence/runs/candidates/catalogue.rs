@@ -3,19 +3,20 @@
 use kufe_sled::effects::{CATALOGUE, Custom, Effects, Kind, Level};
 
 use crate::evidence::runs::candidates::along::acts_only_along;
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::prepare::Data;
+use crate::procedure::candidate::Candidate;
 
 /// All candidates by the way in which they are tested.
 pub struct Candidates {
     /// Within runs, everywhere.
-    pub regular: Vec<Candidate>,
+    pub regular: Vec<Candidate<Amplitude>>,
     /// Within runs, in a window of distance that is searched for.
-    pub local: Vec<Candidate>,
+    pub local: Vec<Candidate<Amplitude>>,
     /// From session to session or run to run.
-    pub levels: Vec<Candidate>,
+    pub levels: Vec<Candidate<Amplitude>>,
     /// In the track channel: slope and its rivals.
-    pub track: Vec<Candidate>,
+    pub track: Vec<Candidate<Amplitude>>,
     /// Effects that these data cannot speak of, and why.
     pub untestable: Vec<(String, String)>,
 }
@@ -62,18 +63,20 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
             }
             let candidate = Candidate {
                 effect: info.name.to_owned(),
-                kind: Kind::Catalogue(*effect),
-                parameter: index,
                 key: parameter.name.to_owned(),
                 unit: parameter.unit.to_owned(),
                 low: parameter.low,
                 high: parameter.high,
                 typical: parameter.typical,
-                level: info.level,
-                values: defaults.clone(),
-                track: None,
                 decides: info.decides.to_owned(),
-                carrier: None,
+                act: Amplitude {
+                    kind: Kind::Catalogue(*effect),
+                    parameter: index,
+                    level: info.level,
+                    values: defaults.clone(),
+                    track: None,
+                    carrier: None,
+                },
             };
             match (info.level, info.name) {
                 (Level::Track, "slope" | "track-profile") => out.track.push(candidate),
@@ -82,7 +85,7 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 (Level::Sample, "warm-up") => {
                     for time in [3.0, 8.0, 20.0] {
                         let mut shaped = candidate.clone();
-                        shaped.values[1] = time;
+                        shaped.act.values[1] = time;
                         out.regular.push(shaped);
                     }
                 }
@@ -106,21 +109,23 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     out
 }
 
-fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate {
+fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate<Amplitude> {
     Candidate {
         effect: name.to_owned(),
-        parameter: 0,
         key: "value".to_owned(),
         unit: custom.unit.clone(),
         low: custom.low,
         high: custom.high,
         // The expression is linear in its amplitude: any step gives the same direction.
         typical: 1e-3 * custom.high.clamp(1e-6, 1.0),
-        level: Level::Sample,
-        values: vec![0.0],
-        track: track.clone(),
         decides: String::new(),
-        carrier: None,
-        kind: Kind::Custom(custom),
+        act: Amplitude {
+            kind: Kind::Custom(custom),
+            parameter: 0,
+            level: Level::Sample,
+            values: vec![0.0],
+            track: track.clone(),
+            carrier: None,
+        },
     }
 }

@@ -3,14 +3,15 @@
 use kufe_friction::effects::Expression;
 use kufe_sled::effects::{Channel, Column, Custom, Kind, Level};
 
-use crate::evidence::runs::candidates::candidate::{CARRIER, Candidate};
+use crate::evidence::runs::candidates::amplitude::{Amplitude, CARRIER};
 use crate::evidence::runs::recordings::prepare::Data;
+use crate::procedure::candidate::Candidate;
 
 /// Dependences on single columns beyond the catalogue: a slope and a bend of the friction and of the grip, and a side force.
 ///
 /// Columns that the model has no name for, the pitch rate among them, are handed in as carriers: they are judged, but no
 /// simulation could follow them.
-pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
+pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>> {
     let known = [
         ("v_mps", Column::Speed),
         ("fz_n", Column::Load),
@@ -68,25 +69,27 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
             };
             out.push(Candidate {
                 effect: format!("unknown:{name}"),
-                kind: Kind::Custom(Custom {
-                    channel,
-                    expression,
-                    text,
-                    unit: unit.to_owned(),
-                    low: -limit,
-                    high: limit,
-                }),
-                parameter: 0,
                 key: "value".to_owned(),
                 unit: unit.to_owned(),
                 low: -limit,
                 high: limit,
                 typical,
-                level: Level::Sample,
-                values: vec![0.0],
-                track: None,
                 decides: format!("runs in which {name} is varied by itself"),
-                carrier: carrier.clone(),
+                act: Amplitude {
+                    kind: Kind::Custom(Custom {
+                        channel,
+                        expression,
+                        text,
+                        unit: unit.to_owned(),
+                        low: -limit,
+                        high: limit,
+                    }),
+                    parameter: 0,
+                    level: Level::Sample,
+                    values: vec![0.0],
+                    track: None,
+                    carrier: carrier.clone(),
+                },
             });
         }
     }

@@ -25,10 +25,19 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// How far the deviations of the sensors are trusted: their squares' relative standard error.
-pub const STATED: f64 = 0.1;
-/// The same where they are estimated from the recordings.
-pub const ESTIMATED: f64 = 0.5;
+/// What is estimated from: a fitted model and the runs that it is fitted to.
+pub struct FittedRows<'a> {
+    /// The model.
+    pub chain: &'a Chain,
+    /// Its rows' whitening.
+    pub whitener: &'a Whitener,
+    /// The runs.
+    pub frames: &'a [Frame],
+    /// Base parameters that are fitted.
+    pub free: &'a [usize],
+    /// Simulates runs with the model.
+    pub maker: &'a TwinMaker,
+}
 
 /// Estimates of all fitted parameters, and the chain that holds them.
 ///
@@ -37,16 +46,14 @@ pub const ESTIMATED: f64 = 0.5;
 /// corrected score of run i as the fit without it leaves it (the jackknife: R. M. Bell and D. F. McCaffrey, Survey Methodology
 /// 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
 /// values stay at least squares.
-#[allow(clippy::too_many_arguments)]
-pub fn estimate(
-    chain: &Chain,
-    whitener: &Whitener,
-    frames: &[Frame],
-    free: &[usize],
-    maker: &TwinMaker,
-    trust: f64,
-    settle: bool,
-) -> (Vec<Estimate>, Chain) {
+pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, Chain) {
+    let FittedRows {
+        chain,
+        whitener,
+        frames,
+        free,
+        maker,
+    } = *rows;
     /// Pairs of twins behind each step: a single pair leaves a tenth of what it takes off in doubt.
     const PAIRS: [u64; 3] = [1, 4, 16];
     let mut settled = chain.clone();

@@ -4,11 +4,12 @@ use kufe_sled::effects::Active;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::chain::{BALANCES, BASE, Chain, Here};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::{BIN_M, Window};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::candidate::Candidate;
 use crate::regression::gram::Gram;
 
 /// Columns that stand for each run's own level: of friction and of lateral grip.
@@ -22,9 +23,9 @@ pub struct Design<'a> {
     /// Base parameters with leverage, then the active effects' amplitudes.
     pub free_base: &'a [usize],
     /// Regular candidates.
-    pub candidates: &'a [Candidate],
+    pub candidates: &'a [Candidate<Amplitude>],
     /// Candidates that are searched in windows.
-    pub local: &'a [Candidate],
+    pub local: &'a [Candidate<Amplitude>],
     /// The windows.
     pub windows: &'a [Window],
 }
@@ -45,7 +46,11 @@ impl Design<'_> {
         self.with_locals(frame, self.local)
     }
 
-    fn with_locals(&self, frame: &Frame, locals: &[Candidate]) -> (DMatrix<f64>, DMatrix<f64>) {
+    fn with_locals(
+        &self,
+        frame: &Frame,
+        locals: &[Candidate<Amplitude>],
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
         const STEP: f64 = 1e-3;
         let chain = self.chain;
         let mass = chain.vehicle.sled.mass_kg;

@@ -2,7 +2,6 @@
 
 pub(crate) mod available;
 pub(crate) mod frame;
-pub(crate) mod lock;
 pub(crate) mod prepare;
 pub(crate) mod read;
 pub(crate) mod sensor_noise;

@@ -2,35 +2,41 @@
 
 use kufe_sled::effects::Level;
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::chain::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::judge;
-use crate::evidence::runs::searcher::{ALPHA_RUNS, ALPHA_SESSIONS, Pick, Searcher, Stand};
 use crate::finding::report::Rival;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::rivals::NamedEffect;
 
-impl Searcher<'_> {
-    pub fn between_runs(&mut self, at: &Stand, note: &mut Option<String>) -> Option<Pick> {
+impl Campaign<'_> {
+    /// The claim between sessions or runs, where one stands out.
+    pub fn between_runs(&self, at: &Current, account: &mut Account) -> Option<Claim<Amplitude>> {
         let list = self.fresh(at.chain, &self.candidates.levels);
         if list.is_empty() || at.whitener.count() == 0 {
             return None;
         }
         let design = at.design(&list);
-        let share = self.share();
-        let alpha_of = |candidate: &Candidate| match candidate.level {
-            Level::Run => share * ALPHA_RUNS,
-            _ => share * ALPHA_SESSIONS,
+        let rules = self.rules();
+        let share = self.share(account);
+        let alpha_of = |candidate: &Candidate<Amplitude>| match candidate.act.level {
+            Level::Run => share * rules.alpha_runs,
+            _ => share * rules.alpha_sessions,
         };
         let levels = judge(
             &design,
-            self.training,
+            &self.training,
             &list,
             at.maker,
-            ALPHA_SESSIONS,
+            rules.alpha_sessions,
             self.options.seed,
         );
         let best = (0..list.len())
             .filter(|c| {
                 let s = &levels.seen[*c];
-                s.p_value <= alpha_of(&list[*c]) && (list[*c].low..=list[*c].high).contains(&s.size)
+                s.p_value <= alpha_of(&list[*c]) && list[*c].admits(s.size)
             })
             .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
         let Some(named) = best else {
@@ -40,24 +46,17 @@ impl Searcher<'_> {
                 .zip(&levels.seen)
                 .filter(|(_, s)| !s.testable)
                 .count();
-            if differ < 0.001 && untestable > 0 && note.is_none() {
-                *note = Some(format!(
+            if differ < rules.sessions_differ && untestable > 0 && account.unexplained.is_none() {
+                account.unexplained = Some(format!(
                     "sessions differ (p = {differ:.1e}), but {} sessions are too few to say with what: at least 5 at spread temperatures and humidities are needed",
                     levels.sessions
                 ));
             }
             return None;
         };
-        let mut class = vec![list[named].effect.clone()];
-        let mut rivals = Vec::new();
-        for j in (0..list.len()).filter(|j| *j != named) {
-            let beyond = levels.beyond(named, j);
+        let others = (0..list.len()).filter(|j| *j != named).map(|j| {
             let s = &levels.seen[j];
-            let in_class = beyond.abs() < 2.5 && s.gain > 0.5 * levels.seen[named].gain;
-            if in_class {
-                class.push(list[j].effect.clone());
-            }
-            rivals.push(Rival {
+            Rival {
                 effect: list[j].effect.clone(),
                 parameter: list[j].key.clone(),
                 size: s.size,
@@ -65,22 +64,33 @@ impl Searcher<'_> {
                 t: s.size / s.error.max(1e-300),
                 gain: s.gain,
                 correlation: s.correlation,
-                t_of_named_beyond: beyond,
-                in_class,
+                t_of_named_beyond: levels.beyond(named, j),
+                in_class: true,
                 decides: list[j].decides.clone(),
-            });
-        }
+            }
+        });
         let seen = &levels.seen[named];
-        Some(Pick {
+        let (class, rivals) = rules.level_rivals.class(
+            &NamedEffect {
+                effect: &list[named].effect,
+                t: seen.size / seen.error.max(1e-300),
+                gain: seen.gain,
+                units: levels.sessions,
+            },
+            others.collect(),
+        );
+        let channel = self.strongest_channel(at.chain, &list[named], seen.size);
+        Some(Claim {
             place: "a level from session to session".to_owned(),
-            channel: self.strongest_channel(at.chain, &list[named], seen.size),
+            channel: CHANNEL_NAMES[channel],
             candidate: list[named].clone(),
             size: seen.size,
+            error: seen.error,
             class,
             rivals,
             p_value: seen.p_value,
-            bias_t: None,
-            track_error: None,
+            remark: None,
+            parameters: Vec::new(),
         })
     }
 }

@@ -1,11 +1,12 @@
 //! What could be told apart: the smallest size of each effect, and what looks most like it.
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::screen::residual_screen::Seeing;
 use crate::finding::report::Detectable;
+use crate::procedure::candidate::Candidate;
 
 /// One row a candidate that can be judged.
-pub fn detectable(seeing: &Seeing, list: &[Candidate]) -> Vec<Detectable> {
+pub fn detectable(seeing: &Seeing, list: &[Candidate<Amplitude>]) -> Vec<Detectable> {
     list.iter()
         .enumerate()
         .filter(|(c, _)| seeing.seen[*c].usable)

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use kufe_sled::effects::Level;
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::fit::simulated_runs::TwinMaker;
 use crate::evidence::runs::model::design::{Design, LEVELS};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::permutations::by_session_permutation;
 use crate::null::random::{shuffle, stream};
+use crate::procedure::candidate::Candidate;
 use crate::regression::inverse::ridge_inverse;
 
 /// A candidate on the level of sessions or runs, judged.
@@ -47,7 +48,7 @@ pub struct Levels {
 pub fn judge(
     design: &Design,
     frames: &[Frame],
-    candidates: &[Candidate],
+    candidates: &[Candidate<Amplitude>],
     maker: &TwinMaker,
     alpha: f64,
     seed: u64,
@@ -95,7 +96,7 @@ pub fn judge(
     let mut seen = vec![None; q];
     for k in 0..LEVELS {
         let mine: Vec<usize> = (0..q)
-            .filter(|c| level_of[*c] == k && candidates[*c].level == Level::Session)
+            .filter(|c| level_of[*c] == k && candidates[*c].act.level == Level::Session)
             .collect();
         if mine.is_empty() || means[k].len() < 3 {
             continue;
@@ -115,7 +116,7 @@ pub fn judge(
             seen[*c] = Some(one);
         }
     }
-    for c in (0..q).filter(|c| candidates[*c].level == Level::Run) {
+    for c in (0..q).filter(|c| candidates[*c].act.level == Level::Run) {
         let k = level_of[c];
         let (y, x) = (
             within(&of_level(k), &sessions),

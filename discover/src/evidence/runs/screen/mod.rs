@@ -5,6 +5,7 @@ pub(crate) mod detectable;
 pub(crate) mod levels;
 pub(crate) mod on_track;
 pub(crate) mod place;
+pub(crate) mod refine;
 pub(crate) mod residual_screen;
 pub(crate) mod rivals;
 pub(crate) mod track_channel;

@@ -1,49 +1,62 @@
 //! Claims in the track channel: slope, profile and the accelerometer's faults that look like them.
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::chain::Chain;
+use crate::evidence::runs::model::chain::{CHANNEL_NAMES, Chain};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
-use crate::evidence::runs::searcher::{AGREES_WITHIN, ALPHA_TRACK, Pick, Searcher};
+use crate::finding::report::{Fitted, Rival};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::rivals::NamedEffect;
 
 /// The track channel of a look, where it can be used.
 pub struct Surveyed {
     channel: TrackChannel,
     /// Slope and the accelerometer's faults that look like it.
-    list: Vec<Candidate>,
-    /// How well the slope is known [rad].
+    list: Vec<Candidate<Amplitude>>,
+    /// How well the slope is known \[rad\].
     sd: f64,
+    /// Standard deviations within which the channel and the forces agree.
+    within: f64,
 }
 
 impl Surveyed {
     /// Whether the channel and what the forces say of a candidate go together; a candidate that it knows nothing of does.
-    pub fn agrees(&self, candidate: &Candidate, size: f64, error: f64) -> bool {
-        let same = |c: &Candidate| c.effect == candidate.effect && c.key == candidate.key;
+    pub fn agrees(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> bool {
+        let same =
+            |c: &Candidate<Amplitude>| c.effect == candidate.effect && c.key == candidate.key;
         self.list.iter().position(same).is_none_or(|c| {
             let seen = self.channel.judge(c, self.sd);
-            (seen.size - size).abs() < 3.0 * seen.error.hypot(error)
+            (seen.size - size).abs() < self.within * seen.error.hypot(error)
         })
     }
 }
 
-impl Searcher<'_> {
+impl Campaign<'_> {
     /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
-    pub fn surveyed(&mut self, chain: &Chain, maker: &TwinMaker) -> Option<Surveyed> {
+    pub fn surveyed(
+        &self,
+        chain: &Chain,
+        maker: &TwinMaker,
+        account: &mut Account,
+    ) -> Option<Surveyed> {
         if !self.used[3] || !chain.frozen.is_empty() {
             return None;
         }
-        let list: Vec<Candidate> = self
+        let list: Vec<Candidate<Amplitude>> = self
             .fresh(chain, &self.candidates.track)
             .into_iter()
             .filter(|c| c.effect != "track-profile")
             .collect();
-        let channel = TrackChannel::new(chain, self.training, &list)?;
+        let channel = TrackChannel::new(chain, &self.training, &list)?;
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
-        if stated.is_none() && self.steps.is_empty() {
-            self.remarks.push(
-                "no [survey] in the model: a slope deviation of 0.002 rad is assumed".to_owned(),
-            );
+        if stated.is_none() && account.steps.is_empty() {
+            account.remarks.push(format!(
+                "no [survey] in the model: a slope deviation of {} rad is assumed",
+                self.rules().slope_sd_rad
+            ));
         }
         let quiet = maker.sensors_only();
         let twins: Vec<Frame> = self
@@ -53,25 +66,35 @@ impl Searcher<'_> {
             .map(|(i, frame)| quiet.pair(frame, chain, 5_000_003, i).plus)
             .collect();
         let expected = TrackChannel::new(chain, &twins, &[])?.scatter();
-        if channel.scatter() > AGREES_WITHIN * expected {
+        if channel.scatter() > self.rules().track_agrees * expected {
             let told = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
                 channel.scatter()
             );
-            if self.steps.is_empty() {
-                self.remarks.push(told);
+            if account.steps.is_empty() {
+                account.remarks.push(told);
             }
             return None;
         }
         Some(Surveyed {
             channel,
             list,
-            sd: stated.unwrap_or(0.002),
+            sd: stated.unwrap_or(self.rules().slope_sd_rad),
+            within: self.rules().track_and_forces,
         })
     }
 
-    pub fn on_the_track(&mut self, chain: &Chain, track: &Surveyed) -> Option<Pick> {
-        let Surveyed { channel, list, sd } = track;
+    /// The claim in the track channel, where one stands out.
+    pub fn on_the_track(
+        &self,
+        chain: &Chain,
+        track: &Surveyed,
+        account: &mut Account,
+    ) -> Option<Claim<Amplitude>> {
+        let rules = self.rules();
+        let Surveyed {
+            channel, list, sd, ..
+        } = track;
         let sd = *sd;
         // A sensor's fault also shows in the forces: what they contradict is no candidate.
         let agrees = |c: usize| {
@@ -84,7 +107,7 @@ impl Searcher<'_> {
         let at = |factor: f64| -> Option<usize> {
             able.iter()
                 .copied()
-                .filter(|c| channel.judge(*c, sd * factor).p_value <= ALPHA_TRACK)
+                .filter(|c| channel.judge(*c, sd * factor).p_value <= rules.alpha_track)
                 .max_by(|a, b| {
                     let z = |c: usize| {
                         (channel.judge(c, sd * factor).size / channel.judge(c, sd * factor).error)
@@ -95,28 +118,48 @@ impl Searcher<'_> {
         };
         if let Some(named) = at(1.0) {
             let seen = channel.judge(named, sd);
-            let mut class = vec![list[named].effect.clone()];
-            for j in able.iter().copied().filter(|j| *j != named) {
-                if channel.beyond(named, j, sd).abs() < 2.0 {
-                    class.push(list[j].effect.clone());
+            let others = able.iter().copied().filter(|j| *j != named).map(|j| {
+                let seen = channel.judge(j, sd);
+                Rival {
+                    effect: list[j].effect.clone(),
+                    parameter: list[j].key.clone(),
+                    size: seen.size,
+                    unit: list[j].unit.clone(),
+                    t: seen.size / seen.error,
+                    gain: (seen.size / seen.error).powi(2),
+                    correlation: channel.correlation(named, j, sd),
+                    t_of_named_beyond: channel.beyond(named, j, sd),
+                    in_class: true,
+                    decides: list[j].decides.clone(),
                 }
-            }
+            });
+            let t = seen.size / seen.error;
+            let (class, rivals) = rules.track_rivals.class(
+                &NamedEffect {
+                    effect: &list[named].effect,
+                    t,
+                    gain: t * t,
+                    units: self.training.len(),
+                },
+                others.collect(),
+            );
             if at(2.0).is_none() {
-                self.depends.push(format!(
+                account.depends.push(format!(
                     "{} stands out at the stated survey deviation but not at twice it",
                     list[named].effect
                 ));
             }
-            return Some(Pick {
+            return Some(Claim {
                 place: "all runs".to_owned(),
-                channel: 3,
+                channel: CHANNEL_NAMES[3],
                 candidate: list[named].clone(),
                 size: seen.size,
+                error: seen.error,
                 class,
-                rivals: Vec::new(),
+                rivals,
                 p_value: seen.p_value,
-                bias_t: None,
-                track_error: Some(seen.error),
+                remark: None,
+                parameters: self.by_track(&list[named], seen.size, seen.error),
             });
         }
         let profile = self
@@ -133,30 +176,43 @@ impl Searcher<'_> {
             return None;
         }
         let (p, track, from, to, slope, needed_sd) = channel.profile(sd);
-        if p > ALPHA_TRACK {
-            if channel.profile(0.5 * sd).0 <= ALPHA_TRACK && needed_sd > sd {
-                self.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
+        if p > rules.alpha_track {
+            if channel.profile(0.5 * sd).0 <= rules.alpha_track && needed_sd > sd {
+                account.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
             }
             return None;
         }
-        if channel.profile(2.0 * sd).0 > ALPHA_TRACK {
-            self.depends.push(format!(
+        if channel.profile(2.0 * sd).0 > rules.alpha_track {
+            account.depends.push(format!(
                 "the track's profile departs from its survey at the stated deviation of {sd:.5} rad, not at twice it; {needed_sd:.5} rad fits it"
             ));
         }
         let candidate = profile.within(&track, from, to);
-        Some(Pick {
+        Some(Claim {
             place: format!(
                 "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
             ),
-            channel: 3,
+            channel: CHANNEL_NAMES[3],
+            parameters: self.by_track(&candidate, slope, needed_sd),
             candidate,
             size: slope,
+            error: needed_sd,
             class: vec!["track-profile".to_owned()],
             rivals: Vec::new(),
             p_value: p,
-            bias_t: None,
-            track_error: Some(needed_sd),
+            remark: None,
         })
+    }
+
+    /// The forces say nothing of a slope: the track channel's own size stands.
+    fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
+        let half = self.options.rules.search.interval * error;
+        vec![Fitted {
+            name: candidate.key.clone(),
+            value: size,
+            low: size - half,
+            high: size + half,
+            unit: candidate.unit.clone(),
+        }]
     }
 }

@@ -2,26 +2,29 @@
 
 use kufe_sled::effects::Kind;
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::campaign::{Campaign, Current, scale_of};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::chain::{CHANNELS, Chain};
-use crate::evidence::runs::searcher::{Searcher, Stand, scale_of};
+use crate::procedure::candidate::Candidate;
 
-impl Searcher<'_> {
-    pub fn place_of(&self, candidate: &Candidate, stand: &Stand) -> String {
+impl Campaign<'_> {
+    /// Where a candidate acts, in words.
+    pub fn place_of(&self, candidate: &Candidate<Amplitude>, stand: &Current) -> String {
         let on = candidate
+            .act
             .track
             .as_ref()
             .map_or(String::new(), |t| format!(" on track {t}"));
-        if let (Some(_), Some((from, to))) = (&candidate.track, candidate.window()) {
+        if let (Some(_), Some((from, to))) = (&candidate.act.track, candidate.window()) {
             return format!("s {from:.0}-{to:.0} m{on}");
         }
-        let form = match &candidate.kind {
+        let form = match &candidate.act.kind {
             Kind::Custom(custom) => {
                 format!("; form {} on {:?}", custom.text, custom.channel).to_lowercase()
             }
             Kind::Catalogue(_) => String::new(),
         };
-        if candidate.is_unknown() {
+        if candidate.is_column() {
             return format!("all runs{form}");
         }
         // The share of samples that carries half of the effect tells where it acts.
@@ -64,7 +67,13 @@ impl Searcher<'_> {
         )
     }
 
-    pub fn strongest_channel(&self, chain: &Chain, candidate: &Candidate, size: f64) -> usize {
+    /// The channel that a candidate changes most, relative to what is left there.
+    pub fn strongest_channel(
+        &self,
+        chain: &Chain,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+    ) -> usize {
         let mut energy = [0.0; CHANNELS];
         for frame in self.training.iter().take(4) {
             let rest = chain.residuals(frame);

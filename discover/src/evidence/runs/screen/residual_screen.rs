@@ -2,18 +2,15 @@
 
 use nalgebra::DMatrix;
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
 use crate::evidence::runs::fit::simulated_runs::TwinMaker;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::sign_flips::MaxT;
-use crate::regression::scores::{Scores, cross_information};
-
-/// What is asked of a place beyond its critical T: runs repeat the same manoeuvre at the same place, so that a small error
-/// of the model repeats there as well.
-const PLACES: f64 = 1.5;
+use crate::procedure::candidate::Candidate;
+use crate::regression::scores::{Scores, cross_information, studentised};
 
 /// How a look is made.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +27,12 @@ pub struct Look {
     pub alpha_beyond: f64,
     /// Factors of what noise adds between which a claim must hold: how far the sensors' noise is trusted.
     pub trust: [f64; 2],
+    /// Share of its critical T that a claim must keep over the trusted range: within runs, in windows.
+    pub holds: [f64; 2],
+    /// Shares of a direction: left after a refit of the base, and not noise.
+    pub least: [f64; 2],
+    /// What a size must exceed its critical value by to be claimed nine times in ten, in errors.
+    pub nine_in_ten: f64,
     /// Seed.
     pub seed: u64,
 }
@@ -104,13 +107,13 @@ pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look
                 .count();
             let enough = if c < regular {
                 // A direction that is mostly noise says nothing.
-                touched >= 4 && information > 0.2 * plain.total_information(c)
+                touched >= 4 && information > options.least[1] * plain.total_information(c)
             } else {
                 let window = &design.windows[c - regular];
                 let there = frames.iter().filter(|f| f.track == window.track).count();
                 touched >= 4 && 2 * touched > there
             };
-            scores.left(c) > 2e-3 && information > 1e-6 && enough
+            scores.left(c) > options.least[0] && information > 1e-6 && enough
         })
         .collect();
     let u = scores.u.clone();
@@ -120,9 +123,9 @@ pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look
         MaxT::with_norms(&rows, &norms[from..to], options.flips, seed)
     };
     let scattered = scattered(&scores, regular);
-    let named = design.candidates.iter().filter(|c| !c.is_unknown()).count();
+    let named = design.candidates.iter().filter(|c| !c.is_column()).count();
     assert!(
-        design.candidates[named..].iter().all(Candidate::is_unknown),
+        design.candidates[named..].iter().all(Candidate::is_column),
         "candidates beyond the catalogue come last"
     );
     // Three families, each with a chance of a false claim of its own: the catalogue, what lies beyond it, places.
@@ -169,12 +172,12 @@ pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look
                 } else {
                     0.0
                 },
-                holds: robust_t >= critical * if c < regular { 0.85 } else { PLACES },
+                holds: robust_t >= critical * options.holds[usize::from(c >= regular)],
                 holds_again: robust_t >= critical,
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 gain: sum * sum / information,
                 held_gain: held_gain(&u, &scores.information, c),
-                detectable: (critical + 1.28) * error * scale,
+                detectable: (critical + options.nine_in_ten) * error * scale,
                 usable: usable[c],
             }
         })
@@ -288,7 +291,7 @@ impl Seeing {
     pub fn beyond(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
         let left = self.u.row(a) - self.u.row(b) * share;
-        crate::regression::studentised(left.iter().copied())
+        studentised(left.iter().copied())
     }
 
     /// Correlation of two regular candidates beyond the base.
@@ -304,23 +307,29 @@ impl Seeing {
     /// Whether a candidate may be claimed.
     ///
     /// `again` says that its effect has already been named in another place.
-    pub fn claimable(&self, c: usize, candidate: &Candidate, alpha: f64, again: bool) -> bool {
+    pub fn claimable(
+        &self,
+        c: usize,
+        candidate: &Candidate<Amplitude>,
+        alpha: f64,
+        again: bool,
+    ) -> bool {
         let s = &self.seen[c];
         s.usable
             && s.p_value <= alpha
             && (s.holds || again && s.holds_again)
             && s.held_gain > 0.0
-            && (candidate.low..=candidate.high).contains(&s.size)
+            && candidate.admits(s.size)
     }
 }
 
 /// The best window of each local candidate, as a candidate of its own with its place in the look.
 pub fn best_windows(
     seeing: &Seeing,
-    locals: &[Candidate],
+    locals: &[Candidate<Amplitude>],
     windows: &[Window],
     regular: usize,
-) -> Vec<(Candidate, usize)> {
+) -> Vec<(Candidate<Amplitude>, usize)> {
     (0..locals.len())
         .filter_map(|l| {
             let best = windows

@@ -9,9 +9,10 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::chain::{Chain, GRAVITY};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::candidate::Candidate;
 
 /// Width of a bin [m].
 const BIN_M: f64 = 20.0;
@@ -40,7 +41,11 @@ pub struct TrackChannel {
 
 impl TrackChannel {
     /// Averages residuals and directions; `None` where there is no survey.
-    pub fn new(chain: &Chain, frames: &[Frame], candidates: &[Candidate]) -> Option<Self> {
+    pub fn new(
+        chain: &Chain,
+        frames: &[Frame],
+        candidates: &[Candidate<Amplitude>],
+    ) -> Option<Self> {
         if frames.iter().any(|f| f.slope.len() != f.len()) {
             return None;
         }
@@ -182,6 +187,16 @@ impl TrackChannel {
             return 0.0;
         }
         (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * self.inflation).sqrt()
+    }
+
+    /// Correlation of two candidates over the bins.
+    pub fn correlation(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
+        let w = self.weights(slope_sd);
+        let dot = |x: &[f64], y: &[f64]| -> f64 {
+            x.iter().zip(y).zip(&w).map(|((x, y), w)| x * y * w).sum()
+        };
+        let (x, z) = (&self.directions[a], &self.directions[b]);
+        dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
     }
 
     /// Whether the profile departs by more than the survey allows, beyond a common slope, as a whole or in one stretch (Bonferroni over

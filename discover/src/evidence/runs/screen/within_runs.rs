@@ -1,39 +1,47 @@
 //! Claims within runs: the candidate that explains most, and its best window where it acts on a stretch.
 
-use crate::evidence::runs::candidates::candidate::Candidate;
+use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
-use crate::evidence::runs::model::chain::Chain;
-use crate::evidence::runs::model::design::{Design, Products};
+use crate::evidence::runs::model::chain::CHANNEL_NAMES;
+use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::windows::windows;
-use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::on_track::Surveyed;
 use crate::evidence::runs::screen::residual_screen::{Look, Seeing, best_windows, look};
-use crate::evidence::runs::searcher::{Pick, Searcher, Stand};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Claim, Screen};
 use crate::regression::scores::{Scores, cross_information};
 
-impl Searcher<'_> {
-    pub fn within_runs(&mut self, at: &Stand, track: Option<&Surveyed>) -> Option<Pick> {
+impl Campaign<'_> {
+    /// The claim within runs, where one stands out, and what could have been seen.
+    pub fn within_runs(
+        &mut self,
+        at: &Current,
+        track: Option<&Surveyed>,
+        account: &Account,
+    ) -> Screen<Amplitude> {
         if at.whitener.count() == 0 {
-            return None;
+            return Screen {
+                claim: None,
+                detectable: Vec::new(),
+            };
         }
         let mut regular = self.fresh(at.chain, &self.candidates.regular);
         regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         // A person's own effect may bear such a name, too.
-        regular.sort_by_key(Candidate::is_unknown);
-        let all_windows = windows(self.training, self.candidates.local.len());
+        regular.sort_by_key(Candidate::is_column);
+        let all_windows = windows(&self.training, self.candidates.local.len());
         let design = Design {
             local: &self.candidates.local,
             windows: &all_windows,
             ..at.design(&regular)
         };
-        let options = self.look_options();
-        let mut seeing = look(&design, self.training, at.maker, &options);
-        if self.first.is_none() {
-            let named = regular.iter().filter(|c| !c.is_unknown()).count();
-            self.first = Some(detectable(&seeing, &regular[..named]));
-        }
+        let options = self.screen_options(account);
+        let mut seeing = look(&design, &self.training, at.maker, &options);
+        let named = regular.iter().filter(|c| !c.is_column()).count();
+        let detectable = detectable(&seeing, &regular[..named]);
         self.by_forces = regular
             .iter()
             .zip(&seeing.seen)
@@ -45,39 +53,53 @@ impl Searcher<'_> {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         let places = best_windows(&seeing, &self.candidates.local, &all_windows, regular.len());
-        self.choose(at, &seeing, &regular, &places, &options)
+        Screen {
+            claim: self.choose(at, &seeing, &regular, &places, account),
+            detectable,
+        }
     }
 
-    /// Candidates that are not already part of the chain.
-    pub fn fresh(&self, chain: &Chain, list: &[Candidate]) -> Vec<Candidate> {
-        list.iter()
-            .filter(|c| {
-                !chain.effects.active.iter().any(|e| {
-                    e.effect_name() == c.effect
-                        && e.track == c.track
-                        && e.values[c.parameter] != 0.0
-                })
-            })
-            .cloned()
-            .collect()
+    fn screen_options(&self, account: &Account) -> Look {
+        let (rules, share) = (self.rules(), self.share(account));
+        Look {
+            pairs: self.options.twins.div_ceil(40).max(1),
+            flips: self.options.flips,
+            alpha: share * rules.alpha,
+            alpha_local: share * rules.alpha_window,
+            alpha_beyond: share * rules.alpha_beyond,
+            trust: match self.data.noise_estimated {
+                true => rules.estimated_noise_trust,
+                false => rules.noise_trust,
+            },
+            holds: [rules.holds, rules.window_holds],
+            least: [rules.least_left, rules.least_signal],
+            nine_in_ten: self.options.rules.search.nine_in_ten,
+            seed: self.options.seed,
+        }
     }
 
-    pub fn choose(
+    fn choose(
         &self,
-        at: &Stand,
+        at: &Current,
         seeing: &Seeing,
-        regular: &[Candidate],
-        places: &[(Candidate, usize)],
-        options: &Look,
-    ) -> Option<Pick> {
+        regular: &[Candidate<Amplitude>],
+        places: &[(Candidate<Amplitude>, usize)],
+        account: &Account,
+    ) -> Option<Claim<Amplitude>> {
+        let options = self.screen_options(account);
+        let rules = self.rules();
         let gain = |c: usize| seeing.seen[c].gain;
-        let alpha_of = |candidate: &Candidate| match (&candidate.track, candidate.is_unknown()) {
+        let alpha_of = |candidate: &Candidate<Amplitude>| match (
+            &candidate.act.track,
+            candidate.is_column(),
+        ) {
             (_, true) => options.alpha_beyond,
             (Some(_), _) => options.alpha_local,
             _ => options.alpha,
         };
-        let again = |candidate: &Candidate| {
-            candidate.window().is_some() && self.steps.iter().any(|s| s.effect == candidate.effect)
+        let again = |candidate: &Candidate<Amplitude>| {
+            candidate.window().is_some()
+                && account.steps.iter().any(|s| s.effect == candidate.effect)
         };
         let most = (0..regular.len())
             .map(|c| (&regular[c], c))
@@ -88,12 +110,12 @@ impl Searcher<'_> {
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
         // Windows that compete, with edges found to a few metres, are judged as ordinary candidates beside all others.
-        let close: Vec<(Candidate, usize)> = places
+        let close: Vec<(Candidate<Amplitude>, usize)> = places
             .iter()
-            .filter(|(_, c)| most > 0.0 && gain(*c) > 0.3 * most)
+            .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
             .map(|(candidate, c)| (self.refined(at, candidate), *c))
             .collect();
-        let list: Vec<Candidate> = regular
+        let list: Vec<Candidate<Amplitude>> = regular
             .iter()
             .chain(close.iter().map(|(candidate, _)| candidate))
             .cloned()
@@ -105,9 +127,9 @@ impl Searcher<'_> {
         };
         if !close.is_empty() {
             let design = at.design(&list);
-            let noise = noise_products(&design, self.training, at.maker, 0);
+            let noise = noise_products(&design, &self.training, at.maker, 0);
             let grams: Vec<_> = design
-                .products(self.training)
+                .products(&self.training)
                 .iter()
                 .zip(&noise)
                 .map(|(p, d)| p.corrected(d, 1.0))
@@ -131,7 +153,7 @@ impl Searcher<'_> {
         }
         let best = |wanted: bool| {
             (0..list.len())
-                .filter(|c| list[*c].is_unknown() == wanted)
+                .filter(|c| list[*c].is_column() == wanted)
                 .filter(|c| {
                     let candidate = &list[*c];
                     together.claimable(*c, candidate, alpha_of(candidate), again(candidate))
@@ -143,7 +165,8 @@ impl Searcher<'_> {
             (Some(known), Some(other)) => {
                 let more = together.seen[other].gain > together.seen[known].gain;
                 let t = |a: usize, b: usize| together.beyond(a, b) * together.seen[a].t.signum();
-                if more && t(known, other) < 2.0 && t(other, known) > 3.0 {
+                let [lost, kept] = rules.column_wins;
+                if more && t(known, other) < lost && t(other, known) > kept {
                     other
                 } else {
                     known
@@ -154,72 +177,34 @@ impl Searcher<'_> {
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // Of a class of places, the effect that already acts elsewhere is the simpler account.
         let known = (regular.len()..list.len()).find(|c| {
-            list[named].track.is_some()
+            list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)
-                && self.steps.iter().any(|s| s.effect == list[*c].effect)
+                && account.steps.iter().any(|s| s.effect == list[*c].effect)
         });
         if let Some(known) = known {
             named = known;
             (class, rivals) = self.rivals(&together, &list, named);
         }
         let seen = &together.seen[named];
-        Some(Pick {
+        let channel = self.strongest_channel(at.chain, &list[named], seen.size);
+        let bias = seen.bias_t;
+        Some(Claim {
             place: self.place_of(&list[named], at),
-            channel: self.strongest_channel(at.chain, &list[named], seen.size),
+            channel: CHANNEL_NAMES[channel],
             candidate: list[named].clone(),
             size: seen.size,
+            error: seen.error,
             class,
             rivals,
             p_value: seen.p_value,
-            bias_t: Some(seen.bias_t),
-            track_error: None,
+            remark: (bias.abs() > 1.0).then(|| {
+                format!(
+                    "{}: noisy inputs alone would show T = {bias:.1}; it was taken off",
+                    list[named].effect
+                )
+            }),
+            parameters: Vec::new(),
         })
-    }
-
-    /// A window with its edges moved to where it explains most.
-    pub fn refined(&self, at: &Stand, candidate: &Candidate) -> Candidate {
-        const MOVES: [f64; 7] = [-10.0, -5.0, -2.5, 0.0, 2.5, 5.0, 10.0];
-        const ROUNDS: usize = 3;
-        let Some(track) = &candidate.track else {
-            return candidate.clone();
-        };
-        let there: Vec<Frame> = self
-            .training
-            .iter()
-            .filter(|f| f.track == *track)
-            .cloned()
-            .collect();
-        let mut best = candidate.clone();
-        for _ in 0..ROUNDS {
-            let Some((from, to)) = best.window() else {
-                break;
-            };
-            let trials: Vec<Candidate> = MOVES
-                .iter()
-                .flat_map(|a| MOVES.iter().map(move |b| (from + a, to + b)))
-                .filter(|(a, b)| b - a >= 5.0)
-                .map(|(a, b)| candidate.within(track, a, b))
-                .collect();
-            let design = at.design(&trials);
-            let grams: Vec<_> = design
-                .products(&there)
-                .iter()
-                .map(Products::plain)
-                .collect();
-            let scores = Scores::new(&grams, design.fitted());
-            let gain = |c: usize| -> f64 {
-                scores.u.row(c).sum().powi(2) / scores.total_information(c).max(1e-300)
-            };
-            let Some(most) = (0..trials.len()).max_by(|a, b| gain(*a).total_cmp(&gain(*b))) else {
-                break;
-            };
-            let settled = trials[most].window() == Some((from, to));
-            best = trials[most].clone();
-            if settled {
-                break;
-            }
-        }
-        best
     }
 }
