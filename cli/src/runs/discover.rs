@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_discover::{Error, Options, Report};
+use kufe_discover::{Error, Options, Report, Rules};
 
 use crate::output::global::Global;
 use kufe_jobs::{Failure, write_whole};
@@ -27,6 +27,9 @@ pub struct Args {
     /// Which channels of runs to use
     #[arg(long, value_enum, default_value_t = Channels::All)]
     channels: Channels,
+    /// Rules of judgement that differ from the usual ones (TOML); for developers
+    #[arg(long, hide = true, value_name = "TOML")]
+    rules: Option<PathBuf>,
 }
 
 /// Channels of runs.
@@ -51,11 +54,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             args.twins
         )));
     }
+    let rules = match &args.rules {
+        Some(path) => rules(path)?,
+        None => Rules::default(),
+    };
     let options = Options {
         seed: args.seed,
         twins: args.twins,
         longitudinal: args.channels != Channels::Lateral,
         lateral: args.channels != Channels::Longitudinal,
+        rules,
         ..Options::default()
     };
     let bar = global.progress();
@@ -78,6 +86,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&report, &args.output);
     }
     Ok(())
+}
+
+fn rules(path: &Path) -> Result<Rules, Failure> {
+    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
+    Rules::from_toml(&text).map_err(|error| told(error.to_string()))
 }
 
 fn say(report: &Report, output: &Path) {

@@ -31,7 +31,9 @@ Gamma 3,0.0033,0.0003,9.6e6,0.5e6\n",
         "b = 0.088\nc = 2.01\nd = 14.66\nmu_cap = 0.007",
     );
     let model = write(folder.path(), "model.toml", &text);
-    let report = discover(&data, &model, &Options::default(), &|_| {}).unwrap().report;
+    let report = discover(&data, &model, &Options::default(), &|_| {})
+        .unwrap()
+        .report;
     assert_eq!(report.verdict, Verdict::None, "{}", report.sentence);
     assert!(report.sentence.contains("7 points"), "{}", report.sentence);
 }
@@ -75,7 +77,9 @@ fn a_real_car_saturates() {
     );
     let data = write(out.path(), "runs.csv", &index);
     let model = write(out.path(), "model.toml", LINEAR_CAR);
-    let report = discover(&data, &model, &Options::default(), &|_| {}).unwrap().report;
+    let report = discover(&data, &model, &Options::default(), &|_| {})
+        .unwrap()
+        .report;
     println!("{}", report.sentence);
     assert_eq!(report.steps[0].effect, "saturation");
     let side = report
