@@ -38,7 +38,9 @@ pub struct Frame {
     pub air_c: f64,
     /// Air pressure [Pa].
     pub air_pa: f64,
-    /// Distance run before this run in its session [m].
+    /// Relative humidity [%]; NaN where nothing states it.
+    pub humidity_pct: f64,
+    /// Distance run on this finish of the runners before this run [m].
     pub distance_before: f64,
     /// Time between samples of the recording [s].
     pub recorded_dt: f64,
@@ -234,7 +236,7 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
         let own = signal_kernel(run.dt_s);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let mut frame = frame(run, &own, surveys)?;
-        frame.distance_before = *travelled;
+        frame.distance_before = run.entry.conditions.distance_m.unwrap_or(*travelled);
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if segmented {
             frames = cut(&frame);
@@ -317,6 +319,7 @@ fn frame(run: &Run, kernel: &Kernel, surveys: &Surveys) -> Result<Frame, Error> 
         ice_c: run.entry.conditions.ice_c,
         air_c: run.entry.conditions.air_c,
         air_pa: run.entry.conditions.air_pa,
+        humidity_pct: run.entry.conditions.humidity_pct.unwrap_or(f64::NAN),
         distance_before: 0.0,
         recorded_dt: run.dt_s,
         sieve,

@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::candidates::Candidate;
-use super::chain::{Chain, GRAVITY};
+use kufe_sled::GRAVITY;
+
+use super::chain::Chain;
 use super::data::Frame;
 
 /// Width of a bin [m].

@@ -1,11 +1,15 @@
 //! A driver's score: energy lost beyond what a straight glide would lose.
 
+use kufe_effect::Forces;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
-use crate::motion::one_track::forward;
+use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::motion::balance::{Balance, Left};
+use crate::motion::one_track::forces_at;
+use crate::motion::state::{AxleForces, Motion};
 use crate::signals::prepare::Prepared;
 
 /// One run's energies, relative increases and angles.
@@ -33,6 +37,8 @@ pub struct RunEvaluation {
     pub increase_aero: f64,
     /// Sum of the three: the score, smaller is better.
     pub increase_total: f64,
+    /// Root mean square of what the balances leave: how well the model explains the run that it judges.
+    pub left_rms: Left,
     /// Steering angle.
     pub steering: Angles,
     /// Slip angle at the front runner.
@@ -91,7 +97,7 @@ pub struct DrivingForce {
 /// Delta E_aero  = int F_x~,aero - F_x,aero ds / E_tot_loss
 /// ```
 ///
-/// Forces are those of the friction laws at the measured slips and normal forces; `alpha` is the slip at the centre of
+/// What effects put on the body counts with the air. Forces are those of the friction laws at the measured slips and normal forces; `alpha` is the slip at the centre of
 /// gravity for both axles, as in the paper. `ds = v dt` by the trapezoidal rule.
 pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
     runs.par_iter()
@@ -107,12 +113,16 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     let mut energies = [0.0; 4];
     let mut before: Option<[f64; 4]> = None;
     for state in &run.states {
-        let forces = forward(vehicle, state);
+        let at = Balance::new(sled, state, &Motion::default());
+        let forces = forces_at(vehicle, &at);
+        let straight = straight_glide(vehicle, &at, &forces);
         let alpha = state.alpha_cog_rad;
         let along = |force: &[f64; 3]| along_driving_direction(force[0], force[1], alpha);
         let air = |beta: f64| drag(sled, state.v_mps, state.air_density_kgpm3, beta);
-        let ideal = [forces.front[0], forces.rear[0], air(0.0)];
-        let actual = [along(&forces.front_body), along(&forces.rear), air(-alpha)];
+        let [ideal_front, ideal_rear] = straight.along;
+        let ideal = [ideal_front, ideal_rear, air(0.0) + straight.body_along];
+        let body = along(&[forces.body[0], forces.body[1], 0.0]);
+        let actual = [along(&forces.front_body), along(&forces.rear), air(-alpha) + body];
         let ideal_n: f64 = ideal.iter().sum();
         series.push(DrivingForce {
             t_s: state.t_s,
@@ -153,12 +163,40 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         increase_rear: rear / least,
         increase_aero: aero / least,
         increase_total: (front + rear + aero) / least,
+        left_rms: root_mean_square(&residuals(run, vehicle)),
         steering,
         slip_front,
         slip_rear,
         chassis_slip,
         series,
     }
+}
+
+/// What the effects leave of the forces along the sled where it glides straight, without slip, steering and roll-split.
+///
+/// Without effects these are the base laws' forces along the runners at the slips as driven, as in the paper.
+fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Forces {
+    if vehicle.effects.is_empty() {
+        return Forces {
+            along: [forces.front[0], forces.rear[0]],
+            ..Forces::default()
+        };
+    }
+    let laws = at.laws(vehicle);
+    let mut straight = Forces {
+        across: [0.0; 2],
+        ..laws.forces
+    };
+    let seen = kufe_effect::State {
+        slip: [0.0; 2],
+        slip_rate: [0.0; 2],
+        chassis_slip: 0.0,
+        steering: 0.0,
+        roll_split: 0.0,
+        ..at.seen(laws.load_n)
+    };
+    vehicle.effects.act("", &seen, &mut straight);
+    straight
 }
 
 fn distribution(values: impl Iterator<Item = f64>) -> Angles {

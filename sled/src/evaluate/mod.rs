@@ -3,4 +3,5 @@
 pub(crate) mod bootstrap;
 pub(crate) mod driving;
 pub(crate) mod groups;
+pub(crate) mod residuals;
 pub(crate) mod validate;

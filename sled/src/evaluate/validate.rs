@@ -5,6 +5,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::model::vehicle::Vehicle;
+use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::motion::balance::Left;
 use crate::motion::one_track::{forward, forward_braghin, resultant};
 use crate::signals::prepare::Prepared;
 
@@ -23,6 +25,8 @@ pub struct RunValidation {
     pub rmse_n: f64,
     /// The same for Braghin's law with its published parameters [N].
     pub rmse_braghin_n: f64,
+    /// Root mean square of what all balances leave.
+    pub left_rms: Left,
     /// Where model and measurement differ most, worst first.
     pub largest: Vec<Disagreement>,
     /// The lateral force over time; not part of the report.
@@ -112,6 +116,7 @@ fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
         session: run.entry.session.clone(),
         rmse_n,
         rmse_braghin_n: rms(&|f| f.braghin_n - f.measured_n),
+        left_rms: root_mean_square(&residuals(run, vehicle)),
         largest: largest_disagreements(&series, run.dt_s, rmse_n),
         series,
     }

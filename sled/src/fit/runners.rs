@@ -9,6 +9,8 @@ use crate::fit::contacts::find_contacts;
 use crate::fit::samples::{FitOptions, lateral_samples};
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
+use crate::motion::balance::Left;
+use crate::evaluate::residuals::balances_left;
 use crate::signals::prepare::Prepared;
 
 /// Both runners' fits and what they rest on.
@@ -26,6 +28,8 @@ pub struct SledFit {
     pub contacts: usize,
     /// Samples before anything was left out.
     pub total: usize,
+    /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and effects included.
+    pub left: Left,
 }
 
 /// Fits both runners to prepared runs.
@@ -53,31 +57,40 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         slip_sd: slip_sd(axle),
         ..LateralFitOptions::default()
     };
-    let both = |contacts: &[Vec<bool>]| -> Result<(LateralFit, LateralFit, usize), Error> {
+    let held = [vehicle.front.lateral, vehicle.rear.lateral];
+    let both = |contacts: &[Vec<bool>], vehicle: &Vehicle| -> Result<(LateralFit, LateralFit, usize), Error> {
         let ([front, rear], excluded) = lateral_samples(runs, vehicle, contacts, options);
         let (front, rear) = rayon::join(
-            || fit_lateral(&front, &with(&vehicle.front.lateral, 0)),
-            || fit_lateral(&rear, &with(&vehicle.rear.lateral, 1)),
+            || fit_lateral(&front, &with(&held[0], 0)),
+            || fit_lateral(&rear, &with(&held[1], 1)),
         );
         Ok((front?, rear?, excluded))
     };
-    let (mut front, mut rear, excluded) = both(&[])?;
+    let (mut front, mut rear, excluded) = both(&[], vehicle)?;
     let mut contacts = 0;
-    // The first fit is pulled by what is looked for; the second round finds with a better one.
-    for _ in 0..if options.leave_out_contacts { 2 } else { 0 } {
-        let marked = find_contacts(runs, &vehicle.with_lateral(front.model, rear.model));
-        contacts = marked.iter().flatten().filter(|marked| **marked).count();
-        if contacts == 0 {
+    let mut marked = Vec::new();
+    // The first fit is pulled by what is looked for; the second round finds with a better one. Effects that grow with the
+    // stiffness of the laws are taken off with that of the round before.
+    let rounds = if options.leave_out_contacts || !vehicle.effects.is_empty() { 2 } else { 0 };
+    for _ in 0..rounds {
+        let fitted = vehicle.with_lateral(front.model, rear.model);
+        if options.leave_out_contacts {
+            marked = find_contacts(runs, &fitted);
+            contacts = marked.iter().flatten().filter(|marked| **marked).count();
+        }
+        if contacts == 0 && vehicle.effects.is_empty() {
             break;
         }
-        (front, rear, _) = both(&marked)?;
+        (front, rear, _) = both(&marked, &fitted)?;
     }
+    let left = balances_left(runs, &vehicle.with_lateral(front.model, rear.model));
     Ok(SledFit {
         front,
         rear,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
         excluded,
         contacts,
+        left,
         total: runs.iter().map(|run| run.states.len()).sum(),
     })
 }
@@ -103,6 +116,7 @@ impl SledFit {
             "samples": self.total,
             "excluded_roll_acceleration": self.excluded,
             "excluded_contacts": self.contacts,
+            "balances_left_rms": self.left,
             "identifiability": "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: judge that product and k_n_per_rad; mu_zeta and c apart rest on c where c_held is true. e was predefined.",
             "version": env!("CARGO_PKG_VERSION"),
         })

@@ -4,7 +4,7 @@ use kufe_friction::LateralSample;
 use rayon::prelude::*;
 
 use crate::model::vehicle::Vehicle;
-use crate::motion::one_track::inverse;
+use crate::motion::one_track::{inverse, share_of_laws};
 use crate::signals::prepare::Prepared;
 
 /// How samples are chosen and fitted.
@@ -28,7 +28,8 @@ impl Default for FitOptions {
     }
 }
 
-/// Samples of both runners (front, rear) and how many were left out for their roll acceleration.
+/// Samples of both runners (front, rear): what is left to the base laws once the vehicle's effects have given their share,
+/// and how many were left out for their roll acceleration.
 ///
 /// `contacts` marks samples to leave out, a run; empty for none. A cluster is a run where there are at least twelve, else a stretch of four seconds of one.
 pub fn lateral_samples(
@@ -42,6 +43,7 @@ pub fn lateral_samples(
         .par_iter()
         .enumerate()
         .map(|(number, run)| {
+            let vehicle = &vehicle.on_track(&run.entry.track);
             let stretch = (4.0 / run.dt_s) as usize;
             let (mut front, mut rear, mut excluded) = (Vec::new(), Vec::new(), 0);
             for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
@@ -53,19 +55,20 @@ pub fn lateral_samples(
                     continue;
                 }
                 let forces = inverse(vehicle, state, motion);
+                let across = share_of_laws(vehicle, state, &forces);
                 let cluster = if by_run {
                     number
                 } else {
                     number * 100_000 + i / stretch
                 } as u32;
-                let sample = |alpha, force: &[f64; 3]| LateralSample {
+                let sample = |alpha, force: &[f64; 3], fy| LateralSample {
                     alpha,
                     fz: force[2],
-                    fy: force[1],
+                    fy,
                     cluster,
                 };
-                front.push(sample(state.alpha_f_rad, &forces.front));
-                rear.push(sample(state.alpha_r_rad, &forces.rear));
+                front.push(sample(state.alpha_f_rad, &forces.front, across[0]));
+                rear.push(sample(state.alpha_r_rad, &forces.rear, across[1]));
             }
             ([front, rear], excluded)
         })

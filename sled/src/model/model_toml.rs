@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::model::sled::{Noise, Sled, Survey, published_yaw_drag};
+use crate::model::sled::{ModelConditions, Noise, Sled, Survey, published_yaw_drag};
 
 /// A whole model file: what simulations, fits and evaluations are made with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -22,6 +22,9 @@ pub struct Model {
     /// How well the track is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub survey: Option<Survey>,
+    /// Conditions that effects ask for, where neither a run's file nor `runs.csv` states them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<ModelConditions>,
     /// Standard deviations of the sensors; estimated from the data where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
@@ -135,6 +138,16 @@ impl Model {
         for (key, value) in zero_or_more {
             require(file, key, value, value >= 0.0, "0 or more")?;
         }
+        if let Some(conditions) = &self.conditions {
+            let ranges = [
+                ("conditions.humidity_pct", conditions.humidity_pct, 100.0, "0 to 100"),
+                ("conditions.distance_m", conditions.distance_m, 1e8, "0 to 1e8"),
+            ];
+            for (key, value, most, expected) in ranges {
+                let value = value.unwrap_or(0.0);
+                require(file, key, value, (0.0..=most).contains(&value), expected)?;
+            }
+        }
         let in_friction = |table: &str, error: kufe_friction::Error| Error::Keys {
             file: file.to_string(),
             reason: format!("[friction.{table}] {error}"),
@@ -192,6 +205,7 @@ impl Model {
                 steer_rad: 0.0004,
                 roll_split_rad: 0.0004,
             }),
+            conditions: None,
             effects: BTreeMap::new(),
             folder: PathBuf::new(),
             file: String::new(),

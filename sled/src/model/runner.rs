@@ -18,16 +18,19 @@ pub struct RunnerFriction {
     pub pressure: Option<PressureLookup>,
     /// Lateral law.
     pub lateral: MagicFormula,
+    /// Multiplier of the longitudinal coefficient: 1 but in fits.
+    pub mu_scale: f64,
 }
 
 impl RunnerFriction {
     /// Longitudinal coefficient of friction at a normal force [N] and a track curvature [1/m].
     pub fn mu(&self, fz: f64, curvature: f64) -> f64 {
-        match (&self.longitudinal, &self.pressure) {
+        let mu = match (&self.longitudinal, &self.pressure) {
             (Longitudinal::Fixed(mu), _) => *mu,
             (law, Some(pressure)) => law.mu(pressure(fz.max(0.0), curvature)),
             (law, None) => law.mu(f64::NAN),
-        }
+        };
+        self.mu_scale * mu
     }
 }
 

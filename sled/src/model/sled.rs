@@ -73,3 +73,15 @@ pub struct Noise {
     /// Roll-split angle [rad].
     pub roll_split_rad: f64,
 }
+
+/// `[conditions]`: what only effects ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelConditions {
+    /// Relative humidity of the air [%].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub humidity_pct: Option<f64>,
+    /// Distance run on this finish of the runners before the run [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_m: Option<f64>,
+}

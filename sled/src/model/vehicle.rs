@@ -6,7 +6,33 @@ use crate::effects::{Effects, Measured};
 use crate::error::Error;
 use crate::model::model_toml::Model;
 use crate::model::runner::{PressureLookup, RunnerFriction, open_table};
-use crate::model::sled::Sled;
+use crate::model::sled::{ModelConditions, Sled};
+
+/// A parameter of the base laws that a fit may move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaseParameter {
+    /// The longitudinal coefficient of both runners.
+    Longitudinal,
+    /// `mu_zeta` of the front runner.
+    FrontGrip,
+    /// `k_n_per_rad` of the front runner.
+    FrontStiffness,
+    /// `mu_zeta` of the rear runner.
+    RearGrip,
+    /// `k_n_per_rad` of the rear runner.
+    RearStiffness,
+}
+
+impl BaseParameter {
+    /// All of them.
+    pub const ALL: [BaseParameter; 5] = [
+        BaseParameter::Longitudinal,
+        BaseParameter::FrontGrip,
+        BaseParameter::FrontStiffness,
+        BaseParameter::RearGrip,
+        BaseParameter::RearStiffness,
+    ];
+}
 
 /// A sled with the friction of both runners.
 #[derive(Clone)]
@@ -19,6 +45,8 @@ pub struct Vehicle {
     pub rear: RunnerFriction,
     /// Effects beyond the base model that act on forces, sensors and track; none from [`Vehicle::new`].
     pub effects: Effects,
+    /// What the model states for all runs that do not state it themselves.
+    pub conditions: ModelConditions,
 }
 
 impl std::fmt::Debug for Vehicle {
@@ -65,13 +93,16 @@ impl Vehicle {
                 longitudinal,
                 pressure: open("front_table", &keys.front_table)?,
                 lateral: model.friction.front,
+                mu_scale: 1.0,
             },
             rear: RunnerFriction {
                 longitudinal,
                 pressure: open("rear_table", &keys.rear_table)?,
                 lateral: model.friction.rear,
+                mu_scale: 1.0,
             },
             effects: Effects::default(),
+            conditions: model.conditions.unwrap_or_default(),
         })
     }
 
@@ -115,6 +146,22 @@ impl Vehicle {
         for effect in active {
             effect.track = None;
         }
+        vehicle
+    }
+
+    /// The vehicle with its base parameters times these multipliers, in the order of [`BaseParameter::ALL`].
+    pub fn scaled(&self, by: &[f64; 5]) -> Vehicle {
+        let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
+            mu_zeta: law.mu_zeta * grip,
+            k_n_per_rad: law.k_n_per_rad * stiffness,
+            ..*law
+        };
+        let mut vehicle = self.with_lateral(
+            law(&self.front.lateral, by[1], by[2]),
+            law(&self.rear.lateral, by[3], by[4]),
+        );
+        vehicle.front.mu_scale *= by[0];
+        vehicle.rear.mu_scale *= by[0];
         vehicle
     }
 

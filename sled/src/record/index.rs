@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::model::sled::ModelConditions;
 use crate::motion::aero;
 
 /// Columns of the index.
@@ -19,6 +20,9 @@ pub const INDEX_COLUMNS: [&str; 9] = [
     "air_pa",
 ];
 
+/// Columns that the index may have besides, for effects that ask for them.
+pub const MORE_INDEX_COLUMNS: [&str; 2] = ["humidity_pct", "distance_m"];
+
 /// Ice and air during a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
@@ -28,9 +32,30 @@ pub struct Conditions {
     pub air_c: f64,
     /// Air pressure [Pa].
     pub air_pa: f64,
+    /// Relative humidity [%], where it is stated; only effects ask for it.
+    pub humidity_pct: Option<f64>,
+    /// Distance run on this finish of the runners before the run [m], where it is stated; only effects ask for it.
+    pub distance_m: Option<f64>,
 }
 
 impl Conditions {
+    /// The same with what the model states where nothing is stated here.
+    pub fn or(&self, model: &ModelConditions) -> Conditions {
+        Conditions {
+            humidity_pct: self.humidity_pct.or(model.humidity_pct),
+            distance_m: self.distance_m.or(model.distance_m),
+            ..*self
+        }
+    }
+
+    /// Names among [`MORE_INDEX_COLUMNS`] that are not stated.
+    pub fn absent(&self) -> Vec<&'static str> {
+        let stated = [self.humidity_pct, self.distance_m];
+        let all = MORE_INDEX_COLUMNS.into_iter().zip(stated);
+        all.filter_map(|(name, value)| value.is_none().then_some(name))
+            .collect()
+    }
+
     /// Density of the air [kg/m3] by [`aero::air_density`].
     pub fn air_density(&self) -> f64 {
         aero::air_density(self.air_pa, self.air_c)
@@ -95,6 +120,12 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             }
             Ok(value)
         };
+        let stated = |name: &str, low: f64, high: f64| -> Result<Option<f64>, Error> {
+            match at.get(name).and_then(|place| record.get(*place)) {
+                None | Some("") => Ok(None),
+                Some(_) => number(name, low, high).map(Some),
+            }
+        };
         let run = text("run")?;
         if let Some(first) = rows.insert(run.clone(), row) {
             return Err(Error::DuplicateRun {
@@ -115,6 +146,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
                 ice_c: number("ice_c", -60.0, 5.0)?,
                 air_c: number("air_c", -60.0, 50.0)?,
                 air_pa: number("air_pa", 50e3, 110e3)?,
+                humidity_pct: stated("humidity_pct", 0.0, 100.0)?,
+                distance_m: stated("distance_m", 0.0, 1e8)?,
             },
         });
     }
@@ -128,29 +161,37 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-/// Writes the index; files are named relative to its folder.
+/// Writes the index; files are named relative to its folder, and [`MORE_INDEX_COLUMNS`] stand there where a run states them.
 ///
 /// # Errors
 /// [`Error::File`].
 pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(), Error> {
     let told = |error: csv::Error| Error::file("runs.csv", error);
     let mut table = csv::Writer::from_writer(writer);
-    table.write_record(INDEX_COLUMNS).map_err(told)?;
+    let more: [fn(&Conditions) -> Option<f64>; 2] = [|c| c.humidity_pct, |c| c.distance_m];
+    let stated = more.map(|of| entries.iter().any(|entry| of(&entry.conditions).is_some()));
+    let names = MORE_INDEX_COLUMNS.iter().zip(stated);
+    let names = names.filter_map(|(name, stated)| stated.then_some(*name));
+    table
+        .write_record(INDEX_COLUMNS.into_iter().chain(names))
+        .map_err(told)?;
     for entry in entries {
         let c = &entry.conditions;
-        table
-            .write_record([
-                &entry.run,
-                &entry.file.display().to_string(),
-                &entry.track,
-                &entry.driver,
-                &entry.driver_class,
-                &entry.session,
-                &c.ice_c.to_string(),
-                &c.air_c.to_string(),
-                &c.air_pa.to_string(),
-            ])
-            .map_err(told)?;
+        let mut row = vec![
+            entry.run.clone(),
+            entry.file.display().to_string(),
+            entry.track.clone(),
+            entry.driver.clone(),
+            entry.driver_class.clone(),
+            entry.session.clone(),
+            c.ice_c.to_string(),
+            c.air_c.to_string(),
+            c.air_pa.to_string(),
+        ];
+        for (of, _) in more.iter().zip(stated).filter(|(_, stated)| *stated) {
+            row.push(of(c).map_or_else(String::new, |value| value.to_string()));
+        }
+        table.write_record(&row).map_err(told)?;
     }
     table
         .flush()
@@ -167,10 +208,15 @@ fn place_columns(
             file: file.to_string(),
             column: name.to_string(),
             what,
-            expected: INDEX_COLUMNS.join(", "),
+            expected: format!(
+                "{} and perhaps {}",
+                INDEX_COLUMNS.join(", "),
+                MORE_INDEX_COLUMNS.join(", ")
+            ),
         };
         let known = INDEX_COLUMNS
             .iter()
+            .chain(&MORE_INDEX_COLUMNS)
             .find(|known| **known == name)
             .ok_or_else(|| odd("unknown"))?;
         if at.insert(*known, place).is_some() {

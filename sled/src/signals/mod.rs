@@ -2,5 +2,6 @@
 
 pub(crate) mod derivative;
 pub(crate) mod filter;
+pub(crate) mod further;
 pub(crate) mod noise;
 pub(crate) mod prepare;

@@ -1,18 +1,20 @@
 //! From a recorded run to states: filter, down-sample, transfer, differentiate.
 
+use kufe_effect::{Sensor, Signals};
 use rayon::prelude::*;
 
-use crate::effects::Measured;
 use crate::error::Error;
 use crate::model::sled::Noise;
 use crate::model::vehicle::Vehicle;
-use crate::motion::one_track::{AxleForces, Motion, State, inverse, normal_forces};
-use crate::motion::transfer::{slips, to_centre_of_gravity};
+use crate::motion::measured::from_sensors;
+use crate::motion::one_track::inverse;
+use crate::motion::state::{AxleForces, Motion, State};
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::index::Entry;
 use crate::record::run::Run;
 use crate::signals::derivative::derivative;
 use crate::signals::filter::{low_pass, noise_gain, resample, resampled_length};
+use crate::signals::further::Further;
 use crate::signals::noise::{estimate_noise, slip_noise};
 
 /// How a run is brought to the rate that everything else works at.
@@ -68,7 +70,8 @@ impl Prepared {
 /// estimated from the recording.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::TooShort`] where too little is left at the lower rate.
+/// [`Error::MissingColumn`], [`Error::TooShort`] where too little is left at the lower rate, [`Error::Keys`] for an effect
+/// that needs what neither the run's file nor `runs.csv` nor the model states.
 pub fn prepare(
     run: &Run,
     vehicle: &Vehicle,
@@ -76,6 +79,7 @@ pub fn prepare(
     options: &PrepareOptions,
 ) -> Result<Prepared, Error> {
     let sled = &vehicle.sled;
+    let effects = vehicle.effects.on_track(&run.entry.track);
     let from = run.rate_hz();
     let lower = options.rate_hz < from * (1.0 - 1e-3);
     let rate = if lower { options.rate_hz } else { from };
@@ -91,100 +95,41 @@ pub fn prepare(
         let slow = resample(run.column(name)?, from, rate);
         Ok(low_pass(&slow, rate, options.cutoff_hz))
     };
-    let (ax, ay, az) = (
-        channel("ax_mps2")?,
-        channel("ay_mps2")?,
-        channel("az_mps2")?,
-    );
-    let (roll, pitch, yaw) = (
-        channel("roll_rate_radps")?,
-        channel("pitch_rate_radps")?,
-        channel("yaw_rate_radps")?,
-    );
-    let (v, mut alpha) = (channel("v_mps")?, channel("alpha_rad")?);
-    let (mut delta, gamma) = (channel("delta_rad")?, channel("gamma_rad")?);
     let dt = 1.0 / rate;
-    let (mut ax, mut ay, mut az) = (ax, ay, az);
-    if !vehicle.effects.is_empty() {
-        let slip_rate = derivative(&alpha, dt);
-        for i in 0..v.len() {
-            let mut measured = Measured {
-                acceleration: [ax[i], ay[i], az[i]],
-                slip: alpha[i],
-                slip_rate: slip_rate[i],
-                steering: delta[i],
-                ..Measured::default()
-            };
-            vehicle.effects.correct(&mut measured);
-            [ax[i], ay[i], az[i]] = measured.acceleration;
-            (alpha[i], delta[i]) = (measured.slip, measured.steering);
-        }
+    let mut recorded = Vec::with_capacity(Sensor::ALL.len());
+    for sensor in Sensor::ALL {
+        recorded.push(channel(sensor.name())?);
     }
-    let (roll_accel, pitch_accel, yaw_accel) = (
-        derivative(&roll, dt),
-        derivative(&pitch, dt),
-        derivative(&yaw, dt),
-    );
+    let samples = recorded[0].len();
     let distance = match run.columns.get("s_m") {
         Some(s) if s.iter().all(|s| s.is_finite()) => resample(s, from, rate),
-        _ => integrate(&v, dt),
+        _ => integrate(&recorded[Sensor::Speed as usize], dt),
     };
-
-    let density = run.entry.conditions.air_density();
-    let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
-    let mut states = Vec::with_capacity(v.len());
-    let mut motions = Vec::with_capacity(v.len());
-    for i in 0..v.len() {
-        let accel = to_centre_of_gravity(
-            [ax[i], ay[i], az[i]],
-            [roll[i], pitch[i], yaw[i]],
-            [roll_accel[i], pitch_accel[i], yaw_accel[i]],
-            place,
-        );
-        let slip = slips(sled, alpha[i], yaw[i], v[i], delta[i]);
-        let (fz_f0, fz_r) = normal_forces(sled, accel[2], pitch_accel[i]);
-        states.push(State {
-            t_s: run.t0_s + i as f64 * dt,
-            s_m: distance[i],
-            v_mps: v[i],
-            alpha_cog_rad: slip.cog,
-            alpha_f_rad: slip.front,
-            alpha_r_rad: slip.rear,
-            delta_rad: delta[i],
-            gamma_rad: gamma[i],
-            roll_rate_radps: roll[i],
-            pitch_rate_radps: pitch[i],
-            yaw_rate_radps: yaw[i],
-            roll_accel_radps2: roll_accel[i],
-            curvature_1pm: -pitch[i] / v[i],
-            fz_f0_n: fz_f0,
-            fz_r_n: fz_r,
-            air_density_kgpm3: density,
-            ice_c: run.entry.conditions.ice_c,
-            air_c: run.entry.conditions.air_c,
-            air_pa: run.entry.conditions.air_pa,
-            slip_rate_radps: [0.0; 2],
-            accel_mps2: accel,
-        });
-        motions.push(Motion {
-            accel_mps2: accel,
-            pitch_accel_radps2: pitch_accel[i],
-            yaw_accel_radps2: yaw_accel[i],
-        });
+    let further = Further::of(run, vehicle, &effects, |x| resample(x, from, rate))?;
+    let conditions = |i: usize, v: f64| further.conditions(run, i, run.t0_s + i as f64 * dt, distance[i], v);
+    if !effects.is_empty() {
+        let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
+        for i in 0..samples {
+            let mut signals = at(&recorded, &rates, i);
+            effects.correct(&conditions(i, signals[Sensor::Speed]), &mut signals);
+            for (channel, value) in recorded.iter_mut().zip(signals.value) {
+                channel[i] = value;
+            }
+        }
     }
-
-    let slip_of = |pick: fn(&State) -> f64| -> Vec<f64> {
-        derivative(&states.iter().map(pick).collect::<Vec<_>>(), dt)
-    };
-    let (front_rate, rear_rate) = (slip_of(|s| s.alpha_f_rad), slip_of(|s| s.alpha_r_rad));
-    for (i, state) in states.iter_mut().enumerate() {
-        state.slip_rate_radps = [front_rate[i], rear_rate[i]];
-    }
+    let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
+    let (states, motions) = (0..samples)
+        .map(|i| {
+            let signals = at(&recorded, &rates, i);
+            from_sensors(sled, &signals, &conditions(i, signals[Sensor::Speed]))
+        })
+        .unzip();
 
     let noise = match noise {
         Some(noise) => *noise,
         None => estimate_noise(run)?,
     };
+    let v = &recorded[Sensor::Speed as usize];
     let mean_speed = v.iter().sum::<f64>() / v.len() as f64;
     let (front, rear) = slip_noise(sled, &noise, mean_speed);
     // Both filters act on the noise at the recording's own rate; the narrower one decides.
@@ -218,6 +163,16 @@ pub fn prepare_all(
         .collect::<Vec<_>>()
         .into_iter()
         .collect()
+}
+
+/// Sample `i` of all sensors with its rates.
+fn at(recorded: &[Vec<f64>], rates: &[Vec<f64>], i: usize) -> Signals {
+    let mut signals = Signals::default();
+    for sensor in Sensor::ALL {
+        let k = sensor as usize;
+        signals.set(sensor, recorded[k][i], rates[k][i]);
+    }
+    signals
 }
 
 /// Distance from speed by the trapezoidal rule.

@@ -1,6 +1,7 @@
 //! Driving a track: fixed steps of fourth order.
 
 use crate::error::Error;
+use crate::model::refuse::refuse;
 use crate::model::vehicle::Vehicle;
 use crate::simulate::driver::Driver;
 use crate::simulate::dynamics::{Before, COUNT, Instant, Unknowns, World};
@@ -69,12 +70,14 @@ pub fn simulate(
 ) -> Result<Simulated, Error> {
     let every = steps_an_interval(options)?;
     let vehicle = &vehicle.on_track(&track.name);
+    let conditions = options.conditions.or(&vehicle.conditions);
+    refuse(&vehicle.effects, &conditions.absent(), "simulation")?;
     let dt_s = 1.0 / options.rate_hz;
     let h = dt_s / every as f64;
     let world = World {
         vehicle,
         shape: track,
-        conditions: options.conditions,
+        conditions,
         density: options.conditions.air_density(),
         driver,
         mood: driver.mood(track.start_m, track.finish_m, options.seed),

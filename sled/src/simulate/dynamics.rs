@@ -1,14 +1,14 @@
 //! Equations of motion of the one-track sled on a track.
 
 use crate::model::vehicle::Vehicle;
-use crate::motion::one_track::{AxleForces, Motion, State, aero_force, forward, normal_forces};
+use crate::motion::axles::normal_forces;
+use crate::motion::balance::Balance;
+use crate::motion::one_track::forces_at;
+use crate::motion::state::{AxleForces, GRAVITY, Motion, State};
 use crate::motion::transfer::{Slips, slips};
 use crate::record::index::Conditions;
 use crate::simulate::driver::{Driver, Mood};
 use crate::track::shape::TrackShape;
-
-/// Gravity as the format's conventions have it: an accelerometer at rest on level ice reads it [m/s2].
-pub const GRAVITY: f64 = 9.81;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///
@@ -172,11 +172,14 @@ impl World<'_> {
             ice_c: self.conditions.ice_c,
             air_c: self.conditions.air_c,
             air_pa: self.conditions.air_pa,
+            humidity_pct: self.conditions.humidity_pct.unwrap_or(f64::NAN),
+            distance_before_m: self.conditions.distance_m.unwrap_or(f64::NAN),
             slip_rate_radps: before.slip_rate,
             accel_mps2: before.accel,
         };
-        let forces = forward(self.vehicle, &state);
-        let air = aero_force(sled, &state);
+        let at = Balance::new(sled, &state, &Motion::default());
+        let forces = forces_at(self.vehicle, &at);
+        let air = at.air();
         let (mut wall, mut wall_moment) = (0.0, 0.0);
         for contact in self.contacts {
             let force = contact.force_at(s);

@@ -36,6 +36,8 @@ impl Default for SimulateOptions {
                 ice_c: -8.0,
                 air_c: 0.0,
                 air_pa: 95_000.0,
+                humidity_pct: None,
+                distance_m: None,
             },
             contacts: Vec::new(),
             cross_curvature_1pm: 0.25,

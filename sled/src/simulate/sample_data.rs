@@ -11,7 +11,8 @@ use crate::record::index::Conditions;
 use crate::record::run::Run;
 use crate::simulate::drive::simulate;
 use crate::simulate::driver::Driver;
-use crate::simulate::dynamics::{GRAVITY, WallContact};
+use crate::motion::state::GRAVITY;
+use crate::simulate::dynamics::WallContact;
 use crate::simulate::options::SimulateOptions;
 use crate::simulate::sensors::{record, simulated_entry};
 use crate::track::shape::TrackShape;
@@ -218,6 +219,8 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
                         ice_c: -9.0 + 1.5 * warm,
                         air_c: -4.0 + 2.0 * warm,
                         air_pa: 94_500.0 + 300.0 * warm,
+                        humidity_pct: None,
+                        distance_m: None,
                     },
                     contacts: sample_contacts(track, driver, run_seed),
                     seed: run_seed,

@@ -62,6 +62,8 @@ fn entry(file: PathBuf) -> Entry {
         ice_c: -8.0,
         air_c: 0.0,
         air_pa: 95_000.0,
+        humidity_pct: None,
+        distance_m: None,
     };
     let text = || "x".to_string();
     Entry {

@@ -26,6 +26,8 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
             ice_c: 0.0,
             air_c: 20.0,
             air_pa: 101_325.0,
+            humidity_pct: None,
+            distance_m: None,
         },
     };
     let required = [
