@@ -16,13 +16,14 @@
 //! assert!(fx < 0.0 && fy > 20.0 * fx.abs());
 //! ```
 
-pub mod effects;
 mod error;
 mod estimate;
 mod icehouse;
 mod lateral;
 mod longitudinal;
 mod tables;
+
+pub use kufe_effect as effects;
 
 pub use error::Error;
 pub use estimate::Estimate;

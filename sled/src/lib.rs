@@ -21,7 +21,6 @@
 //! # Ok::<(), kufe_sled::Error>(())
 //! ```
 
-pub mod effects;
 mod error;
 mod evaluate;
 mod fit;
@@ -33,11 +32,13 @@ mod signals;
 mod simulate;
 mod track;
 
+pub use kufe_effect as effects;
+
 pub use error::Error;
 pub use evaluate::bootstrap::{Summary, quantile, summarise};
 pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
-pub use evaluate::residuals::{balances_left, residuals, root_mean_square};
 pub use evaluate::groups::{Group, distinct, groups};
+pub use evaluate::residuals::{balances_left, residuals, root_mean_square};
 pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
@@ -57,7 +58,9 @@ pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::columns::Columns;
 pub use record::csv::{read_csv, write_csv};
-pub use record::index::{Conditions, Entry, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index};
+pub use record::index::{
+    Conditions, Entry, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
+};
 pub use record::parquet::{read_parquet, write_parquet};
 pub use record::read::read_columns;
 pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs};

@@ -1,7 +1,6 @@
 //! What may be missing: effects of the catalogue, effects of one's own, and a straight line in each further column.
 
-use kufe_friction::effects::{CATALOGUE, Column, Effect, find};
-use kufe_sled::effects::{Channel, Custom, Effects, Kind};
+use kufe_sled::effects::{Active, CATALOGUE, Column, Custom, Effect, Effects, Kind};
 
 use super::rows::Row;
 use crate::Error;
@@ -60,23 +59,22 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
         model
             .active
             .iter()
-            .any(|a| a.effect_name() == name && is_on(a))
+            .any(|a| a.effect_name() == name && a.is_on())
     };
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter().filter(|e| e.on_friction.is_some()) {
         let info = effect.info();
         if on(info.name) {
             continue;
         }
-        let missing: Vec<&str> = info
-            .needs
-            .iter()
-            .map(|c| Column::name(*c))
-            .filter(|c| !varies(c))
-            .collect();
-        if info.name == "slope" {
-            let why = "is the same as another level of friction unless both directions are run";
-            untestable.push((info.name.to_owned(), why.to_owned()));
-        } else if !missing.is_empty() {
+        let needed = match info.needs_in_experiments() {
+            Ok(needed) => needed.iter().map(|c| Column::name(*c)),
+            Err(why) => {
+                untestable.push((info.name.to_owned(), why.to_owned()));
+                continue;
+            }
+        };
+        let missing: Vec<&str> = needed.filter(|c| !varies(c)).collect();
+        if !missing.is_empty() {
             untestable.push((info.name.to_owned(), needs(&missing)));
         } else if let Some(candidate) = of_catalogue(*effect) {
             candidates.push(candidate);
@@ -86,10 +84,10 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
         let Kind::Custom(custom) = &active.kind else {
             continue;
         };
-        if custom.channel != Channel::Friction || is_on(active) {
+        if !custom.acts_on_friction() || active.is_on() {
             continue;
         }
-        let names = custom.expression.names();
+        let names = custom.names();
         let missing: Vec<&str> = names
             .iter()
             .map(String::as_str)
@@ -118,20 +116,7 @@ fn needs(columns: &[&str]) -> String {
     )
 }
 
-/// Whether a model's effect is switched on and no candidate.
-fn is_on(active: &kufe_sled::effects::Active) -> bool {
-    match &active.kind {
-        Kind::Custom(_) => active.values[0] != 0.0,
-        Kind::Catalogue(effect) => {
-            let parameters = effect.info().parameters.iter();
-            parameters
-                .zip(&active.values)
-                .any(|(p, v)| p.is_amplitude() && *v != 0.0)
-        }
-    }
-}
-
-fn of_catalogue(effect: &'static dyn Effect) -> Option<Candidate> {
+fn of_catalogue(effect: &'static Effect) -> Option<Candidate> {
     let info = effect.info();
     let index = info.parameters.iter().position(|p| p.is_amplitude())?;
     let p = info.parameters[index];
@@ -262,12 +247,7 @@ pub fn sessions(rows: &[Row]) -> Vec<&str> {
 
 /// What the effects that the model has switched on add to mu.
 pub struct Known {
-    effects: Vec<(Part, Vec<f64>)>,
-}
-
-enum Part {
-    Catalogue(&'static dyn Effect),
-    Own(Custom),
+    effects: Vec<Active>,
 }
 
 impl Known {
@@ -278,26 +258,14 @@ impl Known {
     /// [`Error::MissingColumn`] where one needs a column that the table lacks.
     pub fn new(model: &Effects, table: &Table) -> Result<(Self, Vec<String>), Error> {
         let (mut effects, mut others) = (Vec::new(), Vec::new());
-        for active in model.active.iter().filter(|a| is_on(a)) {
-            let (part, needed): (Part, Vec<&str>) = match &active.kind {
-                Kind::Custom(custom) if custom.channel == Channel::Friction => {
-                    let names = custom.expression.names();
-                    (
-                        Part::Own(custom.clone()),
-                        names.iter().map(String::as_str).collect(),
-                    )
+        for active in model.active.iter().filter(|a| a.is_on()) {
+            let needed: Vec<&str> = match &active.kind {
+                Kind::Custom(custom) if custom.acts_on_friction() => active.columns(),
+                Kind::Catalogue(effect) if effect.on_friction.is_some() => {
+                    let needed = effect.info.needs_in_experiments().unwrap_or_default();
+                    needed.iter().map(|c| c.name()).collect()
                 }
-                Kind::Catalogue(_) => match find(active.effect_name()) {
-                    Some(effect) => (
-                        Part::Catalogue(effect),
-                        effect.info().needs.iter().map(|c| c.name()).collect(),
-                    ),
-                    None => {
-                        others.push(active.name.clone());
-                        continue;
-                    }
-                },
-                Kind::Custom(_) => {
+                _ => {
                     others.push(active.name.clone());
                     continue;
                 }
@@ -313,22 +281,16 @@ impl Known {
                     ),
                 });
             }
-            effects.push((part, active.values.clone()));
+            effects.push(active.clone());
         }
         Ok((Known { effects }, others))
     }
 
     /// What they add to the coefficient `mu` of a row.
     pub fn add(&self, row: &Row, mu: f64) -> f64 {
-        let mut with = mu;
-        for (part, values) in &self.effects {
-            match part {
-                Part::Catalogue(effect) => {
-                    with = effect.coefficient(values, with, &row.conditions);
-                }
-                Part::Own(custom) => with += custom.coefficient(values[0], &row.conditions),
-            }
-        }
+        let with = self.effects.iter().fold(mu, |mu, effect| {
+            effect.coefficient(mu, &row.conditions).unwrap_or(mu)
+        });
         with - mu
     }
 }

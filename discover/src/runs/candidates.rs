@@ -1,8 +1,9 @@
 //! The effects that could be missing, as far as the data can speak of them.
 
-use kufe_friction::effects::Expression;
-use kufe_sled::effects::{Active, CATALOGUE, Column, Effects, Kind, Level};
-use kufe_sled::effects::{Channel, Conditions, Custom, Effect, Forces, Measured, State};
+use kufe_sled::effects::{
+    Active, CATALOGUE, Channel, Column, Custom, Effects, Expression, Judged, Kind, Level,
+};
+use kufe_sled::effects::{Effect, Sensor};
 
 use super::data::Data;
 
@@ -33,12 +34,9 @@ pub struct Candidate {
     pub track: Option<String>,
     /// What would tell it from its rivals.
     pub decides: String,
-    /// A recorded column outside the model, handed to the expression under [`CARRIER`].
+    /// A recorded column outside the model that the expression names.
     pub carrier: Option<String>,
 }
-
-/// The name under which an expression sees the column of [`Candidate::carrier`].
-const CARRIER: &str = "humidity_pct";
 
 impl Candidate {
     /// The effect at an amplitude.
@@ -58,12 +56,8 @@ impl Candidate {
         let mut local = self.clone();
         local.track = Some(track.to_owned());
         if let Kind::Catalogue(effect) = &self.kind {
-            for (value, parameter) in local.values.iter_mut().zip(effect.info().parameters) {
-                match parameter.name {
-                    "from_m" => *value = from,
-                    "to_m" => *value = to,
-                    _ => {}
-                }
+            if let Some([begin, end]) = effect.info.window() {
+                (local.values[begin], local.values[end]) = (from, to);
             }
         }
         local
@@ -74,15 +68,13 @@ impl Candidate {
         let Kind::Catalogue(effect) = &self.kind else {
             return None;
         };
-        let of = |name: &str| {
-            let at = effect
-                .info()
-                .parameters
-                .iter()
-                .position(|p| p.name == name)?;
-            Some(self.values[at])
-        };
-        Some((of("from_m")?, of("to_m")?))
+        let [begin, end] = effect.info.window()?;
+        Some((self.values[begin], self.values[end]))
+    }
+
+    /// Whether it is judged place by place along the track's profile.
+    pub fn is_profile(&self) -> bool {
+        matches!(&self.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::ByProfile)
     }
 
     /// Whether it is no effect of the catalogue but a dependence on a column.
@@ -143,12 +135,12 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
             out.untestable.push((info.name.to_owned(), why));
             continue;
         }
-        if !along && acts_only_along(*effect) {
+        if !along && info.acts_only_along() {
             let why = "acts along the sled, and that channel is not used".to_owned();
             out.untestable.push((info.name.to_owned(), why));
             continue;
         }
-        if matches!(info.level, Level::Session | Level::Run) && data.segmented {
+        if matches!(info.level(), Level::Session | Level::Run) && data.segmented {
             let why = "needs several runs; there is one".to_owned();
             out.untestable.push((info.name.to_owned(), why));
             continue;
@@ -167,29 +159,23 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 low: parameter.low,
                 high: parameter.high,
                 typical: parameter.typical,
-                level: info.level,
+                level: info.level(),
                 values: defaults.clone(),
                 track: None,
                 decides: info.decides.to_owned(),
                 carrier: None,
             };
-            match (info.level, info.name) {
-                (Level::Track, "slope" | "track-profile") => out.track.push(candidate),
-                (Level::Track, _) => out.local.push(candidate),
-                (Level::Session | Level::Run, _) => out.levels.push(candidate),
-                (Level::Sample, "warm-up") => {
-                    for time in [3.0, 8.0, 20.0] {
-                        let mut shaped = candidate.clone();
-                        shaped.values[1] = time;
-                        out.regular.push(shaped);
-                    }
-                }
-                (Level::Sample, _) => {
-                    if candidate.key == "x_mps2" || candidate.key == "pitch_rad" {
+            match info.judged {
+                Judged::BySlope | Judged::ByProfile => out.track.push(candidate),
+                Judged::InWindow => out.local.push(candidate),
+                Judged::BetweenSessions | Judged::BetweenRuns => out.levels.push(candidate),
+                Judged::WithinRuns => {
+                    if reads_ahead(effect, index) {
                         out.track.push(candidate.clone());
                     }
-                    out.regular.push(candidate);
+                    out.regular.extend(shapes(candidate, effect));
                 }
+                Judged::ByPressure => {}
             }
         }
     }
@@ -204,59 +190,24 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     out
 }
 
-/// Whether an effect moves neither a side force nor a signal, tried on one state in a curve.
-fn acts_only_along(effect: &dyn Effect) -> bool {
-    let state = State {
-        conditions: Conditions {
-            t: 3.0,
-            s: 20.0,
-            v: 21.0,
-            fz: 0.0,
-            ice_c: -9.0,
-            air_c: 2.0,
-            air_pa: 94_000.0,
-            humidity_pct: 60.0,
-            distance: 900.0,
-            air_density: 1.2,
-            drag_area: 0.28,
-        },
-        slip: [0.01, -0.008],
-        slip_rate: [0.1, 0.2],
-        load: [1800.0, 2500.0],
-        chassis_slip: 0.003,
-        steering: 0.01,
-        roll_split: -0.02,
-        roll_rate: 0.3,
-        roll_acceleration: 1.5,
-        yaw_rate: 0.4,
-        acceleration: [-0.3, 4.0, 15.0],
-        mass: 390.0,
+/// Whether an amplitude is a fault of the accelerometer ahead, which the track channel holds against the slope.
+fn reads_ahead(effect: &Effect, parameter: usize) -> bool {
+    let mut faults = effect.on_sensors.iter();
+    faults.any(|fault| fault.of == Sensor::Ax && fault.parameter == parameter)
+}
+
+/// The candidate with every value of a setting that is to be tried.
+fn shapes(candidate: Candidate, effect: &Effect) -> Vec<Candidate> {
+    let mut settings = effect.info.parameters.iter().enumerate();
+    let Some((place, setting)) = settings.find(|(_, p)| !p.tried.is_empty()) else {
+        return vec![candidate];
     };
-    let base = Forces {
-        along: [-7.0, -10.0],
-        across: [90.0, -310.0],
-        stiffness: [9000.0, 35_000.0],
-        body_along: -80.0,
-        body_across: 0.0,
+    let with = |value: &f64| {
+        let mut shaped = candidate.clone();
+        shaped.values[place] = *value;
+        shaped
     };
-    let signal = Measured {
-        acceleration: [-0.3, 4.0, 15.0],
-        slip: 0.01,
-        slip_rate: 0.2,
-        steering: 0.02,
-        accelerometer: [-0.35, 0.0, 0.12],
-        mass: 390.0,
-    };
-    let on: Vec<f64> = effect
-        .info()
-        .parameters
-        .iter()
-        .map(|p| p.default + p.typical)
-        .collect();
-    let (mut forces, mut measured) = (base, signal);
-    effect.act(&on, &state, &mut forces);
-    effect.correct(&on, &mut measured);
-    forces.across == base.across && forces.body_across == base.body_across && measured == signal
+    setting.tried.iter().map(with).collect()
 }
 
 fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate {
@@ -310,7 +261,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
         let Some((centre, scale)) = spread(data, mass, &name) else {
             continue;
         };
-        let x = if carrier.is_some() { CARRIER } else { &name };
+        let x = Expression::quoted(&name);
         let z = format!("(({x} - {centre:.6e}) / {scale:.6e})");
         let size = format!("abs({x}) / {scale:.6e}");
         let mut forms = vec![
@@ -330,7 +281,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
             }
         }
         for (channel, text, typical, unit) in forms {
-            let Ok(expression) = Expression::parse(&text) else {
+            let Some(custom) = Custom::new(channel, &text, carrier.as_deref()) else {
                 continue;
             };
             let limit = if channel == Channel::Lateral {
@@ -340,14 +291,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate> {
             };
             out.push(Candidate {
                 effect: format!("unknown:{name}"),
-                kind: Kind::Custom(Custom {
-                    channel,
-                    expression,
-                    text,
-                    unit: unit.to_owned(),
-                    low: -limit,
-                    high: limit,
-                }),
+                kind: Kind::Custom(custom.bounded(unit, -limit, limit)),
                 parameter: 0,
                 key: "value".to_owned(),
                 unit: unit.to_owned(),

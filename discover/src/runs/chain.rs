@@ -304,6 +304,9 @@ impl<'a> Here<'a> {
         // Another signal is another motion.
         let other = self.instant_near(i, &signals, at);
         let forces = self.forces(&other);
-        other.balance.left_with(effect, &other.seen, &forces).values()
+        other
+            .balance
+            .left_with(effect, &other.seen, &forces)
+            .values()
     }
 }

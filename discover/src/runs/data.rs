@@ -509,6 +509,12 @@ fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> Vec<C
         (Column::AirTemperature, spread(|f| f.air_c)),
         (Column::AirPressure, spread(|f| f.air_pa)),
         (
+            Column::Humidity,
+            !list.contains(&Column::Humidity)
+                && frames.iter().all(|f| f.humidity_pct.is_finite())
+                && spread(|f| f.humidity_pct),
+        ),
+        (
             Column::Wear,
             varies("distance_m") || spread(|f| f.distance_before),
         ),

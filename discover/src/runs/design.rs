@@ -136,7 +136,7 @@ impl Design<'_> {
                     None => here.balances_with(i, trial, &at, &own),
                     Some(x) => {
                         let mut at = at;
-                        at.state.conditions.humidity_pct = x[i];
+                        at.seen.carried = x[i];
                         here.balances_with(i, trial, &at, &own)
                     }
                 };

@@ -4,9 +4,9 @@ use kufe_effect::Forces;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::evaluate::residuals::{residuals, root_mean_square};
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
-use crate::evaluate::residuals::{residuals, root_mean_square};
 use crate::motion::balance::{Balance, Left};
 use crate::motion::one_track::forces_at;
 use crate::motion::state::{AxleForces, Motion};
@@ -122,7 +122,11 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         let [ideal_front, ideal_rear] = straight.along;
         let ideal = [ideal_front, ideal_rear, air(0.0) + straight.body_along];
         let body = along(&[forces.body[0], forces.body[1], 0.0]);
-        let actual = [along(&forces.front_body), along(&forces.rear), air(-alpha) + body];
+        let actual = [
+            along(&forces.front_body),
+            along(&forces.rear),
+            air(-alpha) + body,
+        ];
         let ideal_n: f64 = ideal.iter().sum();
         series.push(DrivingForce {
             t_s: state.t_s,

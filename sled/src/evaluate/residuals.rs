@@ -21,7 +21,8 @@ pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<Left> {
 /// Root mean square of each balance over the samples; 0 where there are none.
 pub fn root_mean_square(left: &[Left]) -> Left {
     let count = left.len().max(1) as f64;
-    let rms = |of: fn(&Left) -> f64| (left.iter().map(|l| of(l).powi(2)).sum::<f64>() / count).sqrt();
+    let rms =
+        |of: fn(&Left) -> f64| (left.iter().map(|l| of(l).powi(2)).sum::<f64>() / count).sqrt();
     Left {
         along_n: rms(|l| l.along_n),
         side_n: rms(|l| l.side_n),

@@ -4,8 +4,8 @@ use kufe_friction::Braghin;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::model::vehicle::Vehicle;
 use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Left;
 use crate::motion::one_track::{forward, forward_braghin, resultant};
 use crate::signals::prepare::Prepared;

@@ -5,12 +5,12 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::error::Error;
+use crate::evaluate::residuals::balances_left;
 use crate::fit::contacts::find_contacts;
 use crate::fit::samples::{FitOptions, lateral_samples};
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Left;
-use crate::evaluate::residuals::balances_left;
 use crate::signals::prepare::Prepared;
 
 /// Both runners' fits and what they rest on.
@@ -58,7 +58,9 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         ..LateralFitOptions::default()
     };
     let held = [vehicle.front.lateral, vehicle.rear.lateral];
-    let both = |contacts: &[Vec<bool>], vehicle: &Vehicle| -> Result<(LateralFit, LateralFit, usize), Error> {
+    let both = |contacts: &[Vec<bool>],
+                vehicle: &Vehicle|
+     -> Result<(LateralFit, LateralFit, usize), Error> {
         let ([front, rear], excluded) = lateral_samples(runs, vehicle, contacts, options);
         let (front, rear) = rayon::join(
             || fit_lateral(&front, &with(&held[0], 0)),
@@ -71,7 +73,11 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
     let mut marked = Vec::new();
     // The first fit is pulled by what is looked for; the second round finds with a better one. Effects that grow with the
     // stiffness of the laws are taken off with that of the round before.
-    let rounds = if options.leave_out_contacts || !vehicle.effects.is_empty() { 2 } else { 0 };
+    let rounds = if options.leave_out_contacts || !vehicle.effects.is_empty() {
+        2
+    } else {
+        0
+    };
     for _ in 0..rounds {
         let fitted = vehicle.with_lateral(front.model, rear.model);
         if options.leave_out_contacts {

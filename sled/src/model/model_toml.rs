@@ -30,7 +30,7 @@ pub struct Model {
     pub noise: Option<Noise>,
     /// Effects beyond the base model, by name; an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(schema_with = "crate::effects::schema::schema")]
+    #[schemars(schema_with = "kufe_effect::schema")]
     pub effects: BTreeMap<String, toml::Table>,
     /// Folder that paths in the file are relative to.
     #[serde(skip)]
@@ -140,8 +140,18 @@ impl Model {
         }
         if let Some(conditions) = &self.conditions {
             let ranges = [
-                ("conditions.humidity_pct", conditions.humidity_pct, 100.0, "0 to 100"),
-                ("conditions.distance_m", conditions.distance_m, 1e8, "0 to 1e8"),
+                (
+                    "conditions.humidity_pct",
+                    conditions.humidity_pct,
+                    100.0,
+                    "0 to 100",
+                ),
+                (
+                    "conditions.distance_m",
+                    conditions.distance_m,
+                    1e8,
+                    "0 to 1e8",
+                ),
             ];
             for (key, value, most, expected) in ranges {
                 let value = value.unwrap_or(0.0);

@@ -42,6 +42,28 @@ pub(crate) fn published_yaw_drag() -> f64 {
 }
 
 impl Sled {
+    /// What effects may find to be another than stated.
+    pub fn constants(&self) -> kufe_effect::Constants {
+        kufe_effect::Constants {
+            mass: self.mass_kg,
+            pitch_inertia: self.j_yy_kgm2,
+            yaw_inertia: self.j_zz_kgm2,
+            axles: [self.l_f_m, self.l_r_m],
+            accelerometer: [self.accel_x_m, self.accel_y_m, self.accel_z_m],
+            slip_sensor: self.slip_x_m,
+        }
+    }
+
+    /// Takes them over.
+    pub fn set_constants(&mut self, to: &kufe_effect::Constants) {
+        self.mass_kg = to.mass;
+        self.j_yy_kgm2 = to.pitch_inertia;
+        self.j_zz_kgm2 = to.yaw_inertia;
+        [self.l_f_m, self.l_r_m] = to.axles;
+        [self.accel_x_m, self.accel_y_m, self.accel_z_m] = to.accelerometer;
+        self.slip_x_m = to.slip_sensor;
+    }
+
     /// Distance between the axles [m].
     pub fn wheelbase_m(&self) -> f64 {
         self.l_f_m + self.l_r_m

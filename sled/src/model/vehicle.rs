@@ -1,8 +1,8 @@
 //! A model made ready to drive: friction laws with their pressure tables opened.
 
+use kufe_effect::Effects;
 use kufe_friction::MagicFormula;
 
-use crate::effects::{Effects, Measured};
 use crate::error::Error;
 use crate::model::model_toml::Model;
 use crate::model::runner::{PressureLookup, RunnerFriction, open_table};
@@ -118,35 +118,33 @@ impl Vehicle {
             file: model.name(),
             reason: error.to_string(),
         })?;
-        let sled = &mut vehicle.sled;
-        let mut truth = Measured {
-            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
-            mass: sled.mass_kg,
-            ..Measured::default()
-        };
-        vehicle.effects.correct(&mut truth);
-        [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m] = truth.accelerometer;
-        sled.mass_kg = truth.mass;
-        if sled.mass_kg > 0.0 {
-            return Ok(vehicle);
+        let mut constants = model.sled.constants();
+        vehicle.effects.find_constants(&mut constants);
+        vehicle.sled.set_constants(&constants);
+        let sled = &vehicle.sled;
+        for (key, value) in [
+            ("sled.mass_kg", sled.mass_kg),
+            ("sled.j_yy_kgm2", sled.j_yy_kgm2),
+            ("sled.j_zz_kgm2", sled.j_zz_kgm2),
+        ] {
+            if value.is_nan() || value <= 0.0 {
+                return Err(Error::KeyRange {
+                    file: model.name(),
+                    key: format!("{key} with [effects]"),
+                    value,
+                    expected: "a positive number",
+                });
+            }
         }
-        Err(Error::KeyRange {
-            file: model.name(),
-            key: "sled.mass_kg with [effects.mass]".to_string(),
-            value: sled.mass_kg,
-            expected: "a positive number",
-        })
+        Ok(vehicle)
     }
 
     /// The vehicle with only the effects that act on this track, freed of its name.
     pub fn on_track(&self, track: &str) -> Vehicle {
-        let mut vehicle = self.clone();
-        let active = &mut vehicle.effects.active;
-        active.retain(|effect| effect.track.as_deref().is_none_or(|only| only == track));
-        for effect in active {
-            effect.track = None;
+        Vehicle {
+            effects: self.effects.on_track(track),
+            ..self.clone()
         }
-        vehicle
     }
 
     /// The vehicle with its base parameters times these multipliers, in the order of [`BaseParameter::ALL`].

@@ -57,12 +57,7 @@ pub fn inverse(vehicle: &Vehicle, state: &State, motion: &Motion) -> AxleForces 
 
 /// Forces that balance the motion, `body` being what effects put on the body and `along` the runners' friction where it
 /// is not the base law's.
-fn demanded(
-    vehicle: &Vehicle,
-    at: &Balance,
-    body: &Forces,
-    along: Option<[f64; 2]>,
-) -> AxleForces {
+fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 2]>) -> AxleForces {
     let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
     let lateral = sled.mass_kg * motion.accel_mps2[1] - at.air()[1] - body.body_across;
     let moment = sled.j_zz_kgm2 * motion.yaw_accel_radps2 - body.body_yaw;

@@ -106,7 +106,8 @@ pub fn prepare(
         _ => integrate(&recorded[Sensor::Speed as usize], dt),
     };
     let further = Further::of(run, vehicle, &effects, |x| resample(x, from, rate))?;
-    let conditions = |i: usize, v: f64| further.conditions(run, i, run.t0_s + i as f64 * dt, distance[i], v);
+    let conditions =
+        |i: usize, v: f64| further.conditions(run, i, run.t0_s + i as f64 * dt, distance[i], v);
     if !effects.is_empty() {
         let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
         for i in 0..samples {

@@ -97,6 +97,8 @@ pub struct Instant {
     pub speed_growth: f64,
     /// Rate of the slip angle at the sensor [rad/s].
     pub alpha_sensor_rate_radps: f64,
+    /// Rate of the steering angle [rad/s].
+    pub steering_rate_radps: f64,
 }
 
 impl World<'_> {
@@ -191,12 +193,13 @@ impl World<'_> {
             forces.front_body[1] + forces.rear[1],
         ];
         let ice_moment = sled.l_f_m * forces.front_body[1] - sled.l_r_m * forces.rear[1];
+        let body_moment = forces.body[2];
         let air = [air[0] + forces.body[0], air[1] + forces.body[1]];
         let fx = (ice[0] + air[0]) / sled.mass_kg;
         let fy = (ice[1] + air[1] + wall) / sled.mass_kg;
         let vx_t = fx - GRAVITY * up[0] + yaw * vy;
         let vy_t = fy - GRAVITY * up[1] - yaw * vx;
-        let yaw_accel = (ice_moment + wall_moment) / sled.j_zz_kgm2;
+        let yaw_accel = (ice_moment + wall_moment + body_moment) / sled.j_zz_kgm2;
 
         // The line: where the apparent weight, tilted by the cross-section off it, needs no lateral force.
         let weight = curvature * vx * vx + GRAVITY * cos_theta * bank.cos();
@@ -232,7 +235,7 @@ impl World<'_> {
             steering_t,
             -sled.mass_kg * GRAVITY * (up[0] * vx + up[1] * vy),
             ice[0] * vx + ice[1] * vy + ice_moment * yaw,
-            air[0] * vx + air[1] * vy,
+            air[0] * vx + air[1] * vy + body_moment * yaw,
             wall * vy + wall_moment * yaw,
             1.0,
         ];
@@ -249,6 +252,7 @@ impl World<'_> {
             wall_n: wall,
             speed_growth,
             alpha_sensor_rate_radps: alpha_t,
+            steering_rate_radps: steering_t,
         };
         (rates, instant)
     }

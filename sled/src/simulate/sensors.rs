@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use kufe_effect::{Sensor, Signals};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::effects::Measured;
-use crate::model::sled::Noise;
+use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::Vehicle;
 use crate::motion::transfer::lever_acceleration;
 use crate::record::index::{Conditions, Entry};
 use crate::record::run::Run;
+use crate::signals::derivative::{HALF_WIDTH, derivative};
 use crate::simulate::drive::Simulated;
 use crate::simulate::dynamics::Instant;
 use crate::track::table::Track;
@@ -32,78 +33,40 @@ pub fn record(
 ) -> Run {
     let vehicle = vehicle.on_track(&entry.track);
     let sled = &vehicle.sled;
-    let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
-    let felt: Vec<Measured> = simulated
+    let mut read: Vec<Signals> = simulated
         .instants
         .iter()
-        .map(|instant| {
-            let s = &instant.state;
-            let rates = [s.roll_rate_radps, s.pitch_rate_radps, s.yaw_rate_radps];
-            let lever = lever_acceleration(rates, instant.angular_accel_radps2, place);
-            let mut measured = Measured {
-                acceleration: std::array::from_fn(|i| instant.motion.accel_mps2[i] + lever[i]),
-                slip: instant.alpha_sensor_rad,
-                slip_rate: instant.alpha_sensor_rate_radps,
-                steering: s.delta_rad,
-                accelerometer: place,
-                mass: sled.mass_kg,
-            };
-            vehicle.effects.disturb(&mut measured);
-            measured
-        })
+        .map(|instant| true_signals(sled, instant))
         .collect();
-    let of = |value: &dyn Fn(&Instant) -> f64| simulated.instants.iter().map(value).collect();
+    if !vehicle.effects.is_empty() {
+        if read.len() > 2 * HALF_WIDTH {
+            complete_rates(&mut read, simulated.dt_s);
+        }
+        for (signals, instant) in read.iter_mut().zip(&simulated.instants) {
+            vehicle
+                .effects
+                .disturb(&instant.state.conditions(), signals);
+        }
+    }
     let silent = Noise::default();
     let noise = noise.unwrap_or(&silent);
-    let mut channels: Vec<(&str, Vec<f64>, f64)> = vec![
-        (
-            "ax_mps2",
-            felt.iter().map(|f| f.acceleration[0]).collect(),
-            noise.accel_mps2,
-        ),
-        (
-            "ay_mps2",
-            felt.iter().map(|f| f.acceleration[1]).collect(),
-            noise.accel_mps2,
-        ),
-        (
-            "az_mps2",
-            felt.iter().map(|f| f.acceleration[2]).collect(),
-            noise.accel_mps2,
-        ),
-        (
-            "roll_rate_radps",
-            of(&|i| i.state.roll_rate_radps),
-            noise.rate_radps,
-        ),
-        (
-            "pitch_rate_radps",
-            of(&|i| i.state.pitch_rate_radps),
-            noise.rate_radps,
-        ),
-        (
-            "yaw_rate_radps",
-            of(&|i| i.state.yaw_rate_radps),
-            noise.rate_radps,
-        ),
-        ("v_mps", of(&|i| i.state.v_mps), noise.speed_mps),
-        (
-            "alpha_rad",
-            felt.iter().map(|f| f.slip).collect(),
-            noise.slip_rad,
-        ),
-        (
-            "delta_rad",
-            felt.iter().map(|f| f.steering).collect(),
-            noise.steer_rad,
-        ),
-        (
-            "gamma_rad",
-            of(&|i| i.state.gamma_rad),
-            noise.roll_split_rad,
-        ),
-        ("s_m", of(&|i| i.state.s_m), 0.0),
-    ];
+    let deviation = |sensor: Sensor| match sensor {
+        Sensor::Ax | Sensor::Ay | Sensor::Az => noise.accel_mps2,
+        Sensor::RollRate | Sensor::PitchRate | Sensor::YawRate => noise.rate_radps,
+        Sensor::Speed => noise.speed_mps,
+        Sensor::Slip => noise.slip_rad,
+        Sensor::Steering => noise.steer_rad,
+        Sensor::RollSplit => noise.roll_split_rad,
+    };
+    let mut channels: Vec<(&str, Vec<f64>, f64)> = Sensor::ALL
+        .into_iter()
+        .map(|sensor| {
+            let values = read.iter().map(|signals| signals[sensor]).collect();
+            (sensor.name(), values, deviation(sensor))
+        })
+        .collect();
+    let distance = simulated.instants.iter().map(|i| i.state.s_m).collect();
+    channels.push(("s_m", distance, 0.0));
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x5e50_25ed);
     for (_, values, sd) in &mut channels {
         if *sd > 0.0 {
@@ -123,6 +86,42 @@ pub fn record(
         dt_s: simulated.dt_s,
         columns,
         remarks: Vec::new(),
+    }
+}
+
+/// What faultless sensors of this sled would say, with the rates that the motion tells.
+fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
+    let s = &instant.state;
+    let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
+    let rates = [s.roll_rate_radps, s.pitch_rate_radps, s.yaw_rate_radps];
+    let angular = instant.angular_accel_radps2;
+    let lever = lever_acceleration(rates, angular, place);
+    let mut signals = Signals {
+        sled: sled.constants(),
+        ..Signals::default()
+    };
+    for (i, sensor) in [Sensor::Ax, Sensor::Ay, Sensor::Az].into_iter().enumerate() {
+        signals[sensor] = instant.motion.accel_mps2[i] + lever[i];
+    }
+    let gyroscopes = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+    for (i, sensor) in gyroscopes.into_iter().enumerate() {
+        signals.set(sensor, rates[i], angular[i]);
+    }
+    signals.set(Sensor::Speed, s.v_mps, instant.speed_growth);
+    let slip_rate = instant.alpha_sensor_rate_radps;
+    signals.set(Sensor::Slip, instant.alpha_sensor_rad, slip_rate);
+    signals.set(Sensor::Steering, s.delta_rad, instant.steering_rate_radps);
+    signals[Sensor::RollSplit] = s.gamma_rad;
+    signals
+}
+
+/// The rates that the motion does not tell: of the accelerations and of the roll split, from the samples.
+fn complete_rates(signals: &mut [Signals], dt_s: f64) {
+    for sensor in [Sensor::Ax, Sensor::Ay, Sensor::Az, Sensor::RollSplit] {
+        let values: Vec<f64> = signals.iter().map(|s| s[sensor]).collect();
+        for (signals, rate) in signals.iter_mut().zip(derivative(&values, dt_s)) {
+            signals.rate[sensor as usize] = rate;
+        }
     }
 }
 

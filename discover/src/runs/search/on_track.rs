@@ -31,7 +31,7 @@ impl Searcher<'_> {
         let list: Vec<Candidate> = self
             .fresh(chain, &self.candidates.track)
             .into_iter()
-            .filter(|c| c.effect != "track-profile")
+            .filter(|c| !c.is_profile())
             .collect();
         let channel = TrackChannel::new(chain, self.training, &list)?;
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
@@ -114,16 +114,12 @@ impl Searcher<'_> {
                 track_error: Some(seen.error),
             });
         }
-        let profile = self
-            .candidates
-            .track
-            .iter()
-            .find(|c| c.effect == "track-profile")?;
+        let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
         if chain
             .effects
             .active
             .iter()
-            .any(|e| e.effect_name() == "track-profile")
+            .any(|e| e.effect_name() == profile.effect)
         {
             return None;
         }
@@ -147,7 +143,7 @@ impl Searcher<'_> {
             channel: 3,
             candidate,
             size: slope,
-            class: vec!["track-profile".to_owned()],
+            class: vec![profile.effect.clone()],
             rivals: Vec::new(),
             p_value: p,
             bias_t: None,
