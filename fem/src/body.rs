@@ -3,8 +3,10 @@
 use kufe_mesh::HexMesh;
 use rayon::prelude::*;
 
-use crate::hex8::{self, Corners};
-use crate::{ElementKind, Error, Material, Section};
+use crate::element::hex8::{self, Corners};
+use crate::error::Error;
+use crate::material::Material;
+use crate::section::{ElementKind, Section};
 
 /// A hexahedral mesh whose cells have materials and elements, checked once.
 ///
@@ -108,38 +110,9 @@ impl Body {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-    use kufe_mesh::TensorGrid;
-
-    /// A block of `n` cells along each axis, its inner nodes moved by up to `noise` of a cell.
-    pub fn block(n: [usize; 3], size: [f64; 3], noise: f64) -> HexMesh {
-        let axis = |a: usize| {
-            (0..=n[a])
-                .map(|i| size[a] * i as f64 / n[a] as f64)
-                .collect()
-        };
-        let grid = TensorGrid {
-            x: axis(0),
-            y: axis(1),
-            z: axis(2),
-        };
-        let mut mesh = grid.hex_mesh();
-        let mut seed = 7u64;
-        for p in &mut mesh.points {
-            let inner = (0..3).all(|a| p[a] > 0.0 && p[a] < size[a]);
-            for a in 0..3 {
-                seed = seed
-                    .wrapping_mul(6364136223846793005)
-                    .wrapping_add(1442695040888963407);
-                let random = 2.0 * ((seed >> 33) as f64 / (1u64 << 31) as f64) - 1.0;
-                if inner {
-                    p[a] += noise * random * size[a] / n[a] as f64;
-                }
-            }
-        }
-        mesh
-    }
+    use crate::test_block::block;
 
     #[test]
     fn bad_meshes_are_refused_with_their_place() {

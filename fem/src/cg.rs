@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::Error;
+use crate::error::Error;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]

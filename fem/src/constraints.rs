@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Error;
+use crate::error::Error;
 
 /// Displacements that are prescribed, zero or not.
 ///

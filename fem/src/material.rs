@@ -1,6 +1,6 @@
 //! Isotropic linear elastic materials.
 
-use crate::Error;
+use crate::error::Error;
 
 /// An isotropic linear elastic material.
 ///

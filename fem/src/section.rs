@@ -1,7 +1,8 @@
 //! What a cell is made of and which element integrates it.
 
-use crate::hex8::{Corners, ElementMatrix};
-use crate::{Material, hex8, hex8_axial, hex8_incompatible};
+use crate::element::hex8::{Corners, ElementMatrix};
+use crate::element::{hex8, hex8_axial, hex8_incompatible};
+use crate::material::Material;
 
 /// Which eight-node hexahedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,7 +1,13 @@
 //! Equilibrium of one body: loads and prescribed displacements in, displacements and reactions out.
 
+use crate::body::Body;
 use crate::cg::{self, Jacobi};
-use crate::{BlockMatrix, Body, Constraints, Error, Factor, assemble, hex8};
+use crate::constraints::Constraints;
+use crate::element::hex8;
+use crate::error::Error;
+use crate::sparse::assembly::assemble;
+use crate::sparse::block_matrix::BlockMatrix;
+use crate::sparse::cholesky::Factor;
 
 /// How to solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,14 +1,16 @@
 //! Conjugate gradients on the device, in single precision.
 
-use super::Device;
-use super::end_plane::Place;
-use super::narrow::{add_widened, narrow};
-use super::operator::stiffness;
-use super::preconditioner::Preconditioner;
-use super::sums::{FACTORS, Progress, Sums};
-use super::units::Units;
-use super::work::Work;
-use crate::{Error, LayeredDiagonal, TensorOperator};
+use crate::error::Error;
+use crate::gpu::device::open::Device;
+use crate::gpu::device::work::Work;
+use crate::gpu::narrow::{add_widened, narrow};
+use crate::gpu::operator::stiffness;
+use crate::gpu::place::Place;
+use crate::gpu::preconditioner::Preconditioner;
+use crate::gpu::sums::{FACTORS, Progress, Sums};
+use crate::gpu::units::Units;
+use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::tensor::operator::TensorOperator;
 
 /// The kernels of one operator and its preconditioner, and conjugate gradients made of them.
 ///

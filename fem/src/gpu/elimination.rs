@@ -1,10 +1,10 @@
 //! Elimination along z on the device.
 
-use super::Device;
-use super::units::Units;
-use super::work::Work;
-use crate::Error;
-use crate::elimination::Elimination;
+use crate::error::Error;
+use crate::gpu::device::open::Device;
+use crate::gpu::device::work::Work;
+use crate::gpu::units::Units;
+use crate::precondition::elimination::Elimination;
 
 /// Threads of a group, as the shader has them.
 const GROUP: usize = 64;

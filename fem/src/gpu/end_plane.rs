@@ -3,39 +3,20 @@
 //! An iteration is cut in two: [`DeviceCg::gather`] ends where the end plane has gathered all, the host decides on forces
 //! there, and [`DeviceCg::spread`] goes on with them. Only that plane and some scalars go over.
 
-use super::DeviceCg;
-use super::preconditioner::Preconditioner;
-use super::sums::{FACTORS, Progress};
-use crate::{Error, LayeredDiagonal};
+use crate::error::Error;
+use crate::gpu::cg::DeviceCg;
+use crate::gpu::preconditioner::Preconditioner;
+use crate::gpu::sums::{FACTORS, Progress};
 
 /// The vertical component on the plane that elimination ends on.
 #[derive(Clone, Debug)]
 pub struct EndPlane {
-    /// What it has gathered, modes of x fastest, as [`LayeredDiagonal::gathered`].
+    /// What it has gathered, modes of x fastest, as [`crate::LayeredDiagonal::gathered`].
     pub gathered: Vec<f64>,
     /// The residual on its nodes, x fastest.
     pub residual: Vec<f64>,
     /// The scalars so far.
     pub progress: Progress,
-}
-
-/// Where that plane begins among modal and among nodal values, and its numbers.
-pub(super) struct Place {
-    modal: [usize; 2],
-    nodal: [usize; 2],
-}
-
-impl Place {
-    pub fn of(layered: &LayeredDiagonal) -> Self {
-        let vertical = &layered.components[2];
-        let [nx, ny, nz] = layered.shape;
-        let pairs: usize = vertical.pairs().iter().product();
-        let planes = &vertical.z.planes;
-        Place {
-            modal: [vertical.start + (planes.len() - 1) * pairs, pairs],
-            nodal: [(2 * nz + planes[planes.len() - 1]) * nx * ny, nx * ny],
-        }
-    }
 }
 
 impl DeviceCg<'_> {

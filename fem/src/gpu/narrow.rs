@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::plane_modes::scale_of;
+use crate::precondition::single_precision::scale_of;
 
 /// Numbers that one task handles.
 const CHUNK: usize = 16384;

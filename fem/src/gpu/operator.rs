@@ -1,9 +1,10 @@
 //! K u on the device.
 
-use super::Device;
-use super::units::Units;
-use super::work::Work;
-use crate::{Error, TensorOperator};
+use crate::error::Error;
+use crate::gpu::device::open::Device;
+use crate::gpu::device::work::Work;
+use crate::gpu::units::Units;
+use crate::tensor::operator::TensorOperator;
 
 /// Threads of a group along x and y, as the shader has them.
 const GROUP: [usize; 2] = [16, 4];

@@ -1,12 +1,13 @@
 //! P^-1 r on the device.
 
-use super::Device;
-use super::elimination::passes;
-use super::product::{self, Matrices, product};
-use super::units::Units;
-use super::work::Work;
-use crate::layered_diagonal::Component;
-use crate::{Error, LayeredDiagonal};
+use crate::error::Error;
+use crate::gpu::device::open::Device;
+use crate::gpu::device::work::Work;
+use crate::gpu::elimination::passes;
+use crate::gpu::product::{self, Matrices, product};
+use crate::gpu::units::Units;
+use crate::precondition::layered_diagonal::Component;
+use crate::precondition::layered_diagonal::LayeredDiagonal;
 
 /// P^-1 times modulus and length, in two halves: a constraint on the end plane acts between them.
 pub(super) struct Preconditioner {

@@ -1,8 +1,8 @@
 //! Products of many small matrices on the device.
 
-use super::Device;
-use super::work::Work;
-use crate::Error;
+use crate::error::Error;
+use crate::gpu::device::open::Device;
+use crate::gpu::device::work::Work;
 
 /// Rows and columns of a tile, as the shader has them.
 const TILE: usize = 32;

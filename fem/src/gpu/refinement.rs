@@ -1,7 +1,10 @@
 //! Iterative refinement: a solve in double precision by corrections in single precision.
 
-use super::{Device, DeviceCg};
-use crate::{Error, LayeredDiagonal, TensorOperator};
+use crate::error::Error;
+use crate::gpu::cg::DeviceCg;
+use crate::gpu::device::open::Device;
+use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::tensor::operator::TensorOperator;
 
 /// When a solve ends.
 #[derive(Clone, Copy, Debug, PartialEq)]

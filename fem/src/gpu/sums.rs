@@ -1,8 +1,8 @@
 //! Scalar products and the factors that follow from them, without leaving the device.
 
-use super::Device;
-use super::work::Work;
-use crate::Error;
+use crate::error::Error;
+use crate::gpu::device::open::Device;
+use crate::gpu::device::work::Work;
 
 /// Groups that take the sums of a part each: as many as a group has threads, so that one group adds them up.
 const GROUPS: usize = 256;

@@ -1,6 +1,6 @@
 //! Units in which single precision has room.
 
-use crate::TensorOperator;
+use crate::tensor::operator::TensorOperator;
 
 /// Powers of two that lengths and moduli are counted in on the device.
 ///

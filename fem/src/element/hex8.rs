@@ -1,0 +1,333 @@
+//! The trilinear eight-node hexahedron.
+//!
+//! Corners stand in VTK's order. Displacements and forces of an element are 24 numbers, corner by corner, (x, y, z)
+//! within a corner. Strains and stresses are (xx, yy, zz, yz, zx, xy) with engineering shear strains.
+//! Source: T. J. R. Hughes, The Finite Element Method (1987), chapter 3.
+
+use crate::material::Material;
+
+/// Positions of an element's eight corners [m].
+pub type Corners = [[f64; 3]; 8];
+
+/// A 24 x 24 matrix of an element, by rows.
+pub type ElementMatrix = [[f64; 24]; 24];
+
+/// Natural coordinates of the corners.
+pub const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
+/// Abscissa 1/sqrt(3) of the two-point Gauss rule; its weights are 1.
+pub const GAUSS: f64 = 0.577_350_269_189_625_8;
+
+/// Natural coordinates of the 2 x 2 x 2 Gauss points, in the order of the corners that they are next to.
+pub fn gauss_points() -> [[f64; 3]; 8] {
+    CORNERS.map(|corner| corner.map(|c| c * GAUSS))
+}
+
+/// Shape functions N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8 at natural coordinates `xi`.
+pub fn shape_functions(xi: [f64; 3]) -> [f64; 8] {
+    CORNERS.map(|c| (0..3).map(|k| 1.0 + xi[k] * c[k]).product::<f64>() / 8.0)
+}
+
+/// Derivatives of the shape functions by the natural coordinates.
+pub fn shape_derivatives(xi: [f64; 3]) -> [[f64; 3]; 8] {
+    CORNERS.map(|c| {
+        let f = [1.0 + xi[0] * c[0], 1.0 + xi[1] * c[1], 1.0 + xi[2] * c[2]];
+        [
+            c[0] * f[1] * f[2] / 8.0,
+            f[0] * c[1] * f[2] / 8.0,
+            f[0] * f[1] * c[2] / 8.0,
+        ]
+    })
+}
+
+/// The map from natural to real coordinates at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Jacobian {
+    /// Rows d xi_m / d x_i [1/m].
+    pub inverse: [[f64; 3]; 3],
+    /// Determinant of d x_i / d xi_m [m^3]; positive for a valid element.
+    pub determinant: f64,
+}
+
+impl Jacobian {
+    /// The map of the element with these corners at natural coordinates `xi`.
+    ///
+    /// The inverse is not finite where the determinant is zero: check the determinant.
+    pub fn at(corners: &Corners, xi: [f64; 3]) -> Self {
+        Self::from_derivatives(corners, &shape_derivatives(xi))
+    }
+
+    fn from_derivatives(corners: &Corners, derivatives: &[[f64; 3]; 8]) -> Self {
+        let mut j = [[0.0; 3]; 3];
+        for (corner, d) in corners.iter().zip(derivatives) {
+            for i in 0..3 {
+                for m in 0..3 {
+                    j[i][m] += corner[i] * d[m];
+                }
+            }
+        }
+        let cofactor = |i: usize, m: usize| {
+            let (i1, i2, m1, m2) = ((i + 1) % 3, (i + 2) % 3, (m + 1) % 3, (m + 2) % 3);
+            j[i1][m1] * j[i2][m2] - j[i1][m2] * j[i2][m1]
+        };
+        let determinant = (0..3).map(|m| j[0][m] * cofactor(0, m)).sum::<f64>();
+        let inverse =
+            std::array::from_fn(|m| std::array::from_fn(|i| cofactor(i, m) / determinant));
+        Self {
+            inverse,
+            determinant,
+        }
+    }
+}
+
+/// Gradients d N_a / d x of the shape functions [1/m] at natural coordinates `xi`, and the Jacobian determinant [m^3].
+pub fn gradients(corners: &Corners, xi: [f64; 3]) -> ([[f64; 3]; 8], f64) {
+    let derivatives = shape_derivatives(xi);
+    let jacobian = Jacobian::from_derivatives(corners, &derivatives);
+    let g = derivatives.map(|d| pull_back(d, &jacobian.inverse));
+    (g, jacobian.determinant)
+}
+
+/// Gradient in real coordinates of a function with the natural derivatives `d`.
+pub(crate) fn pull_back(d: [f64; 3], inverse: &[[f64; 3]; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| d[0] * inverse[0][i] + d[1] * inverse[1][i] + d[2] * inverse[2][i])
+}
+
+/// Smallest Jacobian determinant [m^3] over the Gauss points and the centre.
+///
+/// The stiffness of an element is only meaningful where this is positive.
+pub fn smallest_determinant(corners: &Corners) -> f64 {
+    let centre = Jacobian::at(corners, [0.0; 3]).determinant;
+    gauss_points().iter().fold(centre, |smallest, &xi| {
+        let d = Jacobian::at(corners, xi).determinant;
+        // A NaN must win over any number.
+        if d < smallest || d.is_nan() {
+            d
+        } else {
+            smallest
+        }
+    })
+}
+
+/// Volume of the element [m^3], exact for straight edges.
+pub fn volume(corners: &Corners) -> f64 {
+    gauss_points()
+        .iter()
+        .map(|&xi| Jacobian::at(corners, xi).determinant)
+        .sum()
+}
+
+/// Strain-displacement matrix B (6 x 24) [1/m] at natural coordinates `xi`: strain = B u.
+pub fn strain_displacement(corners: &Corners, xi: [f64; 3]) -> [[f64; 24]; 6] {
+    let mut b = [[0.0; 24]; 6];
+    for (a, g) in gradients(corners, xi).0.iter().enumerate() {
+        for (c, row, axis) in [
+            (0, 0, 0),
+            (1, 1, 1),
+            (2, 2, 2),
+            (2, 3, 1),
+            (1, 3, 2),
+            (0, 4, 2),
+            (2, 4, 0),
+            (1, 5, 0),
+            (0, 5, 1),
+        ] {
+            b[row][3 * a + c] = g[axis];
+        }
+    }
+    b
+}
+
+/// Adds `weight` times the stiffness density of two scalar functions with gradients `ga` and `gb` to a 3 x 3 block:
+/// K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu (ga . gb) delta_ij.
+#[inline]
+pub(crate) fn add_block(
+    block: &mut [[f64; 3]; 3],
+    ga: [f64; 3],
+    gb: [f64; 3],
+    weighted_lambda: f64,
+    weighted_mu: f64,
+) {
+    let dot = weighted_mu * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
+    for i in 0..3 {
+        for j in 0..3 {
+            block[i][j] += weighted_lambda * ga[i] * gb[j] + weighted_mu * ga[j] * gb[i];
+        }
+        block[i][i] += dot;
+    }
+}
+
+/// Stiffness matrix K = integral of B^T D B over the element, 2 x 2 x 2 Gauss points.
+///
+/// 24 x 24, symmetric [N/m]. Every Jacobian determinant must be positive ([`smallest_determinant`]);
+/// [`crate::Body`] checks it.
+pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
+    let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
+    let mut blocks = [[[[0.0; 3]; 3]; 8]; 8];
+    for xi in gauss_points() {
+        let (g, determinant) = gradients(corners, xi);
+        for a in 0..8 {
+            for b in a..8 {
+                add_block(
+                    &mut blocks[a][b],
+                    g[a],
+                    g[b],
+                    lambda * determinant,
+                    mu * determinant,
+                );
+            }
+        }
+    }
+    let mut k = [[0.0; 24]; 24];
+    for a in 0..8 {
+        for b in a..8 {
+            for i in 0..3 {
+                for j in 0..3 {
+                    k[3 * a + i][3 * b + j] = blocks[a][b][i][j];
+                    k[3 * b + j][3 * a + i] = blocks[a][b][i][j];
+                }
+            }
+        }
+    }
+    k
+}
+
+/// Consistent nodal forces [N] of a body force given by position [N/m^3], 2 x 2 x 2 Gauss points.
+pub fn body_force(corners: &Corners, force: impl Fn([f64; 3]) -> [f64; 3]) -> [f64; 24] {
+    let mut f = [0.0; 24];
+    for xi in gauss_points() {
+        let n = shape_functions(xi);
+        let determinant = Jacobian::at(corners, xi).determinant;
+        let density = force(interpolate(corners, &n));
+        for a in 0..8 {
+            for i in 0..3 {
+                f[3 * a + i] += n[a] * density[i] * determinant;
+            }
+        }
+    }
+    f
+}
+
+/// Sum of corner vectors weighted by shape functions.
+pub(crate) fn interpolate(corners: &Corners, n: &[f64; 8]) -> [f64; 3] {
+    std::array::from_fn(|i| (0..8).map(|a| n[a] * corners[a][i]).sum())
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// An element whose corners are moved by up to a quarter of its edges, and stretched by axis.
+    pub fn distorted(scale: [f64; 3]) -> Corners {
+        let mut seed = 1u64;
+        CORNERS.map(|c| {
+            std::array::from_fn(|k| {
+                seed = seed
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                let noise = (seed >> 33) as f64 / (1u64 << 31) as f64 - 0.5;
+                scale[k] * (c[k] + noise)
+            })
+        })
+    }
+
+    fn times(k: &ElementMatrix, u: &[f64; 24]) -> [f64; 24] {
+        std::array::from_fn(|i| (0..24).map(|j| k[i][j] * u[j]).sum())
+    }
+
+    pub fn rigid_motions(corners: &Corners) -> Vec<[f64; 24]> {
+        let mut modes = Vec::new();
+        for axis in 0..3 {
+            let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+            let (mut shift, mut turn) = ([0.0; 24], [0.0; 24]);
+            for a in 0..8 {
+                shift[3 * a + axis] = 1.0;
+                turn[3 * a + p] = -corners[a][q];
+                turn[3 * a + q] = corners[a][p];
+            }
+            modes.push(shift);
+            modes.push(turn);
+        }
+        modes
+    }
+
+    #[test]
+    fn shape_functions_sum_to_one_and_are_one_at_their_corner() {
+        for xi in [[0.1, -0.7, 0.4], [1.0, -1.0, 0.3]] {
+            assert!((shape_functions(xi).iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            for axis in 0..3 {
+                let sum: f64 = shape_derivatives(xi).iter().map(|d| d[axis]).sum();
+                assert!(sum.abs() < 1e-15);
+            }
+        }
+        for a in 0..8 {
+            assert_eq!(shape_functions(CORNERS[a])[a], 1.0);
+        }
+    }
+
+    #[test]
+    fn stiffness_is_symmetric_and_leaves_rigid_motions_free() {
+        let corners = distorted([1.0, 0.1, 3.0]);
+        let k = stiffness(&corners, Material::new(1.0, 0.3).unwrap());
+        let size = k.iter().flatten().fold(0.0f64, |s, v| s.max(v.abs()));
+        for mode in rigid_motions(&corners) {
+            for f in times(&k, &mode) {
+                assert!(f.abs() < 1e-13 * size, "{f}");
+            }
+        }
+        for (i, row) in k.iter().enumerate() {
+            for (j, v) in row.iter().enumerate() {
+                assert_eq!(*v, k[j][i]);
+            }
+        }
+    }
+
+    #[test]
+    fn stiffness_is_the_integral_of_b_transposed_d_b() {
+        let corners = distorted([1.0, 0.5, 2.0]);
+        let material = Material::new(3.0, 0.25).unwrap();
+        let k = stiffness(&corners, material);
+        for j in 0..24 {
+            let mut column = [0.0; 24];
+            for xi in gauss_points() {
+                let b = strain_displacement(&corners, xi);
+                let stress = material.stress(std::array::from_fn(|r| b[r][j]));
+                let determinant = Jacobian::at(&corners, xi).determinant;
+                for i in 0..24 {
+                    column[i] += determinant * (0..6).map(|r| b[r][i] * stress[r]).sum::<f64>();
+                }
+            }
+            for i in 0..24 {
+                assert!((column[i] - k[i][j]).abs() < 1e-13, "{i} {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn body_force_sums_to_force_density_times_volume() {
+        let corners = distorted([1.0, 0.5, 2.0]);
+        let f = body_force(&corners, |_| [0.0, 2.0, -3.0]);
+        let total = |c: usize| (0..8).map(|a| f[3 * a + c]).sum::<f64>();
+        let v = volume(&corners);
+        assert!((total(1) - 2.0 * v).abs() < 1e-14 && (total(2) + 3.0 * v).abs() < 1e-14);
+    }
+
+    #[test]
+    fn an_inverted_element_has_a_negative_determinant() {
+        let mut corners = CORNERS;
+        assert!((smallest_determinant(&corners) - 1.0).abs() < 1e-15);
+        corners.swap(0, 6);
+        assert!(smallest_determinant(&corners) < 0.0);
+        corners[0][0] = f64::NAN;
+        assert!(smallest_determinant(&corners).is_nan());
+    }
+}

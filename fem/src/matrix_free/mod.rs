@@ -1,0 +1,5 @@
+//! The stiffness of hexahedra applied without being stored, four cells at a time.
+
+mod hex8_lanes;
+mod lanes;
+pub mod operator;

@@ -1,0 +1,381 @@
+//! A coarse space of beam motions for slender bodies.
+
+use rayon::prelude::*;
+
+use crate::error::Error;
+
+/// Additive coarse correction by the motions of a beam along x.
+///
+/// Korn's constant of a slender body falls with (height / length)^2, and with it what [`crate::FastDiagonal`] alone can do: its
+/// three scalar operators know no bending. The correction z += Z (Z^T K Z)^-1 Z^T r holds those motions exactly. On knots
+/// along x, Z has for each knot the two cubic Hermite deflections w and v,
+///
+/// ```text
+/// u = (-(z - z_0) w', 0, w)   and   u = (-(y - y_0) v', v, 0),
+/// ```
+///
+/// and, piecewise linear, with y and z from the axis, a stretch u = (s, 0, 0), a twist u = (0, -z t, y t), the warping
+/// that a twist brings, u = (y z q, 0, 0), and bending across, u = (0, -2 y z c, y^2 c): eight motions a knot.
+///
+/// Measured on a clamped steel of 0.6 m x 20 mm x 8 mm to 1e-6 in energy, flat or rounded underneath, three refinements,
+/// either element: 245-612 iterations without, 29-40 with 25 knots (33-58 with 13).
+///
+/// Vectors hold three numbers a node, node by node. Entries that `held` names are zero in Z.
+#[derive(Clone, Debug)]
+pub struct BeamModes {
+    knots: Vec<f64>,
+    axis: [f64; 2],
+    points: Vec<[f64; 3]>,
+    held: Vec<bool>,
+    /// Lower Cholesky factor of Z^T K Z by rows; rows of motions that add nothing are zero.
+    factor: Vec<Vec<f64>>,
+    partial: Vec<f64>,
+}
+
+/// Motions of one knot.
+const MOTIONS: usize = 8;
+/// Nodes summed by one task.
+const NODES_A_TASK: usize = 2048;
+
+impl BeamModes {
+    /// The coarse space of a body whose nodes stand in planes across x.
+    ///
+    /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about `knot_count` of the lines, evenly
+    /// spread, become knots. `axis` = (y_0, z_0) is the beam's axis [m]; `held` says which displacements are zero; `apply`
+    /// writes K u. It is called 24 times. Fails where a list's length is wrong.
+    ///
+    /// # Panics
+    /// With fewer than two lines or knots.
+    pub fn new(
+        points: Vec<[f64; 3]>,
+        lines: &[f64],
+        knot_count: usize,
+        axis: [f64; 2],
+        held: Vec<bool>,
+        mut apply: impl FnMut(&[f64], &mut [f64]),
+    ) -> Result<Self, Error> {
+        if held.len() != 3 * points.len() {
+            return Err(Error::Length {
+                what: "held displacements",
+                found: held.len(),
+                expected: 3 * points.len(),
+            });
+        }
+        let knots = spread(lines, knot_count);
+        let tasks = points.len().div_ceil(NODES_A_TASK);
+        let n = MOTIONS * knots.len();
+        let mut modes = Self {
+            knots,
+            axis,
+            points,
+            held,
+            factor: vec![vec![0.0; n]; n],
+            partial: vec![0.0; tasks * n],
+        };
+        // Knots stand on planes of nodes, so K couples a knot with its next ones only: every third knot goes at once.
+        let dofs = 3 * modes.points.len();
+        let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
+        for colour in 0..3 {
+            for motion in 0..MOTIONS {
+                let mut amplitudes = vec![0.0; n];
+                for knot in (colour..modes.knots.len()).step_by(3) {
+                    amplitudes[MOTIONS * knot + motion] = 1.0;
+                }
+                u.fill(0.0);
+                modes.add_motion(&amplitudes, &mut u);
+                apply(&u, &mut image);
+                modes.project(&image, &mut column);
+                for knot in (colour..modes.knots.len()).step_by(3) {
+                    let rows = knot.saturating_sub(1)..(knot + 2).min(modes.knots.len());
+                    for row in MOTIONS * rows.start..MOTIONS * rows.end {
+                        modes.factor[row][MOTIONS * knot + motion] = column[row];
+                    }
+                }
+            }
+        }
+        cholesky_of_what_counts(&mut modes.factor);
+        Ok(modes)
+    }
+
+    /// Number of motions.
+    pub fn len(&self) -> usize {
+        self.factor.len()
+    }
+
+    /// Never: there are at least two knots.
+    pub fn is_empty(&self) -> bool {
+        self.factor.is_empty()
+    }
+
+    /// `z` += Z (Z^T K Z)^-1 Z^T `r`.
+    pub fn add_correction(&mut self, r: &[f64], z: &mut [f64]) {
+        let mut c = vec![0.0; self.len()];
+        self.project(r, &mut c);
+        self.solve(&mut c);
+        self.add_motion(&c, z);
+    }
+
+    /// `c` = (Z^T K Z)^-1 `c`.
+    pub fn solve(&self, c: &mut [f64]) {
+        for i in 0..c.len() {
+            let pivot = self.factor[i][i];
+            let sum: f64 = (0..i).map(|k| self.factor[i][k] * c[k]).sum();
+            c[i] = if pivot > 0.0 {
+                (c[i] - sum) / pivot
+            } else {
+                0.0
+            };
+        }
+        for i in (0..c.len()).rev() {
+            let pivot = self.factor[i][i];
+            let sum: f64 = (i + 1..c.len()).map(|k| self.factor[k][i] * c[k]).sum();
+            c[i] = if pivot > 0.0 {
+                (c[i] - sum) / pivot
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// Entries of Z's row of a displacement as (motion, value); none where it is held.
+    ///
+    /// # Panics
+    /// Where the node or the component (0, 1, 2) does not exist.
+    pub fn row(&self, node: usize, component: usize) -> Vec<(usize, f64)> {
+        if self.held[3 * node + component] {
+            return Vec::new();
+        }
+        let (knot, motions) = self.local(node);
+        let values = motions.as_flattened().iter().map(|m| m[component]);
+        values
+            .enumerate()
+            .map(|(k, value)| (MOTIONS * knot + k, value))
+            .collect()
+    }
+
+    /// The first of the two knots about a node, and the node's displacement for each motion of both.
+    fn local(&self, node: usize) -> (usize, [[[f64; 3]; MOTIONS]; 2]) {
+        let [x, y, z] = self.points[node];
+        let last = self.knots.len() - 2;
+        let knot = self
+            .knots
+            .partition_point(|&k| k <= x)
+            .saturating_sub(1)
+            .min(last);
+        let length = self.knots[knot + 1] - self.knots[knot];
+        let s = (x - self.knots[knot]) / length;
+        let (y, z) = (y - self.axis[0], z - self.axis[1]);
+        // Hermite values (value, slope) at both knots, and their derivatives by x.
+        let value = [
+            [
+                1.0 - s * s * (3.0 - 2.0 * s),
+                s * (1.0 - s) * (1.0 - s) * length,
+            ],
+            [s * s * (3.0 - 2.0 * s), s * s * (s - 1.0) * length],
+        ];
+        let slope = [
+            [-6.0 * s * (1.0 - s) / length, (1.0 - s) * (1.0 - 3.0 * s)],
+            [6.0 * s * (1.0 - s) / length, s * (3.0 * s - 2.0)],
+        ];
+        let hat = [1.0 - s, s];
+        let of_knot = |k: usize| {
+            [
+                [-z * slope[k][0], 0.0, value[k][0]],
+                [-z * slope[k][1], 0.0, value[k][1]],
+                [-y * slope[k][0], value[k][0], 0.0],
+                [-y * slope[k][1], value[k][1], 0.0],
+                [hat[k], 0.0, 0.0],
+                [0.0, -z * hat[k], y * hat[k]],
+                [y * z * hat[k], 0.0, 0.0],
+                [0.0, -2.0 * y * z * hat[k], y * y * hat[k]],
+            ]
+        };
+        (knot, [of_knot(0), of_knot(1)])
+    }
+
+    /// `u` += Z c.
+    pub fn add_motion(&self, c: &[f64], u: &mut [f64]) {
+        u.par_chunks_mut(3 * NODES_A_TASK)
+            .enumerate()
+            .for_each(|(task, u)| {
+                for (offset, u) in u.chunks_exact_mut(3).enumerate() {
+                    let node = task * NODES_A_TASK + offset;
+                    let (knot, motions) = self.local(node);
+                    for (motion, c) in motions.as_flattened().iter().zip(&c[MOTIONS * knot..]) {
+                        for i in 0..3 {
+                            if !self.held[3 * node + i] {
+                                u[i] += c * motion[i];
+                            }
+                        }
+                    }
+                }
+            });
+    }
+
+    /// c = Z^T r, summed by nodes in a fixed order.
+    pub fn project(&mut self, r: &[f64], c: &mut [f64]) {
+        assert_eq!(r.len(), 3 * self.points.len());
+        let n = c.len();
+        let mut partial = std::mem::take(&mut self.partial);
+        let this = &*self;
+        partial
+            .par_chunks_mut(n)
+            .enumerate()
+            .for_each(|(task, sums)| {
+                sums.fill(0.0);
+                let nodes = task * NODES_A_TASK..((task + 1) * NODES_A_TASK).min(this.points.len());
+                for node in nodes {
+                    let (knot, motions) = this.local(node);
+                    let sums = &mut sums[MOTIONS * knot..];
+                    for (motion, sum) in motions.as_flattened().iter().zip(sums) {
+                        for i in 0..3 {
+                            if !this.held[3 * node + i] {
+                                *sum += motion[i] * r[3 * node + i];
+                            }
+                        }
+                    }
+                }
+            });
+        c.fill(0.0);
+        for sums in partial.chunks_exact(n) {
+            for (c, sum) in c.iter_mut().zip(sums) {
+                *c += sum;
+            }
+        }
+        self.partial = partial;
+    }
+}
+
+/// About `count` of the lines, evenly spread, first and last among them.
+fn spread(lines: &[f64], count: usize) -> Vec<f64> {
+    assert!(
+        lines.len() >= 2 && count >= 2,
+        "{} lines, {count} knots",
+        lines.len()
+    );
+    let (first, last) = (lines[0], lines[lines.len() - 1]);
+    let mut knots: Vec<f64> = (0..count)
+        .map(|i| {
+            let wanted = first + (last - first) * i as f64 / (count - 1) as f64;
+            let above = lines
+                .partition_point(|&line| line < wanted)
+                .min(lines.len() - 1);
+            let below = above.saturating_sub(1);
+            let nearer_below = (lines[below] - wanted).abs() < (lines[above] - wanted).abs();
+            if nearer_below {
+                lines[below]
+            } else {
+                lines[above]
+            }
+        })
+        .collect();
+    knots.dedup();
+    knots
+}
+
+/// Cholesky factorisation in place; a row whose pivot is lost to rounding is left out as zero.
+fn cholesky_of_what_counts(a: &mut [Vec<f64>]) {
+    for j in 0..a.len() {
+        let diagonal = a[j][j];
+        let pivot = diagonal - a[j][..j].iter().map(|v| v * v).sum::<f64>();
+        if pivot.is_nan() || pivot <= 1e-10 * diagonal {
+            for row in a.iter_mut().skip(j) {
+                row[j] = 0.0;
+            }
+            a[j].fill(0.0);
+            continue;
+        }
+        let pivot = pivot.sqrt();
+        a[j][j] = pivot;
+        for i in j + 1..a.len() {
+            let sum: f64 = a[i][..j].iter().zip(&a[j][..j]).map(|(x, y)| x * y).sum();
+            a[i][j] = (a[i][j] - sum) / pivot;
+        }
+        for k in j + 1..a.len() {
+            a[j][k] = 0.0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Body;
+    use crate::material::Material;
+    use crate::section::ElementKind;
+    use crate::sparse::assembly::assemble;
+    use crate::test_block::block;
+
+    fn modes_of_a_cantilever() -> (BeamModes, crate::BlockMatrix) {
+        let mesh = block([24, 3, 2], [0.6, 0.02, 0.008], 0.0);
+        let points = mesh.points.clone();
+        let held: Vec<bool> = points.iter().flat_map(|p| [p[0] == 0.0; 3]).collect();
+        let lines: Vec<f64> = (0..=24).map(|i| 0.6 * i as f64 / 24.0).collect();
+        let steel = Material::new(210e9, 0.3).unwrap();
+        let body = Body::uniform(mesh, steel, ElementKind::Hex8Incompatible).unwrap();
+        let stiffness = assemble(&body);
+        let modes = BeamModes::new(points, &lines, 9, [0.01, 0.004], held, |u, out| {
+            stiffness.apply(u, out)
+        });
+        (modes.unwrap(), stiffness)
+    }
+
+    /// Z (Z^T K Z)^-1 Z^T K is a projection: applied to a motion of the coarse space it gives that motion.
+    #[test]
+    fn the_correction_is_exact_in_the_coarse_space() {
+        let (mut modes, stiffness) = modes_of_a_cantilever();
+        let amplitudes: Vec<f64> = (0..modes.len())
+            .map(|i| {
+                if i < MOTIONS {
+                    0.0
+                } else {
+                    ((i * i) as f64 * 0.7).sin()
+                }
+            })
+            .collect();
+        let dofs = stiffness.dofs();
+        let (mut u, mut force, mut back) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; dofs]);
+        modes.add_motion(&amplitudes, &mut u);
+        stiffness.apply(&u, &mut force);
+        modes.add_correction(&force, &mut back);
+        let size = u.iter().fold(0.0f64, |s, v| s.max(v.abs()));
+        for (a, b) in u.iter().zip(&back) {
+            assert!((a - b).abs() < 1e-7 * size, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn rigid_motions_lie_in_the_coarse_space() {
+        let (modes, _) = modes_of_a_cantilever();
+        let [y0, z0] = modes.axis;
+        // Turning about y: w = x at every knot with slope 1; u = (-(z - z_0), 0, x).
+        let mut c = vec![0.0; modes.len()];
+        for (k, &x) in modes.knots.iter().enumerate() {
+            c[MOTIONS * k] = x;
+            c[MOTIONS * k + 1] = 1.0;
+        }
+        let mut u = vec![0.0; 3 * modes.points.len()];
+        modes.add_motion(&c, &mut u);
+        for (node, p) in modes.points.iter().enumerate() {
+            if p[0] > 0.0 {
+                let expected = [-(p[2] - z0), 0.0, p[0]];
+                for i in 0..3 {
+                    assert!((u[3 * node + i] - expected[i]).abs() < 1e-15);
+                }
+            }
+        }
+        assert_eq!((y0, modes.knots.len()), (0.01, 9));
+    }
+
+    #[test]
+    fn motions_that_add_nothing_are_left_out() {
+        let mut a = vec![
+            vec![2.0, 2.0, 0.0],
+            vec![2.0, 2.0, 0.0],
+            vec![0.0, 0.0, 9.0],
+        ];
+        cholesky_of_what_counts(&mut a);
+        assert_eq!((a[0][0], a[1][1], a[2][2]), (2.0f64.sqrt(), 0.0, 3.0));
+        assert_eq!(a[2][1], 0.0);
+    }
+}

@@ -1,0 +1,270 @@
+//! Many tridiagonal matrices of one pattern, eliminated side by side.
+
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+
+use crate::tensor::axis::Axis;
+
+/// The end of z that elimination goes towards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The plane of the lowest z.
+    Low,
+    /// The plane of the highest z.
+    High,
+}
+
+/// The matrices T = c K + s M of one axis for many shifts s, factorised.
+#[derive(Clone, Debug)]
+pub(crate) struct Elimination {
+    /// Nodes of the axis that are not held, in the order of elimination.
+    pub planes: Vec<usize>,
+    /// s by matrix.
+    pub shift: Vec<f64>,
+    /// c K and M between a node and the one before it in that order.
+    pub coupling: Vec<[f64; 2]>,
+    /// One over the pivots, node by node in that order, matrices side by side.
+    pub inverse_pivots: Vec<f64>,
+}
+
+/// Matrices that one task works on: their values at all nodes stay in a core's cache.
+const PAIRS: usize = 256;
+
+impl Elimination {
+    /// Factorises towards `end` of the axis `z`.
+    pub fn new(z: &Axis, held: [bool; 2], coefficient: f64, shift: Vec<f64>, end: End) -> Self {
+        let mut planes: Vec<usize> =
+            (usize::from(held[0])..z.len() - usize::from(held[1])).collect();
+        if end == End::Low {
+            planes.reverse();
+        }
+        let entry = |k: usize, other: usize| {
+            let place = 1 + other - k;
+            [coefficient * z.stiffness[k][place], z.mass[k][place]]
+        };
+        let coupling: Vec<[f64; 2]> = std::iter::once([0.0; 2])
+            .chain(planes.windows(2).map(|w| entry(w[1], w[0])))
+            .collect();
+        let pairs = shift.len();
+        let mut inverse_pivots = vec![0.0; pairs * planes.len()];
+        for (step, &plane) in planes.iter().enumerate() {
+            let (before, rest) = inverse_pivots.split_at_mut(step * pairs);
+            let before = &before[step.saturating_sub(1) * pairs..];
+            let [k, m] = entry(plane, plane);
+            let [k_off, m_off] = coupling[step];
+            for (i, pivot) in rest[..pairs].iter_mut().enumerate() {
+                let off = k_off + shift[i] * m_off;
+                let taken = before.get(i).map_or(0.0, |inverse| off * off * inverse);
+                *pivot = (k + shift[i] * m - taken).recip();
+            }
+        }
+        Elimination {
+            planes,
+            shift,
+            coupling,
+            inverse_pivots,
+        }
+    }
+
+    /// Forward and backward passes over `values`, which are laid out as the pivots are.
+    pub fn run(&self, values: &mut [f64], [forward, backward]: [bool; 2]) {
+        let pairs = self.shift.len();
+        let mut blocks: Vec<Vec<&mut [f64]>> = (0..pairs.div_ceil(PAIRS))
+            .map(|_| Vec::with_capacity(self.planes.len()))
+            .collect();
+        for plane in values.chunks_exact_mut(pairs) {
+            for (block, part) in blocks.iter_mut().zip(plane.chunks_mut(PAIRS)) {
+                block.push(part);
+            }
+        }
+        blocks
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(block, column)| {
+                let first = block * PAIRS;
+                if forward {
+                    pulp::Arch::new().dispatch(Forward(Column::new(self, first, column)));
+                }
+                if backward {
+                    pulp::Arch::new().dispatch(Backward(Column::new(self, first, column)));
+                }
+            });
+    }
+}
+
+/// A block of pairs through all planes, in the order of elimination.
+struct Column<'a, 'b> {
+    elimination: &'a Elimination,
+    first: usize,
+    values: &'a mut [&'b mut [f64]],
+}
+
+impl<'a, 'b> Column<'a, 'b> {
+    fn new(elimination: &'a Elimination, first: usize, values: &'a mut [&'b mut [f64]]) -> Self {
+        Column {
+            elimination,
+            first,
+            values,
+        }
+    }
+
+    /// The block's inverse pivots at one step, and its shifts.
+    #[inline(always)]
+    fn coefficients(&self, step: usize) -> [&'a [f64]; 2] {
+        let length = self.values[step].len();
+        let shift = &self.elimination.shift;
+        let at = step * shift.len() + self.first;
+        [
+            &self.elimination.inverse_pivots[at..at + length],
+            &shift[self.first..self.first + length],
+        ]
+    }
+}
+
+/// y_i = r_i - T_(i,i-1) y_(i-1) / pivot_(i-1).
+struct Forward<'a, 'b>(Column<'a, 'b>);
+
+impl WithSimd for Forward<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let column = self.0;
+        for step in 1..column.values.len() {
+            let coefficients = column.coefficients(step - 1);
+            let coupling = column.elimination.coupling[step];
+            let (before, rest) = column.values.split_at_mut(step);
+            forward(simd, coupling, coefficients, before[step - 1], rest[0]);
+        }
+    }
+}
+
+/// z_i = (y_i - T_(i,i+1) z_(i+1)) / pivot_i.
+struct Backward<'a, 'b>(Column<'a, 'b>);
+
+impl WithSimd for Backward<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let column = self.0;
+        let last = column.values.len() - 1;
+        let [inverse, _] = column.coefficients(last);
+        column.values[last]
+            .iter_mut()
+            .zip(inverse)
+            .for_each(|(y, inverse)| *y *= inverse);
+        for step in (0..last).rev() {
+            let coefficients = column.coefficients(step);
+            let coupling = column.elimination.coupling[step + 1];
+            let (here, after) = column.values.split_at_mut(step + 1);
+            backward(simd, coupling, coefficients, after[0], here[step]);
+        }
+    }
+}
+
+/// `here` -= (k + shift m) inverse `before`
+#[inline(always)]
+fn forward<S: Simd>(
+    simd: S,
+    [k, m]: [f64; 2],
+    [inverse, shift]: [&[f64]; 2],
+    before: &[f64],
+    here: &mut [f64],
+) {
+    let n = here.len();
+    let (inverse, inverse_rest) = S::as_simd_f64s(&inverse[..n]);
+    let (shift, shift_rest) = S::as_simd_f64s(&shift[..n]);
+    let (before, before_rest) = S::as_simd_f64s(&before[..n]);
+    let (here, here_rest) = S::as_mut_simd_f64s(here);
+    let (minus_k, minus_m) = (simd.splat_f64s(-k), simd.splat_f64s(-m));
+    for (((y, before), inverse), shift) in here.iter_mut().zip(before).zip(inverse).zip(shift) {
+        let off = simd.mul_add_e_f64s(*shift, minus_m, minus_k);
+        *y = simd.mul_add_e_f64s(off, simd.mul_f64s(*before, *inverse), *y);
+    }
+    for (((y, before), inverse), shift) in here_rest
+        .iter_mut()
+        .zip(before_rest)
+        .zip(inverse_rest)
+        .zip(shift_rest)
+    {
+        *y -= (k + shift * m) * (before * inverse);
+    }
+}
+
+/// `here` = (`here` - (k + shift m) `after`) inverse
+#[inline(always)]
+fn backward<S: Simd>(
+    simd: S,
+    [k, m]: [f64; 2],
+    [inverse, shift]: [&[f64]; 2],
+    after: &[f64],
+    here: &mut [f64],
+) {
+    let n = here.len();
+    let (inverse, inverse_rest) = S::as_simd_f64s(&inverse[..n]);
+    let (shift, shift_rest) = S::as_simd_f64s(&shift[..n]);
+    let (after, after_rest) = S::as_simd_f64s(&after[..n]);
+    let (here, here_rest) = S::as_mut_simd_f64s(here);
+    let (minus_k, minus_m) = (simd.splat_f64s(-k), simd.splat_f64s(-m));
+    for (((y, after), inverse), shift) in here.iter_mut().zip(after).zip(inverse).zip(shift) {
+        let off = simd.mul_add_e_f64s(*shift, minus_m, minus_k);
+        *y = simd.mul_f64s(simd.mul_add_e_f64s(off, *after, *y), *inverse);
+    }
+    for (((y, after), inverse), shift) in here_rest
+        .iter_mut()
+        .zip(after_rest)
+        .zip(inverse_rest)
+        .zip(shift_rest)
+    {
+        *y = (*y - (k + shift * m) * after) * inverse;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More matrices than one task works on, towards both ends.
+    #[test]
+    fn both_passes_solve_every_tridiagonal_matrix() {
+        let nodes: Vec<f64> = (0..17).map(|i| 1.3f64.powi(i)).collect();
+        let z = Axis::new(&nodes);
+        let coefficient = 2.5;
+        let shift: Vec<f64> = (0..PAIRS + 37)
+            .map(|i| 1e-6 * 1.06f64.powi(i as i32))
+            .collect();
+        for (end, held) in [(End::High, [true, false]), (End::Low, [false, true])] {
+            let elimination = Elimination::new(&z, held, coefficient, shift.clone(), end);
+            let pairs = shift.len();
+            let given: Vec<f64> = (0..pairs * elimination.planes.len())
+                .map(|i| (0.7 * i as f64).sin())
+                .collect();
+            let mut solved = given.clone();
+            elimination.run(&mut solved, [true, true]);
+            for (pair, shift) in shift.iter().enumerate() {
+                let value = |k: usize| {
+                    let step = elimination.planes.iter().position(|plane| *plane == k);
+                    step.map_or(0.0, |step| solved[step * pairs + pair])
+                };
+                for (step, &k) in elimination.planes.iter().enumerate() {
+                    let mut sum = 0.0;
+                    let mut size = 0.0f64;
+                    for (offset, (stiffness, mass)) in
+                        z.stiffness[k].iter().zip(z.mass[k]).enumerate()
+                    {
+                        let neighbour = (k + offset).checked_sub(1).map_or(0.0, value);
+                        let term = (coefficient * stiffness + shift * mass) * neighbour;
+                        sum += term;
+                        size = size.max(term.abs());
+                    }
+                    let error = (sum - given[step * pairs + pair]).abs();
+                    assert!(
+                        error < 1e-13 * size.max(1.0),
+                        "{pair}, {k}: {error:e} of {size}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The preconditioner: three scalar operators, each inverted by diagonalising its axes.
+
+use std::collections::HashMap;
+
+use faer::{MatMut, MatRef};
+use rayon::prelude::*;
+
+use crate::precondition::dense::{columns, columns_mut, product};
+use crate::tensor::axis::{Axis, AxisModes};
+use crate::tensor::operator::TensorOperator;
+
+/// Inverse of the block diagonal of elasticity on a tensor grid.
+///
+/// Component c of P is the scalar operator with coefficient lambda + 2 mu along axis c and mu along the
+/// others. With K_d q = theta_d M_d q on each axis,
+/// P_c^-1 = (Qx x Qy x Qz) diag(1 / Lambda) (Qx x Qy x Qz)^T, Lambda = sum over d of coefficient_d theta_d.
+/// By Korn's inequality P is spectrally equivalent to the stiffness with constants that depend on
+/// Poisson's ratio and the held faces only, not on the grading (R. E. Lynch, J. R. Rice and D. H. Thomas,
+/// Numer. Math. 6 (1964) 185-199, for the diagonalisation).
+///
+/// [`FastDiagonal::to_modes`], a change to the modal vector, and [`FastDiagonal::from_modes`] are kept
+/// apart so that a constraint on one horizontal plane can act between them.
+#[derive(Clone, Debug)]
+pub struct FastDiagonal {
+    shape: [usize; 3],
+    components: [Component; 3],
+}
+
+#[derive(Clone, Debug)]
+struct Component {
+    /// Modes by axis.
+    modes: [AxisModes; 3],
+    /// 1 / Lambda, first axis fastest.
+    inverse: Vec<f64>,
+    /// Where this component's modal values start.
+    start: usize,
+}
+
+impl FastDiagonal {
+    /// Diagonalises every axis once for each pair of held ends that occurs.
+    pub fn new(operator: &TensorOperator) -> Self {
+        Self::with_first_axis(operator, None)
+    }
+
+    /// As [`FastDiagonal::new`]; where `first` is given, component x has that axis along x instead of the operator's own.
+    ///
+    /// For [`crate::element::hex8_axial`] `first` is the operator's first axis, [`Axis::averaged`].
+    pub fn with_first_axis(operator: &TensorOperator, first: Option<&Axis>) -> Self {
+        // Two layers give the vertical component a z axis of its own, an axis from outside component x one of x.
+        let variant = |c: usize, axis: usize| match (c, axis) {
+            (2, 2) => usize::from(operator.lower_layer().is_some()),
+            (0, 0) => usize::from(first.is_some()),
+            _ => 0,
+        };
+        let key = |c: usize, axis: usize| (axis, operator.held[c][axis], variant(c, axis));
+        let mut wanted: Vec<(usize, [bool; 2], usize)> = Vec::new();
+        for c in 0..3 {
+            for axis in 0..3 {
+                let key = key(c, axis);
+                if !wanted.contains(&key) {
+                    wanted.push(key);
+                }
+            }
+        }
+        let solved: HashMap<(usize, [bool; 2], usize), AxisModes> = wanted
+            .par_iter()
+            .map(|&(axis, held, variant)| {
+                let modes = match (axis, first) {
+                    (2, _) => operator.preconditioned_z(2 * variant).modes(held),
+                    (0, Some(first)) if variant == 1 => first.modes(held),
+                    _ => operator.axes[axis].modes(held),
+                };
+                ((axis, held, variant), modes)
+            })
+            .collect();
+        let mut start = 0;
+        let components = std::array::from_fn(|c| {
+            let modes: [AxisModes; 3] = std::array::from_fn(|axis| solved[&key(c, axis)].clone());
+            let coefficient = |axis: usize| {
+                operator.mu
+                    + if axis == c {
+                        operator.lambda + operator.mu
+                    } else {
+                        0.0
+                    }
+            };
+            let [sx, sy, sz] = std::array::from_fn(|axis| {
+                modes[axis]
+                    .values
+                    .iter()
+                    .map(|theta| coefficient(axis) * theta)
+                    .collect::<Vec<f64>>()
+            });
+            let mut inverse = Vec::with_capacity(sx.len() * sy.len() * sz.len());
+            for z in &sz {
+                for y in &sy {
+                    inverse.extend(sx.iter().map(|x| (x + y + z).recip()));
+                }
+            }
+            let component = Component {
+                modes,
+                inverse,
+                start,
+            };
+            start += component.inverse.len();
+            component
+        });
+        FastDiagonal {
+            shape: operator.shape(),
+            components,
+        }
+    }
+
+    /// Length of a modal vector.
+    pub fn mode_count(&self) -> usize {
+        self.components.iter().map(|c| c.inverse.len()).sum()
+    }
+
+    /// Length of the scratch that the transforms use.
+    pub fn scratch_len(&self) -> usize {
+        3 * self.shape.iter().product::<usize>()
+    }
+
+    /// Modes of component `c` along `axis`.
+    pub fn axis_modes(&self, c: usize, axis: usize) -> &AxisModes {
+        &self.components[c].modes[axis]
+    }
+
+    /// The part of a modal vector that belongs to component `c`, first axis fastest.
+    pub fn component_range(&self, c: usize) -> std::ops::Range<usize> {
+        let component = &self.components[c];
+        component.start..component.start + component.inverse.len()
+    }
+
+    /// 1 / Lambda of component `c`, first axis fastest.
+    pub fn inverse(&self, c: usize) -> &[f64] {
+        &self.components[c].inverse
+    }
+
+    /// `modal` = (Qx x Qy x Qz)^T `r`, component by component.
+    pub fn to_modes(&self, r: &[f64], modal: &mut [f64], scratch: &mut [f64]) {
+        let [nx, ny, nz] = self.shape;
+        let nodes = nx * ny * nz;
+        assert_eq!((r.len(), modal.len()), (3 * nodes, self.mode_count()));
+        for (c, component) in self.components.iter().enumerate() {
+            let [mx, my, mz] = component.mode_shape();
+            let planes = &mut scratch[..mx * my * nz];
+            let (qx, qy, qz) = component.vectors();
+            // x and y, plane by plane.
+            planes.par_chunks_mut(mx * my).enumerate().for_each_init(
+                || vec![0.0; mx * ny],
+                |half, (k, plane)| {
+                    let source = &r[c * nodes + k * nx * ny..c * nodes + (k + 1) * nx * ny];
+                    product(
+                        columns_mut(half, [mx, ny]),
+                        qx.transpose(),
+                        columns(source, [nx, ny]),
+                    );
+                    product(columns_mut(plane, [mx, my]), columns(half, [mx, ny]), qy);
+                },
+            );
+            // z, by blocks of columns of the result.
+            let target = &mut modal[component.start..component.start + mx * my * mz];
+            let source = columns(planes, [mx * my, nz]);
+            by_column_blocks(target, mx * my, mz, |first, block| {
+                let width = block.ncols();
+                product(block, source, qz.subcols(first, width));
+            });
+        }
+    }
+
+    /// Multiplies a modal vector by 1 / Lambda.
+    pub fn divide(&self, modal: &mut [f64]) {
+        for component in &self.components {
+            let range = component.start..component.start + component.inverse.len();
+            modal[range]
+                .par_chunks_mut(8192)
+                .zip(component.inverse.par_chunks(8192))
+                .for_each(|(m, inverse)| m.iter_mut().zip(inverse).for_each(|(m, i)| *m *= i));
+        }
+    }
+
+    /// `z` = (Qx x Qy x Qz) `modal`, component by component.
+    pub fn from_modes(&self, modal: &[f64], z: &mut [f64], scratch: &mut [f64]) {
+        let [nx, ny, nz] = self.shape;
+        let nodes = nx * ny * nz;
+        assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
+        for (c, component) in self.components.iter().enumerate() {
+            let [mx, my, mz] = component.mode_shape();
+            let (qx, qy, qz) = component.vectors();
+            let source = columns(&modal[component.start..], [mx * my, mz]);
+            let planes = &mut scratch[..mx * my * nz];
+            by_column_blocks(planes, mx * my, nz, |first, block| {
+                let width = block.ncols();
+                product(block, source, qz.subrows(first, width).transpose());
+            });
+            let planes = &scratch[..mx * my * nz];
+            z[c * nodes..(c + 1) * nodes]
+                .par_chunks_mut(nx * ny)
+                .enumerate()
+                .for_each_init(
+                    || vec![0.0; nx * my],
+                    |half, (k, plane)| {
+                        let source = &planes[k * mx * my..(k + 1) * mx * my];
+                        product(columns_mut(half, [nx, my]), qx, columns(source, [mx, my]));
+                        product(
+                            columns_mut(plane, [nx, ny]),
+                            columns(half, [nx, my]),
+                            qy.transpose(),
+                        );
+                    },
+                );
+        }
+    }
+
+    /// `z` = P^-1 `r`.
+    pub fn apply(&self, r: &[f64], z: &mut [f64], modal: &mut [f64], scratch: &mut [f64]) {
+        self.to_modes(r, modal, scratch);
+        self.divide(modal);
+        self.from_modes(modal, z, scratch);
+    }
+}
+
+impl Component {
+    fn mode_shape(&self) -> [usize; 3] {
+        std::array::from_fn(|axis| self.modes[axis].values.len())
+    }
+
+    fn vectors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>, MatRef<'_, f64>) {
+        (
+            self.modes[0].vectors.as_ref(),
+            self.modes[1].vectors.as_ref(),
+            self.modes[2].vectors.as_ref(),
+        )
+    }
+}
+
+/// Splits a `rows` x `cols` matrix into blocks of columns that do not depend on the number of threads.
+fn by_column_blocks(
+    data: &mut [f64],
+    rows: usize,
+    cols: usize,
+    work: impl Fn(usize, MatMut<'_, f64>) + Sync,
+) {
+    const WIDTH: usize = 16;
+    data[..rows * cols]
+        .par_chunks_mut(rows * WIDTH)
+        .enumerate()
+        .for_each(|(block, chunk)| {
+            let width = chunk.len() / rows;
+            work(block * WIDTH, columns_mut(chunk, [rows, width]));
+        });
+}

@@ -1,0 +1,204 @@
+//! Strains and stresses of a displaced body.
+//!
+//! Six components stand as (xx, yy, zz, yz, zx, xy); shear strains are engineering ones; tension is positive.
+
+use rayon::prelude::*;
+
+use crate::body::Body;
+use crate::element::hex8::{self, GAUSS, Jacobian};
+use crate::element::hex8_axial;
+use crate::element::hex8_incompatible::{Uncondensed, mode_gradients};
+use crate::section::ElementKind;
+use crate::sparse::node_graph::NodeGraph;
+
+/// Displacements of one cell, ready to be differentiated.
+struct CellField {
+    corners: hex8::Corners,
+    displacement: [f64; 24],
+    /// Amplitudes of the incompatible modes and the centre's Jacobian, where the cell has them.
+    inner: Option<([f64; 9], Jacobian)>,
+    axial: bool,
+}
+
+impl CellField {
+    fn new(body: &Body, cell: usize, u: &[f64]) -> Self {
+        let corners = body.corners(cell);
+        let displacement = body.gather(cell, u);
+        let section = body.sections()[cell];
+        let inner = (section.kind == ElementKind::Hex8Incompatible).then(|| {
+            let element = Uncondensed::new(&corners, section.material);
+            let centre = Jacobian::at(&corners, [0.0; 3]);
+            (element.amplitudes(&displacement), centre)
+        });
+        Self {
+            corners,
+            displacement,
+            inner,
+            axial: section.kind == ElementKind::Hex8Axial,
+        }
+    }
+
+    fn strain(&self, xi: [f64; 3]) -> [f64; 6] {
+        if self.axial {
+            return hex8_axial::strain(&self.corners, &self.displacement, xi);
+        }
+        let (gradients, determinant) = hex8::gradients(&self.corners, xi);
+        let mut h = [[0.0; 3]; 3];
+        let mut add = |value: &[f64], gradient: [f64; 3]| {
+            for i in 0..3 {
+                for j in 0..3 {
+                    h[i][j] += value[i] * gradient[j];
+                }
+            }
+        };
+        for (value, gradient) in self.displacement.chunks_exact(3).zip(gradients) {
+            add(value, gradient);
+        }
+        if let Some((amplitudes, centre)) = &self.inner {
+            let modes = mode_gradients(centre, xi, determinant);
+            for (value, gradient) in amplitudes.chunks_exact(3).zip(modes) {
+                add(value, gradient);
+            }
+        }
+        [
+            h[0][0],
+            h[1][1],
+            h[2][2],
+            h[1][2] + h[2][1],
+            h[0][2] + h[2][0],
+            h[0][1] + h[1][0],
+        ]
+    }
+}
+
+/// Strain in `cell` at natural coordinates `xi` for the displacements `u` (three a node [m]).
+///
+/// In cells with incompatible modes it includes the modes' strain.
+///
+/// # Panics
+/// Where the cell does not exist or `u` is too short.
+pub fn strain_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] {
+    CellField::new(body, cell, u).strain(xi)
+}
+
+/// Stress [Pa] in `cell` at natural coordinates `xi` for the displacements `u` (three a node [m]).
+///
+/// # Panics
+/// As [`strain_at`].
+pub fn stress_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] {
+    body.sections()[cell]
+        .material
+        .stress(strain_at(body, cell, u, xi))
+}
+
+/// Stresses [Pa] at the 2 x 2 x 2 Gauss points of every cell, in the order of [`hex8::gauss_points`].
+///
+/// # Panics
+/// Where `u` does not have three numbers a node.
+pub fn gauss_point_stresses(body: &Body, u: &[f64]) -> Vec<[[f64; 6]; 8]> {
+    assert_eq!(u.len(), body.dofs());
+    let points = hex8::gauss_points();
+    (0..body.mesh().cells.len())
+        .into_par_iter()
+        .map(|cell| {
+            let field = CellField::new(body, cell, u);
+            let material = body.sections()[cell].material;
+            points.map(|xi| material.stress(field.strain(xi)))
+        })
+        .collect()
+}
+
+/// Gauss-point values continued trilinearly to the eight corners of their cell.
+pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
+    // The Gauss points are the corners of a cell that is 1/sqrt(3) as large.
+    hex8::CORNERS.map(|corner| {
+        let weights = hex8::shape_functions(corner.map(|c| c / GAUSS));
+        std::array::from_fn(|i| (0..8).map(|g| weights[g] * values[g][i]).sum())
+    })
+}
+
+/// Stresses [Pa] at the nodes: Gauss-point stresses continued to the corners, averaged over the cells of a node.
+///
+/// Where materials meet, stresses jump and the average lies between the sides: take [`gauss_point_stresses`] there. Nodes
+/// without cells get zero.
+///
+/// # Panics
+/// As [`gauss_point_stresses`].
+pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
+    let mut corners = gauss_point_stresses(body, u);
+    corners
+        .par_iter_mut()
+        .for_each(|values| *values = extrapolate_to_corners(values));
+    let graph = NodeGraph::new(body.mesh());
+    (0..body.node_count())
+        .into_par_iter()
+        .map(|node| {
+            let (mut sum, mut count) = ([0.0; 6], 0);
+            for (cell, corner) in graph.cells(node) {
+                for i in 0..6 {
+                    sum[i] += corners[cell][corner][i];
+                }
+                count += 1;
+            }
+            sum.map(|s| s / f64::from(count.max(1)))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Material;
+    use crate::test_block::block;
+
+    #[test]
+    fn a_linear_displacement_has_its_stress_at_every_gauss_point_and_node() {
+        for kind in [
+            ElementKind::Hex8,
+            ElementKind::Hex8Incompatible,
+            ElementKind::Hex8Axial,
+        ] {
+            let mut mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
+            // In planes across x, as the axial element wants them.
+            for (node, p) in mesh.points.iter_mut().enumerate() {
+                p[0] = (node % 4) as f64 / 3.0;
+            }
+            let material = Material::new(9.0e9, 0.33).unwrap();
+            let body = Body::uniform(mesh, material, kind).unwrap();
+            let h = [[1e-3, 2e-4, 0.0], [-3e-4, 5e-4, 1e-4], [2e-4, 0.0, -7e-4]];
+            let u: Vec<f64> = body
+                .mesh()
+                .points
+                .iter()
+                .flat_map(|p| h.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]))
+                .collect();
+            let expected = material.stress([
+                h[0][0],
+                h[1][1],
+                h[2][2],
+                h[1][2] + h[2][1],
+                h[0][2] + h[2][0],
+                h[0][1] + h[1][0],
+            ]);
+            let all = gauss_point_stresses(&body, &u).concat();
+            for stress in all.into_iter().chain(nodal_stresses(&body, &u)) {
+                for i in 0..6 {
+                    assert!((stress[i] - expected[i]).abs() < 1e-12 * expected[0].abs());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn trilinear_fields_are_continued_exactly() {
+        let field = |x: [f64; 3]| {
+            std::array::from_fn(|i| 1.0 + x[0] - 2.0 * x[1] * x[2] + i as f64 * x[0] * x[1] * x[2])
+        };
+        let corners = extrapolate_to_corners(&hex8::gauss_points().map(field));
+        for (found, expected) in corners.iter().zip(hex8::CORNERS.map(field)) {
+            for i in 0..6 {
+                assert!((found[i] - expected[i]).abs() < 1e-13);
+            }
+        }
+    }
+}

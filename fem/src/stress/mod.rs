@@ -1,0 +1,4 @@
+//! Strains and stresses of a displaced body, and numbers that sum them up.
+
+pub mod field;
+pub mod measures;

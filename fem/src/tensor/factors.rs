@@ -1,0 +1,162 @@
+//! What the kernel of the tensor operator multiplies with.
+//!
+//! The 1-D matrices of linear elements are sums over cells. With the difference v = u_(i+1) - u_i and the sum
+//! w = u_(i+1) + u_i of a cell of length h between two nodes, and h_i the lumped mass of a node,
+//!
+//! (M u)_i = h_i u_i + (h v / 6)_(above) - (h v / 6)_(below),
+//! (K u)_i = (v / h)_(below) - (v / h)_(above),
+//! (2 D u)_i = w_(below) - w_(above),
+//!
+//! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a node its lumped mass.
+
+use crate::tensor::axis::Axis;
+
+/// Two numbers a cell: h / 6 [m] and 1 / h [1/m], the second times a modulus.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Cell {
+    pub mass: f64,
+    pub stiffness: f64,
+}
+
+/// A row of nodes along x and the cells above it in y.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    /// Lumped mass of y.
+    pub lumped: f64,
+    /// The cell above by modulus: mu, and lambda + 2 mu, over the coupling.
+    pub above: [Cell; 2],
+}
+
+/// A plane of nodes between two cells of z.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layer {
+    /// Lumped mass of z times the coupling.
+    pub lumped: f64,
+    /// The cells below and above by modulus, their masses times the coupling.
+    pub below: [Cell; 2],
+    pub above: [Cell; 2],
+}
+
+/// The 1-D matrices with the Lame constants in them.
+///
+/// In an axis D + D^T is E = diag(-1, 0 .. 0, 1), so that, with a "coupling" s = (lambda + mu) / 4,
+///
+/// lambda D_x D_y^T + mu D_x^T D_y = -s (2 D_x) (2 D_y) + lambda D_x E_y + mu E_x D_y:
+///
+/// one product a pair of components in the grid, and what E adds on its faces. Everything that meets M of z is divided by s,
+/// so that products of differences need no factor.
+#[derive(Clone, Debug)]
+pub(crate) struct Factors {
+    /// Along x: lumped mass, and h / 6 of the cells below and above, continued by zeros to whole vectors.
+    pub mass_x: [Vec<f64>; 3],
+    /// 1 / h of the cells below and above, by modulus as in [`Row::above`].
+    pub stiffness_x: [[Vec<f64>; 2]; 2],
+    /// What 2 D and E add to u_(i-1) - u_(i+1) at the ends of x, zeros outside them standing for nodes that are not there:
+    /// 2 D - share E for the shares of lambda and of mu, and 2 D alone.
+    pub ends_x: [Vec<f64>; 3],
+    pub rows: Vec<Row>,
+    pub layers: Vec<Layer>,
+    /// s [Pa].
+    pub coupling: f64,
+    /// 2 lambda / (lambda + mu) and 2 mu / (lambda + mu).
+    pub shares: [f64; 2],
+    /// Lame constants [Pa].
+    pub lambda: f64,
+    pub mu: f64,
+    /// First plane of the grid that the layers are of.
+    pub first: usize,
+}
+
+impl Factors {
+    /// Those of planes `first` and on, which z holds.
+    pub fn new([x, y, z]: [&Axis; 3], lambda: f64, mu: f64, first: usize) -> Self {
+        let coupling = 0.25 * (lambda + mu);
+        let shares = [lambda, mu].map(|modulus| 2.0 * modulus / (lambda + mu));
+        let moduli = [mu, lambda + 2.0 * mu];
+        let nx = x.len();
+        let along_x = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let mut values: Vec<f64> = (0..nx).map(value).collect();
+            values.resize(padded(nx), 0.0);
+            values
+        };
+        // Twice for the nodes below and above a cell: that of node i is `offset` 1 below it, 0 above it.
+        let around = |offset: usize, of: &dyn Fn(Cell) -> f64| {
+            along_x(&|i| i.checked_sub(offset).map_or(0.0, |e| of(cell(x, e))))
+        };
+        let ends = |share: f64| {
+            along_x(&|i| match i {
+                0 => share - 1.0,
+                i if i + 1 == nx => 1.0 - share,
+                _ => 0.0,
+            })
+        };
+        Factors {
+            mass_x: [
+                along_x(&|i| x.lumped_mass[i]),
+                around(1, &|c| c.mass),
+                around(0, &|c| c.mass),
+            ],
+            stiffness_x: moduli.map(|modulus| {
+                [1, 0].map(|offset| around(offset, &|c| c.stiffness * modulus / coupling))
+            }),
+            ends_x: [ends(shares[0]), ends(shares[1]), ends(0.0)],
+            rows: (0..y.len())
+                .map(|j| Row {
+                    lumped: y.lumped_mass[j],
+                    above: moduli.map(|modulus| cell(y, j).times(1.0, modulus / coupling)),
+                })
+                .collect(),
+            layers: (0..z.len())
+                .map(|k| {
+                    let scaled = |e: Option<usize>| {
+                        let cell = e.map_or(Cell::default(), |e| cell(z, e));
+                        moduli.map(|modulus| cell.times(coupling, modulus))
+                    };
+                    Layer {
+                        lumped: coupling * z.lumped_mass[k],
+                        below: scaled(k.checked_sub(1)),
+                        above: scaled(Some(k)),
+                    }
+                })
+                .collect(),
+            coupling,
+            shares,
+            lambda,
+            mu,
+            first,
+        }
+    }
+
+    /// The plane after the last.
+    pub fn end(&self) -> usize {
+        self.first + self.layers.len()
+    }
+}
+
+/// Cell `e` of an axis; beyond its last all zeros.
+fn cell(axis: &Axis, e: usize) -> Cell {
+    axis.nodes.get(e + 1).map_or(Cell::default(), |next| {
+        let h = next - axis.nodes[e];
+        Cell {
+            mass: h / 6.0,
+            stiffness: 1.0 / h,
+        }
+    })
+}
+
+impl Cell {
+    fn times(self, mass: f64, stiffness: f64) -> Self {
+        Cell {
+            mass: mass * self.mass,
+            stiffness: stiffness * self.stiffness,
+        }
+    }
+}
+
+/// Numbers that the widest vector register holds.
+pub(crate) const WIDEST: usize = 8;
+
+/// Length of a row of `nx` nodes in whole vectors.
+pub(crate) fn padded(nx: usize) -> usize {
+    nx.next_multiple_of(WIDEST)
+}

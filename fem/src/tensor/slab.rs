@@ -1,0 +1,156 @@
+//! K u on some neighbouring planes: one walk up z through them and the two beside them, or one for each band of rows.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use crate::tensor::factors::{Factors, padded};
+use crate::tensor::kernel::{LastPlane, Plane};
+use crate::tensor::row_ends::{Aligned, RowEnds};
+
+/// What a walk works in.
+pub(crate) struct Scratch {
+    ends: RowEnds,
+    sums: Aligned,
+    /// Planes that belong to another walk.
+    discarded: [Vec<f64>; 3],
+    /// Room for a row.
+    pub row: Vec<f64>,
+}
+
+impl Scratch {
+    fn new([nx, ny, _]: [usize; 3]) -> Self {
+        Scratch {
+            ends: RowEnds::new([nx, ny]),
+            sums: Aligned::zeros(3 * 2 * ny * padded(nx)),
+            discarded: std::array::from_fn(|_| vec![0.0; nx * ny]),
+            row: Vec::with_capacity(nx + 2),
+        }
+    }
+}
+
+/// Scratch that waits for the next walk.
+#[derive(Default)]
+pub(crate) struct Pool(Mutex<Vec<Scratch>>);
+
+impl Pool {
+    pub fn with<T>(&self, shape: [usize; 3], work: impl FnOnce(&mut Scratch) -> T) -> T {
+        let waiting = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let taken = waiting().pop();
+        let mut scratch = taken.unwrap_or_else(|| Scratch::new(shape));
+        let result = work(&mut scratch);
+        waiting().push(scratch);
+        result
+    }
+}
+
+/// A copy has scratch of its own.
+impl Clone for Pool {
+    fn clone(&self) -> Self {
+        Pool::default()
+    }
+}
+
+impl fmt::Debug for Pool {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Pool")
+    }
+}
+
+/// The planes `planes` of one material's K u into `out`, by component, but for what the ends of z add.
+///
+/// A plane's sum takes the plane below it, itself and the plane above in this order, wherever the walk begins. `height` rows
+/// go up together; numbers do not depend on it.
+pub(crate) fn walk(
+    factors: &Factors,
+    u: &[f64],
+    shape: [usize; 3],
+    planes: Range<usize>,
+    height: usize,
+    scratch: &mut Scratch,
+    out: &mut [&mut [f64]; 3],
+) {
+    let [nx, ny, nz] = shape;
+    let size = nx * ny;
+    let arch = pulp::Arch::new();
+    let from = planes.start.saturating_sub(1).max(factors.first);
+    let to = planes.end.min(factors.end() - 1);
+    for first in (0..ny).step_by(height) {
+        let band = first..(first + height).min(ny);
+        let read = first.saturating_sub(1)..(band.end + 1).min(ny);
+        let sums = 3 * 2 * band.len() * padded(nx);
+        let sums = &mut scratch.sums.all_mut()[..sums];
+        sums.fill(0.0);
+        for k in from..=to {
+            let rows = [0, 1, 2].map(|c| {
+                let plane = (c * nz + k) * ny;
+                &u[(plane + read.start) * nx..(plane + read.end) * nx]
+            });
+            scratch.ends.fill(rows, nx);
+            let place = k.checked_sub(planes.start + 1);
+            let (complete, later): ([&mut [f64]; 3], [&[f64]; 3]) = match place {
+                Some(place) => {
+                    let halves = out
+                        .each_mut()
+                        .map(|component| component[place * size..].split_at_mut(size));
+                    let [(x, above_x), (y, above_y), (z, above_z)] = halves;
+                    ([x, y, z], [above_x, above_y, above_z])
+                }
+                None => (
+                    scratch.discarded.each_mut().map(|plane| &mut plane[..]),
+                    out.each_ref().map(|component| &component[..size]),
+                ),
+            };
+            let next = (k + 1).min(to);
+            let ahead = [0, 1, 2].map(|c| {
+                let later = later[c].get(first * nx..).unwrap_or_default();
+                [&u[(c * nz + next) * size + first * nx..], later]
+            });
+            arch.dispatch(Plane {
+                factors,
+                layer: k - factors.first,
+                rows,
+                ends: &scratch.ends,
+                sums,
+                out: complete,
+                nx,
+                band: band.clone(),
+                ahead,
+            });
+        }
+        if planes.end == factors.end() {
+            let place = planes.len() - 1;
+            arch.dispatch(LastPlane {
+                sums,
+                out: part(out, place * size..(place + 1) * size),
+                nx,
+                band,
+            });
+        }
+    }
+}
+
+/// Rows that a walk takes through all planes together: all of them where u and K u stay in the last cache, and else so many
+/// that what a walk works in stays in a core's own.
+///
+/// Each band computes the products along x of the two rows beside it anew.
+pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
+    const NUMBER: usize = size_of::<f64>();
+    if 2 * 3 * nx * ny * nz * NUMBER <= LAST_CACHE {
+        return ny;
+    }
+    let row = 3 * 2 * padded(nx) * NUMBER;
+    let bands = (row * ny).div_ceil(SUMS).min(ny / 8).max(1);
+    ny.div_ceil(bands)
+}
+
+/// Bytes of u and K u that may be expected to stay in the last cache, beside the other vectors of a solve.
+const LAST_CACHE: usize = 12 << 20;
+/// Bytes of a band's sums. The rows of u beside them, and what is asked for ahead of time, are as many again and more.
+const SUMS: usize = 128 << 10;
+
+/// A part of each component.
+pub(crate) fn part<'a>(out: &'a mut [&mut [f64]; 3], range: Range<usize>) -> [&'a mut [f64]; 3] {
+    out.each_mut()
+        .map(|component| &mut component[range.clone()])
+}
