@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use kufe_friction::effects::{CATALOGUE, Column, Effect};
-use kufe_sled::effects::{Channel, Custom, Effects, Kind};
+use kufe_sled::effects::{CATALOGUE, Column, Custom, Effect, Effects, Kind};
 
-use crate::evidence::experiments::known::is_on;
 use crate::evidence::experiments::rows::Row;
 use crate::input::table::Table;
 use crate::procedure::candidate::Candidate;
@@ -52,23 +50,22 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
         model
             .active
             .iter()
-            .any(|a| a.effect_name() == name && is_on(a))
+            .any(|a| a.effect_name() == name && a.is_on())
     };
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter().filter(|e| e.on_friction.is_some()) {
         let info = effect.info();
         if on(info.name) {
             continue;
         }
-        let missing: Vec<&str> = info
-            .needs
-            .iter()
-            .map(|c| Column::name(*c))
-            .filter(|c| !varies(c))
-            .collect();
-        if info.name == "slope" {
-            let why = "is the same as another level of friction unless both directions are run";
-            untestable.push((info.name.to_owned(), why.to_owned()));
-        } else if !missing.is_empty() {
+        let needed = match info.needs_in_experiments() {
+            Ok(needed) => needed.iter().map(|c| Column::name(*c)),
+            Err(why) => {
+                untestable.push((info.name.to_owned(), why.to_owned()));
+                continue;
+            }
+        };
+        let missing: Vec<&str> = needed.filter(|c| !varies(c)).collect();
+        if !missing.is_empty() {
             untestable.push((info.name.to_owned(), needs(&missing)));
         } else if let Some(candidate) = of_catalogue(*effect) {
             candidates.push(candidate);
@@ -78,10 +75,10 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
         let Kind::Custom(custom) = &active.kind else {
             continue;
         };
-        if custom.channel != Channel::Friction || is_on(active) {
+        if !custom.acts_on_friction() || active.is_on() {
             continue;
         }
-        let names = custom.expression.names();
+        let names = custom.names();
         let missing: Vec<&str> = names
             .iter()
             .map(String::as_str)
@@ -110,7 +107,7 @@ fn needs(columns: &[&str]) -> String {
     )
 }
 
-fn of_catalogue(effect: &'static dyn Effect) -> Option<Candidate<FrictionChange>> {
+fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
     let info = effect.info();
     let index = info.parameters.iter().position(|p| p.is_amplitude())?;
     let p = info.parameters[index];

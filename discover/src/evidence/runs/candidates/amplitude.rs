@@ -1,12 +1,9 @@
 //! How an amplitude of an effect acts on a sled.
 
-use kufe_sled::effects::{Active, Kind, Level};
+use kufe_sled::effects::{Active, Judged, Kind, Level};
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-
-/// The name under which an expression sees the column of [`Candidate::carrier`].
-pub const CARRIER: &str = "humidity_pct";
 
 /// One amplitude of one effect of a sled, with its settings.
 #[derive(Clone)]
@@ -21,7 +18,7 @@ pub struct Amplitude {
     pub values: Vec<f64>,
     /// The only track it acts on.
     pub track: Option<String>,
-    /// A recorded column outside the model, handed to the expression under [`CARRIER`].
+    /// A recorded column outside the model, that the expression names.
     pub carrier: Option<String>,
 }
 
@@ -42,32 +39,26 @@ impl Candidate<Amplitude> {
     pub fn within(&self, track: &str, from: f64, to: f64) -> Self {
         let mut local = self.clone();
         local.act.track = Some(track.to_owned());
-        if let Kind::Catalogue(effect) = &self.act.kind {
-            for (value, parameter) in local.act.values.iter_mut().zip(effect.info().parameters) {
-                match parameter.name {
-                    "from_m" => *value = from,
-                    "to_m" => *value = to,
-                    _ => {}
-                }
-            }
+        if let Kind::Catalogue(effect) = &self.act.kind
+            && let Some([begin, end]) = effect.info.window()
+        {
+            (local.act.values[begin], local.act.values[end]) = (from, to);
         }
         local
     }
 
-    /// The stretch of distance on which it acts, where it has one [m].
+    /// The stretch of distance on which it acts, where it has one \[m\].
     pub fn window(&self) -> Option<(f64, f64)> {
         let Kind::Catalogue(effect) = &self.act.kind else {
             return None;
         };
-        let of = |name: &str| {
-            let at = effect
-                .info()
-                .parameters
-                .iter()
-                .position(|p| p.name == name)?;
-            Some(self.act.values[at])
-        };
-        Some((of("from_m")?, of("to_m")?))
+        let [begin, end] = effect.info.window()?;
+        Some((self.act.values[begin], self.act.values[end]))
+    }
+
+    /// Whether it is judged place by place along the track's profile.
+    pub fn is_profile(&self) -> bool {
+        matches!(&self.act.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::ByProfile)
     }
 
     /// The values of its carrier in a run.

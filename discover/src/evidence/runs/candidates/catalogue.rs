@@ -1,8 +1,7 @@
 //! The effects that could be missing, as far as the data can speak of them.
 
-use kufe_sled::effects::{CATALOGUE, Custom, Effects, Kind, Level};
+use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Judged, Kind, Level, Sensor};
 
-use crate::evidence::runs::candidates::along::acts_only_along;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::procedure::candidate::Candidate;
@@ -46,12 +45,12 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
             out.untestable.push((info.name.to_owned(), why));
             continue;
         }
-        if !along && acts_only_along(*effect) {
+        if !along && info.acts_only_along() {
             let why = "acts along the sled, and that channel is not used".to_owned();
             out.untestable.push((info.name.to_owned(), why));
             continue;
         }
-        if matches!(info.level, Level::Session | Level::Run) && data.segmented {
+        if matches!(info.level(), Level::Session | Level::Run) && data.segmented {
             let why = "needs several runs; there is one".to_owned();
             out.untestable.push((info.name.to_owned(), why));
             continue;
@@ -72,29 +71,23 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 act: Amplitude {
                     kind: Kind::Catalogue(*effect),
                     parameter: index,
-                    level: info.level,
+                    level: info.level(),
                     values: defaults.clone(),
                     track: None,
                     carrier: None,
                 },
             };
-            match (info.level, info.name) {
-                (Level::Track, "slope" | "track-profile") => out.track.push(candidate),
-                (Level::Track, _) => out.local.push(candidate),
-                (Level::Session | Level::Run, _) => out.levels.push(candidate),
-                (Level::Sample, "warm-up") => {
-                    for time in [3.0, 8.0, 20.0] {
-                        let mut shaped = candidate.clone();
-                        shaped.act.values[1] = time;
-                        out.regular.push(shaped);
-                    }
-                }
-                (Level::Sample, _) => {
-                    if candidate.key == "x_mps2" || candidate.key == "pitch_rad" {
+            match info.judged {
+                Judged::BySlope | Judged::ByProfile => out.track.push(candidate),
+                Judged::InWindow => out.local.push(candidate),
+                Judged::BetweenSessions | Judged::BetweenRuns => out.levels.push(candidate),
+                Judged::WithinRuns => {
+                    if reads_ahead(effect, index) {
                         out.track.push(candidate.clone());
                     }
-                    out.regular.push(candidate);
+                    out.regular.extend(shapes(candidate, effect));
                 }
+                Judged::ByPressure => {}
             }
         }
     }
@@ -109,6 +102,26 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     out
 }
 
+/// Whether an amplitude is a fault of the accelerometer ahead, which the track channel holds against the slope.
+fn reads_ahead(effect: &Effect, parameter: usize) -> bool {
+    let mut faults = effect.on_sensors.iter();
+    faults.any(|fault| fault.of == Sensor::Ax && fault.parameter == parameter)
+}
+
+/// The candidate with every value of a setting that is to be tried.
+fn shapes(candidate: Candidate<Amplitude>, effect: &Effect) -> Vec<Candidate<Amplitude>> {
+    let mut settings = effect.info.parameters.iter().enumerate();
+    let Some((place, setting)) = settings.find(|(_, p)| !p.tried.is_empty()) else {
+        return vec![candidate];
+    };
+    let with = |value: &f64| {
+        let mut shaped = candidate.clone();
+        shaped.act.values[place] = *value;
+        shaped
+    };
+    setting.tried.iter().map(with).collect()
+}
+
 fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate<Amplitude> {
     Candidate {
         effect: name.to_owned(),
@@ -120,12 +133,12 @@ fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidat
         typical: 1e-3 * custom.high.clamp(1e-6, 1.0),
         decides: String::new(),
         act: Amplitude {
-            kind: Kind::Custom(custom),
             parameter: 0,
             level: Level::Sample,
             values: vec![0.0],
             track: track.clone(),
             carrier: None,
+            kind: Kind::Custom(custom),
         },
     }
 }

@@ -1,9 +1,8 @@
 //! Dependences on a column that no effect of the catalogue has.
 
-use kufe_friction::effects::Expression;
-use kufe_sled::effects::{Channel, Column, Custom, Kind, Level};
+use kufe_sled::effects::{Channel, Column, Custom, Expression, Kind, Level};
 
-use crate::evidence::runs::candidates::amplitude::{Amplitude, CARRIER};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::procedure::candidate::Candidate;
 
@@ -39,7 +38,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
         let Some((centre, scale)) = spread(data, mass, &name) else {
             continue;
         };
-        let x = if carrier.is_some() { CARRIER } else { &name };
+        let x = Expression::quoted(&name);
         let z = format!("(({x} - {centre:.6e}) / {scale:.6e})");
         let size = format!("abs({x}) / {scale:.6e}");
         let mut forms = vec![
@@ -59,7 +58,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
             }
         }
         for (channel, text, typical, unit) in forms {
-            let Ok(expression) = Expression::parse(&text) else {
+            let Some(custom) = Custom::new(channel, &text, carrier.as_deref()) else {
                 continue;
             };
             let limit = if channel == Channel::Lateral {
@@ -76,14 +75,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
                 typical,
                 decides: format!("runs in which {name} is varied by itself"),
                 act: Amplitude {
-                    kind: Kind::Custom(Custom {
-                        channel,
-                        expression,
-                        text,
-                        unit: unit.to_owned(),
-                        low: -limit,
-                        high: limit,
-                    }),
+                    kind: Kind::Custom(custom.bounded(unit, -limit, limit)),
                     parameter: 0,
                     level: Level::Sample,
                     values: vec![0.0],

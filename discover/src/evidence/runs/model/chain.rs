@@ -1,25 +1,14 @@
-//! From measured signals to residuals, through the model with its effects.
+//! From measured signals to residuals: the balances of the sled ([`Balance`]) over a whole run.
 //!
-//! ```text
-//! along:  m a_x - (F_x,f0 + F_x,r + F_air)            [N]     specific force; gravity does not enter
-//! side:   m a_y - (F_y,f0 + F_y,r + F_air,y + F_ext)  [N]
-//! yaw:    J_zz dyaw/dt - (l_f F_y,f0 - l_r F_y,r)     [N m]
-//! track:  d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y             [m/s2]   slope positive downhill; free of friction
-//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)        [m/s2]   where the slope holds along the sled's way
-//! ```
-//!
-//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta = atan(v_y/v_x) to the centre of
-//! gravity. Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of
-//! two smoothed signals is not the smoothed product.
+//! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
+//! signals is not the smoothed product.
 
-use kufe_friction::{LateralDerivatives, MagicFormula};
-use kufe_sled::effects::{Active, Conditions, Effects, Forces, Kind, Measured, State};
-use kufe_sled::{Vehicle, aero, to_centre_of_gravity};
+use kufe_friction::MagicFormula;
+use kufe_sled::effects::{self, Active, Conditions, Effects, Forces, Kind, Sensor, Signals};
+use kufe_sled::{Balance, BaseParameter, LawForces, Vehicle, aero, from_sensors};
 
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Gravity [m/s2].
-pub const GRAVITY: f64 = 9.81;
 /// Number of residual channels.
 pub const CHANNELS: usize = 4;
 /// Those of them that the forces enter: the first.
@@ -78,8 +67,7 @@ impl Chain {
         let mut rows: Rows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
         let here = Here::new(self, frame);
         for i in 0..frame.len() {
-            let m = here.measured(i, self.vehicle.sled.mass_kg);
-            let values = here.residual(i, &m);
+            let values = here.residual(i);
             for (row, value) in rows.iter_mut().zip(values) {
                 row.push(value);
             }
@@ -90,24 +78,10 @@ impl Chain {
         rows
     }
 
-    fn on_track(&self, track: &str) -> Effects {
-        let acts = |e: &&Active| e.track.as_deref().is_none_or(|only| only == track);
-        let mut active: Vec<Active> = self.effects.active.iter().filter(acts).cloned().collect();
-        active.iter_mut().for_each(|e| e.track = None);
-        Effects { active }
-    }
-
-    /// The lateral laws with the base multipliers applied.
+    /// The lateral laws with the base multipliers applied, front and rear.
     pub fn laws(&self) -> [MagicFormula; 2] {
-        let scaled = |law: MagicFormula, mu: f64, k: f64| MagicFormula {
-            mu_zeta: law.mu_zeta * mu,
-            k_n_per_rad: law.k_n_per_rad * k,
-            ..law
-        };
-        [
-            scaled(self.vehicle.front.lateral, self.base[1], self.base[2]),
-            scaled(self.vehicle.rear.lateral, self.base[3], self.base[4]),
-        ]
+        let vehicle = self.vehicle.scaled(&self.base);
+        [vehicle.front.lateral, vehicle.rear.lateral]
     }
 
     /// The unit in which an active amplitude is fitted.
@@ -141,29 +115,22 @@ impl Chain {
     }
 }
 
-/// What one sample says before any law is asked.
+/// One sample: its balance, the base laws there and what effects see.
 #[derive(Clone, Copy)]
 pub struct Instant {
-    /// What the effects see; the loads are those of the laws that were asked last.
-    pub state: State,
-    signals: Measured,
-    front_z: f64,
-    rear_z: f64,
-    curvature: f64,
-    drag: f64,
-    yaw_slope: f64,
-    split: (f64, f64),
-    steer: (f64, f64),
-    chassis: (f64, f64),
-    laws: [LateralDerivatives; 2],
+    /// What the effects see.
+    pub seen: effects::State,
+    balance: Balance,
+    laws: LawForces,
+    signals: Signals,
 }
 
-/// A chain on one run: the effects that act there, the laws, the weather.
+/// A chain on one run: the vehicle with the effects that act there, and the weather.
 pub struct Here<'a> {
     chain: &'a Chain,
     frame: &'a Frame,
-    effects: Effects,
-    laws: [MagicFormula; 2],
+    vehicle: Vehicle,
+    air_density: f64,
     humidity: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
 }
@@ -171,232 +138,149 @@ pub struct Here<'a> {
 impl<'a> Here<'a> {
     /// Prepares a run.
     pub fn new(chain: &'a Chain, frame: &'a Frame) -> Self {
+        let mut vehicle = chain.vehicle.scaled(&chain.base);
+        vehicle.effects = chain.effects.on_track(&frame.track);
         Self {
             chain,
             frame,
-            effects: chain.on_track(&frame.track),
-            laws: chain.laws(),
+            vehicle,
+            air_density: aero::air_density(frame.air_pa, frame.air_c),
             humidity: frame.extra.get("humidity_pct"),
             wear: frame.extra.get("distance_m"),
         }
     }
 
     /// The signals of a sample, corrected by the active effects.
-    pub fn measured(&self, i: usize, mass: f64) -> Measured {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
-        let mut m = Measured {
-            acceleration: std::array::from_fn(|axis| frame.acceleration[axis][i]),
-            slip: frame.slip[i],
-            slip_rate: frame.slip_rate[i],
-            steering: frame.steer[i],
-            accelerometer: [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m],
-            mass,
+    pub fn measured(&self, i: usize) -> Signals {
+        let frame = self.frame;
+        let mut signals = Signals {
+            sled: self.vehicle.sled.constants(),
+            ..Signals::default()
         };
-        self.effects.correct(&mut m);
-        m
+        let axes = [Sensor::Ax, Sensor::Ay, Sensor::Az];
+        let turns = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+        for axis in 0..3 {
+            signals[axes[axis]] = frame.acceleration[axis][i];
+            signals.set(turns[axis], frame.rate[axis][i], frame.rate_slope[axis][i]);
+        }
+        signals.set(Sensor::Speed, frame.v[i], frame.v_slope[i]);
+        signals.set(Sensor::Slip, frame.slip[i], frame.slip_rate[i]);
+        signals.set(Sensor::Steering, frame.steer[i], frame.steer_rate[i]);
+        signals[Sensor::RollSplit] = frame.roll_split[i];
+        let effects = &self.vehicle.effects;
+        if !effects.is_empty() {
+            effects.correct(&self.conditions(i, frame.v[i]), &mut signals);
+        }
+        signals
     }
 
-    /// The motion of a sample, from its corrected signals.
-    pub fn instant(&self, i: usize, m: &Measured) -> Instant {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
-        let rate: [f64; 3] = std::array::from_fn(|axis| frame.rate[axis][i]);
-        let rate_slope: [f64; 3] = std::array::from_fn(|axis| frame.rate_slope[axis][i]);
-        let a = to_centre_of_gravity(m.acceleration, rate, rate_slope, m.accelerometer);
-        let v = frame.v[i].max(0.5);
-        let turn = |x: f64| (x - sled.slip_x_m) / v;
-        let chassis = m.slip - rate[2] * turn(0.0);
-        let wheelbase = sled.l_f_m + sled.l_r_m;
-        let (weight, pitch) = (m.mass * a[2], sled.j_yy_kgm2 * rate_slope[1]);
-        let air_density = aero::air_density(frame.air_pa, frame.air_c);
+    /// Time, place and weather of a sample at a speed [m/s].
+    fn conditions(&self, i: usize, v: f64) -> Conditions {
+        let frame = self.frame;
+        Conditions {
+            t: frame.t[i],
+            s: frame.s[i],
+            v,
+            fz: f64::NAN,
+            ice_c: frame.ice_c,
+            air_c: frame.air_c,
+            air_pa: frame.air_pa,
+            humidity_pct: self.humidity.map_or(frame.humidity_pct, |x| x[i]),
+            distance: self.wear.map_or(frame.distance_before, |x| x[i]),
+            air_density: self.air_density,
+            drag_area: self.vehicle.sled.cda_m2,
+        }
+    }
+
+    /// The balance of a sample, from its corrected signals.
+    fn balance(&self, i: usize, signals: &Signals) -> Balance {
+        let mut sled = self.vehicle.sled;
+        sled.set_constants(&signals.sled);
+        // A slip angle needs a speed.
+        let mut moving = *signals;
+        moving[Sensor::Speed] = signals[Sensor::Speed].max(0.5);
+        let at = self.conditions(i, moving[Sensor::Speed]);
+        let (state, motion) = from_sensors(&sled, &moving, &at);
+        Balance::new(&sled, &state, &motion)
+    }
+
+    /// A sample with the base laws asked, from its corrected signals.
+    pub fn instant(&self, i: usize, signals: &Signals) -> Instant {
+        let balance = self.balance(i, signals);
+        let laws = balance.laws(&self.vehicle);
         Instant {
-            state: State {
-                conditions: Conditions {
-                    t: frame.t[i],
-                    s: frame.s[i],
-                    v,
-                    fz: f64::NAN,
-                    ice_c: frame.ice_c,
-                    air_c: frame.air_c,
-                    air_pa: frame.air_pa,
-                    humidity_pct: self.humidity.map_or(f64::NAN, |x| x[i]),
-                    distance: self.wear.map_or(frame.distance_before, |x| x[i]),
-                    air_density,
-                    drag_area: sled.cda_m2,
-                },
-                slip: [
-                    m.slip - rate[2] * turn(sled.l_f_m) + m.steering,
-                    m.slip - rate[2] * turn(-sled.l_r_m),
-                ],
-                slip_rate: [
-                    m.slip_rate - rate_slope[2] * turn(sled.l_f_m) + frame.steer_rate[i],
-                    m.slip_rate - rate_slope[2] * turn(-sled.l_r_m),
-                ],
-                load: [f64::NAN; 2],
-                chassis_slip: chassis,
-                steering: m.steering,
-                roll_split: frame.roll_split[i],
-                roll_rate: rate[0],
-                roll_acceleration: rate_slope[0],
-                yaw_rate: rate[2],
-                acceleration: a,
-                mass: m.mass,
-            },
-            signals: *m,
-            front_z: (sled.l_r_m * weight - pitch) / wheelbase,
-            rear_z: (sled.l_f_m * weight + pitch) / wheelbase,
-            curvature: -rate[1] / v,
-            drag: aero::drag(sled, v, air_density, -chassis),
-            yaw_slope: rate_slope[2],
-            split: frame.roll_split[i].sin_cos(),
-            steer: m.steering.sin_cos(),
-            chassis: chassis.sin_cos(),
-            laws: [LateralDerivatives::default(); 2],
+            seen: balance.seen(laws.load_n),
+            balance,
+            laws,
+            signals: *signals,
         }
-    }
-
-    /// Forces of the base laws, which stay with `at`.
-    fn base_forces(&self, at: &mut Instant) -> Forces {
-        let (sg, cg) = at.split;
-        let cd = at.steer.1;
-        let slip = at.state.slip;
-        // One Newton step settles how the front runner's load hangs on its side force through the roll split.
-        let mut front_load = at.front_z / cg;
-        let mut front = self.laws[0].derivatives(slip[0], front_load);
-        if sg != 0.0 {
-            let residual = cg * front_load + sg * cd * front.fy - at.front_z;
-            let step = residual / (cg + sg * cd * front.fz);
-            front_load -= step;
-            front.fy -= front.fz * step;
-        }
-        at.laws = [front, self.laws[1].derivatives(slip[1], at.rear_z)];
-        self.as_forces(at, front_load)
     }
 
     /// The same from the laws of a motion close by, to first order.
-    fn base_forces_near(&self, at: &mut Instant, known: &Instant) -> Forces {
-        let (sg, cg) = at.split;
-        let cd = at.steer.1;
-        at.laws = known.laws;
-        for (runner, law) in at.laws.iter_mut().enumerate() {
-            law.fy += law.alpha * (at.state.slip[runner] - known.state.slip[runner]);
-        }
-        let front = &mut at.laws[0];
-        let mut front_load = known.state.load[0];
-        let residual = cg * front_load + sg * cd * front.fy - at.front_z;
-        let step = residual / (cg + sg * cd * front.fz);
-        front_load -= step;
-        front.fy -= front.fz * step;
-        let rear = &mut at.laws[1];
-        rear.fy += rear.fz * (at.rear_z - known.rear_z);
-        self.as_forces(at, front_load)
-    }
-
-    fn as_forces(&self, at: &mut Instant, front_load: f64) -> Forces {
-        at.state.load = [front_load, at.rear_z];
-        let vehicle = &self.chain.vehicle;
-        let along = |runner: usize, law: &kufe_sled::RunnerFriction| {
-            let load = at.state.load[runner];
-            let mu = self.chain.base[0] * law.mu(load, at.curvature);
-            -mu * load * at.state.slip[runner].cos()
-        };
-        Forces {
-            along: [along(0, &vehicle.front), along(1, &vehicle.rear)],
-            across: at.laws.map(|law| law.fy),
-            stiffness: at.laws.map(|law| law.alpha),
-            body_along: 0.0,
-            body_across: 0.0,
+    fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
+        let balance = self.balance(i, signals);
+        let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
+        Instant {
+            seen: balance.seen(laws.load_n),
+            balance,
+            laws,
+            signals: *signals,
         }
     }
 
+    /// These forces with the chain's effects.
     fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
-        if !self.effects.is_empty() {
-            self.effects.act("", &at.state, &mut forces);
+        if !self.vehicle.effects.is_empty() {
+            self.vehicle.effects.act("", &at.seen, &mut forces);
         }
         forces
     }
 
-    /// Forces of the base laws, and with the chain's effects.
-    pub fn forces(&self, at: &mut Instant) -> [Forces; 2] {
-        let base = self.base_forces(at);
-        [base, self.with_effects(at, base)]
+    /// Forces of the base laws with the chain's effects.
+    pub fn forces(&self, at: &Instant) -> Forces {
+        self.with_effects(at, at.laws.forces)
     }
 
-    /// Balances with base multiplier `b` moved by a small `step`; `base` are the base laws' forces.
-    pub fn balances_with_base(
-        &self,
-        at: &Instant,
-        base: &Forces,
-        b: usize,
-        step: f64,
-    ) -> [f64; BALANCES] {
-        let mut forces = *base;
-        let change = step / self.chain.base[b];
-        match b {
-            0 => forces.along.iter_mut().for_each(|f| *f *= 1.0 + change),
-            _ => {
-                let runner = (b - 1) / 2;
-                let (law, by) = (&self.laws[runner], &at.laws[runner]);
-                forces.across[runner] += if b % 2 == 1 {
-                    law.mu_zeta * change * by.mu_zeta
-                } else {
-                    law.k_n_per_rad * change * by.k_n_per_rad
-                };
-            }
-        }
-        self.balances(at, &self.with_effects(at, forces))
-    }
-
-    /// What the balances along, aside and about the vertical leave of these forces.
+    /// What the balances along [N], aside [N] and about the vertical [N m] leave of these forces.
     pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
-        let sled = &self.chain.vehicle.sled;
-        let (m, a) = (&at.signals, &at.state.acceleration);
-        let ((sg, cg), (sd, cd), (sa, ca)) = (at.split, at.steer, at.chassis);
-        let (fx, fy) = (forces.along[0], forces.across[0]);
-        let front_load = (at.front_z - sg * (sd * fx + cd * fy)) / cg;
-        let front_x = cd * fx - sd * fy;
-        let front_y = cg * (sd * fx + cd * fy) - sg * front_load;
-        [
-            m.mass * a[0] - (front_x + forces.along[1] + at.drag * ca + forces.body_along),
-            m.mass * a[1] - (front_y + forces.across[1] - at.drag * sa + forces.body_across),
-            sled.j_zz_kgm2 * at.yaw_slope - (sled.l_f_m * front_y - sled.l_r_m * forces.across[1]),
-        ]
+        at.balance.left(forces).values()
     }
 
-    /// What the track channel leaves; 0 without a survey.
+    /// Balances with base multiplier `b` moved by a small `step`.
+    pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
+        let share = step / self.chain.base[b];
+        let moved = at.laws.moved(&self.vehicle, BaseParameter::ALL[b], share);
+        self.balances(at, &self.with_effects(at, moved))
+    }
+
+    /// What the track channel leaves [m/s2]; 0 without a survey.
     fn track(&self, i: usize, at: &Instant) -> f64 {
-        let (frame, sled) = (self.frame, &self.chain.vehicle.sled);
-        let (a, (sa, ca)) = (&at.state.acceleration, at.chassis);
-        let Some(slope) = frame.slope.get(i) else {
+        let Some(slope) = self.frame.slope.get(i) else {
             return 0.0;
         };
-        let gravity = GRAVITY * (slope + self.effects.slope("", frame.s[i])).sin();
+        let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
         if self.chain.along_path {
-            return frame.v_slope[i] - gravity - a[0] * ca + a[1] * sa;
+            at.balance.left_along_way(&at.signals, slope)
+        } else {
+            at.balance.left_along_axis(&at.signals, slope)
         }
-        let (sin, cos) = at.signals.slip.sin_cos();
-        let forward = frame.v_slope[i] * cos - frame.v[i] * sin * at.signals.slip_rate;
-        let rate = at.state.yaw_rate;
-        let across = -frame.v[i] * sin - sled.slip_x_m * rate;
-        forward - gravity - a[0] - rate * across
     }
 
-    /// Residual of a sample with these corrected signals.
-    pub fn residual(&self, i: usize, m: &Measured) -> [f64; CHANNELS] {
-        let mut at = self.instant(i, m);
-        let [_, forces] = self.forces(&mut at);
-        let [along, side, yaw] = self.balances(&at, &forces);
+    /// Residual of a sample.
+    pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
+        let at = self.instant(i, &self.measured(i));
+        let [along, side, yaw] = self.balances(&at, &self.forces(&at));
         [along, side, yaw, self.track(i, &at)]
     }
 
-    /// Balances of a sample by this chain, `at` and `base` being motion and base forces of one with the same base laws.
-    pub fn balances_beside(&self, i: usize, at: &Instant, base: &Forces) -> [f64; BALANCES] {
-        let m = self.measured(i, self.chain.vehicle.sled.mass_kg);
-        if m == at.signals {
-            return self.balances(at, &self.with_effects(at, *base));
+    /// Balances of a sample by this chain, `at` being the sample by one with the same base laws.
+    pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
+        let signals = self.measured(i);
+        if signals == at.signals {
+            return self.balances(at, &self.forces(at));
         }
-        let mut other = self.instant(i, &m);
-        let [_, forces] = self.forces(&mut other);
-        self.balances(&other, &forces)
+        let other = self.instant(i, &signals);
+        self.balances(&other, &self.forces(&other))
     }
 
     /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it.
@@ -407,34 +291,22 @@ impl<'a> Here<'a> {
         at: &Instant,
         forces: &Forces,
     ) -> [f64; BALANCES] {
-        if effect
-            .track
-            .as_deref()
-            .is_some_and(|only| only != self.frame.track)
-        {
+        if !effect.acts_on(&self.frame.track) {
             return self.balances(at, forces);
         }
-        match &effect.kind {
-            Kind::Custom(custom) => {
-                let mut forces = *forces;
-                custom.act(effect.values[0], &at.state, &mut forces);
-                self.balances(at, &forces)
-            }
-            Kind::Catalogue(kind) => {
-                let mut m = at.signals;
-                kind.correct(&effect.values, &mut m);
-                if m == at.signals {
-                    let mut forces = *forces;
-                    kind.act(&effect.values, &at.state, &mut forces);
-                    return self.balances(at, &forces);
-                }
-                // Another signal is another motion.
-                let mut other = self.instant(i, &m);
-                let base = self.base_forces_near(&mut other, at);
-                let mut forces = self.with_effects(&other, base);
-                kind.act(&effect.values, &other.state, &mut forces);
-                self.balances(&other, &forces)
-            }
+        let mut signals = at.signals;
+        if effect.moves_signals() {
+            effect.correct(&at.seen.conditions, &mut signals);
         }
+        if signals == at.signals {
+            return at.balance.left_with(effect, &at.seen, forces).values();
+        }
+        // Another signal is another motion.
+        let other = self.instant_near(i, &signals, at);
+        let forces = self.forces(&other);
+        other
+            .balance
+            .left_with(effect, &other.seen, &forces)
+            .values()
     }
 }

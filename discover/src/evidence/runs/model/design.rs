@@ -53,7 +53,6 @@ impl Design<'_> {
     ) -> (DMatrix<f64>, DMatrix<f64>) {
         const STEP: f64 = 1e-3;
         let chain = self.chain;
-        let mass = chain.vehicle.sled.mass_kg;
         let here = Here::new(chain, frame);
         let moved: Vec<Chain> = chain
             .free()
@@ -78,9 +77,8 @@ impl Design<'_> {
             vec![vec![0.0; samples]; count]
         });
         for i in 0..n {
-            let m = here.measured(i, mass);
-            let mut at = here.instant(i, &m);
-            let [base, own] = here.forces(&mut at);
+            let at = here.instant(i, &here.measured(i));
+            let own = here.forces(&at);
             let rest = here.balances(&at, &own);
             let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
                 for (c, raw) in raw.iter_mut().enumerate() {
@@ -94,17 +92,17 @@ impl Design<'_> {
                     None => here.balances_with(i, trial, &at, &own),
                     Some(x) => {
                         let mut at = at;
-                        at.state.conditions.humidity_pct = x[i];
+                        at.seen.carried = x[i];
                         here.balances_with(i, trial, &at, &own)
                     }
                 };
                 put(first_trial + k, moved, 0.01);
             }
             for (k, other) in moved.iter().enumerate() {
-                put(BASE + k, other.balances_beside(i, &at, &base), 0.01);
+                put(BASE + k, other.balances_beside(i, &at), 0.01);
             }
             for b in 0..BASE {
-                put(b, here.balances_with_base(&at, &base, b, STEP), STEP);
+                put(b, here.balances_with_base(&at, b, STEP), STEP);
             }
             for (c, raw) in raw.iter_mut().enumerate() {
                 if let Some(to) = raw[count - 1].get_mut(i) {

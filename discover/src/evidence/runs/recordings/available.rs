@@ -48,6 +48,12 @@ pub fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> V
         (Column::AirTemperature, spread(|f| f.air_c)),
         (Column::AirPressure, spread(|f| f.air_pa)),
         (
+            Column::Humidity,
+            !list.contains(&Column::Humidity)
+                && frames.iter().all(|f| f.humidity_pct.is_finite())
+                && spread(|f| f.humidity_pct),
+        ),
+        (
             Column::Wear,
             varies("distance_m") || spread(|f| f.distance_before),
         ),

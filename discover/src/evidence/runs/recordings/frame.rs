@@ -19,7 +19,9 @@ pub struct Frame {
     pub air_c: f64,
     /// Air pressure [Pa].
     pub air_pa: f64,
-    /// Distance run before this run in its session [m].
+    /// Relative humidity [%]; NaN where nothing states it.
+    pub humidity_pct: f64,
+    /// Distance run on this finish of the runners before this run [m].
     pub distance_before: f64,
     /// Time between samples of the recording [s].
     pub recorded_dt: f64,

@@ -56,7 +56,7 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
         let own = signal_kernel(run.dt_s);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let mut frame = frame(run, &own, surveys)?;
-        frame.distance_before = *travelled;
+        frame.distance_before = run.entry.conditions.distance_m.unwrap_or(*travelled);
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if segmented {
             frames = cut(&frame);

@@ -78,6 +78,7 @@ pub fn frame(run: &Run, kernel: &Kernel, surveys: &Surveys) -> Result<Frame, Err
         ice_c: run.entry.conditions.ice_c,
         air_c: run.entry.conditions.air_c,
         air_pa: run.entry.conditions.air_pa,
+        humidity_pct: run.entry.conditions.humidity_pct.unwrap_or(f64::NAN),
         distance_before: 0.0,
         recorded_dt: run.dt_s,
         sieve,

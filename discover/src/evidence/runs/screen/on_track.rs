@@ -48,7 +48,7 @@ impl Campaign<'_> {
         let list: Vec<Candidate<Amplitude>> = self
             .fresh(chain, &self.candidates.track)
             .into_iter()
-            .filter(|c| c.effect != "track-profile")
+            .filter(|c| !c.is_profile())
             .collect();
         let channel = TrackChannel::new(chain, &self.training, &list)?;
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
@@ -162,16 +162,12 @@ impl Campaign<'_> {
                 parameters: self.by_track(&list[named], seen.size, seen.error),
             });
         }
-        let profile = self
-            .candidates
-            .track
-            .iter()
-            .find(|c| c.effect == "track-profile")?;
+        let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
         if chain
             .effects
             .active
             .iter()
-            .any(|e| e.effect_name() == "track-profile")
+            .any(|e| e.effect_name() == profile.effect)
         {
             return None;
         }
@@ -197,7 +193,7 @@ impl Campaign<'_> {
             candidate,
             size: slope,
             error: needed_sd,
-            class: vec!["track-profile".to_owned()],
+            class: vec![profile.effect.clone()],
             rivals: Vec::new(),
             p_value: p,
             remark: None,

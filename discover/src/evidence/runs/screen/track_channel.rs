@@ -6,11 +6,12 @@
 
 use std::collections::BTreeMap;
 
+use kufe_sled::GRAVITY;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::chain::{Chain, GRAVITY};
+use crate::evidence::runs::model::chain::Chain;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
