@@ -94,7 +94,7 @@ impl Account {
     }
 }
 
-/// What one look at all candidates shows.
+/// What one screen of all candidates shows.
 pub struct Screen<A> {
     /// The claim that stands out, where one does.
     pub claim: Option<Claim<A>>,

@@ -32,7 +32,7 @@ pub fn search_evidence<E: Evidence>(
     let mut fit = base.clone();
     let mut detectable = None;
     for number in 0..=rules.most_screens {
-        progress(&format!("look {}", number + 1));
+        progress(&format!("screen {}", number + 1));
         let screen = evidence.screen(&fit, &mut account)?;
         detectable.get_or_insert(screen.detectable);
         let Some(claim) = screen.claim else { break };

@@ -274,7 +274,7 @@ impl Evidence for Maps<'_> {
             &fit.active,
             &mut self.first_steps,
             self.options.rules.maps.least_drop,
-            &|name| progress(&format!("look {number}: {name}")),
+            &|name| progress(&format!("screen {number}: {name}")),
         );
         self.next = None;
         let mut claim = None;
@@ -303,7 +303,7 @@ impl Evidence for Maps<'_> {
         claim: &Claim<Self::Act>,
         _: usize,
     ) -> Result<Added<MapFit>, Error> {
-        (self.progress)(&format!("look {}: finer meshes", self.screens));
+        (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.misfit(&fit.active, SEARCHING)?;
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.push((claim.candidate.act, claim.size));

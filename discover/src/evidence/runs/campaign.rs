@@ -7,9 +7,9 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::chain::{CHANNELS, Chain};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
@@ -37,7 +37,7 @@ pub struct Campaign<'a> {
     /// Base parameters that the data can move.
     pub free: Vec<usize>,
     /// The model before anything is fitted.
-    pub given: Chain,
+    pub given: ResidualModel,
     /// What the forces alone say of each candidate's size, with its standard error.
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
 }
@@ -46,7 +46,7 @@ pub struct Campaign<'a> {
 #[derive(Clone)]
 pub struct RunFit {
     /// The model.
-    pub chain: Chain,
+    pub residual_model: ResidualModel,
     /// Its rows' whitening.
     pub whitener: Whitener,
     /// The step of each effect that was added.
@@ -54,33 +54,33 @@ pub struct RunFit {
     /// What is left of noisy inputs taken off, at the end: base multipliers, then amplitudes.
     pub estimates: Vec<Estimate>,
     /// The model that holds these estimates.
-    pub settled: Chain,
+    pub settled: ResidualModel,
 }
 
 impl RunFit {
     /// Number of effects that the model had from the start.
     pub fn already(&self) -> usize {
-        self.chain.effects.active.len() - self.owners.len()
+        self.residual_model.effects.active.len() - self.owners.len()
     }
 }
 
 /// A model and what is made for a screen of it.
 pub struct Current<'a> {
     /// The model so far.
-    pub chain: &'a Chain,
+    pub residual_model: &'a ResidualModel,
     /// Its rows' whitening.
     pub whitener: &'a Whitener,
     /// Base parameters that the data can move.
     pub free: &'a [usize],
     /// Simulates runs with it.
-    pub maker: &'a TwinMaker,
+    pub simulator: &'a RunSimulator,
 }
 
 impl<'a> Current<'a> {
     /// Its rows' derivatives for candidates that act everywhere.
     pub fn design(&self, candidates: &'a [Candidate<Amplitude>]) -> Design<'a> {
         Design {
-            chain: self.chain,
+            residual_model: self.residual_model,
             whitener: self.whitener,
             free_base: self.free,
             candidates,
@@ -92,10 +92,10 @@ impl<'a> Current<'a> {
 
 impl Campaign<'_> {
     /// Simulates training runs with a model.
-    pub fn maker(&self, chain: &Chain) -> TwinMaker {
-        TwinMaker::new(
+    pub fn simulator(&self, residual_model: &ResidualModel) -> RunSimulator {
+        RunSimulator::new(
             &self.training,
-            chain,
+            residual_model,
             self.data.noise,
             self.used,
             self.options.seed,
@@ -119,38 +119,51 @@ impl Campaign<'_> {
     ///
     /// # Errors
     /// [`Error::BaseFit`] where a residual is not finite.
-    pub fn fitted(&self, chain: &Chain, owners: Vec<usize>) -> Result<RunFit, Error> {
-        let (chain, whitener) = fit(chain, &self.training, &self.free, self.used)?;
+    pub fn fitted(
+        &self,
+        residual_model: &ResidualModel,
+        owners: Vec<usize>,
+    ) -> Result<RunFit, Error> {
+        let (residual_model, whitener) =
+            fit(residual_model, &self.training, &self.free, self.used)?;
         Ok(RunFit {
-            settled: chain.clone(),
-            chain,
+            settled: residual_model.clone(),
+            residual_model,
             whitener,
             owners,
             estimates: Vec::new(),
         })
     }
 
-    /// Base parameters (as multipliers) first, then the effects' amplitudes, and the chain that holds them.
-    pub fn estimates(&self, chain: &Chain, whitener: &Whitener) -> (Vec<Estimate>, Chain) {
+    /// Base parameters (as multipliers) first, then the effects' amplitudes, and the model that holds them.
+    pub fn estimates(
+        &self,
+        residual_model: &ResidualModel,
+        whitener: &Whitener,
+    ) -> (Vec<Estimate>, ResidualModel) {
         // Where the noise is only estimated its bias is not known well enough to be taken off.
         let (trust, settle) = match self.data.noise_estimated {
             true => (self.rules().estimated_noise_error, false),
             false => (self.rules().stated_noise_error, true),
         };
-        let maker = self.maker(chain);
+        let simulator = self.simulator(residual_model);
         let rows = FittedRows {
-            chain,
+            residual_model,
             whitener,
             frames: &self.training,
             free: &self.free,
-            maker: &maker,
+            simulator: &simulator,
         };
         estimate(&rows, trust, settle)
     }
 
-    /// Candidates that are not already part of the chain.
-    pub fn fresh(&self, chain: &Chain, list: &[Candidate<Amplitude>]) -> Vec<Candidate<Amplitude>> {
-        let active = &chain.effects.active;
+    /// Candidates that are not already part of the model.
+    pub fn fresh(
+        &self,
+        residual_model: &ResidualModel,
+        list: &[Candidate<Amplitude>],
+    ) -> Vec<Candidate<Amplitude>> {
+        let active = &residual_model.effects.active;
         let on = |c: &Candidate<Amplitude>| {
             active.iter().any(|e| {
                 e.effect_name() == c.effect
@@ -170,8 +183,8 @@ pub fn scale_of(rows: &[f64]) -> f64 {
 }
 
 /// Root mean square of one channel over all runs.
-pub fn gap_of(chain: &Chain, frames: &[Frame], channel: usize) -> f64 {
-    let rows: Vec<f64> = residuals(chain, frames)
+pub fn gap_of(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
+    let rows: Vec<f64> = residuals(residual_model, frames)
         .into_iter()
         .flat_map(|r| r[channel].clone())
         .collect();

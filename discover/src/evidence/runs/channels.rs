@@ -4,18 +4,18 @@ use kufe_friction::Longitudinal;
 use kufe_sled::Model;
 use kufe_sled::effects::Column;
 
-use crate::evidence::runs::model::chain::{CHANNELS, Chain};
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
 use crate::options::Options;
 
 /// Whether the track channel closes better with the slope along the sled's way than along its axis.
-pub fn closes_along_path(chain: &Chain, frames: &[Frame]) -> bool {
+pub fn closes_along_path(residual_model: &ResidualModel, frames: &[Frame]) -> bool {
     let closure = |along_path: bool| {
-        let mut chain = chain.clone();
-        chain.along_path = along_path;
-        TrackChannel::new(&chain, frames, &[]).map_or(f64::INFINITY, |c| c.closure())
+        let mut residual_model = residual_model.clone();
+        residual_model.along_path = along_path;
+        TrackChannel::new(&residual_model, frames, &[]).map_or(f64::INFINITY, |c| c.closure())
     };
     closure(true) < closure(false)
 }

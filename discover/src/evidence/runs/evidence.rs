@@ -9,7 +9,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
-use crate::evidence::runs::model::chain::{CHANNEL_NAMES, Chain};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -36,7 +36,7 @@ impl<'a> Campaign<'a> {
         // An effect of one's own without a value is a candidate, not a part of the model.
         own.active
             .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
-        let mut given = Chain {
+        let mut given = ResidualModel {
             vehicle: Vehicle::new(model)?,
             base: [1.0; 5],
             effects: own,
@@ -112,23 +112,23 @@ impl Evidence for Campaign<'_> {
     }
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
-        let chain = &fit.chain;
-        let whitener = Whitener::estimate(&residuals(chain, &self.training), self.used);
-        let maker = self.maker(chain);
+        let residual_model = &fit.residual_model;
+        let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
+        let simulator = self.simulator(residual_model);
         let free = self.free.clone();
         let at = Current {
-            chain,
+            residual_model,
             whitener: &whitener,
             free: &free,
-            maker: &maker,
+            simulator: &simulator,
         };
-        let track = self.surveyed(chain, &maker, account);
+        let track = self.surveyed(residual_model, &simulator, account);
         let mut screen = self.within_runs(&at, track.as_ref(), account);
         if screen.claim.is_none() {
             screen.claim = self.between_runs(&at, account);
         }
         if let (None, Some(track)) = (&screen.claim, &track) {
-            screen.claim = self.on_the_track(chain, track, account);
+            screen.claim = self.on_the_track(residual_model, track, account);
         }
         Ok(screen)
     }
@@ -139,10 +139,12 @@ impl Evidence for Campaign<'_> {
         claim: &Claim<Amplitude>,
         step: usize,
     ) -> Result<Added<RunFit>, Error> {
-        let chain = &fit.chain;
+        let residual_model = &fit.residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == claim.channel);
-        let gap = |chain: &Chain| gap_of(chain, &self.training, channel.unwrap_or(1));
-        let before = gap(chain);
+        let gap = |residual_model: &ResidualModel| {
+            gap_of(residual_model, &self.training, channel.unwrap_or(1))
+        };
+        let before = gap(residual_model);
         if claim.candidate.act.carrier.is_some() {
             return Ok(Added {
                 fit: None,
@@ -151,12 +153,12 @@ impl Evidence for Campaign<'_> {
             });
         }
         let mut active = claim.candidate.active(claim.size);
-        let known = chain.effects.active.iter();
+        let known = residual_model.effects.active.iter();
         let same = known.filter(|e| e.effect_name() == active.name).count();
         if same > 0 {
             active.name = format!("{}@{}", active.name, same + 1);
         }
-        let mut next = chain.with(active.clone());
+        let mut next = residual_model.with(active.clone());
         if !claim.parameters.is_empty() {
             next.frozen.push(active.name);
         }
@@ -164,7 +166,7 @@ impl Evidence for Campaign<'_> {
         let next = self.fitted(&next, owners)?;
         let stretch = claim.candidate.act.track.is_some();
         Ok(Added {
-            gap: [before, gap(&next.chain)],
+            gap: [before, gap(&next.residual_model)],
             place: stretch.then(|| claim.place.clone()),
             fit: Some(next),
         })
@@ -176,8 +178,8 @@ impl Evidence for Campaign<'_> {
             account.leave_out(step);
             fit = self.without(&fit, step)?;
         }
-        let mut last = self.fitted(&fit.chain, fit.owners)?;
-        (last.estimates, last.settled) = self.estimates(&last.chain, &last.whitener);
+        let mut last = self.fitted(&fit.residual_model, fit.owners)?;
+        (last.estimates, last.settled) = self.estimates(&last.residual_model, &last.whitener);
         Ok(last)
     }
 
@@ -187,8 +189,14 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<Opened, Error> {
-        let maker = self.maker(&last.settled);
-        let channels = channels(&base.chain, &last.chain, &self.held, &maker, self.used);
+        let simulator = self.simulator(&last.settled);
+        let channels = channels(
+            &base.residual_model,
+            &last.residual_model,
+            &self.held,
+            &simulator,
+            self.used,
+        );
         let shown = account
             .steps
             .first()
@@ -215,11 +223,17 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<Description, Error> {
-        let maker = self.maker(&last.settled);
+        let simulator = self.simulator(&last.settled);
         let (rules, seed) = (self.rules(), self.options.seed);
         let bins = |fit: &RunFit| {
-            let (chain, whitener) = (&fit.chain, &fit.whitener);
-            stand_out(chain, whitener, &self.training, rules.bin_shown, seed)
+            let (residual_model, whitener) = (&fit.residual_model, &fit.whitener);
+            stand_out(
+                residual_model,
+                whitener,
+                &self.training,
+                rules.bin_shown,
+                seed,
+            )
         };
         let bins_after = bins(last);
         let data = match self.data.segmented {
@@ -229,14 +243,14 @@ impl Evidence for Campaign<'_> {
         let infos = CATALOGUE.iter().map(|e| e.info());
         Ok(Description {
             data: data.to_owned(),
-            training: channels(&base.chain, &last.chain, &self.training, &maker, self.used),
+            training: channels(&base.residual_model, &last.residual_model, &self.training, &simulator, self.used),
             parameters: self.parameters(last, account.steps.len()),
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
             located: account.steps.is_empty() && self.stands_out(last, &bins_after),
             bins_after,
-            by_run: by_run(&base.chain, &last.chain, &self.training, self.used),
+            by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),
             untestable: self.candidates.untestable.clone(),
             decides: infos
                 .map(|i| (i.name.to_owned(), i.decides.to_owned()))

@@ -5,9 +5,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::runs::fit::gauss_newton::stepped;
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::chain::Chain;
-use crate::evidence::runs::model::design::{Design, LEVELS};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::inverse::ridge_inverse;
@@ -28,7 +28,7 @@ pub struct Estimate {
 /// What is estimated from: a fitted model and the runs that it is fitted to.
 pub struct FittedRows<'a> {
     /// The model.
-    pub chain: &'a Chain,
+    pub residual_model: &'a ResidualModel,
     /// Its rows' whitening.
     pub whitener: &'a Whitener,
     /// The runs.
@@ -36,32 +36,32 @@ pub struct FittedRows<'a> {
     /// Base parameters that are fitted.
     pub free: &'a [usize],
     /// Simulates runs with the model.
-    pub maker: &'a TwinMaker,
+    pub simulator: &'a RunSimulator,
 }
 
-/// Estimates of all fitted parameters, and the chain that holds them.
+/// Estimates of all fitted parameters, and the model that holds them.
 ///
 /// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
 /// errors are the sandwich over runs, `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`, `s_i = inv(1 - C_i,JJ inv(C_JJ)) u_i` the
 /// corrected score of run i as the fit without it leaves it (the jackknife: R. M. Bell and D. F. McCaffrey, Survey Methodology
 /// 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
 /// values stay at least squares.
-pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, Chain) {
+pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, ResidualModel) {
     let FittedRows {
-        chain,
+        residual_model,
         whitener,
         frames,
         free,
-        maker,
+        simulator,
     } = *rows;
     /// Pairs of twins behind each step: a single pair leaves a tenth of what it takes off in doubt.
     const PAIRS: [u64; 3] = [1, 4, 16];
-    let mut settled = chain.clone();
+    let mut settled = residual_model.clone();
     let mut errors = Vec::new();
     let mut drawn = 4_000_037;
     for pairs in PAIRS {
         let design = Design {
-            chain: &settled,
+            residual_model: &settled,
             whitener,
             free_base: free,
             candidates: &[],
@@ -70,14 +70,15 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
         };
         let p = design.fitted();
         let products = design.products(frames);
-        let noise = mean_noise_products(&design, frames, maker, drawn..drawn + pairs);
+        let noise = mean_noise_products(&design, frames, simulator, drawn..drawn + pairs);
         drawn += pairs;
         let runs: Vec<DMatrix<f64>> = products
             .iter()
             .zip(&noise)
             .map(|(x, d)| {
                 let c = &x.full - d;
-                c.view((LEVELS, LEVELS), (p + 1, p + 1)).into_owned()
+                c.view((OWN_LEVELS, OWN_LEVELS), (p + 1, p + 1))
+                    .into_owned()
             })
             .collect();
         let (step, e) = solve(&runs, p);
@@ -86,20 +87,28 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
     }
     let scales: Vec<f64> = vec![1.0; free.len()]
         .into_iter()
-        .chain(chain.free().iter().map(|(e, q)| chain.scale(*e, *q)))
+        .chain(
+            residual_model
+                .free()
+                .iter()
+                .map(|(e, q)| residual_model.scale(*e, *q)),
+        )
         .collect();
-    let values = |chain: &Chain, like: &Chain| -> Vec<f64> {
+    let values = |residual_model: &ResidualModel, like: &ResidualModel| -> Vec<f64> {
         let amplitudes = like.free();
         free.iter()
-            .map(|b| chain.base[*b])
+            .map(|b| residual_model.base[*b])
             .chain(
                 amplitudes
                     .iter()
-                    .map(|(e, q)| chain.effects.active[*e].values[*q]),
+                    .map(|(e, q)| residual_model.effects.active[*e].values[*q]),
             )
             .collect()
     };
-    let (fitted, moved) = (values(chain, chain), values(&settled, chain));
+    let (fitted, moved) = (
+        values(residual_model, residual_model),
+        values(&settled, residual_model),
+    );
     let n = frames.len() as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
@@ -115,7 +124,14 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
             }
         })
         .collect();
-    (estimates, if settle { settled } else { chain.clone() })
+    (
+        estimates,
+        if settle {
+            settled
+        } else {
+            residual_model.clone()
+        },
+    )
 }
 
 /// One step and its sandwich errors.

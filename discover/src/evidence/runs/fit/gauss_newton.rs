@@ -4,25 +4,29 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::runs::model::chain::{BASE, CHANNELS, Chain, Rows};
-use crate::evidence::runs::model::design::{Design, LEVELS};
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::{BASE, CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::inverse::ridge_inverse;
 
 /// Residuals of all runs.
-pub fn residuals(chain: &Chain, frames: &[Frame]) -> Vec<Rows> {
+pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     frames
         .par_iter()
-        .map(|frame| chain.residuals(frame))
+        .map(|frame| residual_model.residuals(frame))
         .collect()
 }
 
 /// Which base parameters the data can move: a coefficient whose rows hardly change stays as it is given.
-pub fn free_base(chain: &Chain, frames: &[Frame], used: [bool; CHANNELS]) -> Vec<usize> {
-    let whitener = Whitener::estimate(&residuals(chain, frames), used);
+pub fn free_base(
+    residual_model: &ResidualModel,
+    frames: &[Frame],
+    used: [bool; CHANNELS],
+) -> Vec<usize> {
+    let whitener = Whitener::estimate(&residuals(residual_model, frames), used);
     let design = Design {
-        chain,
+        residual_model,
         whitener: &whitener,
         free_base: &[0, 1, 2, 3, 4],
         candidates: &[],
@@ -34,7 +38,7 @@ pub fn free_base(chain: &Chain, frames: &[Frame], used: [bool; CHANNELS]) -> Vec
     for frame in frames.iter().take(6) {
         let columns = design.columns(frame);
         for (b, norm) in norms.iter_mut().enumerate() {
-            *norm += columns.column(LEVELS + b).norm_squared();
+            *norm += columns.column(OWN_LEVELS + b).norm_squared();
         }
     }
     let mut free = Vec::new();
@@ -60,11 +64,11 @@ pub fn free_base(chain: &Chain, frames: &[Frame], used: [bool; CHANNELS]) -> Vec
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
 pub fn fit(
-    chain: &Chain,
+    residual_model: &ResidualModel,
     frames: &[Frame],
     free_base: &[usize],
     used: [bool; CHANNELS],
-) -> Result<(Chain, Whitener), Error> {
+) -> Result<(ResidualModel, Whitener), Error> {
     const ROUNDS: usize = 14;
     /// Changes of the criterion below this are far inside the noise.
     const ENOUGH: f64 = 1e-3;
@@ -72,12 +76,12 @@ pub fn fit(
         sd: [1.0; CHANNELS],
         used,
     };
-    let mut best: Option<(f64, Chain, Whitener, DVector<f64>)> = None;
-    let mut trial = chain.clone();
+    let mut best: Option<(f64, ResidualModel, Whitener, DVector<f64>)> = None;
+    let mut trial = residual_model.clone();
     let mut share = 1.0;
     for _ in 0..ROUNDS {
         let design = Design {
-            chain: &trial,
+            residual_model: &trial,
             whitener: &plain,
             free_base,
             candidates: &[],
@@ -89,7 +93,7 @@ pub fn fit(
             .par_iter()
             .map(|frame| channel_grams(&design, frame))
             .collect();
-        let m = LEVELS + p + 1;
+        let m = OWN_LEVELS + p + 1;
         let mut sums = vec![(DMatrix::zeros(m, m), 0); plain.count()];
         for run in &blocks {
             for (sum, (gram, n)) in sums.iter_mut().zip(run) {
@@ -132,8 +136,8 @@ pub fn fit(
         let (_, from, _, step) = best.as_ref().expect("the first round sets it");
         trial = stepped(from, free_base, step.as_slice(), share);
     }
-    let (_, chain, whitener, _) = best.expect("the first round sets it");
-    Ok((chain, whitener))
+    let (_, residual_model, whitener, _) = best.expect("the first round sets it");
+    Ok((residual_model, whitener))
 }
 
 /// Products of a run's columns by channel, with the number of rows.
@@ -150,19 +154,24 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
 
 /// The Gauss-Newton step of base and effects together.
 fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
-    let jj = total.view((LEVELS, LEVELS), (p, p)).into_owned();
-    let jr = total.view((LEVELS, LEVELS + p), (p, 1));
+    let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
+    let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
     (ridge_inverse(jj) * jr).column(0).into_owned()
 }
 
-/// The chain moved by a share of a step: base multipliers, then amplitudes in their units; all stay in their bounds.
-pub fn stepped(chain: &Chain, free_base: &[usize], step: &[f64], share: f64) -> Chain {
-    let mut trial = chain.clone();
+/// The model moved by a share of a step: base multipliers, then amplitudes in their units; all stay in their bounds.
+pub fn stepped(
+    residual_model: &ResidualModel,
+    free_base: &[usize],
+    step: &[f64],
+    share: f64,
+) -> ResidualModel {
+    let mut trial = residual_model.clone();
     for (k, b) in free_base.iter().enumerate() {
-        trial.base[*b] = (chain.base[*b] + share * step[k]).clamp(0.02, 50.0);
+        trial.base[*b] = (residual_model.base[*b] + share * step[k]).clamp(0.02, 50.0);
     }
-    for (k, (e, q)) in chain.free().into_iter().enumerate() {
-        let scale = chain.scale(e, q);
+    for (k, (e, q)) in residual_model.free().into_iter().enumerate() {
+        let scale = residual_model.scale(e, q);
         let active = &mut trial.effects.active[e];
         let (low, high) = match &active.kind {
             kufe_sled::effects::Kind::Catalogue(kind) => {

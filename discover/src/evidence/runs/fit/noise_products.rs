@@ -13,7 +13,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
@@ -27,7 +27,7 @@ const PIECE_S: f64 = 7.0;
 pub fn noise_products(
     design: &Design,
     frames: &[Frame],
-    maker: &TwinMaker,
+    simulator: &RunSimulator,
     round: u64,
 ) -> Vec<DMatrix<f64>> {
     frames
@@ -40,7 +40,7 @@ pub fn noise_products(
             let length = wanted.clamp(1, n);
             let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
             let piece = frame.piece(from, from + length);
-            let pair = maker.pair(&piece, design.chain, round, i);
+            let pair = simulator.pair(&piece, design.residual_model, round, i);
             let square = |frame: &Frame| {
                 let (columns, locals) = design.columns_and_locals(frame);
                 let (m, n) = (columns.ncols(), locals.ncols());
@@ -59,13 +59,13 @@ pub fn noise_products(
 pub fn mean_noise_products(
     design: &Design,
     frames: &[Frame],
-    maker: &TwinMaker,
+    simulator: &RunSimulator,
     rounds: std::ops::Range<u64>,
 ) -> Vec<DMatrix<f64>> {
     let share = 1.0 / (rounds.end - rounds.start) as f64;
     let mut sums: Vec<DMatrix<f64>> = Vec::new();
     for round in rounds {
-        let one = noise_products(design, frames, maker, round);
+        let one = noise_products(design, frames, simulator, round);
         if sums.is_empty() {
             sums = one;
         } else {

@@ -1,4 +1,4 @@
-//! Twins: data simulated from the fitted model and sent through the whole measurement chain.
+//! Twins: data simulated from the fitted model and sent through the whole measurement model.
 //!
 //! A twin takes the measured motion as the truth and moves the measured accelerations to where the model says they are:
 //! nothing is missing from the model there. Each sensor's white noise at the recorded rate is added, smoothed and
@@ -10,14 +10,14 @@ use kufe_sled::Noise;
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::evidence::runs::model::chain::{CHANNELS, Chain, Rows};
+use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, normal, sign, stream};
 
 /// How twins are made.
 #[derive(Clone, Debug)]
-pub struct TwinMaker {
+pub struct RunSimulator {
     noise: Noise,
     /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
     pub beyond: [f64; CHANNELS],
@@ -25,7 +25,7 @@ pub struct TwinMaker {
 }
 
 /// A run without noise and with it, in both signs.
-pub struct Pair {
+pub struct SimulatedPair {
     /// The model's own run.
     pub truth: Frame,
     /// With noise.
@@ -34,16 +34,16 @@ pub struct Pair {
     pub minus: Frame,
 }
 
-impl TwinMaker {
+impl RunSimulator {
     /// Finds how much of the residuals the sensors' noise explains.
     pub fn new(
         frames: &[Frame],
-        chain: &Chain,
+        residual_model: &ResidualModel,
         noise: Noise,
         used: [bool; CHANNELS],
         seed: u64,
     ) -> Self {
-        let mut maker = Self {
+        let mut simulator = Self {
             noise,
             beyond: [0.0; CHANNELS],
             seed,
@@ -52,11 +52,11 @@ impl TwinMaker {
             .par_iter()
             .enumerate()
             .map(|(i, frame)| {
-                let power = |rows: Rows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
-                let pair = maker.pair(frame, chain, 1_000_003, i);
+                let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
+                let pair = simulator.pair(frame, residual_model, 1_000_003, i);
                 [
-                    power(chain.residuals(frame)),
-                    power(chain.residuals(&pair.plus)),
+                    power(residual_model.residuals(frame)),
+                    power(residual_model.residuals(&pair.plus)),
                 ]
             })
             .collect();
@@ -64,10 +64,10 @@ impl TwinMaker {
             let have: f64 = powers.iter().map(|p| p[0][c]).sum();
             let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
             if *used && have > 0.0 {
-                maker.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
+                simulator.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
             }
         }
-        maker
+        simulator
     }
 
     /// The same with the sensors' noise alone.
@@ -79,28 +79,34 @@ impl TwinMaker {
     }
 
     /// The `k`-th pair of twins of a run, the `i`-th of its set.
-    pub fn pair(&self, frame: &Frame, chain: &Chain, k: u64, i: usize) -> Pair {
+    pub fn pair(
+        &self,
+        frame: &Frame,
+        residual_model: &ResidualModel,
+        k: u64,
+        i: usize,
+    ) -> SimulatedPair {
         let mut rng = stream(self.seed, 0x7417 + k, i as u64);
-        let rows = chain.raw(frame);
-        let truth = truth(frame, chain, &rows);
+        let rows = residual_model.raw(frame);
+        let truth = truth(frame, residual_model, &rows);
         let (mut plus, mut minus) = (truth.clone(), truth.clone());
-        self.add_rest(&mut plus, &mut minus, chain, &rows, &mut rng);
+        self.add_rest(&mut plus, &mut minus, residual_model, &rows, &mut rng);
         self.add_noise(&mut plus, &mut minus, &mut rng);
-        Pair { truth, plus, minus }
+        SimulatedPair { truth, plus, minus }
     }
 
     fn add_rest(
         &self,
         plus: &mut Frame,
         minus: &mut Frame,
-        chain: &Chain,
-        rows: &Rows,
+        residual_model: &ResidualModel,
+        rows: &ChannelRows,
         rng: &mut impl Rng,
     ) {
         let n = plus.len();
         let shift = below(rng, n);
         let flip = sign(rng);
-        let sled = &chain.vehicle.sled;
+        let sled = &residual_model.vehicle.sled;
         let rest = |c: usize, i: usize| -> f64 {
             match rows[c].get((i + shift) % n) {
                 Some(r) => flip * self.beyond[c] * r,
@@ -171,9 +177,9 @@ impl TwinMaker {
 }
 
 /// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
-fn truth(frame: &Frame, chain: &Chain, rows: &Rows) -> Frame {
+fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
     let mut twin = frame.clone();
-    let sled = &chain.vehicle.sled;
+    let sled = &residual_model.vehicle.sled;
     for (i, ((along, side), moment)) in rows[0].iter().zip(&rows[1]).zip(&rows[2]).enumerate() {
         let yaw = moment / sled.j_zz_kgm2;
         twin.rate_slope[2][i] -= yaw;
@@ -181,7 +187,7 @@ fn truth(frame: &Frame, chain: &Chain, rows: &Rows) -> Frame {
         twin.acceleration[1][i] -= sled.accel_x_m * yaw + side / sled.mass_kg;
     }
     if !rows[3].is_empty() {
-        let left = chain.raw(&twin);
+        let left = residual_model.raw(&twin);
         for (slope, r) in twin.v_slope.iter_mut().zip(&left[3]) {
             *slope -= r;
         }

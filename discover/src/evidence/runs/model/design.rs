@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::chain::{BALANCES, BASE, Chain, Here};
+use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ModelOnRun, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::{BIN_M, Window};
 use crate::evidence::runs::recordings::frame::Frame;
@@ -13,11 +13,11 @@ use crate::procedure::candidate::Candidate;
 use crate::regression::gram::Gram;
 
 /// Columns that stand for each run's own level: of friction and of lateral grip.
-pub const LEVELS: usize = 2;
-/// What is differentiated: the chain, its rows' whitening and the candidates.
+pub const OWN_LEVELS: usize = 2;
+/// What is differentiated: the model, its rows' whitening and the candidates.
 pub struct Design<'a> {
     /// The model with its effects.
-    pub chain: &'a Chain,
+    pub residual_model: &'a ResidualModel,
     /// The rows' whitening.
     pub whitener: &'a Whitener,
     /// Base parameters with leverage, then the active effects' amplitudes.
@@ -33,7 +33,7 @@ pub struct Design<'a> {
 impl Design<'_> {
     /// Number of fitted parameters.
     pub fn fitted(&self) -> usize {
-        self.free_base.len() + self.chain.free().len()
+        self.free_base.len() + self.residual_model.free().len()
     }
 
     /// Columns of one run: its levels, fitted parameters, candidates, and the residual last; all whitened.
@@ -52,18 +52,18 @@ impl Design<'_> {
         locals: &[Candidate<Amplitude>],
     ) -> (DMatrix<f64>, DMatrix<f64>) {
         const STEP: f64 = 1e-3;
-        let chain = self.chain;
-        let here = Here::new(chain, frame);
-        let moved: Vec<Chain> = chain
+        let residual_model = self.residual_model;
+        let on_run = ModelOnRun::new(residual_model, frame);
+        let moved: Vec<ResidualModel> = residual_model
             .free()
             .into_iter()
             .map(|(e, p)| {
-                let mut moved = chain.clone();
-                moved.effects.active[e].values[p] += 0.01 * chain.scale(e, p);
+                let mut moved = residual_model.clone();
+                moved.effects.active[e].values[p] += 0.01 * residual_model.scale(e, p);
                 moved
             })
             .collect();
-        let moved: Vec<Here> = moved.iter().map(|c| Here::new(c, frame)).collect();
+        let moved: Vec<ModelOnRun> = moved.iter().map(|c| ModelOnRun::new(c, frame)).collect();
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
             .iter()
@@ -77,9 +77,9 @@ impl Design<'_> {
             vec![vec![0.0; samples]; count]
         });
         for i in 0..n {
-            let at = here.instant(i, &here.measured(i));
-            let own = here.forces(&at);
-            let rest = here.balances(&at, &own);
+            let at = on_run.instant(i, &on_run.measured(i));
+            let own = on_run.forces(&at);
+            let rest = on_run.balances(&at, &own);
             let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
                 for (c, raw) in raw.iter_mut().enumerate() {
                     if let Some(to) = raw[k].get_mut(i) {
@@ -89,11 +89,11 @@ impl Design<'_> {
             };
             for (k, (trial, carried)) in trials.iter().enumerate() {
                 let moved = match carried {
-                    None => here.balances_with(i, trial, &at, &own),
+                    None => on_run.balances_with(i, trial, &at, &own),
                     Some(x) => {
                         let mut at = at;
                         at.seen.carried = x[i];
-                        here.balances_with(i, trial, &at, &own)
+                        on_run.balances_with(i, trial, &at, &own)
                     }
                 };
                 put(first_trial + k, moved, 0.01);
@@ -102,7 +102,7 @@ impl Design<'_> {
                 put(BASE + k, other.balances_beside(i, &at), 0.01);
             }
             for b in 0..BASE {
-                put(b, here.balances_with_base(&at, b, STEP), STEP);
+                put(b, on_run.balances_with_base(&at, b, STEP), STEP);
             }
             for (c, raw) in raw.iter_mut().enumerate() {
                 if let Some(to) = raw[count - 1].get_mut(i) {
@@ -157,7 +157,7 @@ impl Design<'_> {
                     .iter()
                     .map(|w| {
                         let inside = place.iter().filter(|s| (w.from..w.to).contains(*s));
-                        let here = w.track == frame.track;
+                        let on_run = w.track == frame.track;
                         let count = if here { inside.count() } else { 0 };
                         (w.local, count as f64 / place.len().max(1) as f64)
                     })
@@ -261,11 +261,11 @@ impl Products {
                 }
             }
         }
-        Gram::new(&full, LEVELS, &windows, &norms)
+        Gram::new(&full, OWN_LEVELS, &windows, &norms)
     }
 
     /// Nothing taken off but the run's own levels.
     pub fn plain(&self) -> Gram {
-        Gram::new(&self.full, LEVELS, &self.windows, &self.window_norms)
+        Gram::new(&self.full, OWN_LEVELS, &self.windows, &self.window_norms)
     }
 }

@@ -1,9 +1,9 @@
-//! Rows made comparable: each channel over its own deviation.
+//! ChannelRows made comparable: each channel over its own deviation.
 //!
 //! Correlation in time is not filtered out: tests move whole runs, and errors are taken over runs, so that they stay right
 //! whatever the correlation; a filter fitted to a residual that still holds an effect would remove the effect with it.
 
-use crate::evidence::runs::model::chain::{CHANNELS, Rows};
+use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows};
 
 /// What turns residuals of several channels into rows of one scale.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub struct Whitener {
 
 impl Whitener {
     /// From the residuals of all runs.
-    pub fn estimate(rows: &[Rows], used: [bool; CHANNELS]) -> Self {
+    pub fn estimate(rows: &[ChannelRows], used: [bool; CHANNELS]) -> Self {
         let sd = std::array::from_fn(|c| {
             let (sum, count) = rows
                 .iter()
@@ -32,7 +32,7 @@ impl Whitener {
     }
 
     /// All used channels of one run, one after the other.
-    pub fn apply(&self, rows: &Rows) -> Vec<f64> {
+    pub fn apply(&self, rows: &ChannelRows) -> Vec<f64> {
         let mut out = Vec::new();
         for channel in (0..3).filter(|c| self.used[*c]) {
             out.extend(rows[channel].iter().map(|x| x / self.sd[channel]));

@@ -3,14 +3,14 @@
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::chain::{CHANNEL_NAMES, Chain};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::sign_flips::{MaxT, statistics};
 
 /// Bins of every column in which the whitened residual stands out, by sign-flips over runs and max-T over all bins.
 pub fn stand_out(
-    chain: &Chain,
+    residual_model: &ResidualModel,
     whitener: &Whitener,
     frames: &[Frame],
     limit: f64,
@@ -36,7 +36,7 @@ pub fn stand_out(
         u: Vec<f64>,
         sums: Vec<(f64, f64)>,
     }
-    let rows = residuals(chain, frames);
+    let rows = residuals(residual_model, frames);
     let white: Vec<Vec<f64>> = rows.iter().map(|r| whitener.apply(r)).collect();
     let mut cells: Vec<Cell> = Vec::new();
     for (name, _, of) in &columns {

@@ -4,15 +4,15 @@
 //! within them, F(G - 1, R - G) for R runs in G sessions. Source: R.A. Fisher, Statistical Methods for Research Workers (1925).
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::chain::{CHANNEL_NAMES, CHANNELS, Chain};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::{f_test, group};
 use crate::finding::report::{ByRun, RunMean};
 
 /// One entry a used channel, runs in the order of their sessions.
 pub fn by_run(
-    before: &Chain,
-    after: &Chain,
+    before: &ResidualModel,
+    after: &ResidualModel,
     frames: &[Frame],
     used: [bool; CHANNELS],
 ) -> Vec<ByRun> {

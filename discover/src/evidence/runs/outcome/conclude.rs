@@ -5,8 +5,8 @@ use kufe_sled::effects::{Active, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::chain::{BASE_NAMES, CHANNEL_NAMES, Chain};
 use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -17,7 +17,7 @@ use crate::procedure::candidate::Candidate;
 impl Campaign<'_> {
     /// Sizes with their intervals, for the step that each belongs to.
     pub fn parameters(&self, last: &RunFit, steps: usize) -> Vec<Vec<Fitted>> {
-        let (after, already) = (&last.chain, last.already());
+        let (after, already) = (&last.residual_model, last.already());
         let estimates = &last.estimates[self.free.len()..];
         let (edges_m, quantile) = (self.rules().edges_m, self.options.rules.search.interval);
         let mut parameters = vec![Vec::new(); steps];
@@ -78,8 +78,9 @@ impl Campaign<'_> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held.is_empty() {
             return Vec::new();
         }
-        let maker = self.maker(&last.settled);
-        let locals: Vec<Candidate<Amplitude>> = last.chain.effects.active[last.already()..]
+        let simulator = self.simulator(&last.settled);
+        let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
+            [last.already()..]
             .iter()
             .filter_map(|e| as_candidate(e, &self.candidates.local))
             .collect();
@@ -97,7 +98,7 @@ impl Campaign<'_> {
             .cloned()
             .collect();
         let design = Design {
-            chain: &base.chain,
+            residual_model: &base.residual_model,
             whitener: &base.whitener,
             free_base: &self.free,
             candidates: &directions,
@@ -109,10 +110,10 @@ impl Campaign<'_> {
             &last.settled,
             &self.training,
             &self.held,
-            &maker,
+            &simulator,
             self.options.seed,
         );
-        let by_track = || track_closed(&base.chain, &last.settled, &self.held);
+        let by_track = || track_closed(&base.residual_model, &last.settled, &self.held);
         let track = CHANNEL_NAMES[3].0;
         steps
             .iter()
@@ -126,7 +127,7 @@ impl Campaign<'_> {
 
     /// Whether bins stand out that no twin shows: noisy inputs make bins stand out in every run alike.
     pub fn stands_out(&self, last: &RunFit, bins: &[Bin]) -> bool {
-        let maker = self.maker(&last.settled);
+        let simulator = self.simulator(&last.settled);
         let rules = self.rules();
         let strong =
             |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.bin_located);
@@ -136,10 +137,14 @@ impl Campaign<'_> {
                     .training
                     .iter()
                     .enumerate()
-                    .map(|(i, frame)| maker.pair(frame, &last.chain, 5_000_011 + k, i).plus)
+                    .map(|(i, frame)| {
+                        simulator
+                            .pair(frame, &last.residual_model, 5_000_011 + k, i)
+                            .plus
+                    })
                     .collect();
                 !strong(&stand_out(
-                    &last.chain,
+                    &last.residual_model,
                     &last.whitener,
                     &twin,
                     rules.bin_shown,
@@ -150,8 +155,10 @@ impl Campaign<'_> {
 }
 
 /// Share of the track channel's mean square, its scatter taken off, that is closed on other runs, without an error of its own.
-fn track_closed(before: &Chain, after: &Chain, frames: &[Frame]) -> Interval {
-    let of = |chain: &Chain| TrackChannel::new(chain, frames, &[]).map(|c| c.closure().powi(2));
+fn track_closed(before: &ResidualModel, after: &ResidualModel, frames: &[Frame]) -> Interval {
+    let of = |residual_model: &ResidualModel| {
+        TrackChannel::new(residual_model, frames, &[]).map(|c| c.closure().powi(2))
+    };
     let value = match (of(before), of(after)) {
         (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),
         _ => 0.0,

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::evidence::runs::fit::noise_products::noise_products;
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::chain::Chain;
-use crate::evidence::runs::model::design::{Design, LEVELS};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::report::Interval;
 use crate::null::random::{below, stream};
@@ -22,29 +22,31 @@ use crate::regression::scores::studentised;
 /// -1 to 1 where the runs hold too little that is explainable.
 pub fn explainable_closed(
     before: &Design,
-    after: &Chain,
+    after: &ResidualModel,
     training: &[Frame],
     others: &[Frame],
-    maker: &TwinMaker,
+    simulator: &RunSimulator,
     seed: u64,
 ) -> Interval {
     let p = before.fitted();
     let products = before.products(training);
-    let noise = noise_products(before, training, maker, 3_000_017);
+    let noise = noise_products(before, training, simulator, 3_000_017);
     let grams: Vec<_> = products
         .iter()
         .zip(&noise)
         .map(|(x, d)| {
-            let m = x.full.ncols() - LEVELS;
-            (&x.full - d).view((LEVELS, LEVELS), (m, m)).into_owned()
+            let m = x.full.ncols() - OWN_LEVELS;
+            (&x.full - d)
+                .view((OWN_LEVELS, OWN_LEVELS), (m, m))
+                .into_owned()
         })
         .collect();
     let m = grams[0].ncols();
     let coefficients = explained(&grams, p);
     let pair = |frame: &Frame| -> (f64, f64) {
         let x = before.columns(frame);
-        let f: DVector<f64> = x.columns(LEVELS, m - 1) * &coefficients;
-        let r_before = x.column(m + LEVELS - 1).into_owned();
+        let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
+        let r_before = x.column(m + OWN_LEVELS - 1).into_owned();
         let r_after = DVector::from_vec(before.whitener.apply(&after.residuals(frame)));
         (f.dot(&r_before), f.dot(&r_after))
     };
@@ -54,7 +56,7 @@ pub fn explainable_closed(
         .map(|(i, frame)| {
             let (b, a) = pair(frame);
             // In a twin of the final model nothing is left to find: both products show bias alone.
-            let twins = maker.pair(frame, after, 3_000_017, i);
+            let twins = simulator.pair(frame, after, 3_000_017, i);
             let bias = 0.5 * (pair(&twins.plus).1 + pair(&twins.minus).1) - pair(&twins.truth).1;
             (b - bias, a - bias)
         })

@@ -3,21 +3,21 @@
 use rayon::prelude::*;
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::chain::{CHANNEL_NAMES, CHANNELS, Chain};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::report::ChannelGap;
 
 /// Root mean square by used channel before and after.
 pub fn channels(
-    before: &Chain,
-    after: &Chain,
+    before: &ResidualModel,
+    after: &ResidualModel,
     frames: &[Frame],
-    maker: &TwinMaker,
+    simulator: &RunSimulator,
     used: [bool; CHANNELS],
 ) -> Vec<ChannelGap> {
-    let rms = |chain: &Chain, frames: &[Frame], c: usize| -> f64 {
-        let (sum, count) = residuals(chain, frames)
+    let rms = |residual_model: &ResidualModel, frames: &[Frame], c: usize| -> f64 {
+        let (sum, count) = residuals(residual_model, frames)
             .iter()
             .flat_map(|rows| rows[c].clone())
             .fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
@@ -27,7 +27,7 @@ pub fn channels(
             0.0
         }
     };
-    let quiet = maker.sensors_only();
+    let quiet = simulator.sensors_only();
     let sensors: Vec<Frame> = frames
         .par_iter()
         .enumerate()

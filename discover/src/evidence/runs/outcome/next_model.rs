@@ -3,26 +3,26 @@
 use kufe_sled::Model;
 use kufe_sled::effects::Active;
 
-use crate::evidence::runs::model::chain::Chain;
+use crate::evidence::runs::model::residual_model::ResidualModel;
 
-/// The given model with refitted base parameters and the chain's effects after the first `already` ones.
-pub fn next_model(model: &Model, chain: &Chain, already: usize) -> Model {
+/// The given model with refitted base parameters and the model's effects after the first `already` ones.
+pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize) -> Model {
     let mut next = model.clone();
-    let [front, rear] = chain.laws();
+    let [front, rear] = residual_model.laws();
     next.friction.front = front;
     next.friction.rear = rear;
     let keys = &mut next.friction.longitudinal;
     if let Some(mu) = keys.mu.as_mut() {
-        *mu *= chain.base[0];
+        *mu *= residual_model.base[0];
     } else {
         // mu scales with the three coefficients of the quadratic and its cap alike.
         for key in [&mut keys.b, &mut keys.c, &mut keys.d, &mut keys.mu_cap] {
             if let Some(value) = key.as_mut() {
-                *value *= chain.base[0];
+                *value *= residual_model.base[0];
             }
         }
     }
-    for (index, active) in chain.effects.active.iter().enumerate() {
+    for (index, active) in residual_model.effects.active.iter().enumerate() {
         if index >= already || next.effects.contains_key(&active.name) {
             next.effects.insert(active.name.clone(), table(active));
         }

@@ -3,24 +3,24 @@
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::chain::CHANNEL_NAMES;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::report::Step;
 
 impl Campaign<'_> {
     /// The first step whose every amplitude has become weak beside the others.
     pub fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
-        let chain = &fit.chain;
+        let residual_model = &fit.residual_model;
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
         if steps.len() < 2 {
             return None;
         }
-        let whitener = Whitener::estimate(&residuals(chain, &self.training), self.used);
-        let (estimates, _) = self.estimates(chain, &whitener);
+        let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
+        let (estimates, _) = self.estimates(residual_model, &whitener);
         let amplitudes = &estimates[self.free.len()..];
         let least = self.options.rules.search.superfluous_t;
         let weak = |step: usize| {
-            chain
+            residual_model
                 .free()
                 .iter()
                 .zip(amplitudes)
@@ -37,9 +37,9 @@ impl Campaign<'_> {
     /// Those of the fit.
     pub fn without(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
         let already = fit.already();
-        let mut chain = fit.chain.clone();
+        let mut residual_model = fit.residual_model.clone();
         let mut place = 0;
-        chain.effects.active.retain(|_| {
+        residual_model.effects.active.retain(|_| {
             place += 1;
             place <= already || fit.owners[place - 1 - already] != step
         });
@@ -49,6 +49,6 @@ impl Campaign<'_> {
             .filter(|o| **o != step)
             .map(|o| o - usize::from(*o > step))
             .collect();
-        self.fitted(&chain, owners)
+        self.fitted(&residual_model, owners)
     }
 }

@@ -13,7 +13,7 @@ pub const CUTOFF_HZ: f64 = 16.0;
 pub const RATE_HZ: f64 = 50.0;
 /// Corner of the low pass of the balances [Hz].
 const ROW_CUTOFF_HZ: f64 = 4.0;
-/// Rows a second [1/s].
+/// ChannelRows a second [1/s].
 const ROW_RATE_HZ: f64 = 10.0;
 
 /// The kernel of every signal with `dt` [s] between samples.

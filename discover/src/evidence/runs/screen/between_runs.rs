@@ -4,7 +4,7 @@ use kufe_sled::effects::Level;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::chain::CHANNEL_NAMES;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::judge;
 use crate::finding::report::Rival;
 use crate::procedure::candidate::Candidate;
@@ -14,7 +14,7 @@ use crate::procedure::rivals::NamedEffect;
 impl Campaign<'_> {
     /// The claim between sessions or runs, where one stands out.
     pub fn between_runs(&self, at: &Current, account: &mut Account) -> Option<Claim<Amplitude>> {
-        let list = self.fresh(at.chain, &self.candidates.levels);
+        let list = self.fresh(at.residual_model, &self.candidates.levels);
         if list.is_empty() || at.whitener.count() == 0 {
             return None;
         }
@@ -29,7 +29,7 @@ impl Campaign<'_> {
             &design,
             &self.training,
             &list,
-            at.maker,
+            at.simulator,
             rules.alpha_sessions,
             self.options.seed,
         );
@@ -79,7 +79,7 @@ impl Campaign<'_> {
             },
             others.collect(),
         );
-        let channel = self.strongest_channel(at.chain, &list[named], seen.size);
+        let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         Some(Claim {
             place: "a level from session to session".to_owned(),
             channel: CHANNEL_NAMES[channel],

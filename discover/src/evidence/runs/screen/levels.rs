@@ -6,8 +6,8 @@ use kufe_sled::effects::Level;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::noise_products::noise_products;
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::design::{Design, LEVELS};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::permutations::by_session_permutation;
 use crate::null::random::{shuffle, stream};
@@ -16,7 +16,7 @@ use crate::regression::inverse::ridge_inverse;
 
 /// A candidate on the level of sessions or runs, judged.
 #[derive(Clone, Debug)]
-pub struct LevelSeen {
+pub struct LevelScore {
     /// Correlation of the levels with the candidate.
     pub correlation: f64,
     /// p-value by permutation, over all candidates of its kind.
@@ -31,17 +31,17 @@ pub struct LevelSeen {
     pub testable: bool,
 }
 
-/// Levels by run, their sessions and the candidates' covariates.
-pub struct Levels {
+/// LevelScreen by run, their sessions and the candidates' covariates.
+pub struct LevelScreen {
     /// Judgements in the order of the candidates.
-    pub seen: Vec<LevelSeen>,
+    pub seen: Vec<LevelScore>,
     /// Number of sessions.
     pub sessions: usize,
     /// Whether sessions differ by more than their runs scatter (F test), for friction and for grip: p-values.
-    pub sessions_differ: [f64; LEVELS],
+    pub sessions_differ: [f64; OWN_LEVELS],
     covariates: Vec<Vec<f64>>,
     level_of: Vec<usize>,
-    means: [Vec<f64>; LEVELS],
+    means: [Vec<f64>; OWN_LEVELS],
 }
 
 /// Judges the candidates of `design`, which must be the session and run level ones.
@@ -49,31 +49,31 @@ pub fn judge(
     design: &Design,
     frames: &[Frame],
     candidates: &[Candidate<Amplitude>],
-    maker: &TwinMaker,
+    simulator: &RunSimulator,
     alpha: f64,
     seed: u64,
-) -> Levels {
+) -> LevelScreen {
     let q = candidates.len();
-    let first = LEVELS + design.fitted();
-    let mut levels: Vec<[f64; LEVELS]> = Vec::new();
-    let mut weights: Vec<[f64; LEVELS]> = Vec::new();
+    let first = OWN_LEVELS + design.fitted();
+    let mut levels: Vec<[f64; OWN_LEVELS]> = Vec::new();
+    let mut weights: Vec<[f64; OWN_LEVELS]> = Vec::new();
     let mut covariates = vec![Vec::new(); q];
     let mut level_of = vec![0; q];
-    let mut spread = vec![[0.0; LEVELS]; q];
-    let mut raw: Vec<Vec<[f64; LEVELS]>> = vec![Vec::new(); q];
+    let mut spread = vec![[0.0; OWN_LEVELS]; q];
+    let mut raw: Vec<Vec<[f64; OWN_LEVELS]>> = vec![Vec::new(); q];
     let products = design.products(frames);
-    let noise = noise_products(design, frames, maker, 6_000_029);
+    let noise = noise_products(design, frames, simulator, 6_000_029);
     for (products, noise) in products.iter().zip(&noise) {
         let matrix = &products.full - noise;
         let m = matrix.ncols();
-        let square = matrix.view((0, 0), (LEVELS, LEVELS)).into_owned();
+        let square = matrix.view((0, 0), (OWN_LEVELS, OWN_LEVELS)).into_owned();
         let inverse = ridge_inverse(square.clone());
-        let level = &inverse * matrix.view((0, m - 1), (LEVELS, 1)).column(0);
+        let level = &inverse * matrix.view((0, m - 1), (OWN_LEVELS, 1)).column(0);
         levels.push([level[0], level[1]]);
         weights.push([square[(0, 0)], square[(1, 1)]]);
         for (c, raw) in raw.iter_mut().enumerate() {
-            let z = &inverse * matrix.view((0, first + c), (LEVELS, 1)).column(0);
-            for k in 0..LEVELS {
+            let z = &inverse * matrix.view((0, first + c), (OWN_LEVELS, 1)).column(0);
+            for k in 0..OWN_LEVELS {
                 spread[c][k] += z[k] * z[k] * square[(k, k)];
             }
             raw.push([z[0], z[1]]);
@@ -91,10 +91,10 @@ pub fn judge(
             .collect()
     };
     let of_level = |k: usize| -> Vec<f64> { levels.iter().map(|l| l[k]).collect() };
-    let means: [Vec<f64>; LEVELS] = [mean_of(&of_level(0)), mean_of(&of_level(1))];
+    let means: [Vec<f64>; OWN_LEVELS] = [mean_of(&of_level(0)), mean_of(&of_level(1))];
     let session_covariates: Vec<Vec<f64>> = covariates.iter().map(|z| mean_of(z)).collect();
     let mut seen = vec![None; q];
-    for k in 0..LEVELS {
+    for k in 0..OWN_LEVELS {
         let mine: Vec<usize> = (0..q)
             .filter(|c| level_of[*c] == k && candidates[*c].act.level == Level::Session)
             .collect();
@@ -145,7 +145,7 @@ pub fn judge(
         one.testable = sessions.values().any(|runs| runs.len() > 2);
         seen[c] = Some(one);
     }
-    let nothing = LevelSeen {
+    let nothing = LevelScore {
         correlation: 0.0,
         p_value: 1.0,
         size: 0.0,
@@ -154,7 +154,7 @@ pub fn judge(
         testable: false,
     };
     let sessions_differ = [0, 1].map(|k| f_test(&of_level(k), &sessions));
-    Levels {
+    LevelScreen {
         seen: seen
             .into_iter()
             .map(|s| s.unwrap_or_else(|| nothing.clone()))
@@ -167,7 +167,7 @@ pub fn judge(
     }
 }
 
-impl Levels {
+impl LevelScreen {
     /// Whether `a` still explains session levels once `b` is there too: t of a in a regression on both, its own where the two
     /// act on different levels.
     pub fn beyond(&self, a: usize, b: usize) -> f64 {
@@ -227,7 +227,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
 }
 
-fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelSeen {
+fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
     let (yc, xc) = (centred(y), centred(x));
     let xx = dot(&xc, &xc).max(1e-300);
     let size = dot(&yc, &xc) / xx;
@@ -237,7 +237,7 @@ fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelSeen {
         .map(|(y, x)| (y - size * x).powi(2))
         .sum();
     let error = (rest / (y.len() as f64 - 2.0).max(1.0) / xx).sqrt();
-    LevelSeen {
+    LevelScore {
         correlation: correlation(y, x),
         p_value: 1.0,
         size: size * typical,

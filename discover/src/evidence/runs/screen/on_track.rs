@@ -2,8 +2,8 @@
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
-use crate::evidence::runs::model::chain::{CHANNEL_NAMES, Chain};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
 use crate::finding::report::{Fitted, Rival};
@@ -11,7 +11,7 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim};
 use crate::procedure::rivals::NamedEffect;
 
-/// The track channel of a look, where it can be used.
+/// The track channel of a screen, where it can be used.
 pub struct Surveyed {
     channel: TrackChannel,
     /// Slope and the accelerometer's faults that look like it.
@@ -38,19 +38,19 @@ impl Campaign<'_> {
     /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
     pub fn surveyed(
         &self,
-        chain: &Chain,
-        maker: &TwinMaker,
+        residual_model: &ResidualModel,
+        simulator: &RunSimulator,
         account: &mut Account,
     ) -> Option<Surveyed> {
-        if !self.used[3] || !chain.frozen.is_empty() {
+        if !self.used[3] || !residual_model.frozen.is_empty() {
             return None;
         }
         let list: Vec<Candidate<Amplitude>> = self
-            .fresh(chain, &self.candidates.track)
+            .fresh(residual_model, &self.candidates.track)
             .into_iter()
             .filter(|c| !c.is_profile())
             .collect();
-        let channel = TrackChannel::new(chain, &self.training, &list)?;
+        let channel = TrackChannel::new(residual_model, &self.training, &list)?;
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
@@ -58,14 +58,14 @@ impl Campaign<'_> {
                 self.rules().slope_sd_rad
             ));
         }
-        let quiet = maker.sensors_only();
+        let quiet = simulator.sensors_only();
         let twins: Vec<Frame> = self
             .training
             .iter()
             .enumerate()
-            .map(|(i, frame)| quiet.pair(frame, chain, 5_000_003, i).plus)
+            .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
             .collect();
-        let expected = TrackChannel::new(chain, &twins, &[])?.scatter();
+        let expected = TrackChannel::new(residual_model, &twins, &[])?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
             let told = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
@@ -87,7 +87,7 @@ impl Campaign<'_> {
     /// The claim in the track channel, where one stands out.
     pub fn on_the_track(
         &self,
-        chain: &Chain,
+        residual_model: &ResidualModel,
         track: &Surveyed,
         account: &mut Account,
     ) -> Option<Claim<Amplitude>> {
@@ -163,7 +163,7 @@ impl Campaign<'_> {
             });
         }
         let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
-        if chain
+        if residual_model
             .effects
             .active
             .iter()

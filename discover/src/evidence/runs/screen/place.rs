@@ -4,7 +4,7 @@ use kufe_sled::effects::Kind;
 
 use crate::evidence::runs::campaign::{Campaign, Current, scale_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::chain::{CHANNELS, Chain};
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::procedure::candidate::Candidate;
 
 impl Campaign<'_> {
@@ -31,9 +31,9 @@ impl Campaign<'_> {
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
-        let rest = stand.chain.raw(frame);
+        let rest = stand.residual_model.raw(frame);
         let moved = stand
-            .chain
+            .residual_model
             .with(candidate.active(candidate.typical))
             .raw(frame);
         let mut size: Vec<(f64, usize)> = (0..frame.len())
@@ -70,14 +70,14 @@ impl Campaign<'_> {
     /// The channel that a candidate changes most, relative to what is left there.
     pub fn strongest_channel(
         &self,
-        chain: &Chain,
+        residual_model: &ResidualModel,
         candidate: &Candidate<Amplitude>,
         size: f64,
     ) -> usize {
         let mut energy = [0.0; CHANNELS];
         for frame in self.training.iter().take(4) {
-            let rest = chain.residuals(frame);
-            let moved = chain.with(candidate.active(size)).residuals(frame);
+            let rest = residual_model.residuals(frame);
+            let moved = residual_model.with(candidate.active(size)).residuals(frame);
             for c in (0..CHANNELS).filter(|c| self.used[*c]) {
                 let scale = scale_of(&rest[c]);
                 energy[c] += rest[c]

@@ -1,10 +1,10 @@
-//! One look at the residuals: every candidate against sign-flips, what noisy inputs add taken off.
+//! One screen of the residuals: every candidate against sign-flips, what noisy inputs add taken off.
 
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
-use crate::evidence::runs::fit::simulated_runs::TwinMaker;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -12,9 +12,9 @@ use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
 use crate::regression::scores::{Scores, cross_information, studentised};
 
-/// How a look is made.
+/// How a screen is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct ScreenOptions {
     /// Pairs of twins a run.
     pub pairs: u64,
     /// Number of sign-flips.
@@ -37,9 +37,9 @@ pub struct Look {
     pub seed: u64,
 }
 
-/// One candidate, or one window of a local one, after a look.
+/// One candidate, or one window of a local one, after a screen.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct CandidateScore {
     /// Share of its direction that a refit of the base leaves.
     pub left: f64,
     /// Size in its own unit.
@@ -66,21 +66,26 @@ pub struct Seen {
     pub usable: bool,
 }
 
-/// A whole look.
-pub struct Seeing {
+/// A whole screen.
+pub struct RunScreen {
     /// Regular candidates, then windows.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<CandidateScore>,
     /// Scores, candidates by runs.
     pub u: DMatrix<f64>,
     /// Products of the regular candidates beyond the base.
     pub cross: DMatrix<f64>,
 }
 
-/// Looks once.
-pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look) -> Seeing {
+/// Judges every candidate.
+pub fn screen_runs(
+    design: &Design,
+    frames: &[Frame],
+    simulator: &RunSimulator,
+    options: &ScreenOptions,
+) -> RunScreen {
     let base = design.fitted();
     let products = design.products(frames);
-    let noise = mean_noise_products(design, frames, maker, 0..options.pairs);
+    let noise = mean_noise_products(design, frames, simulator, 0..options.pairs);
     let grams: Vec<_> = products
         .iter()
         .zip(&noise)
@@ -162,7 +167,7 @@ pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look
                 0.0
             };
             let (null, critical) = (&nulls[family(c)].0, criticals[family(c)]);
-            Seen {
+            CandidateScore {
                 left: scores.left(c),
                 size: size * scale,
                 error: error * scale,
@@ -182,7 +187,7 @@ pub fn look(design: &Design, frames: &[Frame], maker: &TwinMaker, options: &Look
             }
         })
         .collect();
-    Seeing {
+    RunScreen {
         seen,
         u,
         cross: cross_information(&grams, base),
@@ -286,7 +291,7 @@ fn held_gain(u: &DMatrix<f64>, information: &DMatrix<f64>, c: usize) -> f64 {
         .sum()
 }
 
-impl Seeing {
+impl RunScreen {
     /// T of regular candidate `a` once `b` has taken its part.
     pub fn beyond(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
@@ -323,9 +328,9 @@ impl Seeing {
     }
 }
 
-/// The best window of each local candidate, as a candidate of its own with its place in the look.
+/// The best window of each local candidate, as a candidate of its own with its place in the screen.
 pub fn best_windows(
-    seeing: &Seeing,
+    screen: &RunScreen,
     locals: &[Candidate<Amplitude>],
     windows: &[Window],
     regular: usize,
@@ -335,11 +340,11 @@ pub fn best_windows(
             let best = windows
                 .iter()
                 .enumerate()
-                .filter(|(w, window)| window.local == l && seeing.seen[regular + w].usable)
+                .filter(|(w, window)| window.local == l && screen.seen[regular + w].usable)
                 .max_by(|a, b| {
-                    seeing.seen[regular + a.0]
+                    screen.seen[regular + a.0]
                         .gain
-                        .total_cmp(&seeing.seen[regular + b.0].gain)
+                        .total_cmp(&screen.seen[regular + b.0].gain)
                 })?;
             let candidate = locals[l].within(&best.1.track, best.1.from, best.1.to);
             Some((candidate, regular + best.0))

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::chain::Chain;
+use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
@@ -20,7 +20,7 @@ const BIN_M: f64 = 20.0;
 
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
-pub struct TrackSeen {
+pub struct TrackScore {
     /// Size in its own unit.
     pub size: f64,
     /// Standard error.
@@ -43,7 +43,7 @@ pub struct TrackChannel {
 impl TrackChannel {
     /// Averages residuals and directions; `None` where there is no survey.
     pub fn new(
-        chain: &Chain,
+        residual_model: &ResidualModel,
         frames: &[Frame],
         candidates: &[Candidate<Amplitude>],
     ) -> Option<Self> {
@@ -51,10 +51,10 @@ impl TrackChannel {
             return None;
         }
         let directions_of = |frame: &Frame| -> Vec<Vec<f64>> {
-            let rest = &chain.residuals(frame)[3];
+            let rest = &residual_model.residuals(frame)[3];
             let mut out = vec![rest.clone()];
             for candidate in candidates {
-                let moved = chain
+                let moved = residual_model
                     .with(candidate.active(0.01 * candidate.typical))
                     .residuals(frame);
                 out.push(
@@ -155,7 +155,7 @@ impl TrackChannel {
     }
 
     /// Judges candidate `c` at a survey deviation [rad].
-    pub fn judge(&self, c: usize, slope_sd: f64) -> TrackSeen {
+    pub fn judge(&self, c: usize, slope_sd: f64) -> TrackScore {
         let w = self.weights(slope_sd);
         let d = &self.directions[c];
         let information: f64 = d.iter().zip(&w).map(|(d, w)| d * d * w).sum();
@@ -167,7 +167,7 @@ impl TrackChannel {
             .sum();
         let error = (self.inflation / information.max(1e-300)).sqrt();
         let size = score / information.max(1e-300);
-        TrackSeen {
+        TrackScore {
             size: size * self.typical[c],
             error: error * self.typical[c],
             p_value: (two_sided(size / error) * self.directions.len() as f64).min(1.0),

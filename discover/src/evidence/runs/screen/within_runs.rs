@@ -4,12 +4,14 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
-use crate::evidence::runs::model::chain::CHANNEL_NAMES;
 use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::windows;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::on_track::Surveyed;
-use crate::evidence::runs::screen::residual_screen::{Look, Seeing, best_windows, look};
+use crate::evidence::runs::screen::residual_screen::{
+    RunScreen, ScreenOptions, best_windows, screen_runs,
+};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim, Screen};
 use crate::regression::scores::{Scores, cross_information};
@@ -28,7 +30,7 @@ impl Campaign<'_> {
                 detectable: Vec::new(),
             };
         }
-        let mut regular = self.fresh(at.chain, &self.candidates.regular);
+        let mut regular = self.fresh(at.residual_model, &self.candidates.regular);
         regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         // A person's own effect may bear such a name, too.
         regular.sort_by_key(Candidate::is_column);
@@ -39,29 +41,29 @@ impl Campaign<'_> {
             ..at.design(&regular)
         };
         let options = self.screen_options(account);
-        let mut seeing = look(&design, &self.training, at.maker, &options);
+        let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
-        let detectable = detectable(&seeing, &regular[..named]);
+        let detectable = detectable(&screen, &regular[..named]);
         self.by_forces = regular
             .iter()
-            .zip(&seeing.seen)
+            .zip(&screen.seen)
             .filter(|(_, seen)| seen.usable && seen.left > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
         // An accelerometer's fault shows in the track channel, too: what that contradicts is neither claimed nor a rival.
-        for (candidate, seen) in regular.iter().zip(&mut seeing.seen) {
+        for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
-        let places = best_windows(&seeing, &self.candidates.local, &all_windows, regular.len());
+        let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
         Screen {
-            claim: self.choose(at, &seeing, &regular, &places, account),
+            claim: self.choose(at, &screen, &regular, &places, account),
             detectable,
         }
     }
 
-    fn screen_options(&self, account: &Account) -> Look {
+    fn screen_options(&self, account: &Account) -> ScreenOptions {
         let (rules, share) = (self.rules(), self.share(account));
-        Look {
+        ScreenOptions {
             pairs: self.options.twins.div_ceil(40).max(1),
             flips: self.options.flips,
             alpha: share * rules.alpha,
@@ -81,14 +83,14 @@ impl Campaign<'_> {
     fn choose(
         &self,
         at: &Current,
-        seeing: &Seeing,
+        screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
         places: &[(Candidate<Amplitude>, usize)],
         account: &Account,
     ) -> Option<Claim<Amplitude>> {
         let options = self.screen_options(account);
         let rules = self.rules();
-        let gain = |c: usize| seeing.seen[c].gain;
+        let gain = |c: usize| screen.seen[c].gain;
         let alpha_of = |candidate: &Candidate<Amplitude>| match (
             &candidate.act.track,
             candidate.is_column(),
@@ -105,7 +107,7 @@ impl Campaign<'_> {
             .map(|c| (&regular[c], c))
             .chain(places.iter().map(|(candidate, c)| (candidate, *c)))
             .filter(|(candidate, c)| {
-                seeing.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                screen.claimable(*c, candidate, alpha_of(candidate), again(candidate))
             })
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
@@ -120,14 +122,14 @@ impl Campaign<'_> {
             .chain(close.iter().map(|(candidate, _)| candidate))
             .cloned()
             .collect();
-        let mut together = Seeing {
-            seen: seeing.seen[..regular.len()].to_vec(),
-            u: seeing.u.rows(0, regular.len()).into_owned(),
-            cross: seeing.cross.clone(),
+        let mut together = RunScreen {
+            seen: screen.seen[..regular.len()].to_vec(),
+            u: screen.u.rows(0, regular.len()).into_owned(),
+            cross: screen.cross.clone(),
         };
         if !close.is_empty() {
             let design = at.design(&list);
-            let noise = noise_products(&design, &self.training, at.maker, 0);
+            let noise = noise_products(&design, &self.training, at.simulator, 0);
             let grams: Vec<_> = design
                 .products(&self.training)
                 .iter()
@@ -145,7 +147,7 @@ impl Campaign<'_> {
                     .copy_from(&scores.u.row(rows + k));
                 let information = scores.total_information(rows + k).max(1e-300);
                 let sum: f64 = scores.u.row(rows + k).sum();
-                let mut seen = seeing.seen[*c].clone();
+                let mut seen = screen.seen[*c].clone();
                 seen.size = sum / information * candidate.typical;
                 seen.gain = sum * sum / information;
                 together.seen.push(seen);
@@ -187,7 +189,7 @@ impl Campaign<'_> {
             (class, rivals) = self.rivals(&together, &list, named);
         }
         let seen = &together.seen[named];
-        let channel = self.strongest_channel(at.chain, &list[named], seen.size);
+        let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         let bias = seen.bias_t;
         Some(Claim {
             place: self.place_of(&list[named], at),

@@ -33,7 +33,7 @@ pub const BASE_NAMES: [&str; BASE] = [
 
 /// The base model, its multipliers and the effects that are switched on.
 #[derive(Clone)]
-pub struct Chain {
+pub struct ResidualModel {
     /// The model as it was given.
     pub vehicle: Vehicle,
     /// Multipliers of the base parameters.
@@ -47,27 +47,27 @@ pub struct Chain {
 }
 
 /// Residuals by channel; an unused channel is empty.
-pub type Rows = [Vec<f64>; CHANNELS];
+pub type ChannelRows = [Vec<f64>; CHANNELS];
 
-impl Chain {
+impl ResidualModel {
     /// The same with one more effect.
     pub fn with(&self, effect: Active) -> Self {
-        let mut chain = self.clone();
-        chain.effects.active.push(effect);
-        chain
+        let mut residual_model = self.clone();
+        residual_model.effects.active.push(effect);
+        residual_model
     }
 
     /// Residuals of one run, low-passed and thinned to rows.
-    pub fn residuals(&self, frame: &Frame) -> Rows {
+    pub fn residuals(&self, frame: &Frame) -> ChannelRows {
         self.raw(frame).map(|channel| frame.rows(&channel))
     }
 
     /// Residuals of one run at every kept sample.
-    pub fn raw(&self, frame: &Frame) -> Rows {
-        let mut rows: Rows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
-        let here = Here::new(self, frame);
+    pub fn raw(&self, frame: &Frame) -> ChannelRows {
+        let mut rows: ChannelRows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
+        let on_run = ModelOnRun::new(self, frame);
         for i in 0..frame.len() {
-            let values = here.residual(i);
+            let values = on_run.residual(i);
             for (row, value) in rows.iter_mut().zip(values) {
                 row.push(value);
             }
@@ -125,9 +125,9 @@ pub struct Instant {
     signals: Signals,
 }
 
-/// A chain on one run: the vehicle with the effects that act there, and the weather.
-pub struct Here<'a> {
-    chain: &'a Chain,
+/// A model on one run: the vehicle with the effects that act there, and the weather.
+pub struct ModelOnRun<'a> {
+    residual_model: &'a ResidualModel,
     frame: &'a Frame,
     vehicle: Vehicle,
     air_density: f64,
@@ -135,13 +135,13 @@ pub struct Here<'a> {
     wear: Option<&'a Vec<f64>>,
 }
 
-impl<'a> Here<'a> {
+impl<'a> ModelOnRun<'a> {
     /// Prepares a run.
-    pub fn new(chain: &'a Chain, frame: &'a Frame) -> Self {
-        let mut vehicle = chain.vehicle.scaled(&chain.base);
-        vehicle.effects = chain.effects.on_track(&frame.track);
+    pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
+        let mut vehicle = residual_model.vehicle.scaled(&residual_model.base);
+        vehicle.effects = residual_model.effects.on_track(&frame.track);
         Self {
-            chain,
+            residual_model,
             frame,
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),
@@ -228,7 +228,7 @@ impl<'a> Here<'a> {
         }
     }
 
-    /// These forces with the chain's effects.
+    /// These forces with the model's effects.
     fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
         if !self.vehicle.effects.is_empty() {
             self.vehicle.effects.act("", &at.seen, &mut forces);
@@ -236,7 +236,7 @@ impl<'a> Here<'a> {
         forces
     }
 
-    /// Forces of the base laws with the chain's effects.
+    /// Forces of the base laws with the model's effects.
     pub fn forces(&self, at: &Instant) -> Forces {
         self.with_effects(at, at.laws.forces)
     }
@@ -248,7 +248,7 @@ impl<'a> Here<'a> {
 
     /// Balances with base multiplier `b` moved by a small `step`.
     pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
-        let share = step / self.chain.base[b];
+        let share = step / self.residual_model.base[b];
         let moved = at.laws.moved(&self.vehicle, BaseParameter::ALL[b], share);
         self.balances(at, &self.with_effects(at, moved))
     }
@@ -259,7 +259,7 @@ impl<'a> Here<'a> {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
-        if self.chain.along_path {
+        if self.residual_model.along_path {
             at.balance.left_along_way(&at.signals, slope)
         } else {
             at.balance.left_along_axis(&at.signals, slope)
@@ -273,7 +273,7 @@ impl<'a> Here<'a> {
         [along, side, yaw, self.track(i, &at)]
     }
 
-    /// Balances of a sample by this chain, `at` being the sample by one with the same base laws.
+    /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
     pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
         let signals = self.measured(i);
         if signals == at.signals {
