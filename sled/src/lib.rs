@@ -5,6 +5,7 @@
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
 //! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 (feature `mdf4`) |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
+//! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
@@ -63,7 +64,7 @@ pub use record::index::{
 };
 pub use record::parquet::{read_parquet, write_parquet};
 pub use record::read::read_columns;
-pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs};
+pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs, state_distances};
 pub use record::write::{RunFormat, write_run};
 pub use signals::derivative::derivative;
 pub use signals::filter::{low_pass, noise_gain, resample};

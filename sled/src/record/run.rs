@@ -74,18 +74,19 @@ impl Run {
 /// Reads the index and every run it names, in the index's order.
 ///
 /// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or, with the feature `mdf4`, MDF 4 (`.mf4`).
-/// Every run is checked by [`check_columns`].
+/// Every run is checked by [`check_columns`]. Where the index states no `distance_m`, it is [`state_distances`]'.
 ///
 /// # Errors
 /// The first bad run's error in the order of the index, [`Error::DuplicateContent`] where two runs are the same.
 pub fn read_runs(index: &Path) -> Result<Vec<Run>, Error> {
-    let runs = read_index(index)?
+    let mut runs = read_index(index)?
         .into_par_iter()
         .map(|entry| read_run(entry, &COLUMNS))
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
     refuse_copies(&runs)?;
+    state_distances(&mut runs);
     Ok(runs)
 }
 
@@ -112,6 +113,7 @@ pub fn read_good_runs(index: &Path) -> Result<(Vec<Run>, Vec<Error>), Error> {
         });
         good.remove(second);
     }
+    state_distances(&mut good);
     Ok((good, bad))
 }
 
@@ -131,6 +133,25 @@ pub fn read_run(entry: Entry, required: &[&str]) -> Result<Run, Error> {
         columns,
         remarks,
     })
+}
+
+/// States the distance run on the same finish before each run where the index does not: that of the runs before it in its
+/// session, in the order given.
+///
+/// Runners are finished between sessions and not within one; where that is not so, `distance_m` in the index says it.
+pub fn state_distances(runs: &mut [Run]) {
+    let mut before: BTreeMap<String, f64> = BTreeMap::new();
+    for run in runs {
+        let travelled = before.entry(run.entry.session.clone()).or_insert(0.0);
+        run.entry.conditions.distance_m.get_or_insert(*travelled);
+        *travelled += match run.columns.get("s_m").map(Vec::as_slice) {
+            Some([first, .., last]) if (last - first).is_finite() => last - first,
+            _ => run
+                .columns
+                .get("v_mps")
+                .map_or(0.0, |v| v.iter().sum::<f64>() * run.dt_s),
+        };
+    }
 }
 
 /// Refuses two runs with the same samples: a file copied or named twice would count double.
