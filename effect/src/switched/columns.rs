@@ -4,11 +4,11 @@ use crate::motion::{Conditions, Sensor, Signals, State};
 
 /// What an expression on a sensor sees: the readings, corrected as far as they are, and time, place and weather.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub(super) struct Seen<'a> {
     /// Time, place and weather.
-    pub conditions: &'a Conditions,
+    pub(super) conditions: &'a Conditions,
     /// The sensors.
-    pub signals: &'a Signals,
+    pub(super) signals: &'a Signals,
 }
 
 /// Columns of a sled, for forces; the last one stands for a column that the model has no name for.
@@ -58,13 +58,13 @@ pub fn is_column(name: &str) -> bool {
 }
 
 /// Names of the columns that expressions on forces may use.
-pub(super) fn of_sled() -> Vec<&'static str> {
+pub fn columns_of_forces() -> Vec<&'static str> {
     let named = OF_SLED.iter().map(|(name, _)| *name);
     named.filter(|name| !name.is_empty()).collect()
 }
 
 /// Names of the columns that expressions on a sensor may use.
-pub(super) fn of_sensors() -> Vec<&'static str> {
+pub fn columns_of_sensors() -> Vec<&'static str> {
     let conditions = OF_CONDITIONS.iter().map(|(name, _)| *name);
     let own = conditions.filter(|name| Sensor::named(name).is_none() && *name != "fz_n");
     Sensor::ALL

@@ -84,8 +84,8 @@ impl Custom {
             place.ok_or_else(|| Refused::UnknownColumn {
                 column: name.clone(),
                 known: match of_sensor {
-                    true => columns::of_sensors(),
-                    false => columns::of_sled(),
+                    true => columns::columns_of_sensors(),
+                    false => columns::columns_of_forces(),
                 },
             })
         };

@@ -11,7 +11,7 @@ mod schema;
 
 pub use active::{Active, Kind};
 pub use channel::Channel;
-pub use columns::{Seen, is_column};
+pub use columns::{columns_of_forces, columns_of_sensors, is_column};
 pub use custom::Custom;
 pub use effects::Effects;
 pub use error::EffectError;

@@ -16,19 +16,19 @@ pub fn claimed(
     before: f64,
     mean_square: f64,
     rule: &RivalRule,
-) -> Claim<&'static dyn Effect> {
+) -> Claim<&'static Effect> {
     let best = &lines[0];
-    let info = best.effect.info();
+    let (info, parameter) = (best.effect.info(), best.effect.parameter());
     let others = lines[1..]
         .iter()
         .map(|line| {
-            let info = line.effect.info();
+            let (info, parameter) = (line.effect.info(), line.effect.parameter());
             let beyond = ((line.chi2() - best.chi2()) / mean_square).max(0.0);
             Rival {
                 effect: info.name.to_owned(),
-                parameter: info.key.to_owned(),
+                parameter: parameter.name.to_owned(),
                 size: line.size(),
-                unit: info.unit.to_owned(),
+                unit: parameter.unit.to_owned(),
                 t: line.size() / line.error().max(1e-300),
                 gain: before - line.chi2(),
                 correlation: correlation(best, line),
@@ -50,11 +50,11 @@ pub fn claimed(
     Claim {
         candidate: Candidate {
             effect: info.name.to_owned(),
-            key: info.key.to_owned(),
-            unit: info.unit.to_owned(),
-            low: info.low,
-            high: info.high,
-            typical: info.typical,
+            key: parameter.name.to_owned(),
+            unit: parameter.unit.to_owned(),
+            low: parameter.low,
+            high: parameter.high,
+            typical: parameter.typical,
             decides: info.decides.to_owned(),
             act: best.effect,
         },

@@ -50,7 +50,7 @@ pub struct Maps<'a> {
     start: Misfit,
     first_steps: Steps,
     /// What would lower the misfit most beside what was found, claimed or not.
-    next: Option<(&'static dyn Effect, f64)>,
+    next: Option<(&'static Effect, f64)>,
     screens: usize,
 }
 
@@ -236,10 +236,10 @@ impl<'a> Maps<'a> {
         let sizes = last.active.iter().zip(&last.errors);
         sizes
             .map(|((effect, size), error)| {
-                let info = effect.info();
+                let info = effect.parameter();
                 let half = quantile * (error * spread).hypot(effect.form_error() * size);
                 vec![Fitted {
-                    name: info.key.to_owned(),
+                    name: info.name.to_owned(),
                     value: *size,
                     low: (size - half).max(info.low),
                     high: (size + half).min(info.high),
@@ -251,7 +251,7 @@ impl<'a> Maps<'a> {
 }
 
 impl Evidence for Maps<'_> {
-    type Act = &'static dyn Effect;
+    type Act = &'static Effect;
     type Fit = MapFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {

@@ -23,7 +23,7 @@ struct Point {
 /// The misfit along the sizes of one effect.
 pub struct LineSearch {
     /// The effect.
-    pub effect: &'static dyn Effect,
+    pub effect: &'static Effect,
     points: Vec<Point>,
     best: usize,
     low: f64,
@@ -39,16 +39,16 @@ impl LineSearch {
     pub fn start(
         simulations: &Simulations,
         active: &SizedEffects,
-        effect: &'static dyn Effect,
+        effect: &'static Effect,
         step: Option<f64>,
     ) -> Option<Self> {
-        let info = effect.info();
+        let info = effect.parameter();
         let mut line = LineSearch {
             effect,
             points: Vec::new(),
             best: 0,
-            low: along(effect, info.low),
-            high: along(effect, info.high),
+            low: effect.search.along(info.low),
+            high: effect.search.along(info.high),
             failures: 0,
             settled: false,
         };
@@ -56,7 +56,7 @@ impl LineSearch {
         line.eval(simulations, active, from)?;
         let room = line.high - from;
         let mut step = step
-            .unwrap_or_else(|| along(effect, info.typical))
+            .unwrap_or_else(|| effect.search.along(info.typical))
             .min(0.5 * room);
         for round in 0..3 {
             let at = from + step;
@@ -113,7 +113,7 @@ impl LineSearch {
 
     /// Best size so far.
     pub fn size(&self) -> f64 {
-        back(self.effect, self.points[self.best].u)
+        self.effect.search.back(self.points[self.best].u)
     }
 
     /// Sum of squares there.
@@ -139,7 +139,8 @@ impl LineSearch {
         let error = 1.0 / jj.sqrt();
         let here = self.points[self.best].u;
         // From the place on the line to the size, over the error itself where the line begins.
-        0.5 * (back(self.effect, here + error) - back(self.effect, (here - error).max(self.low)))
+        0.5 * (self.effect.search.back(here + error)
+            - self.effect.search.back((here - error).max(self.low)))
     }
 
     /// Change of the weighted residuals by the first step: what the effect looks like before anything is known.
@@ -152,10 +153,9 @@ impl LineSearch {
     pub fn size_at(&self, errors: f64) -> f64 {
         let squares: f64 = self.signature().iter().map(|d| d * d).sum();
         let [from, to] = [0, 1].map(|k| self.points[k].u);
-        back(
-            self.effect,
-            from + errors * (to - from).abs() / squares.sqrt().max(1e-300),
-        )
+        self.effect
+            .search
+            .back(from + errors * (to - from).abs() / squares.sqrt().max(1e-300))
     }
 
     /// One more point.
@@ -227,7 +227,7 @@ impl LineSearch {
 
     fn eval(&mut self, simulations: &Simulations, active: &SizedEffects, u: f64) -> Option<()> {
         let mut with = active.clone();
-        with.push((self.effect, back(self.effect, u)));
+        with.push((self.effect, self.effect.search.back(u)));
         let misfit = simulations.misfit(&with, SEARCHING).ok()?;
         self.points.push(Point { u, misfit });
         Some(())
@@ -269,33 +269,14 @@ impl LineSearch {
     }
 }
 
-/// From a size to its place on the line.
-fn along(effect: &'static dyn Effect, size: f64) -> f64 {
-    match effect.info().name {
-        "sensor-blur" => size * size,
-        _ => size,
-    }
-}
-
-/// From a place on the line to a size.
-fn back(effect: &'static dyn Effect, u: f64) -> f64 {
-    match effect.info().name {
-        "sensor-blur" => u.max(0.0).sqrt(),
-        _ => u,
-    }
-}
-
-/// A bound on the pressure acts only below the peak: it starts at the largest one measured.
-fn beginning(simulations: &Simulations, effect: &'static dyn Effect) -> f64 {
-    match effect.info().name {
-        "hardness" => {
-            let own = |r: &&crate::evidence::maps::rows::Row| {
-                r.problem.ice.hardness.map_or(0.0, |h| 1.0 / h)
-            };
-            let stated = simulations.rows.iter().map(own).fold(0.0, f64::max);
-            let largest = simulations.rows.iter().map(|r| r.p_max).fold(1.0, f64::max);
-            (1.0 / largest - stated).max(0.0)
-        }
-        _ => 0.0,
-    }
+/// The size up to which an effect does nothing, whichever row is asked.
+fn beginning(simulations: &Simulations, effect: &'static Effect) -> f64 {
+    let Some(begins) = effect.search.begins else {
+        return 0.0;
+    };
+    let rows = simulations.rows.iter();
+    let largest = rows.clone().map(|r| r.p_max).fold(1.0, f64::max);
+    rows.map(|r| begins(&r.problem, largest))
+        .reduce(f64::min)
+        .unwrap_or(0.0)
 }

@@ -7,7 +7,7 @@ use kufe_case::effects::Effect;
 ///
 /// # Errors
 /// What the TOML parser says.
-pub fn next_case(text: &str, active: &[(&'static dyn Effect, f64)]) -> Result<String, String> {
+pub fn next_case(text: &str, active: &[(&'static Effect, f64)]) -> Result<String, String> {
     if active.is_empty() {
         return Ok(text.to_owned());
     }
@@ -19,27 +19,18 @@ pub fn next_case(text: &str, active: &[(&'static dyn Effect, f64)]) -> Result<St
         .or_insert_with(|| toml::Table::new().into());
     if let toml::Value::Table(effects) = effects {
         for (effect, size) in active {
-            let info = effect.info();
+            let (info, key) = (effect.info(), effect.parameter().name);
             let own = effects
                 .get(info.name)
-                .and_then(|one| one.get(info.key))
+                .and_then(|one| one.get(key))
                 .and_then(|value| value.as_float().or(value.as_integer().map(|i| i as f64)))
                 .unwrap_or(0.0);
             let mut one = toml::Table::new();
-            one.insert(info.key.to_owned(), together(info.name, own, *size).into());
+            one.insert(key.to_owned(), effect.search.together(own, *size).into());
             effects.insert(info.name.to_owned(), one.into());
         }
     }
     Ok(next.to_string())
-}
-
-/// Size of two of the same effect, one after the other.
-fn together(name: &str, first: f64, second: f64) -> f64 {
-    match name {
-        "ice-modulus" | "runner-compliance" | "sensor-gain" => (1.0 + first) * (1.0 + second) - 1.0,
-        "sensor-blur" => first.hypot(second),
-        _ => first + second,
-    }
 }
 
 #[cfg(test)]
@@ -81,7 +72,7 @@ mod tests {
             effect.sense(first, &mut one);
             effect.sense(second, &mut one);
             let mut both = map.clone();
-            effect.sense(together(name, first, second), &mut both);
+            effect.sense(effect.search.together(first, second), &mut both);
             let off = one.pressure.iter().zip(&both.pressure);
             let worst = off.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
             // Sampled Gaussians: their tails beyond four deviations are cut.

@@ -29,7 +29,7 @@ pub fn polish(
     let count = active.len();
     let mut derivative = DMatrix::zeros(here.rest.len(), count);
     for k in 0..count {
-        let info = active[k].0.info();
+        let info = active[k].0.parameter();
         // Well above the solves' own scatter, well below the size.
         let step = (6.0 * errors[k]).clamp(0.01 * active[k].1.abs(), 0.1 * active[k].1.abs());
         let step = if active[k].1 + step > info.high {
@@ -65,7 +65,8 @@ pub fn polish(
     let mut moved = active.clone();
     for (k, (effect, size)) in moved.iter_mut().enumerate() {
         let most = 0.2 * size.abs();
-        *size = (*size + by[k].clamp(-most, most)).clamp(effect.info().low, effect.info().high);
+        *size = (*size + by[k].clamp(-most, most))
+            .clamp(effect.parameter().low, effect.parameter().high);
     }
     let (active, misfit) = match simulations.misfit(&moved, REPORTING) {
         Ok(better) if better.chi2 < here.chi2 => (moved, better),

@@ -3,7 +3,6 @@
 use kufe_case::effects::CATALOGUE;
 
 use crate::evidence::maps::rows::Row;
-use crate::evidence::maps::screen::NEED_MAPS;
 
 /// Effects that these rows say next to nothing of, and why.
 pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
@@ -12,11 +11,10 @@ pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
     }
     CATALOGUE
         .iter()
-        .map(|e| e.info().name)
-        .filter(|name| NEED_MAPS.contains(name))
-        .map(|name| {
+        .filter(|e| e.search.needs_map)
+        .map(|e| {
             (
-                name.to_owned(),
+                e.info().name.to_owned(),
                 "needs the column map, which is absent or empty".to_owned(),
             )
         })

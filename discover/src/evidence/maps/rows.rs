@@ -147,8 +147,8 @@ fn sensor(case: &Case) -> SizedEffects {
         .iter()
         .filter(|effect| effect.is_of_the_sensor())
         .filter_map(|effect| {
-            let info = effect.info();
-            let value = case.effects.get(info.name)?.get(info.key)?;
+            let table = case.effects.get(effect.info.name)?;
+            let value = table.get(effect.parameter().name)?;
             let size = value
                 .as_float()
                 .or(value.as_integer().map(|whole| whole as f64))?;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_case::effects::{CATALOGUE, Effect};
+use kufe_case::effects::{CATALOGUE, Effect, Growth};
 
 use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::simulate::Simulations;
@@ -15,21 +15,8 @@ const FOLLOWED: usize = 4;
 /// Rounds in which they are.
 const ROUNDS: usize = 10;
 
-/// Effects that are far from linear on their way from nothing to a usual size: a flat grows with the root of its depth, a
-/// layer acts once it is as thin as the contact is wide.
-const MARCHED: [&str; 2] = ["section-wear", "ice-thickness"];
-
 /// First steps by effect's name, kept from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
-
-/// Effects that need a map: a peak pressure alone says next to nothing of them.
-pub const NEED_MAPS: [&str; 5] = [
-    "roll-tilt",
-    "pitch-offset",
-    "section-wear",
-    "waviness",
-    "sensor-blur",
-];
 
 /// Follows every effect that is not switched on to its best size, the promising ones first.
 ///
@@ -51,14 +38,14 @@ pub fn screen_maps(
     for effect in CATALOGUE {
         let name = effect.info().name;
         let on = active.iter().any(|(e, _)| e.info().name == name);
-        if on || (!mapped && NEED_MAPS.contains(&name)) {
+        if on || (!mapped && effect.search.needs_map) {
             continue;
         }
         progress(name);
         let line = LineSearch::start(simulations, active, *effect, steps.get(name).copied());
         if let Some(mut line) = line {
             steps.insert(name, line.first_step());
-            if MARCHED.contains(&name) {
+            if effect.search.growth == Growth::Far {
                 line.march(simulations, active);
             }
             lines.push(line);
@@ -86,8 +73,8 @@ pub fn screen_maps(
     lines
 }
 
-fn is_bent(effect: &'static dyn Effect) -> bool {
-    effect.info().name == "hardness" || MARCHED.contains(&effect.info().name)
+fn is_bent(effect: &'static Effect) -> bool {
+    matches!(effect.search.growth, Growth::Bent | Growth::Far)
 }
 
 /// Cosine between two effects' changes of the maps.
@@ -110,9 +97,9 @@ pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
             let info = line.effect.info();
             Detectable {
                 effect: info.name.to_owned(),
-                parameter: info.key.to_owned(),
+                parameter: line.effect.parameter().name.to_owned(),
                 size: line.size_at(rules.maps.least_drop.sqrt() + rules.search.nine_in_ten),
-                unit: info.unit.to_owned(),
+                unit: line.effect.parameter().unit.to_owned(),
                 left_after_refit: 1.0,
                 most_like: like.map_or(String::new(), |(j, _)| {
                     lines[j].effect.info().name.to_owned()

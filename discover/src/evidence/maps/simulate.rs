@@ -197,10 +197,7 @@ fn compare(
         (Simulated::Map(map), Some(measured)) => (sensed(row, map, active), measured),
         (Simulated::Map(_), None) => unreachable!("a map is simulated where one was measured"),
         (Simulated::Peak(p_max), _) => {
-            let gain = |(e, v): &(&'static dyn Effect, f64)| match e.info().name {
-                "sensor-gain" => 1.0 + v,
-                _ => 1.0,
-            };
+            let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
             let all = row.sensor.iter().chain(active);
             let simulated = p_max * all.map(gain).product::<f64>();
             let r = row.p_max - simulated;

@@ -3,4 +3,4 @@
 use kufe_case::effects::Effect;
 
 /// Effects with their sizes, in the order in which they were found.
-pub type SizedEffects = Vec<(&'static dyn Effect, f64)>;
+pub type SizedEffects = Vec<(&'static Effect, f64)>;

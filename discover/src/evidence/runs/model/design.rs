@@ -157,8 +157,8 @@ impl Design<'_> {
                     .iter()
                     .map(|w| {
                         let inside = place.iter().filter(|s| (w.from..w.to).contains(*s));
-                        let on_run = w.track == frame.track;
-                        let count = if here { inside.count() } else { 0 };
+                        let there = w.track == frame.track;
+                        let count = if there { inside.count() } else { 0 };
                         (w.local, count as f64 / place.len().max(1) as f64)
                     })
                     .collect();

@@ -23,6 +23,7 @@ pub fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> V
         (Column::Steering, "delta_rad"),
         (Column::RollSplit, "gamma_rad"),
         (Column::RollRate, "roll_rate_radps"),
+        (Column::YawRate, "yaw_rate_radps"),
         (Column::VerticalAcceleration, "az_mps2"),
         (Column::LongitudinalAcceleration, "ax_mps2"),
         (Column::Load, "az_mps2"),

@@ -20,7 +20,7 @@ impl Campaign<'_> {
         }
         let form = match &candidate.act.kind {
             Kind::Custom(custom) => {
-                format!("; form {} on {:?}", custom.text, custom.channel).to_lowercase()
+                format!("; form {} on {}", custom.text, custom.channel.name()).to_lowercase()
             }
             Kind::Catalogue(_) => String::new(),
         };

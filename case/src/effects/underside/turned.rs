@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::shaped::Shaped;
+use crate::effects::underside::shaped::Shaped;
 use kufe_contact::{Load, Problem, Tilt};
 
 /// The axis that it is turned about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum About {
+pub(in crate::effects) enum About {
     /// x: positive lifts the left side.
     X,
     /// y: positive lowers the nose.
@@ -15,7 +15,7 @@ pub(super) enum About {
 }
 
 /// A held tilt gets the angle on top; with a free one the underside is turned against the frame of the map.
-pub(super) fn turn(problem: &mut Problem, about: About, angle: f64) {
+pub(in crate::effects) fn turn(problem: &mut Problem, about: About, angle: f64) {
     if angle == 0.0 {
         return;
     }

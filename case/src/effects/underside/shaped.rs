@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kufe_mesh::Underside;
 
 /// `height(x, y) + change(x, y, height)`.
-pub(super) struct Shaped<F> {
+pub(in crate::effects) struct Shaped<F> {
     /// The underside as it was.
     pub inner: Arc<dyn Underside>,
     /// The new height from place and old height [m].

@@ -1,31 +1,21 @@
-//! The map convolved with a Gaussian of deviation w [m] in both directions. Signature: the peak lower, the edges washed out, the sum kept.
-//! Confounders: modulus (which keeps the edges sharp). Source: point-spread function of pressure-sensitive film.
+//! The map is convolved with a Gaussian of deviation w in both directions; another modulus keeps the edges sharp.
 
-use super::{Effect, Info, Map};
+use crate::effects::effect::prelude::*;
 
-/// See the module.
-pub struct SensorBlur;
-
-static INFO: Info = Info {
-    name: "sensor-blur",
-    key: "width_m",
-    unit: "m",
-    low: 0.0,
-    high: 0.02,
-    typical: 0.0005,
-    decides: "a map of a sharp edge",
-};
-
-impl Effect for SensorBlur {
-    fn info(&self) -> &'static Info {
-        &INFO
-    }
-
-    fn is_of_the_sensor(&self) -> bool {
-        true
-    }
-
-    fn sense(&self, value: f64, map: &mut Map) {
+pub static EFFECT: Effect = Effect {
+    info: Info {
+        name: "sensor-blur",
+        summary: "the sensor washes the map out",
+        formula: "Gaussian of deviation w",
+        signature: "the peak lower, the edges washed out, the sum kept",
+        acts_on: &[ActsOn::Map],
+        parameters: &[Parameter::amplitude("width_m", "m", 0.0, 0.02, 0.0005)],
+        looks_like: &["ice-modulus", "hardness"],
+        decides: "a map of a sharp edge",
+        source: "point-spread function of pressure-sensitive film",
+        ..Effect::ON_PRESSURE
+    },
+    on_map: Some(|value, map| {
         if value == 0.0 {
             return;
         }
@@ -53,5 +43,18 @@ impl Effect for SensorBlur {
                 map.pressure[j * map.nx + i] = p;
             }
         }
-    }
-}
+    }),
+    search: Search {
+        needs_map: true,
+        growth: Growth::Square,
+        adds: Adds::Squares,
+        ..Search::NEW
+    },
+    example: Example {
+        size: 2.0e-3,
+        of: "largest pixel [Pa]",
+        measure: Measure::OfMap(|map| map.pressure.iter().copied().fold(0.0, f64::max)),
+        gives: 39_790.135_140_764_02,
+    },
+    ..Effect::NEW
+};
