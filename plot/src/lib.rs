@@ -6,7 +6,7 @@
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`png`] / [`svg`] | draws into a temporary file and renames it into place |
+//! | [`png`] / [`svg`] | draws a picture and writes its file, whole or not at all |
 //! | [`svg_string`] | the same picture as text, for an HTML page |
 //! | [`viridis`] | colour map on `0..=1` |
 //! | [`PALETTE`] | eight line colours that colour-blind readers can tell apart |

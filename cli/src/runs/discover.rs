@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use kufe_discover::{Error, Options, Report, Rules};
+use kufe_jobs::{Failure, write_whole};
 
 use crate::output::global::Global;
-use kufe_jobs::{Failure, write_whole};
 
 /// Find the effect that a model lacks, name it and add it
 #[derive(clap::Args, Debug)]

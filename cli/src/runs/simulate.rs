@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use kufe_jobs::{Failure, runs::failure};
 use kufe_sled::plots::run_picture;
 use kufe_sled::sample_data::{DRIVERS, drive_sample, sample_driver, sample_plan, sample_track};
 use kufe_sled::{
@@ -15,7 +16,6 @@ use serde_json::{Value, json};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::{Failure, runs::failure};
 
 const EXAMPLES: &str = "\
 Examples:
