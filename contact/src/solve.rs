@@ -61,7 +61,7 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             growth: growth(cells),
         };
         let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
-        let dofs = mesh.contact.members().map(ElasticBody::free_dofs).sum();
+        let dofs = mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum();
         let (state, progress) = solve_mesh(problem, material, &mesh, &patch, &forces, options)?;
         let pressure = field(&mesh, problem, &patch).of(&state);
         let raw = Raw {
