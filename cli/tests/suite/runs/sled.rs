@@ -1,10 +1,6 @@
 //! `kufe simulate`, `fit lateral`, `validate` and `evaluate` as a user meets them.
 
-use std::path::Path;
-
-use serde_json::Value;
-
-use crate::kufe::{json, kufe, refused, succeeds};
+use crate::kufe::{json, refused, succeeds};
 
 #[test]
 fn sample_data_goes_through_fit_validation_and_evaluation() {
