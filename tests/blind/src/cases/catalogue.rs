@@ -114,6 +114,9 @@ pub fn all() -> Vec<Spec> {
             | Kind::SlipLag
             | Kind::SteerOffset
             | Kind::YawRateScale
+            | Kind::YawRateBias
+            | Kind::SteerLag
+            | Kind::SpeedScale
             | Kind::AccelerometerBiasX
             | Kind::AccelerometerBiasY
             | Kind::AccelerometerTiltPitch

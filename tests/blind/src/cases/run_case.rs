@@ -99,18 +99,6 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
         hidden.push(effect);
         hides.push(answer);
     }
-    if hidden.iter().any(|e| e.kind == Kind::YawRateScale) {
-        for name in [
-            "slip-scale",
-            "lever-arm",
-            "mass",
-            "slip-lag",
-            "slip-offset",
-            "steer-offset",
-        ] {
-            tolerated.push(name.to_owned());
-        }
-    }
     // An effect that makes the sled slide away is made smaller: nobody measures such runs.
     let truths = loop {
         let truths: Vec<Vec<Truth>> = (0..campaign.runs.len())
@@ -311,6 +299,11 @@ fn model_file(
         .filter(|e| e.kind == Kind::Mass)
         .map(|e| e.size)
         .sum();
+    let wrong_inertia: f64 = hidden
+        .iter()
+        .filter(|e| e.kind == Kind::YawInertia)
+        .map(|e| 1.0 + e.size)
+        .product();
     let mut off = |value: f64| {
         let error = (mistuning * source.normal()).clamp(-2.0 * mistuning, 2.0 * mistuning);
         value * (1.0 + error)
@@ -324,7 +317,7 @@ fn model_file(
          [friction.longitudinal]\nmu = {:.6}\n\n",
         sled.mass_kg - wrong_mass,
         sled.j_yy_kgm2,
-        sled.j_zz_kgm2,
+        sled.j_zz_kgm2 / wrong_inertia,
         sled.l_f_m,
         sled.l_r_m,
         sled.slip_x_m,

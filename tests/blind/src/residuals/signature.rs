@@ -132,6 +132,11 @@ impl Gauge {
                 stated.mass_kg -= effect.size;
                 self.channels(&self.recorded(&stated, &Noise::none(), &[], 0))
             }
+            Kind::YawInertia => {
+                let mut stated = self.sled.clone();
+                stated.j_zz_kgm2 /= 1.0 + effect.size;
+                self.channels(&self.recorded(&stated, &Noise::none(), &[], 0))
+            }
             Kind::AccelerometerBiasX
             | Kind::AccelerometerBiasY
             | Kind::AccelerometerTiltPitch
@@ -141,6 +146,9 @@ impl Gauge {
             | Kind::SlipScale
             | Kind::SlipLag
             | Kind::SteerOffset
+            | Kind::SteerLag
+            | Kind::SpeedScale
+            | Kind::YawRateBias
             | Kind::YawRateScale => self.channels(&self.recorded(
                 &self.sled,
                 &Noise::none(),
@@ -298,11 +306,7 @@ impl Gauge {
             .filter(|entry| {
                 !matches!(
                     entry.kind,
-                    Kind::YawRateScale
-                        | Kind::Asperities
-                        | Kind::GripPatch
-                        | Kind::WallContact
-                        | Kind::TrackProfile
+                    Kind::Asperities | Kind::GripPatch | Kind::WallContact | Kind::TrackProfile
                 )
             })
             .map(|entry| {

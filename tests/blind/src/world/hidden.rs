@@ -47,6 +47,10 @@ pub enum Kind {
     BeyondExtra,
     BeyondPitchGrip,
     YawRateScale,
+    YawRateBias,
+    SteerLag,
+    SpeedScale,
+    YawInertia,
 }
 
 /// Where an effect's first guess of size starts, and which rivals its signature is compared with.
@@ -119,7 +123,11 @@ entries! {
     BeyondRollRate "unknown:roll_rate_radps" "-" "s/rad" 0.001 0.02 false true;
     BeyondExtra "unknown:runner_c" "-" "1/K" 0.001 0.01 false true;
     BeyondPitchGrip "unknown:pitch_rate_radps" "-" "s/rad" -0.1 0.8 false false;
-    YawRateScale "yaw-rate-scale" "-" "" 0.05 0.3 true false;
+    YawRateScale "yaw-rate-scale" "factor" "" 0.05 0.3 true false;
+    YawRateBias "yaw-rate-bias" "offset_radps" "rad/s" 0.004 0.05 true false;
+    SteerLag "steer-lag" "time_s" "s" 0.02 0.12 false false;
+    SpeedScale "speed-scale" "factor" "" 0.02 0.15 true true;
+    YawInertia "yaw-inertia" "factor" "" 0.1 0.5 true false;
 }
 
 impl Kind {

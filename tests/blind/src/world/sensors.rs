@@ -117,6 +117,7 @@ pub fn measure(
         .map(|_| Ar1::new(noise.colour, noise.accel_mps2, source))
         .collect();
     let mut slip_filter = Lag::new(lag);
+    let mut steering_filter = Lag::new(size(Kind::SteerLag));
     truths
         .iter()
         .map(|truth| {
@@ -140,6 +141,7 @@ pub fn measure(
             let [vx, vy] = truth.velocity_mps;
             let alpha = -(vy + r * sled.slip_x_m).atan2(vx);
             let shown = slip_filter.next(alpha, SAMPLE_S);
+            let steered = steering_filter.next(truth.motion.delta_rad, SAMPLE_S);
             let mut white = |sd: f64| sd * source.normal();
             Sample {
                 t_s: truth.motion.t_s,
@@ -147,15 +149,15 @@ pub fn measure(
                 rates_radps: [
                     p + white(noise.rate_radps),
                     q + white(noise.rate_radps),
-                    r * (1.0 + size(Kind::YawRateScale)) + white(noise.rate_radps),
+                    r * (1.0 + size(Kind::YawRateScale))
+                        + size(Kind::YawRateBias)
+                        + white(noise.rate_radps),
                 ],
-                v_mps: truth.motion.v_mps + white(noise.speed_mps),
+                v_mps: truth.motion.v_mps * (1.0 + size(Kind::SpeedScale)) + white(noise.speed_mps),
                 alpha_rad: shown * (1.0 + size(Kind::SlipScale))
                     + size(Kind::SlipOffset)
                     + white(noise.slip_rad),
-                delta_rad: truth.motion.delta_rad
-                    + size(Kind::SteerOffset)
-                    + white(noise.steer_rad),
+                delta_rad: steered + size(Kind::SteerOffset) + white(noise.steer_rad),
                 gamma_rad: truth.motion.gamma_rad + white(noise.roll_split_rad),
                 extra: truth.motion.extra,
             }
