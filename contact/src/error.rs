@@ -1,6 +1,6 @@
 //! What can go wrong in a contact solve.
 
-use crate::Solution;
+use crate::{Method, Solution};
 
 /// Errors of the contact solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -15,6 +15,17 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
+    /// A checking method was asked for a runner that it does not take.
+    #[error(
+        "{method:?} does not take this elastic runner: expected a rigid one, or the active set for one on the ice's columns"
+    )]
+    MethodNotForRunner {
+        /// The method.
+        method: Method,
+    },
+    /// A runner that nothing but loads hold was given an approach, or tilts.
+    #[error("a runner without a mount needs a normal force and free tilt")]
+    LoadsNeedFreeTilt,
     /// The runner cannot rest on the track under this load.
     #[error(
         "the load's line of action at x = {x} m, y = {y} m misses the hull, which spans x {x_min} to {x_max} m and y {y_min} to {y_max} m"

@@ -58,7 +58,8 @@ impl Feasible {
 impl ContactMesh {
     /// The forces of a state put back to their bounds, with gaps corrected for that on the contact plane.
     ///
-    /// Without a state before, energies count from no forces on the bodies as they lie under outer loads.
+    /// Without a state before, energies count from no forces on the bodies as they lie under outer loads, and the work of a
+    /// load from first touch. Under a given approach no load works, and the energy is minus what the bodies have stored.
     pub fn feasible(&self, state: &State, scaled: &Mat<f64>, last: Option<&Feasible>) -> Feasible {
         let gaps = self.gaps(state);
         let mut gap: Vec<f64> = self.candidates.iter().map(|&c| gaps[c]).collect();
@@ -84,9 +85,14 @@ impl ContactMesh {
                     false => -state.motion[a],
                 });
                 let unpressed = self.unpressed_gap();
+                // A load is at no height of its own: its work counts from first touch.
+                let lowest = match self.motion.free[0] {
+                    true => unpressed.iter().copied().fold(f64::INFINITY, f64::min),
+                    false => 0.0,
+                };
                 let work = |i: usize| {
                     let row = self.rows[self.candidates[i]];
-                    0.5 * force[i] * (unpressed[i] + gap[i] + dot(row, moved))
+                    force[i] * (0.5 * (unpressed[i] + gap[i] + dot(row, moved)) - lowest)
                 };
                 (0..force.len()).map(work).sum()
             }

@@ -66,7 +66,8 @@ pub struct Iterate {
     pub sweeps: usize,
     /// Accelerations since the last update: on the contact plane, and the iterations on this set.
     pub accelerations: usize,
-    /// Energy of the contact forces accepted so far, minus the total potential energy at the solution [J].
+    /// Complementary energy of the contact forces accepted so far, which falls from update to update of a mesh: at the
+    /// solution minus the total potential energy, with the load's work from first touch in it [J].
     pub energy: f64,
 }
 

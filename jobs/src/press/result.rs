@@ -20,6 +20,9 @@ impl Pressed {
                     "iterations": state.iterations,
                     "residual": state.residual,
                     "p_max_pa": state.p_max,
+                    "sweeps": state.sweeps,
+                    "accelerations": state.accelerations,
+                    "energy_j": state.energy,
                 })
             })
             .collect();
