@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use kufe_case::StatedProblem;
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, solve};
+use kufe_jobs::{Failure, case_file::LoadedCase};
 use serde_json::json;
 
 use crate::bodies::calculix::{Deck, write_deck};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Arguments of `kufe export`.
 #[derive(clap::Args, Debug)]

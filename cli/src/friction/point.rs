@@ -7,13 +7,13 @@ use kufe_case::StatedProblem;
 use kufe_contact::{Options, solve};
 use kufe_friction::effects::Conditions;
 use kufe_friction::{Longitudinal, air_density, longitudinal_force};
+use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_sled::Model;
 use kufe_sled::effects::{Effects, Kind};
 use serde_json::json;
 
 use crate::output::global::Global;
 use crate::output::say::say;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Arguments of `kufe friction CASE`.
 #[derive(clap::Args, Debug)]

@@ -2,12 +2,14 @@
 //! exact surface responses by sparse Cholesky.
 
 use faer::Mat;
-use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, Section, assemble};
+use kufe_fem::{
+    BlockMatrix, Body, Constraints, ElementKind, Factor, LowerLayer, Material, Section, assemble,
+    to_components,
+};
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::motion::dot;
 use crate::active_set::plane_problem::PlaneState;
-use crate::bodies::order::to_components;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::reference::plain_runner::PlainRunner;
@@ -34,13 +36,11 @@ fn assembled(
     let sections = sections(grid, contact, material)?;
     let body = Body::new(mesh, sections).ok()?;
     let stiffness = assemble(&body);
-    // What the tensor operator masks is what is held.
-    let mut free = vec![1.0; 3 * nodes];
-    contact.bodies[0].operator.mask(&mut free);
+    let free = contact.bodies[0].free()?;
     let mut constraints = Constraints::new(nodes);
     for c in 0..3 {
         for node in 0..nodes {
-            if free[c * nodes + node] == 0.0 {
+            if !free[c * nodes + node] {
                 constraints
                     .prescribe(node, c, held[c * nodes + node])
                     .ok()?;
@@ -64,13 +64,19 @@ fn sections(grid: &TensorGrid, contact: &ContactMesh, material: Material) -> Opt
         kind: ElementKind::Hex8,
     };
     let mut sections = vec![of(material); nx * ny * nz];
-    if let Some(layer) = contact.bodies[0].operator.lower_layer() {
+    if let Some(layer) = layer_of(contact) {
         let (lambda, mu) = (layer.lambda, layer.mu);
         let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
         let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu)).ok()?;
         sections[..nx * ny * layer.cells].fill(of(bed));
     }
     Some(sections)
+}
+
+/// The bed under the ice.
+fn layer_of(contact: &ContactMesh) -> Option<LowerLayer> {
+    let operator = contact.bodies[0].stiffness.grid()?;
+    operator.lower_layer()
 }
 
 /// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.
@@ -126,11 +132,7 @@ pub(crate) fn active_set(
         runner = Some(part);
     }
     let force = contact.candidates.iter().map(|&c| state.force[c]).collect();
-    let start = PlaneState {
-        force,
-        motion: state.motion,
-        settled: false,
-    };
+    let start = PlaneState::new(force, state.motion);
     let found = contact.plane_contact(&response, &base, start);
     let mut loads = vec![0.0; 3 * nodes];
     state.force.fill(0.0);

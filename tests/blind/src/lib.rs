@@ -31,5 +31,5 @@ mod world;
 pub use cases::{answer, catalogue, experiments, label, pressure_case, run_case};
 pub use contact::{fourier, half_space};
 pub use residuals::{inverse, least_squares, signature};
-pub use score::{ci, table};
+pub use score::{ci, constants, table};
 pub use world::{campaign, drive, hidden, noise, sensors, sled, track};

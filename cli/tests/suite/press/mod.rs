@@ -5,5 +5,5 @@ mod export;
 mod gallery;
 mod hull_rocker;
 mod mesh;
-mod press;
+mod one_case;
 mod series;

@@ -1,6 +1,7 @@
 //! The finder on cases, and its reports held against the answers.
 
 pub mod ci;
+pub mod constants;
 mod judge;
 mod outcome;
 mod run;

@@ -28,6 +28,8 @@ pub struct Options {
     pub limit: Duration,
     /// Folder that keeps data and reports; a temporary one where absent.
     pub keep: Option<PathBuf>,
+    /// Rules of judgement for the finder; its own where absent.
+    pub rules: Option<PathBuf>,
 }
 
 /// Runs every case for every seed; `done` is called with each outcome as it comes.
@@ -106,14 +108,7 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
     };
     let start = Instant::now();
     let threads = if options.jobs > 1 { 1 } else { 2 };
-    match discover(
-        &options.kufe,
-        &data,
-        &case.answer,
-        &out,
-        options.limit,
-        threads,
-    ) {
+    match discover(options, &data, &case.answer, &out, threads) {
         Ok(report) => judge(&report, &case.answer, &mut outcome),
         Err(message) => outcome.failure = Some(message),
     }
@@ -131,18 +126,20 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
 
 /// Runs `kufe discover` inside the data folder and reads `report.json`.
 fn discover(
-    kufe: &Path,
+    options: &Options,
     data: &Path,
     answer: &Answer,
     out: &Path,
-    limit: Duration,
     threads: usize,
 ) -> Result<Value, String> {
+    let (kufe, limit) = (&options.kufe, options.limit);
     let log = data.with_extension("log");
     let file =
         std::fs::File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
+    let rules = options.rules.iter();
     let mut child = Command::new(kufe)
         .arg("discover")
+        .args(rules.flat_map(|path| [Path::new("--rules"), path.as_path()]))
         .arg(&answer.data)
         .arg("--model")
         .arg(&answer.model)
