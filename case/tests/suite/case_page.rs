@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use kufe_case::Case;
 
-const PAGE: &str = include_str!("../../docs/case.md");
+const PAGE: &str = include_str!("../../../docs/case.md");
 
 /// Tables of a case, each as a text in which the key `nowhere` is the first thing wrong.
 const TABLES: [(&str, &str); 12] = [
