@@ -6,4 +6,5 @@ pub mod elimination;
 pub mod fast_diagonal;
 pub mod layered_diagonal;
 pub mod mapped;
+mod semidefinite;
 pub mod single_precision;
