@@ -1,112 +1,28 @@
 //! The `kufe` command: `main` -> `run` -> one module a command.
 
-mod calculix;
-mod completions;
-mod discover;
-mod doctor;
-mod evaluate;
-mod examples;
-mod export;
-mod fit;
+mod about;
+mod bodies;
+mod cli;
 mod friction;
-mod hermite;
-mod hull;
-mod icehouse;
 mod info;
-mod init;
 mod lut;
-mod mesh;
-mod outline;
+mod map;
 mod output;
-mod patches;
-mod placed_hull;
 mod press;
-mod pressure_exr;
-mod pressure_map;
-mod pressure_png;
-mod read_map;
-mod reference;
 mod report;
-mod rim;
-mod schema;
-mod simulate;
-mod sled_runs;
-mod staging;
-mod validate;
+mod runs;
 mod view;
-mod volume_vtu;
-mod watched;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use kufe_jobs::{Failure, case_file, failure};
+use clap::{CommandFactory, FromArgMatches};
+use kufe_jobs::Failure;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe press                        solve a built-in bobsled runner into out/
-  kufe init case.toml               write a commented case to edit
-  kufe press case.toml -o out/      solve it
-  kufe report out/                  one page to look at: out/report.html
-  kufe view                         the same with sliders that solve again
-  kufe info out/pressure.exr        say what the map holds
-
-Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
-4 accuracy not reached, 5 partly done (run again to resume)";
-
-/// Contact pressure, lookup tables, friction and dynamics of runners on ice.
-#[derive(Parser)]
-#[command(name = "kufe", version, propagate_version = true, after_help = EXAMPLES)]
-struct Cli {
-    #[command(flatten)]
-    global: output::Global,
-    #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Subcommand)]
-enum Command {
-    /// Solve one contact problem and write its pressure map
-    Press(press::Args),
-    /// Write a parametric runner as a hull file
-    Hull(hull::Args),
-    /// Write the hexahedra of ice and runner, with their quality
-    Mesh(mesh::Args),
-    /// Write a contact problem for another solver
-    Export(export::Args),
-    /// Say what a file holds
-    Info(info::Args),
-    /// Make, draw, query and export lookup tables
-    Lut(lut::Args),
-    /// Write a commented case, table or model file to start from
-    Init(init::Args),
-    /// Friction of a case, or the fit of friction over pressure
-    Friction(friction::Args),
-    /// Coefficient of friction by specimen from gliding runs
-    Icehouse(icehouse::Args),
-    /// Fit friction to recorded runs
-    Fit(fit::Args),
-    /// Compare the friction model with runs it was not fitted to
-    Validate(validate::Args),
-    /// What drivers lose beyond a straight glide
-    Evaluate(evaluate::Args),
-    /// Drive a sled down a track; make the sample data
-    Simulate(simulate::Args),
-    /// Find the effect that a model lacks, name it and add it
-    Discover(discover::Args),
-    /// Print the keys of case, table or model files as a JSON schema
-    Schema(schema::Args),
-    /// Write one page to look at, from what another command has written
-    Report(report::Args),
-    /// Look at a contact in the browser and solve it again with sliders
-    View(view::Args),
-    /// Say what this machine offers
-    Doctor(doctor::Args),
-    /// Print a shell's completion script
-    Completions(completions::Args),
-    /// Write the manual pages
-    Man(completions::ManArgs),
-}
+use crate::about::{completions, doctor, examples, init, schema};
+use crate::bodies::{export, hull, mesh};
+use crate::cli::{Cli, Command};
+use crate::friction::icehouse;
+use crate::runs::{discover, evaluate, fit, simulate, validate};
 
 fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;

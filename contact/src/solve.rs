@@ -1,15 +1,15 @@
 //! From a problem to a pressure field of the accuracy asked.
 
-use crate::answer::solution;
-use crate::check::check;
-use crate::contact_set::Progress;
-use crate::discretise::{Reach, Resolution, discretise};
-use crate::extrapolation::{Extrapolation, Raw, Sequence, first_resolution};
-use crate::field::field;
-use crate::gap::Gap;
-use crate::member::Member;
-use crate::mesh_solve::{lumped_forces, solve_level};
-use crate::scout::scout;
+use crate::accuracy::extrapolation::{Extrapolation, Raw, Sequence, first_resolution};
+use crate::accuracy::mesh_solve::{lumped_forces, solve_mesh};
+use crate::accuracy::scout::scout;
+use crate::active_set::progress::Progress;
+use crate::bodies::elastic_body::ElasticBody;
+use crate::grid::discretise::{Reach, Resolution, discretise};
+use crate::problem::check::check;
+use crate::problem::gap::Gap;
+use crate::result::answer::solution;
+use crate::result::pressure::field;
 use crate::{Error, Iterate, Options, Problem, Solution};
 
 /// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
@@ -61,13 +61,13 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             growth: growth(cells),
         };
         let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
-        let dofs = mesh.level.members().map(Member::free_dofs).sum();
-        let (state, progress) = solve_level(problem, material, &mesh, &patch, &forces, options)?;
+        let dofs = mesh.contact.members().map(ElasticBody::free_dofs).sum();
+        let (state, progress) = solve_mesh(problem, material, &mesh, &patch, &forces, options)?;
         let pressure = field(&mesh, problem, &patch).of(&state);
         let raw = Raw {
             cells: resolution.real_cells(mesh.symmetry),
             p_max: pressure.figures.p_max,
-            approach: mesh.level.depth(&state),
+            approach: mesh.contact.depth(&state),
         };
         report(level, dofs, &progress, raw.p_max, &mut history, options);
         if options.cells.is_some() {

@@ -10,10 +10,11 @@ use kufe_friction::{
 };
 use serde_json::{Value, json};
 
-use super::failure;
-use crate::failure::Failure;
-use crate::output::{Global, say};
-use crate::staging::Staging;
+use crate::friction::failure::failure;
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use kufe_jobs::Failure;
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]

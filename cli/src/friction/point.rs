@@ -11,9 +11,9 @@ use kufe_sled::Model;
 use kufe_sled::effects::{Channel, Effects, Kind};
 use serde_json::json;
 
-use crate::case_file::LoadedCase;
-use crate::failure::Failure;
-use crate::output::{Global, say};
+use crate::output::global::Global;
+use crate::output::say::say;
+use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Arguments of `kufe friction CASE`.
 #[derive(clap::Args, Debug)]

@@ -6,7 +6,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use serde_json::{Map, Value, json};
 
-use crate::failure::Failure;
+use kufe_jobs::Failure;
 
 /// Size, channels and own attributes of an EXR file; pixels are not read.
 pub fn describe(path: &Path) -> Result<Value, Failure> {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use kufe_lut::{Error, Table};
 
-use crate::failure::Failure;
-use crate::output::{Global, write_whole};
+use crate::output::global::Global;
+use kufe_jobs::{Failure, table::read_table, write_whole};
 
 /// Which forms to write beside a table.
 #[derive(clap::Args, Debug, Default)]
@@ -46,7 +46,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "nothing to export: give --csv, --mat, --header or --fmu".into(),
         ));
     }
-    let table = super::read_table(&args.table)?;
+    let table = read_table(&args.table)?;
     let written = args.forms.write(&table, &args.table)?;
     if global.json {
         let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();

@@ -3,15 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use kufe_jobs::Watch;
-use kufe_jobs::table::{Solver, Wanted};
+use kufe_jobs::{
+    Failure, Watch,
+    table::{Solver, Wanted},
+    write_whole,
+};
 use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script, slurm_script};
 
-use super::export::{Forms, write_table};
-use super::fill::{Spent, finish};
-use crate::failure::Failure;
-use crate::output::{Global, write_whole};
-use crate::watched::{warn, watched};
+use crate::lut::export::{Forms, write_table};
+use crate::lut::finish::{Spent, finish};
+use crate::output::global::Global;
+use crate::output::watched::{warn, watched};
 
 /// Arguments of `kufe lut plan`.
 #[derive(clap::Args, Debug)]

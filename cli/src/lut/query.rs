@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use kufe_lut::{Looked, Lookup, Mode, Quantity, Table, curvature_from_pitch};
 use serde_json::{Map, Value, json};
 
-use crate::failure::Failure;
-use crate::output::Global;
+use crate::output::global::Global;
+use kufe_jobs::{Failure, table::read_table};
 
 /// Arguments of `kufe lut query`.
 #[derive(clap::Args, Debug)]
@@ -77,7 +77,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let told =
         |error: kufe_lut::Error| Failure::BadInput(format!("{}: {error}", args.table.display()));
-    let table = super::read_table(&args.table)?;
+    let table = read_table(&args.table)?;
     let mode = match args.mode {
         ModeWord::Smooth => Mode::Smooth,
         ModeWord::Bilinear => Mode::Bilinear,

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use kufe_lut::Quantity;
 
-use crate::failure::Failure;
-use crate::output::Global;
+use crate::output::global::Global;
+use kufe_jobs::{Failure, table::read_table};
 
 /// Arguments of `kufe lut show`.
 #[derive(clap::Args, Debug)]
@@ -36,7 +36,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             names.join(", ")
         ))
     })?;
-    let table = super::read_table(&args.table)?;
+    let table = read_table(&args.table)?;
     let out = args
         .out
         .clone()

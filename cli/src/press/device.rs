@@ -2,8 +2,8 @@
 
 use kufe_contact::Options;
 
-use crate::failure::Failure;
-use crate::output::Global;
+use crate::output::global::Global;
+use kufe_jobs::Failure;
 
 /// The solver's options, with the best graphics processor where it is asked for.
 #[cfg(feature = "gpu")]

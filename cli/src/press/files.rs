@@ -3,16 +3,16 @@
 use std::io::Write;
 
 use kufe_contact::CentreLine;
-use kufe_jobs::Pressed;
+use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
 use serde_json::Value;
 
-use super::{subsurface, summary};
-use crate::failure::Failure;
-use crate::placed_hull::placed_hull;
-use crate::pressure_map::PressureMap;
-use crate::staging::Staging;
-use crate::{patches, pressure_exr, pressure_png, volume_vtu};
+use crate::bodies::placed_hull::placed_hull;
+use crate::bodies::volume_vtu;
+use crate::map::pressure_map::PressureMap;
+use crate::map::{draw, patches, write_exr};
+use crate::output::staging::Staging;
+use crate::press::{subsurface, summary};
 
 /// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; with a centre line
 /// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
@@ -30,11 +30,11 @@ pub fn write(
     staging.write("result.json", |mut file| writeln!(file, "{document:#}"))?;
     staging.write("pressure.exr", |file| {
         let curvature = pressed.problem.track_curvature;
-        pressure_exr::write(file, &map, solution.fz, curvature)
+        write_exr::write(file, &map, solution.fz, curvature)
     })?;
     let title = summary::title(solution);
     let maps = patches::maps(solution);
-    pressure_png::write(&staging.path("pressure.png"), &maps, &title)
+    draw::write(&staging.path("pressure.png"), &maps, &title)
         .map_err(|error| staging.failure("pressure.png", &error))?;
     let shear = line.is_some();
     staging.write("field.vtu", |file| {

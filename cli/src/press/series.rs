@@ -1,113 +1,24 @@
-//! Several solves in one command: lists of loads, radii and tilts.
+//! Several solves in one command, each in a folder of its own.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use kufe_case::TiltWord;
 use kufe_contact::Options;
-use kufe_jobs::case_file::LoadedCase;
-use kufe_jobs::{Pressed, Watch, case_json, press_with};
+use kufe_jobs::{
+    Failure, Pressed, Watch, case_file::LoadedCase, case_json, press_with, write_whole,
+};
 use kufe_mesh::write_pvd;
 use serde_json::Value;
 
-use super::series_table::{Row, write_table};
-use super::{Args, solved_document, summary};
-use crate::failure::Failure;
-use crate::output::{Global, say, write_whole};
-use crate::staging::Staging;
-use crate::watched::watched;
-
-/// The lists of a series; every combination is solved, the load running fastest.
-#[derive(clap::Args, Clone, Debug, Default)]
-pub struct Lists {
-    /// Normal forces [N], as 500,1000,2000: a series in folders of its own, with series.pvd and table.csv
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    fz_n: Vec<f64>,
-    /// Track radii in the vertical plane [m], inf for a straight
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    radius_m: Vec<f64>,
-    /// Rocker radii of a shape [m]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    rocker_radius_m: Vec<f64>,
-    /// Fixed pitch angles [rad], positive lowers the nose
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    pitch_rad: Vec<f64>,
-    /// Fixed roll angles [rad]
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    roll_rad: Vec<f64>,
-    /// Solve steps again that the output folder already holds
-    #[arg(long)]
-    fresh: bool,
-}
-
-impl Lists {
-    /// Whether there is any list.
-    pub fn is_series(&self) -> bool {
-        self.named().iter().any(|(_, values)| !values.is_empty())
-    }
-
-    /// The lists, the one that runs slowest first.
-    fn named(&self) -> [(&'static str, &[f64]); 5] {
-        [
-            ("rocker_radius_m", &self.rocker_radius_m),
-            ("radius_m", &self.radius_m),
-            ("pitch_rad", &self.pitch_rad),
-            ("roll_rad", &self.roll_rad),
-            ("fz_n", &self.fz_n),
-        ]
-    }
-
-    /// Every combination, as pairs of key and value.
-    fn steps(&self) -> Vec<Vec<(&'static str, f64)>> {
-        let mut steps: Vec<Vec<(&'static str, f64)>> = vec![Vec::new()];
-        for (key, values) in self.named().into_iter().filter(|(_, v)| !v.is_empty()) {
-            steps = steps
-                .iter()
-                .flat_map(|step| {
-                    values.iter().map(move |&value| {
-                        let mut longer = step.clone();
-                        longer.push((key, value));
-                        longer
-                    })
-                })
-                .collect();
-        }
-        steps
-    }
-
-    /// Times for ParaView: the values themselves where one list rises, else 1, 2, 3 ...
-    fn times(&self, count: usize) -> Vec<f64> {
-        let lists: Vec<&[f64]> = self
-            .named()
-            .into_iter()
-            .map(|(_, values)| values)
-            .filter(|values| values.len() > 1)
-            .collect();
-        match lists[..] {
-            [only]
-                if only.windows(2).all(|w| w[0] < w[1]) && only.iter().all(|v| v.is_finite()) =>
-            {
-                only.to_vec()
-            }
-            _ => (1..=count).map(|k| k as f64).collect(),
-        }
-    }
-}
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use crate::output::watched::watched;
+use crate::press::args::Args;
+use crate::press::lists::Lists;
+use crate::press::series_table::{self, Row, write_table};
+use crate::press::{files, solved, summary};
 
 /// One step of a series.
 struct Step {
@@ -139,9 +50,9 @@ pub fn run(
     });
     write_overview(&args.out, &rows, &args.lists, steps.len())?;
     let (kept, short) = solved?;
-    let document = super::series_table::document(&rows);
+    let table = series_table::document(&rows);
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&format!("{table:#}\n"));
     } else if !global.quiet {
         say(&summary::series(&rows, kept, &args.out));
     }
@@ -292,8 +203,8 @@ fn finished(folder: &Path, step: &Step, args: &Args) -> Option<Value> {
 /// Writes one step's files, all or none.
 fn write_step(folder: &Path, pressed: &Pressed, args: &Args) -> Result<Value, Failure> {
     let staging = Staging::begin(folder)?;
-    let (document, line) = solved_document(pressed, args.subsurface)?;
-    super::files::write(&staging, pressed, &document, line.as_ref())?;
+    let (document, line) = solved::document(pressed, args.subsurface)?;
+    files::write(&staging, pressed, &document, line.as_ref())?;
     staging.commit()?;
     Ok(document)
 }

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use crate::failure::Failure;
-use crate::output::write_whole;
+use kufe_jobs::{Failure, write_whole};
 
 /// One step of a series: what was varied and what came out.
 pub struct Row {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::series_table::Row;
+use crate::press::series_table::Row;
 use kufe_contact::{Iterate, Solution};
 use kufe_jobs::Pressed;
 

@@ -6,11 +6,11 @@ use kufe_mesh::{Hull, HullOptions, load_hull};
 use kufe_report::{Grid, Kind, pack, page as html};
 use serde_json::{Value, json};
 
-use super::read_json;
-use crate::failure::Failure;
-use crate::patches;
-use crate::pressure_map::PressureMap;
-use crate::read_map::read_map;
+use crate::map::patches;
+use crate::map::pressure_map::PressureMap;
+use crate::map::read_exr::read_map;
+use crate::report::read_json::read_json;
+use kufe_jobs::Failure;
 
 /// `result.json` is a page of figures; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 22;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use kufe_report::{Kind, page as html};
 
-use super::read_json;
-use crate::failure::Failure;
+use crate::report::read_json::read_json;
+use kufe_jobs::Failure;
 
 /// An evaluation holds a few hundred bytes a run; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 24;

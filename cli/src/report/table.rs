@@ -6,8 +6,7 @@ use kufe_lut::{Axes, Flush, Mode, Quantity, Table};
 use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
-use crate::failure::Failure;
-use crate::lut::read_table;
+use kufe_jobs::{Failure, table::read_table};
 
 /// Most breakpoints of an axis that the page carries; a longer axis is thinned.
 const MOST: [usize; 3] = [60, 60, 8];

@@ -182,7 +182,7 @@ impl Form {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case_file::LoadedCase;
+    use kufe_jobs::case_file::LoadedCase;
 
     #[test]
     fn the_form_of_a_case_gives_the_case_back() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,6 +1,6 @@
 //! Who may ask: pages that this server gave out, under its own name.
 
-use super::http::{Refusal, Request};
+use crate::view::http::{Refusal, Request};
 
 /// Refuses what a page of another site, or another name for this machine, could send.
 ///

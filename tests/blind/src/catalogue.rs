@@ -2,6 +2,7 @@
 
 use crate::answer::{Case, CaseError};
 use crate::hidden::{ENTRIES, Kind};
+use crate::worlds::{self, EFFECTS, WORLDS};
 use crate::{experiments, pressure_case, run_case};
 
 /// Shares of the residual's noise variance for effects in runs.
@@ -27,6 +28,8 @@ pub struct Spec {
 pub enum Recipe {
     /// A campaign of runs.
     Runs(run_case::Recipe),
+    /// A campaign of another world, with what it hides.
+    World(worlds::World, Option<worlds::Effect>),
     /// A table of friction experiments.
     Experiments(experiments::Recipe),
     /// Pressure measurements.
@@ -54,6 +57,9 @@ impl Spec {
     pub fn build(&self, seed: u64) -> Result<Case, CaseError> {
         match self.recipe {
             Recipe::Runs(recipe) => Ok(run_case::build(self, recipe, seed)),
+            Recipe::World(world, effect) => {
+                Ok(worlds::build(world, effect, self.family, &self.name, seed))
+            }
             Recipe::Experiments(recipe) => Ok(experiments::build(self, recipe, seed)),
             Recipe::Pressures(recipe) => pressure_case::build(self, recipe, seed),
         }
@@ -186,6 +192,18 @@ pub fn all() -> Vec<Spec> {
         Some(0.02),
         Recipe::Runs(R::NewTrack(Kind::CamberThrust)),
     );
+    for world in WORLDS {
+        let [null, effects] = world.families();
+        add(null, "none", None, Recipe::World(world, None));
+        for effect in EFFECTS {
+            add(
+                effects,
+                effect.name,
+                None,
+                Recipe::World(world, Some(*effect)),
+            );
+        }
+    }
     for cause in experiments::CAUSES {
         for share in EXPERIMENT_SHARES {
             add(

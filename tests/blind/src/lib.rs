@@ -10,6 +10,7 @@
 //! | [`run_case`], [`experiments`], [`pressure_case`] | builders of the three kinds of data |
 //! | [`track`], [`sled`], [`drive`], [`sensors`], [`campaign`] | the sled on its track and its measurement chain |
 //! | [`inverse`], [`signature`] | residuals by an independent inversion; size and likeness of effects in them |
+//! | [`worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
 //! | [`half_space`], [`fourier`] | contact pressures by boundary elements |
 //! | [`answer`] | what a case hides, as a file |
 //! | [`score`], [`table`], [`ci`] | runs the finder on cases and compares its reports with the answers |
@@ -39,3 +40,4 @@ pub mod signature;
 pub mod sled;
 pub mod table;
 pub mod track;
+pub mod worlds;

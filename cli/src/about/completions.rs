@@ -1,0 +1,75 @@
+//! `kufe completions` and `kufe man`: what a shell and `man` want to know of this command.
+
+use std::path::PathBuf;
+
+use clap::Command;
+use clap_complete::Shell;
+
+use crate::about::reference;
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use kufe_jobs::{Failure, write_whole};
+
+/// Arguments of `kufe completions`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The shell
+    pub shell: Shell,
+}
+
+/// Prints the completion script of one shell on standard output.
+///
+/// # Errors
+/// None.
+pub fn run(args: &Args, mut command: Command) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut command, "kufe", &mut script);
+    say(&String::from_utf8_lossy(&script));
+    Ok(())
+}
+
+/// Arguments of `kufe man`.
+#[derive(clap::Args, Debug)]
+pub struct ManArgs {
+    /// Folder for the manual pages
+    #[arg(long, short, value_name = "FOLDER", default_value = "man")]
+    pub out: PathBuf,
+    /// Write the whole reference as one page of Markdown instead
+    #[arg(long, value_name = "FILE", conflicts_with = "out")]
+    pub markdown: Option<PathBuf>,
+}
+
+/// Writes kufe.1 and one page for each command.
+///
+/// # Errors
+/// [`Failure::BadInput`] where the folder cannot be written.
+pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
+    if let Some(path) = &args.markdown {
+        let page = reference::page(&command);
+        return write_whole(path, |writer| writer.write_all(page.as_bytes()));
+    }
+    command.build();
+    let staging = Staging::begin(&args.out)?;
+    let mut pages = vec![("kufe.1".to_string(), command.clone())];
+    pages.extend(
+        command
+            .get_subcommands()
+            .filter(|sub| sub.get_name() != "help")
+            .map(|sub| (format!("kufe-{}.1", sub.get_name()), sub.clone())),
+    );
+    let count = pages.len();
+    for (name, page) in pages {
+        staging.write(&name, |mut file| {
+            clap_mangen::Man::new(page).render(&mut file)
+        })?;
+    }
+    staging.commit()?;
+    if !global.quiet {
+        say(&format!(
+            "{count} pages written to {}\n",
+            args.out.display()
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! `kufe schema`: the files' keys as JSON schemas, for editors.
+
+use std::path::PathBuf;
+
+use kufe_case::Case;
+use kufe_sled::Model;
+use schemars::generate::SchemaSettings;
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use kufe_jobs::{Failure, write_whole};
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe schema case                          print it
+  kufe schema model -o model.schema.json    write it
+
+An editor that knows JSON schemas for TOML (Even Better TOML, taplo) completes and checks a file whose first line is
+  #:schema ./case.schema.json";
+
+/// Arguments of `kufe schema`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Which file's
+    pub kind: Kind,
+    /// Write it here instead of printing it
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// The files that a user writes.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// case.toml: one contact problem
+    Case,
+    /// table.toml: one lookup table
+    Table,
+    /// model.toml: the sled and its friction
+    Model,
+}
+
+impl Kind {
+    /// The word on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Case => "case",
+            Kind::Table => "table",
+            Kind::Model => "model",
+        }
+    }
+
+    /// The schema, JSON Schema draft 7: what editors for TOML read.
+    pub fn schema(self) -> String {
+        let mut generator = SchemaSettings::draft07().into_generator();
+        let schema = match self {
+            Kind::Case => generator.root_schema_for::<Case>(),
+            Kind::Table => kufe_jobs::table::schema(&mut generator),
+            Kind::Model => generator.root_schema_for::<Model>(),
+        };
+        format!("{:#}\n", schema.to_value())
+    }
+}
+
+/// Prints or writes a schema.
+///
+/// # Errors
+/// [`Failure::BadInput`] where the file cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let text = args.kind.schema();
+    let Some(path) = &args.out else {
+        say(&text);
+        return Ok(());
+    };
+    write_whole(path, |writer| writer.write_all(text.as_bytes()))?;
+    if !global.quiet {
+        say(&format!("{} written\n", path.display()));
+    }
+    Ok(())
+}

@@ -1,0 +1,136 @@
+//! `kufe export`: a contact problem for another solver.
+
+use std::path::PathBuf;
+
+use kufe_case::StatedProblem;
+use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, solve};
+use serde_json::json;
+
+use crate::bodies::calculix::{Deck, write_deck};
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use kufe_jobs::{Failure, case_file::LoadedCase};
+
+/// Arguments of `kufe export`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The case, for CalculiX: an elastic runner held by its top or at places, level, on ice on a rigid bed
+    #[arg(long, value_name = "CASE")]
+    pub calculix: PathBuf,
+    /// The input deck
+    #[arg(long, short, value_name = "FILE", default_value = "deck.inp")]
+    pub out: PathBuf,
+    /// Cells over half the patch, instead of the accuracy that the case asks
+    #[arg(long, value_name = "N")]
+    pub cells: Option<usize>,
+}
+
+/// Solves the case, whose mesh and approach the deck takes, and writes the deck.
+///
+/// # Errors
+/// Those of `kufe press`, and [`Failure::BadInput`] for a problem that the deck cannot state.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    if args.cells.is_some_and(|cells| !(2..=64).contains(&cells)) {
+        let found = args.cells.unwrap_or_default();
+        return Err(Failure::Usage(format!("--cells {found}: expected 2 to 64")));
+    }
+    let loaded = LoadedCase::read(&args.calculix)?;
+    let StatedProblem { problem, .. } = loaded.stated()?;
+    let refuse = |reason: &str| Failure::BadInput(format!("{}: {reason}", loaded.name));
+    let mount = statable(&problem).map_err(&refuse)?;
+    let bar = global.progress();
+    bar.set_message("solving, for the mesh and the approach");
+    let options = Options {
+        p_max_tolerance: loaded.case.accuracy.p_max,
+        cells: args.cells,
+        ..Options::default()
+    };
+    let solved = solve(&problem, &options);
+    bar.finish_and_clear();
+    let solution = solved.map_err(|error| loaded.failure(&error))?;
+    let (Some(runner), Some(elastic)) = (&solution.runner_volume, &problem.runner.elastic) else {
+        return Err(refuse("expected elastic = true"));
+    };
+    let deck = Deck {
+        title: format!("{}, by kufe {}", loaded.name, env!("CARGO_PKG_VERSION")),
+        grid: &solution.volume.grid,
+        ice: [problem.ice.youngs_modulus, problem.ice.poissons_ratio],
+        runner: &runner.mesh,
+        steel: [elastic.youngs_modulus, elastic.poissons_ratio],
+        mount,
+        symmetry: solution.symmetry,
+        approach: solution.approach,
+        half_width: 0.5 * solution.width,
+        surface: &solution.surface,
+    };
+    let folder = args.out.parent().filter(|p| !p.as_os_str().is_empty());
+    let name = args
+        .out
+        .file_name()
+        .ok_or_else(|| Failure::Usage(format!("-o {}: expected a file", args.out.display())))?;
+    let staging = Staging::begin(folder.unwrap_or(std::path::Path::new(".")))?;
+    staging.remove_on_interrupt();
+    staging.write(&name.to_string_lossy(), |file| write_deck(&deck, file))?;
+    staging.commit()?;
+    let facts = json!({
+        "deck": args.out.display().to_string(),
+        "p_max_pa": solution.p_max,
+        "p_max_error_pa": solution.p_max_error.is_finite().then_some(solution.p_max_error),
+        "fz_n": solution.fz,
+        "approach_m": solution.approach,
+        "symmetry": solution.symmetry,
+        "dofs": solution.dofs,
+        "iterations": solution.iterations,
+    });
+    if global.json {
+        say(&format!("{facts:#}\n"));
+    } else if !global.quiet {
+        say(&format!(
+            "{}: {} unknowns; pressed in by {:.4} um they bear {:.3} N at a peak of {:.4} MPa here\n",
+            args.out.display(),
+            solution.dofs,
+            1e6 * solution.approach,
+            solution.fz,
+            1e-6 * solution.p_max
+        ));
+    }
+    Ok(())
+}
+
+/// The mount of a problem that a deck can state, or why it cannot.
+fn statable(problem: &Problem) -> Result<&Mount, &'static str> {
+    let Some(elastic) = &problem.runner.elastic else {
+        return Err("runner.elastic: expected true: the deck has two bodies");
+    };
+    if elastic.solid.is_some() {
+        return Err(
+            "runner.mesh: expected a shape: the deck takes the hexahedra on the ice's columns",
+        );
+    }
+    if problem
+        .runner
+        .underside
+        .extent()
+        .iter()
+        .any(|end| end.is_infinite())
+    {
+        return Err("runner.shape: expected a runner with ends");
+    }
+    if matches!(elastic.mount, Mount::Loads(_)) {
+        return Err("runner.mount: expected held places, or the whole top");
+    }
+    if !matches!(problem.ice.foundation, Foundation::RigidBed { .. }) {
+        return Err("ice.thickness_m: expected a layer on a rigid bed");
+    }
+    if problem.ice.hardness.is_some() {
+        return Err("ice.hardness_pa: expected elastic ice");
+    }
+    if problem.track_curvature != 0.0 {
+        return Err("track: expected a flat one");
+    }
+    match problem.load {
+        Load::Force { tilt, .. } if tilt == Tilt::LEVEL => Ok(&elastic.mount),
+        _ => Err("load.tilt: expected \"fixed\" with no pitch and no roll"),
+    }
+}

@@ -1,0 +1,8 @@
+//! Runner and ice as bodies in files: hulls, hexahedra, and problems for other solvers.
+
+mod calculix;
+pub mod export;
+pub mod hull;
+pub mod mesh;
+pub mod placed_hull;
+pub mod volume_vtu;

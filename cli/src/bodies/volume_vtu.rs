@@ -1,0 +1,104 @@
+//! `field.vtu` and `runner.vtu`: displacement and stress in ice and runner on their hexahedra.
+
+use std::io::Write;
+
+use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
+use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
+use kufe_mesh::{HexMesh, VtuField, write_vtu};
+
+use kufe_jobs::Failure;
+
+/// The ice. Where the solver used mirror planes the file holds the part that it solved.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the writer's words.
+pub fn write_ice(writer: impl Write, volume: &VolumeField, shear: bool) -> Result<(), Failure> {
+    let mesh = volume.grid.hex_mesh();
+    let mut sections = sections(
+        [volume.youngs_modulus, volume.poissons_ratio],
+        ElementKind::Hex8,
+        mesh.cells.len(),
+    )?;
+    if let Some((bed, layers)) = volume.bed {
+        let [nx, ny, _] = volume.grid.shape();
+        let cells = layers * (nx - 1) * (ny - 1);
+        let own = self::sections(
+            [bed.youngs_modulus, bed.poissons_ratio],
+            ElementKind::Hex8,
+            cells,
+        )?;
+        sections[..cells].copy_from_slice(&own);
+    }
+    write(writer, mesh, &volume.displacement, sections, shear)
+}
+
+/// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved.
+///
+/// # Errors
+/// As [`write_ice`].
+pub fn write_runner(
+    writer: impl Write,
+    field: &RunnerField,
+    elastic: &ElasticRunner,
+    shear: bool,
+) -> Result<(), Failure> {
+    let sections = sections(
+        [elastic.youngs_modulus, elastic.poissons_ratio],
+        elastic.element_kind(),
+        field.mesh.cells.len(),
+    )?;
+    write(
+        writer,
+        field.mesh.clone(),
+        &field.displacement,
+        sections,
+        shear,
+    )
+}
+
+fn sections(
+    [youngs_modulus, poissons_ratio]: [f64; 2],
+    kind: ElementKind,
+    cells: usize,
+) -> Result<Vec<Section>, Failure> {
+    let material = Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)?;
+    Ok(vec![Section { material, kind }; cells])
+}
+
+/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa] at the nodes.
+///
+/// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
+fn write(
+    writer: impl Write,
+    mesh: HexMesh,
+    displacement: &[[f64; 3]],
+    sections: Vec<Section>,
+    shear: bool,
+) -> Result<(), Failure> {
+    let body = Body::new(mesh, sections).map_err(Failure::bad_input)?;
+    let displacement: Vec<f64> = displacement.iter().flatten().copied().collect();
+    let stresses = nodal_stresses(&body, &displacement);
+    let mises: Vec<f64> = stresses.iter().map(|&stress| von_mises(stress)).collect();
+    let tensors: Vec<f64> = stresses
+        .iter()
+        .flat_map(|&[xx, yy, zz, yz, zx, xy]| [xx, xy, zx, xy, yy, yz, zx, yz, zz])
+        .collect();
+    let field = |name, components, values| VtuField {
+        name,
+        components,
+        values,
+    };
+    let largest: Vec<f64> = stresses
+        .iter()
+        .map(|&stress| maximum_shear(stress))
+        .collect();
+    let mut fields = vec![
+        field("displacement_m", 3, &displacement),
+        field("stress_pa", 9, &tensors),
+        field("von_mises_pa", 1, &mises),
+    ];
+    if shear {
+        fields.push(field("max_shear_pa", 1, &largest));
+    }
+    write_vtu(body.mesh(), &fields, &[], writer).map_err(Failure::bad_input)
+}

@@ -1,0 +1,74 @@
+//! The command line: global options and the commands.
+
+use clap::{Parser, Subcommand};
+
+use crate::output::global::Global;
+use crate::{about, bodies, friction, info, lut, press, report, runs, view};
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe press                        solve a built-in bobsled runner into out/
+  kufe init case.toml               write a commented case to edit
+  kufe press case.toml -o out/      solve it
+  kufe report out/                  one page to look at: out/report.html
+  kufe view                         the same with sliders that solve again
+  kufe info out/pressure.exr        say what the map holds
+
+Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
+4 accuracy not reached, 5 partly done (run again to resume)";
+
+/// Contact pressure, lookup tables, friction and dynamics of runners on ice.
+#[derive(Parser)]
+#[command(name = "kufe", version, propagate_version = true, after_help = EXAMPLES)]
+pub struct Cli {
+    #[command(flatten)]
+    /// Options that every command takes.
+    pub global: Global,
+    #[command(subcommand)]
+    /// What is asked for.
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Solve one contact problem and write its pressure map
+    Press(press::Args),
+    /// Write a parametric runner as a hull file
+    Hull(bodies::hull::Args),
+    /// Write the hexahedra of ice and runner, with their quality
+    Mesh(bodies::mesh::Args),
+    /// Write a contact problem for another solver
+    Export(bodies::export::Args),
+    /// Say what a file holds
+    Info(info::Args),
+    /// Make, draw, query and export lookup tables
+    Lut(lut::Args),
+    /// Write a commented case, table or model file to start from
+    Init(about::init::Args),
+    /// Friction of a case, or the fit of friction over pressure
+    Friction(friction::Args),
+    /// Coefficient of friction by specimen from gliding runs
+    Icehouse(friction::icehouse::Args),
+    /// Fit friction to recorded runs
+    Fit(runs::fit::Args),
+    /// Compare the friction model with runs it was not fitted to
+    Validate(runs::validate::Args),
+    /// What drivers lose beyond a straight glide
+    Evaluate(runs::evaluate::Args),
+    /// Drive a sled down a track; make the sample data
+    Simulate(runs::simulate::Args),
+    /// Find the effect that a model lacks, name it and add it
+    Discover(runs::discover::Args),
+    /// Print the keys of case, table or model files as a JSON schema
+    Schema(about::schema::Args),
+    /// Write one page to look at, from what another command has written
+    Report(report::Args),
+    /// Look at a contact in the browser and solve it again with sliders
+    View(view::Args),
+    /// Say what this machine offers
+    Doctor(about::doctor::Args),
+    /// Print a shell's completion script
+    Completions(about::completions::Args),
+    /// Write the manual pages
+    Man(about::completions::ManArgs),
+}

@@ -1,0 +1,38 @@
+//! `kufe friction`: from a hull to its friction, and the fit of friction over pressure.
+
+use crate::friction::{fit, point};
+use crate::output::global::Global;
+use kufe_jobs::Failure;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe friction case.toml --speed 30 --alpha 0.01     solve the contact; mu, F_x and the power lost
+  kufe friction case.toml --speed 30 --model model.toml   with the model's law and effects
+  kufe friction fit experiments.csv -o out/           fit mu over pressure, written in model.toml's form";
+
+/// Arguments of `kufe friction`.
+#[derive(clap::Args, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    task: Option<Task>,
+    #[command(flatten)]
+    point: point::Args,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Task {
+    /// Fit a quadratic mu(p) to experiments, with errors in both
+    Fit(fit::Args),
+}
+
+/// Runs whichever is asked.
+///
+/// # Errors
+/// [`Failure::BadInput`], [`Failure::NotConverged`], [`Failure::Usage`].
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    match &args.task {
+        Some(Task::Fit(args)) => fit::run(args, global),
+        None => point::run(&args.point, global),
+    }
+}

@@ -1,0 +1,189 @@
+//! `kufe icehouse`: the coefficient of friction by specimen from gliding runs.
+
+use std::fs::File;
+use std::io::{BufReader, Write};
+use std::path::{Path, PathBuf};
+
+use kufe_friction::{
+    GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, draw_glide, evaluate_glide, evaluate_ice_house,
+    read_glide, read_glide_index, write_experiments,
+};
+use serde_json::{Value, json};
+
+use crate::friction::failure::failure;
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use kufe_jobs::Failure;
+
+const EXAMPLES: &str = "\
+glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;
+with p_max_pa and p_max_sd_pa as well, experiments.csv is ready for kufe friction fit.
+A run's file has t_s, v_mps and optionally s_m.";
+
+/// Arguments of `kufe icehouse`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Index of the runs
+    pub glides: PathBuf,
+    /// Folder for icehouse.json, experiments.csv and a picture of each run
+    #[arg(long, short, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// Evaluates and writes.
+///
+/// # Errors
+/// [`Failure::BadInput`] naming file, row, column, value and what was expected.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let index = args.glides.display().to_string();
+    let entries = read_glide_index(&index, open(&args.glides)?).map_err(|error| failure(&error))?;
+    let folder = args.glides.parent().unwrap_or(Path::new(""));
+    let runs = entries
+        .iter()
+        .map(|entry| read_run(&index, folder, entry))
+        .collect::<Result<Vec<GlideRun>, Failure>>()?;
+    let house =
+        evaluate_ice_house(runs).map_err(|error| Failure::BadInput(format!("{index}: {error}")))?;
+    let document = document(&house);
+    let staging = Staging::begin(&args.out)?;
+    staging.remove_on_interrupt();
+    staging.write("icehouse.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.write("experiments.csv", |file| {
+        write_experiments(&house.experiments(), file)
+    })?;
+    for (i, run) in house.runs.iter().enumerate() {
+        let name = picture(i, &run.entry.run);
+        kufe_plot::png(&staging.path(&name), 900, 580, &|root| {
+            draw_glide(&root, &house, run)
+        })
+        .map_err(|error| staging.failure(&name, &error))?;
+    }
+    staging.commit()?;
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        say(&summary(&house, &args.out));
+    }
+    Ok(())
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, Failure> {
+    let told = |error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display()));
+    Ok(BufReader::new(File::open(path).map_err(told)?))
+}
+
+fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, Failure> {
+    let path = folder.join(&entry.file);
+    let in_index = |told: Failure| match told {
+        Failure::BadInput(text) => Failure::BadInput(format!("{index}, run {}: {text}", entry.run)),
+        other => other,
+    };
+    let reader = open(&path).map_err(in_index)?;
+    let name = path.display().to_string();
+    let trace = read_glide(&name, reader).map_err(|error| failure(&error))?;
+    evaluate_glide(entry, &trace).map_err(|error| Failure::BadInput(format!("{name}: {error}")))
+}
+
+/// The picture's name: the run's number keeps names apart that differ only in signs a file cannot have.
+fn picture(number: usize, run: &str) -> String {
+    let plain: String = run
+        .chars()
+        .take(60)
+        .map(|c| {
+            if c.is_alphanumeric() || c == '-' {
+                c
+            } else {
+                '_'
+            }
+        })
+        .collect();
+    format!("energy_{:03}_{plain}.png", number + 1)
+}
+
+fn document(house: &IceHouse) -> Value {
+    let runs: Vec<Value> = house
+        .runs
+        .iter()
+        .enumerate()
+        .map(|(i, run)| {
+            json!({
+                "run": run.entry.run,
+                "specimen": run.entry.specimen,
+                "direction": run.entry.direction,
+                "resistance_n": -run.line.slope,
+                "resistance_se_n": run.line.slope_se,
+                "resistance_over_weight": run.resistance(),
+                "section_from_m": run.s[run.section.start],
+                "section_to_m": run.s[run.section.end - 1],
+                "samples": run.section.len(),
+                "v_mean_mps": run.v_mean,
+                "air_density_kgpm3": run.air_density,
+                "residual_rms_j": run.line.residual_rms,
+                "picture": picture(i, &run.entry.run),
+            })
+        })
+        .collect();
+    json!({
+        "specimens": house.specimens,
+        "slope_rad": house.slope_rad,
+        "uphill": house.directions[0],
+        "pairs": house.pairs,
+        "unpaired": house.unpaired,
+        "section_rule": format!("from the greatest speed on, the central {:.0} % of the distance glided", 100.0 - 200.0 * SHARE_LEFT_OUT),
+        "runs": runs,
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+fn summary(house: &IceHouse, out: &Path) -> String {
+    let width = house
+        .specimens
+        .iter()
+        .map(|s| s.specimen.chars().count())
+        .fold(8, usize::max);
+    let mut text = format!(
+        "{:width$}  pairs  mu [1e-3]  std. error  95 % interval   v [m/s]\n",
+        "specimen"
+    );
+    for s in &house.specimens {
+        text += &format!(
+            "{:width$}  {:5}  {:9.3}  {:10.3}  {:.3} to {:.3}  {:7.2}\n",
+            s.specimen,
+            s.pairs,
+            1e3 * s.mu.value,
+            1e3 * s.mu_se,
+            1e3 * s.mu.low,
+            1e3 * s.mu.high,
+            s.v_mps,
+        );
+    }
+    let degrees = |rad: f64| rad.to_degrees();
+    text += &format!(
+        "rink: {:.4} degrees ({:.4} to {:.4}), positive where \"{}\" climbs\n",
+        degrees(house.slope_rad.value),
+        degrees(house.slope_rad.low),
+        degrees(house.slope_rad.high),
+        house.directions[0],
+    );
+    text += &format!(
+        "section: from the greatest speed on, the central {:.0} % of the distance glided\n",
+        100.0 - 200.0 * SHARE_LEFT_OUT
+    );
+    if !house.unpaired.is_empty() {
+        text += &format!(
+            "not used, no run in the other direction: {}\n",
+            house.unpaired.join(", ")
+        );
+    }
+    let known = house.experiments().iter().all(|e| e.p_max_pa.is_finite());
+    if !known {
+        text += "experiments.csv: fill in p_max_pa and p_max_sd_pa (kufe press) before kufe friction fit\n";
+    }
+    text + &format!(
+        "{}: icehouse.json, experiments.csv, {} pictures\n",
+        out.display(),
+        house.runs.len()
+    )
+}

@@ -1,0 +1,9 @@
+//! Friction of a runner, and its fit to experiments and gliding runs.
+
+mod command;
+mod failure;
+mod fit;
+pub mod icehouse;
+mod point;
+
+pub use command::{Args, run};

@@ -1,0 +1,57 @@
+//! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
+
+use crate::lut::{export, fill, plan, query, show};
+use crate::output::global::Global;
+use kufe_jobs::Failure;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe lut bob-table.toml -o front.lut --csv --fmu     solve and write the table
+  kufe lut show front.lut                              draw it
+  kufe lut query front.lut --fz 1800 --radius 40       look a contact up
+  kufe lut plan bob-table.toml -o plan --shards 50     cut it into shards, then:
+  kufe lut run plan --shard 7/50                       solve one of them
+  kufe lut merge plan -o front.lut                     put them together";
+
+/// Arguments of `kufe lut`.
+#[derive(clap::Args, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    fill: fill::Args,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Command {
+    /// Draw a table
+    Show(show::Args),
+    /// Look a contact up in a table
+    Query(query::Args),
+    /// Write a table's further forms
+    Export(export::Args),
+    /// Cut a table's points into shards
+    Plan(plan::PlanArgs),
+    /// Solve one shard of a plan
+    Run(plan::RunArgs),
+    /// Put a plan's results together
+    Merge(plan::MergeArgs),
+}
+
+/// Runs the subcommand, or fills the table.
+///
+/// # Errors
+/// [`Failure::BadInput`] for files, [`Failure::NotConverged`] where a contact or the interpolation stays
+/// short of its accuracy, [`Failure::Partial`] where the rest can be resumed.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    match &args.command {
+        None => fill::run(&args.fill, global),
+        Some(Command::Show(args)) => show::run(args, global),
+        Some(Command::Query(args)) => query::run(args, global),
+        Some(Command::Export(args)) => export::run(args, global),
+        Some(Command::Plan(args)) => plan::plan(args, global),
+        Some(Command::Run(args)) => plan::run(args, global),
+        Some(Command::Merge(args)) => plan::merge(args, global),
+    }
+}

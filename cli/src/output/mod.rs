@@ -1,0 +1,7 @@
+//! What every command shares: global options, progress, what it says, and files that are whole or absent.
+
+pub mod global;
+mod progress;
+pub mod say;
+pub mod staging;
+pub mod watched;

@@ -1,0 +1,25 @@
+//! Arguments of `kufe press`.
+
+use std::path::PathBuf;
+
+use crate::press::lists::Lists;
+
+/// Arguments of `kufe press`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The case; a built-in bobsled runner on flat ice where none is given
+    pub case: Option<PathBuf>,
+    /// Folder for result.json, pressure.exr, pressure.png, field.vtu and hull.glb (runner.vtu too where the runner deforms)
+    #[arg(long, short, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+    /// Stress on the line under the peak too: subsurface.csv and subsurface.png, figures in result.json, maximum shear in
+    /// the VTU files
+    #[arg(long)]
+    pub subsurface: bool,
+    /// Solve on a graphics processor (Vulkan, Metal, Direct3D 12), to the same residual; rigid runners only, in a kufe built
+    /// with `--features gpu`
+    #[arg(long)]
+    pub gpu: bool,
+    #[command(flatten)]
+    pub lists: Lists,
+}

@@ -1,0 +1,55 @@
+//! `kufe press`: one contact problem, from its case to its pressure map.
+
+use std::sync::Arc;
+
+use kufe_contact::{Iterate, Options, Watcher};
+use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with};
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use crate::press::args::Args;
+use crate::press::{device, files, series, solved, summary};
+
+/// Solves the case and writes its files, all or none.
+///
+/// # Errors
+/// [`Failure::Usage`] for `--gpu` where there is no graphics processor, [`Failure::BadInput`] for the case and for an output
+/// that cannot be written, [`Failure::NotConverged`] where the solver stops short of the accuracy asked.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let loaded = match &args.case {
+        Some(path) => LoadedCase::read(path)?,
+        None => LoadedCase::example()?,
+    };
+    let options = device::options(args.gpu, global)?;
+    if args.lists.is_series() {
+        return series::run(args, &loaded, global, &options);
+    }
+    let staging = Staging::begin(&args.out)?;
+    staging.remove_on_interrupt();
+    let bar = global.progress();
+    let shown = bar.clone();
+    let watcher: Watcher = Arc::new(move |state: &Iterate| {
+        shown.set_message(summary::progress_line(state));
+    });
+    let watch = Watch {
+        warn: Some(&|warning| eprintln!("kufe: warning: {warning}")),
+        ..Watch::default()
+    };
+    let options = Options {
+        progress: Some(watcher),
+        ..options
+    };
+    let pressed = press_with(loaded, &watch, options);
+    bar.finish_and_clear();
+    let pressed = pressed?;
+    let (document, line) = solved::document(&pressed, args.subsurface)?;
+    files::write(&staging, &pressed, &document, line.as_ref())?;
+    staging.commit()?;
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        say(&summary::text(&pressed, &args.out));
+    }
+    Ok(())
+}

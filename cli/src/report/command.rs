@@ -1,0 +1,94 @@
+//! `kufe report`: one page to look at.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::report::{contact, evaluation, table};
+use kufe_jobs::{Failure, write_whole};
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe report out/                             a solved contact, to out/report.html
+  kufe report front.lut -o front.html          a lookup table
+  kufe report evaluation/ -o drivers.html      what drivers lose
+  kufe report finding/ -o finding.html         what kufe discover found
+
+The page is one file that needs no network: open it in a browser, or send it to someone.";
+
+/// Arguments of `kufe report`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// A folder that press, evaluate or discover has written, or a lookup table (.lut)
+    pub result: PathBuf,
+    /// Where the page goes [default: report.html in the folder, or the table's name with .html]
+    #[arg(long, short, value_name = "HTML")]
+    pub out: Option<PathBuf>,
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// [`Failure::BadInput`] where there is nothing to report on, a file of it is broken, or the page cannot be written.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let (kind, default, html) = html(&args.result)?;
+    let out = args.out.clone().unwrap_or(default);
+    if out.is_dir() {
+        return Err(Failure::BadInput(format!(
+            "{}: cannot be written: a folder of that name is in the way",
+            out.display()
+        )));
+    }
+    write_whole(&out, |writer| writer.write_all(html.as_bytes()))?;
+    if global.json {
+        let document = json!({ "kind": kind, "written": [out], "bytes": html.len() });
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        say(&format!(
+            "{}: {kind}, {:.2} MB\n",
+            out.display(),
+            html.len() as f64 / 1e6
+        ));
+    }
+    Ok(())
+}
+
+/// What it is, where its page goes by default, and the page.
+fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
+    let told = |reason: &str| Failure::BadInput(format!("{}: {reason}", result.display()));
+    if !result.exists() {
+        return Err(told("cannot be read: there is no such file or folder"));
+    }
+    if !result.is_dir() {
+        if result.extension().is_some_and(|ending| ending == "lut") {
+            let html = table::page(result)?;
+            return Ok(("table", result.with_extension("html"), html));
+        }
+        return Err(told(
+            "expected a folder that kufe press, evaluate or discover has written, or a .lut file",
+        ));
+    }
+    let default = result.join("report.html");
+    if result.join("result.json").is_file() {
+        Ok(("press", default, contact::page(result)?))
+    } else if result.join("evaluation.json").is_file() {
+        Ok(("evaluation", default, evaluation::page(result)?))
+    } else if result.join("report.json").is_file() {
+        Ok(("discovery", default, finding(result)?))
+    } else {
+        Err(told(
+            "nothing to report on: expected result.json (kufe press), evaluation.json (kufe evaluate) or \
+             report.json (kufe discover) in it",
+        ))
+    }
+}
+
+/// The page that `kufe discover` has written itself.
+fn finding(folder: &Path) -> Result<String, Failure> {
+    let path = folder.join("report.html");
+    std::fs::read_to_string(&path)
+        .map_err(|error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display())))
+}

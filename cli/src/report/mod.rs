@@ -1,0 +1,10 @@
+//! `kufe report`: one page to look at, from what another command has written.
+
+mod command;
+mod contact;
+mod evaluation;
+mod read_json;
+mod table;
+
+pub use command::{Args, run};
+pub use contact::contact;

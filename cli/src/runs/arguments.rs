@@ -1,0 +1,79 @@
+//! What the commands on recorded runs share: their arguments, and runs read, chosen and prepared.
+
+use std::path::PathBuf;
+
+use kufe_jobs::runs::Loaded;
+use kufe_jobs::{Failure, Watch, runs::RunSelection};
+use kufe_sled::Run;
+
+use crate::output::global::Global;
+
+/// Arguments that every command on runs takes.
+#[derive(clap::Args, Debug)]
+pub struct RunArgs {
+    /// Index of the runs: run, file, track, driver, driver_class, session, ice_c, air_c, air_pa
+    pub runs: PathBuf,
+    /// Sled and friction
+    #[arg(long, short, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Folder for the results
+    #[arg(long, short, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+    /// Only runs of these sessions (several with commas)
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub session: Vec<String>,
+    /// Only runs on these tracks (several with commas)
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub track: Vec<String>,
+    /// Leave runs with faulty files out and say so, instead of stopping at the first
+    #[arg(long)]
+    pub leave_out_bad_runs: bool,
+    /// Corner of the zero-phase low pass [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = 20.0)]
+    pub cutoff: f64,
+}
+
+impl RunArgs {
+    /// Reads model and runs, keeps those that `wanted` and the options name, and prepares them.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
+    pub fn load(&self, global: &Global, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+        let selection = RunSelection {
+            runs: self.runs.clone(),
+            model: self.model.clone(),
+            session: self.session.clone(),
+            track: self.track.clone(),
+            leave_out_bad_runs: self.leave_out_bad_runs,
+            cutoff_hz: self.cutoff,
+        };
+        let bar = global.progress();
+        let loaded = selection.load(
+            &Watch {
+                progress: Some(&|text| bar.set_message(text.to_owned())),
+                warn: Some(&|text| {
+                    if !global.quiet {
+                        bar.suspend(|| eprintln!("kufe: note: {text}"));
+                    }
+                }),
+                ..Watch::default()
+            },
+            wanted,
+        );
+        bar.finish_and_clear();
+        loaded
+    }
+}
+
+/// A run's name as part of a file's name.
+pub fn file_name(run: &str) -> String {
+    run.chars()
+        .map(|c| {
+            if c.is_alphanumeric() || "-._".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        })
+        .collect()
+}

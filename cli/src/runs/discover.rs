@@ -1,0 +1,91 @@
+//! `kufe discover`: what the model lacks, by data.
+
+use std::path::{Path, PathBuf};
+
+use kufe_discover::{Error, Options, Report};
+
+use crate::output::global::Global;
+use kufe_jobs::{Failure, write_whole};
+
+/// Find the effect that a model lacks, name it and add it
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// runs.csv, experiments.csv or pressures.csv
+    data: PathBuf,
+    /// The model: a model.toml, or for pressures a case.toml
+    #[arg(long)]
+    model: PathBuf,
+    /// Folder for report.json, report.html and model.next.toml
+    #[arg(short, long, default_value = "out")]
+    output: PathBuf,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Simulated nulls for each look (at least 10)
+    #[arg(long, default_value_t = 40)]
+    twins: u64,
+    /// Which channels of runs to use
+    #[arg(long, value_enum, default_value_t = Channels::All)]
+    channels: Channels,
+}
+
+/// Channels of runs.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Channels {
+    /// Longitudinal and lateral
+    All,
+    /// Side force and yaw moment
+    Lateral,
+    /// Along the sled
+    Longitudinal,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure::Usage`] for too few twins, [`Failure::BadInput`] for data and model.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    if !(10..=1000).contains(&args.twins) {
+        return Err(Failure::Usage(format!(
+            "--twins {}: expected 10 to 1000",
+            args.twins
+        )));
+    }
+    let options = Options {
+        seed: args.seed,
+        twins: args.twins,
+        longitudinal: args.channels != Channels::Lateral,
+        lateral: args.channels != Channels::Longitudinal,
+        ..Options::default()
+    };
+    let bar = global.progress();
+    let progress = |what: &str| bar.set_message(what.to_owned());
+    let (report, next) =
+        kufe_discover::discover(&args.data, &args.model, &options, &progress).map_err(failure)?;
+    bar.finish_and_clear();
+    let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
+    let out = |name: &str| -> PathBuf { Path::new(&args.output).join(name) };
+    write_whole(&out("report.json"), |w| writeln!(w, "{json}"))?;
+    write_whole(&out("report.html"), |w| {
+        w.write_all(kufe_discover::page(&report).as_bytes())
+    })?;
+    write_whole(&out("model.next.toml"), |w| w.write_all(next.as_bytes()))?;
+    if global.json {
+        println!("{json}");
+    } else if !global.quiet {
+        say(&report, &args.output);
+    }
+    Ok(())
+}
+
+fn say(report: &Report, output: &Path) {
+    println!("{}", report.sentence);
+    println!("written: {}", output.join("report.html").display());
+}
+
+fn failure(error: Error) -> Failure {
+    match error {
+        Error::BaseFit { .. } => Failure::NotConverged(error.to_string()),
+        other => Failure::BadInput(other.to_string()),
+    }
+}

@@ -1,0 +1,154 @@
+//! `kufe fit`: friction from recorded runs.
+
+use std::io::Write;
+
+use kufe_friction::{LateralFit, MagicFormula};
+use kufe_sled::plots::fit_picture;
+use kufe_sled::{FitOptions, find_contacts, lateral_samples};
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use crate::runs::arguments::RunArgs;
+use kufe_jobs::{Failure, runs::Loaded, runs::failure};
+
+const EXAMPLES: &str = "\
+Example:
+  kufe fit lateral runs.csv --model model.toml --session d1,d2,d3 -o fit/
+
+Writes fit.json (front and rear: mu_zeta, c, e, k_n_per_rad with value, low, high), model.fit.toml,
+and the lateral force over slip for three ranges of load, front and rear.";
+
+/// Arguments of `kufe fit`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum What {
+    /// Lateral friction of both runners
+    Lateral(LateralArgs),
+}
+
+/// Arguments of `kufe fit lateral`.
+#[derive(clap::Args, Debug)]
+pub struct LateralArgs {
+    #[command(flatten)]
+    runs: RunArgs,
+    /// Leave samples out whose roll acceleration is larger [degrees/s2]
+    #[arg(long, value_name = "LIMIT", default_value_t = 100.0)]
+    roll_acceleration: f64,
+    /// Predefined curvature factor E
+    #[arg(long, default_value_t = 0.99)]
+    e: f64,
+    /// Keep samples at which something outside, such as a wall, seems to push
+    #[arg(long)]
+    keep_contacts: bool,
+}
+
+/// Fits and writes.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place, [`Failure::NotConverged`], [`Failure::Usage`].
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let What::Lateral(args) = &args.what;
+    if args.roll_acceleration.is_nan() || args.roll_acceleration <= 0.0 {
+        return Err(Failure::Usage(format!(
+            "--roll-acceleration {}: expected a positive number of degrees/s2",
+            args.roll_acceleration
+        )));
+    }
+    let options = FitOptions {
+        most_roll_accel_radps2: args.roll_acceleration.to_radians(),
+        e: args.e,
+        leave_out_contacts: !args.keep_contacts,
+    };
+    let staging = Staging::begin(&args.runs.out)?;
+    staging.remove_on_interrupt();
+    let Loaded {
+        model,
+        vehicle,
+        prepared,
+        left_out,
+    } = args.runs.load(global, |_| true)?;
+    let bar = global.progress();
+    bar.set_message("fitting");
+    let fit = kufe_sled::fit(&prepared, &vehicle, &options).map_err(|error| failure(&error))?;
+    let mut document = fit.to_json();
+    document["left_out"] = left_out.into();
+    staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;
+    let fitted = fit.applied_to(&model);
+    staging.write("model.fit.toml", |mut file| {
+        file.write_all(fitted.to_toml().as_bytes())
+    })?;
+    let marked = if options.leave_out_contacts {
+        find_contacts(
+            &prepared,
+            &vehicle.with_lateral(fit.front.model, fit.rear.model),
+        )
+    } else {
+        Vec::new()
+    };
+    let ([front, rear], _) = lateral_samples(&prepared, &vehicle, &marked, &options);
+    for (name, runner, samples, law) in [
+        ("fit_front.png", "front", &front, &fit.front.model),
+        ("fit_rear.png", "rear", &rear, &fit.rear.model),
+    ] {
+        fit_picture(&staging.path(name), runner, samples, law)
+            .map_err(|error| staging.failure(name, &error))?;
+    }
+    staging.commit()?;
+    bar.finish_and_clear();
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        let mut text = format!(
+            "{} runs, {} samples, {} left out for roll acceleration, {} for a push from outside\n",
+            fit.runs.len(),
+            fit.total,
+            fit.excluded,
+            fit.contacts
+        );
+        text += &line("front", &fit.front, &model.friction.front);
+        text += &line("rear", &fit.rear, &model.friction.rear);
+        text += "mu_y and zeta_y act only as their product mu_zeta; at the slips driven, mu_zeta and c almost only as mu_zeta c\n";
+        text += &format!(
+            "{}: fit.json, model.fit.toml, fit_front.png, fit_rear.png\n",
+            args.runs.out.display()
+        );
+        say(&text);
+    }
+    Ok(())
+}
+
+fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
+    let k = &fit.k_n_per_rad;
+    let p = &fit.mu_zeta_c;
+    let product = if fit.product_determined {
+        format!("{:.4} ({:.4} to {:.4})", p.value, p.low, p.high)
+    } else {
+        "not determined: the slips are too small for the curve to bend".to_string()
+    };
+    format!(
+        "{runner:5}  K {:.0} N/rad ({:.0} to {:.0}; model {:.0})   mu_zeta c {product} (model {:.4})   residual {:.0} N\n       c {}; plain least squares gives {:.2} % of K (slip noise {:.2e} rad)\n",
+        k.value,
+        k.low,
+        k.high,
+        before.k_n_per_rad,
+        before.mu_zeta_c(),
+        fit.residual_rms,
+        if fit.c_held {
+            format!(
+                "held at the model's {:.4}: the data do not determine it",
+                fit.c.value
+            )
+        } else {
+            format!("{:.4} ({:.4} to {:.4})", fit.c.value, fit.c.low, fit.c.high)
+        },
+        100.0 * fit.attenuation,
+        fit.slip_sd,
+    )
+}

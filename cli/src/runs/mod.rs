@@ -1,0 +1,8 @@
+//! Recorded runs: simulated, fitted, held against the model, and searched for what it lacks.
+
+mod arguments;
+pub mod discover;
+pub mod evaluate;
+pub mod fit;
+pub mod simulate;
+pub mod validate;

@@ -1,0 +1,177 @@
+//! `kufe validate`: the friction model against runs that it was not fitted to.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use kufe_friction::MagicFormula;
+use kufe_sled::plots::{lateral_force_picture, rmse_picture};
+use kufe_sled::{RunValidation, by_track, validate};
+use serde_json::{Value, json};
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use crate::runs::arguments::{RunArgs, file_name};
+use kufe_jobs::{Failure, runs::failure};
+
+const EXAMPLES: &str = "\
+Example:
+  kufe validate runs.csv --model model.toml --fit fit/fit.json -o validation/
+
+Writes validation.json, rmse.png, and for each track the lateral force over time of its worst run.";
+
+/// Arguments of `kufe validate`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    #[command(flatten)]
+    runs: RunArgs,
+    /// A fit.json: its lateral laws replace the model's, and the runs it was fitted to are left out
+    #[arg(long, value_name = "FIT.json")]
+    fit: Option<PathBuf>,
+    /// Draw these runs besides each track's worst (several with commas)
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    run: Vec<String>,
+}
+
+/// Compares and writes.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let staging = Staging::begin(&args.runs.out)?;
+    staging.remove_on_interrupt();
+    let fit = args.fit.as_deref().map(read_fit).transpose()?;
+    let fitted: BTreeSet<String> = fit
+        .iter()
+        .flat_map(|fit| fit.runs.iter().cloned())
+        .collect();
+    let mut loaded = args
+        .runs
+        .load(global, |run| !fitted.contains(&run.entry.run))?;
+    if let Some(fit) = &fit {
+        loaded.vehicle = loaded.vehicle.with_lateral(fit.front, fit.rear);
+    }
+    let runs = validate(&loaded.prepared, &loaded.vehicle);
+    let tracks = by_track(&runs);
+    let mut drawn: Vec<&RunValidation> = Vec::new();
+    for track in &tracks {
+        let worst = runs
+            .iter()
+            .filter(|run| run.track == track.track)
+            .max_by(|a, b| a.rmse_n.total_cmp(&b.rmse_n));
+        drawn.extend(worst);
+    }
+    for name in &args.run {
+        let known = || {
+            runs.iter()
+                .map(|run| run.run.as_str())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let run = runs.iter().find(|run| run.run == *name).ok_or_else(|| {
+            Failure::BadInput(format!("--run {name}: the runs compared are {}", known()))
+        })?;
+        if !drawn.iter().any(|drawn| drawn.run == run.run) {
+            drawn.push(run);
+        }
+    }
+    let document = json!({
+        "runs": runs,
+        "tracks": tracks,
+        "left_out_as_fitted": fitted,
+        "left_out": loaded.left_out,
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    staging.write("validation.json", |mut file| writeln!(file, "{document:#}"))?;
+    rmse_picture(&staging.path("rmse.png"), &runs)
+        .map_err(|error| staging.failure("rmse.png", &error))?;
+    for run in &drawn {
+        let name = format!("force_{}.png", file_name(&run.run));
+        lateral_force_picture(&staging.path(&name), run)
+            .map_err(|error| staging.failure(&name, &error))?;
+    }
+    staging.commit()?;
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        let mut text = String::from("track          runs  RMSE [N]  Braghin [N]\n");
+        for track in &tracks {
+            text += &format!(
+                "{:14} {:4}  {:8.1}  {:11.1}\n",
+                track.track, track.runs, track.rmse_n, track.rmse_braghin_n
+            );
+        }
+        for run in &drawn {
+            let places: Vec<String> = run
+                .largest
+                .iter()
+                .map(|d| format!("{:.0} m ({:.0} N)", d.s_m, d.rms_n))
+                .collect();
+            if !places.is_empty() {
+                text += &format!(
+                    "{}: largest disagreements at {}\n",
+                    run.run,
+                    places.join(", ")
+                );
+            }
+        }
+        text += &match &args.fit {
+            Some(path) => format!(
+                "laws of {}; the {} runs it was fitted to are left out\n",
+                path.display(),
+                fitted.len()
+            ),
+            None => "laws of the model; give --fit to leave fitted runs out\n".to_string(),
+        };
+        text += &format!(
+            "{}: validation.json, rmse.png, {} force pictures\n",
+            args.runs.out.display(),
+            drawn.len()
+        );
+        say(&text);
+    }
+    Ok(())
+}
+
+struct Fit {
+    front: MagicFormula,
+    rear: MagicFormula,
+    runs: Vec<String>,
+}
+
+fn read_fit(path: &Path) -> Result<Fit, Failure> {
+    let file = path.display();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
+    let document: Value = serde_json::from_str(&text)
+        .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
+    let number = |runner: &str, key: &str| {
+        document[runner][key]["value"].as_f64().ok_or_else(|| {
+            Failure::BadInput(format!(
+                "{file}: {runner}.{key}.value is missing or no number, expected what kufe fit lateral writes"
+            ))
+        })
+    };
+    let law = |runner: &str| -> Result<MagicFormula, Failure> {
+        let law = MagicFormula {
+            mu_zeta: number(runner, "mu_zeta")?,
+            c: number(runner, "c")?,
+            e: number(runner, "e")?,
+            k_n_per_rad: number(runner, "k_n_per_rad")?,
+        };
+        law.check()
+            .map_err(|error| failure(&error.into()))
+            .map_err(|told| Failure::BadInput(format!("{file}: {runner}: {told}")))?;
+        Ok(law)
+    };
+    let runs = document["runs"].as_array().into_iter().flatten();
+    Ok(Fit {
+        front: law("front")?,
+        rear: law("rear")?,
+        runs: runs
+            .filter_map(|run| run.as_str().map(str::to_string))
+            .collect(),
+    })
+}

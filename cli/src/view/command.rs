@@ -1,0 +1,74 @@
+//! `kufe view`: the page of a contact with a form that solves again, served to this machine alone.
+
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use kufe_jobs::{Failure, case_file::LoadedCase};
+use kufe_report::{Kind, page};
+use serde_json::json;
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::view::form::Form;
+use crate::view::server::{Server, serve, solved};
+use crate::view::turn::Turn;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe view                     the built-in runner, with sliders
+  kufe view case.toml           a case of your own; save what you find as case.toml
+  kufe view --port 8000         at an address that stays
+
+Open the address that is printed; Ctrl-C ends it. It listens on 127.0.0.1 only.";
+
+/// Arguments of `kufe view`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The case to begin with; a built-in bobsled runner where none is given
+    pub case: Option<PathBuf>,
+    /// Port to listen on; 0 takes a free one
+    #[arg(long, default_value_t = 0)]
+    pub port: u16,
+}
+
+/// Serves the page until it is interrupted.
+///
+/// # Errors
+/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] where the first solve stops short.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let base = match &args.case {
+        Some(path) => LoadedCase::read(path)?,
+        None => LoadedCase::example()?,
+    };
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).map_err(|error| {
+        Failure::BadInput(format!(
+            "--port {}: cannot be listened on: {error}",
+            args.port
+        ))
+    })?;
+    let port = listener.local_addr().map_err(Failure::bad_input)?.port();
+    let bar = global.progress();
+    bar.set_message("solving the first contact");
+    let mut data = solved(base.clone(), &Arc::new(AtomicBool::new(false)))?;
+    bar.finish_and_clear();
+    data["form"] = json!(Form::of(&base.case));
+    data["ranges"] = Form::ranges();
+    let title = data["title"].as_str().unwrap_or_default();
+    let server = Server {
+        first: page(Kind::View, title, &data),
+        base,
+        port,
+        turn: Turn::default(),
+    };
+    let address = format!("http://127.0.0.1:{port}/");
+    if global.json {
+        say(&format!("{:#}\n", json!({ "address": address })));
+    } else {
+        say(&format!("{address}\n"));
+    }
+    serve(&listener, &server);
+    Ok(())
+}

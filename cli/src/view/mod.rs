@@ -1,0 +1,10 @@
+//! `kufe view`: the page of a contact with a form that solves again, served to this machine alone.
+
+mod command;
+mod form;
+mod guard;
+mod http;
+mod server;
+mod turn;
+
+pub use command::{Args, run};

@@ -1,0 +1,116 @@
+//! The page and the solves that its form asks for, a thread a connection.
+
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use kufe_contact::Options;
+use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with};
+use serde_json::{Value, json};
+
+use crate::bodies::placed_hull::placed_hull;
+use crate::map::patches;
+use crate::report;
+use crate::view::form::Form;
+use crate::view::guard;
+use crate::view::http::{Answer, Refusal, Request, read_request, respond};
+use crate::view::turn::Turn;
+
+/// Points along and across of the map that a page is sent.
+const POINTS: [usize; 2] = [240, 150];
+/// A mesh beyond this takes longer than anyone moves a slider.
+const MOST_DOFS: usize = 1_500_000;
+/// Connections that are open at once.
+const MOST_OPEN: usize = 16;
+
+/// What every connection shares.
+pub struct Server {
+    /// The case to begin with.
+    pub base: LoadedCase,
+    /// The port that it listens on.
+    pub port: u16,
+    /// The page, with the first solve.
+    pub first: String,
+    /// Who is solved for now.
+    pub turn: Turn,
+}
+
+/// Answers one connection a thread.
+pub fn serve(listener: &TcpListener, server: &Server) {
+    let open = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for stream in listener.incoming() {
+            let Ok(mut stream) = stream else { continue };
+            if open.fetch_add(1, Ordering::Relaxed) >= MOST_OPEN {
+                open.fetch_sub(1, Ordering::Relaxed);
+                continue;
+            }
+            let open = &open;
+            scope.spawn(move || {
+                let answer = answer(server, &mut stream).unwrap_or_else(|Refusal(status, text)| {
+                    as_json(status, &json!({ "error": text }))
+                });
+                respond(&mut stream, &answer);
+                open.fetch_sub(1, Ordering::Relaxed);
+            });
+        }
+    });
+}
+
+fn answer(server: &Server, stream: &mut TcpStream) -> Result<Answer, Refusal> {
+    let request = read_request(stream)?;
+    guard::check(&request, server.port)?;
+    match (request.method.as_str(), request.target.as_str()) {
+        ("GET", "/") => Ok(Answer {
+            status: 200,
+            kind: "text/html; charset=utf-8",
+            body: server.first.clone().into_bytes(),
+        }),
+        ("POST", "/solve") => solve_again(server, &request),
+        (_, "/" | "/solve") => Err(Refusal(405, "expected GET / or POST /solve".into())),
+        _ => Err(Refusal(404, "there is only / and /solve".into())),
+    }
+}
+
+fn as_json(status: u16, value: &Value) -> Answer {
+    Answer {
+        status,
+        kind: "application/json",
+        body: value.to_string().into_bytes(),
+    }
+}
+
+/// Solves what the form asks for, unless a newer form arrives.
+fn solve_again(server: &Server, request: &Request) -> Result<Answer, Refusal> {
+    let form: Form = serde_json::from_slice(&request.body)
+        .map_err(|error| Refusal(400, format!("the form: {error}")))?;
+    let case = form
+        .case(&server.base.case)
+        .map_err(|text| Refusal(422, text))?;
+    let asked = LoadedCase {
+        case,
+        ..server.base.clone()
+    };
+    match server.turn.take(|stop| solved(asked, stop)) {
+        None => Err(Refusal(409, "a newer form came first".into())),
+        Some(Err(failure)) => Err(Refusal(422, failure.to_string())),
+        Some(Ok(data)) => Ok(as_json(200, &data)),
+    }
+}
+
+/// The data of a case's page, with the case as a file would state it.
+pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Value, Failure> {
+    let name = loaded.name.clone();
+    let options = Options {
+        stop: Some(stop.clone()),
+        max_dofs: MOST_DOFS,
+        ..Options::default()
+    };
+    let pressed = press_with(loaded, &Watch::default(), options)?;
+    let maps = patches::maps(&pressed.solution);
+    let hull = placed_hull(&pressed.problem, &pressed.solution);
+    let document = pressed.document();
+    let mut data = report::contact(&document, &maps, hull.as_ref(), POINTS, &name);
+    data["case_text"] = json!(pressed.loaded.case.to_toml().map_err(Failure::bad_input)?);
+    Ok(data)
+}

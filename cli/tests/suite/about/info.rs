@@ -1,0 +1,45 @@
+//! `kufe info` of a lookup table.
+
+use crate::kufe::{Bench, CASE, errors};
+use serde_json::Value;
+
+#[test]
+fn info_tells_a_tables_axes_quantities_errors_and_version() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.write(
+        "table.toml",
+        "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\ncurvature_1pm = { values = [0.0, 0.01] }\n",
+    );
+    bench.succeeds(&["lut", "table.toml", "-o", "bob.lut"]);
+    let facts: Value =
+        serde_json::from_str(&bench.succeeds(&["info", "bob.lut", "--json"])).expect("JSON");
+    assert_eq!(facts["kind"], "lookup table");
+    assert_eq!(facts["nodes"], 4);
+    assert_eq!(facts["axes"]["fz_n"]["points"], 2);
+    assert_eq!(facts["axes"]["fz_n"]["from"], 500.0);
+    assert_eq!(facts["axes"]["curvature_1pm"]["to"], 0.01);
+    assert_eq!(facts["version"], env!("CARGO_PKG_VERSION"));
+    let error = facts["solver_error_p_max"].as_f64().expect("an error");
+    assert!(error > 0.0 && error <= 0.02, "{error}");
+    let p_max = &facts["quantities"]["p_max_pa"];
+    let [min, max] = ["min", "max"].map(|key| p_max[key].as_f64().expect(key));
+    // Pressed harder and in a bend, the peak rises and falls: its range holds Hertz's 138.5 MPa at 1 kN, flat.
+    assert!(
+        min < 110e6 && (max / 138.5e6 - 1.0).abs() < 0.03,
+        "{min} to {max}"
+    );
+    let said = bench.succeeds(&["info", "bob.lut"]);
+    for word in ["p_max_pa:", "area_m2:", "approach_m:", "case_sha256: "] {
+        assert!(said.contains(word), "{word:?} is missing: {said}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_table_is_refused_with_its_name() {
+    let bench = Bench::new();
+    bench.write("bad.lut", "{\"format\": \"something else\"}");
+    let output = bench.kufe(&["info", "bad.lut"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(errors(&output).contains("bad.lut: "), "{}", errors(&output));
+}

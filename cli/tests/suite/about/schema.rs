@@ -1,0 +1,194 @@
+//! The schemas against the files that are shipped, by a validator that is not ours.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::kufe::Bench;
+use kufe_case::Case;
+use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
+use kufe_sled::Model;
+
+const VALIDATE: &str = "
+import json, sys, tomllib, jsonschema
+for line in sys.stdin:
+    schema, file = line.rstrip('\\n').split('\\t')
+    validator = jsonschema.Draft7Validator(json.load(open(schema)))
+    validator.check_schema(validator.schema)
+    errors = [error.message for error in validator.iter_errors(tomllib.load(open(file, 'rb')))]
+    print(file, '\\t', '; '.join(errors))
+";
+
+/// What the validator says of each pair of schema and file; `None` where there is none.
+fn validate(pairs: &[(PathBuf, PathBuf)]) -> Option<Vec<String>> {
+    let Ok(python) = std::env::var("KUFE_PYTHON") else {
+        println!("skipped: KUFE_PYTHON names no interpreter");
+        return None;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let list = folder.path().join("list");
+    let text: String = pairs
+        .iter()
+        .map(|(schema, file)| format!("{}\t{}\n", schema.display(), file.display()))
+        .collect();
+    std::fs::write(&list, text).expect("a list");
+    let output = Command::new(&python)
+        .args(["-c", VALIDATE])
+        .stdin(std::fs::File::open(&list).expect("a list"))
+        .output()
+        .expect("Python");
+    let told = String::from_utf8_lossy(&output.stderr);
+    if told.contains("ModuleNotFoundError") {
+        println!("skipped: {python} has no jsonschema");
+        return None;
+    }
+    assert!(output.status.success(), "{told}");
+    let lines = String::from_utf8(output.stdout).expect("text");
+    Some(
+        lines
+            .lines()
+            .map(|line| line.split_once('\t').expect("a tab").1.trim().to_owned())
+            .collect(),
+    )
+}
+
+/// The schemas in a folder, and where each of them is.
+fn schemas(bench: &Bench) -> impl Fn(&str) -> PathBuf {
+    let place = |kind: &str| format!("{kind}.schema.json");
+    for kind in ["case", "table", "model"] {
+        bench.succeeds(&["schema", kind, "-q", "-o", &place(kind)]);
+    }
+    move |kind: &str| bench.path(&place(kind))
+}
+
+/// Every TOML file below the repository's own folders that states a case, a table or a model.
+fn shipped() -> Vec<(&'static str, PathBuf)> {
+    fn walk(folder: &Path, found: &mut Vec<(&'static str, PathBuf)>) {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            if path.is_dir()
+                && !["target", "out"].contains(&name.as_str())
+                && !name.starts_with('.')
+            {
+                walk(&path, found);
+            } else if name.ends_with(".toml") {
+                let text = std::fs::read_to_string(&path).expect("text");
+                let starts = |word: &str| text.lines().any(|line| line.starts_with(word));
+                if starts("[runner]") && starts("[ice]") {
+                    found.push(("case", path));
+                } else if starts("[axes]") {
+                    found.push(("table", path));
+                } else if starts("[sled]") {
+                    found.push(("model", path));
+                }
+            }
+        }
+    }
+    let mut found = Vec::new();
+    walk(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join(".."),
+        &mut found,
+    );
+    found
+}
+
+#[test]
+fn every_shipped_file_is_valid_by_its_schema() {
+    let bench = Bench::new();
+    let schema = schemas(&bench);
+    let files = shipped();
+    for kind in ["case", "table", "model"] {
+        assert!(
+            files.iter().any(|(found, _)| *found == kind),
+            "no {kind} is shipped"
+        );
+    }
+    let pairs: Vec<_> = files
+        .iter()
+        .map(|(kind, file)| (schema(kind), file.clone()))
+        .collect();
+    let Some(told) = validate(&pairs) else { return };
+    for ((_, file), errors) in files.iter().zip(told) {
+        assert!(errors.is_empty(), "{}: {errors}", file.display());
+    }
+}
+
+#[test]
+fn a_misspelt_key_and_a_wrong_value_are_refused() {
+    let bench = Bench::new();
+    let schema = schemas(&bench);
+    let model = format!("{MODEL_EXAMPLE}\n[effects.temperature-grip]\nslope_per_k = -0.01\n");
+    let wrong = [
+        ("case", EXAMPLE.replace("fz_n", "fz_kn"), "fz_kn"),
+        (
+            "case",
+            EXAMPLE.replace("kind = \"bob\"", "kind = \"ski\""),
+            "ski",
+        ),
+        (
+            "case",
+            EXAMPLE.replace("thickness_m = 0.05", "thickness_m = \"deep\""),
+            "deep",
+        ),
+        (
+            "case",
+            format!("{EXAMPLE}\n[effects.hardnes]\npressure_pa = 1e7\n"),
+            "hardnes",
+        ),
+        (
+            "table",
+            TABLE_EXAMPLE.replace("checks = 8", "chekcs = 8"),
+            "chekcs",
+        ),
+        (
+            "model",
+            MODEL_EXAMPLE.replace("mass_kg", "mass_lb"),
+            "mass_lb",
+        ),
+        (
+            "model",
+            model.replace("temperature-grip", "temperature-grib"),
+            "slope_per_k",
+        ),
+        (
+            "model",
+            model.replace("slope_per_k", "slope_per_c"),
+            "slope_per_c",
+        ),
+    ];
+    let mut pairs = Vec::new();
+    for (n, (kind, text, _)) in wrong.iter().enumerate() {
+        let name = format!("{n}.toml");
+        bench.write(&name, text);
+        pairs.push((schema(kind), bench.path(&name)));
+    }
+    bench.write("right.toml", &model);
+    pairs.push((schema("model"), bench.path("right.toml")));
+    let Some(told) = validate(&pairs) else { return };
+    for ((kind, _, found), errors) in wrong.iter().zip(&told) {
+        assert!(errors.contains(found), "{kind}, {found}: {errors:?}");
+    }
+    assert_eq!(told.last().map(String::as_str), Some(""));
+}
+
+#[test]
+fn files_to_start_from_are_what_the_readers_take() {
+    assert_eq!(
+        Model::from_toml(MODEL_EXAMPLE, "model.toml").expect("a model"),
+        Model::published()
+    );
+    Case::parse(EXAMPLE).expect("a case");
+    let bench = Bench::new();
+    for kind in ["case", "table", "model"] {
+        bench.succeeds(&["init", "--kind", kind, "-q"]);
+        let text = std::fs::read_to_string(bench.path(&format!("{kind}.toml"))).expect("text");
+        assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")));
+        assert!(bench.path(&format!("{kind}.schema.json")).exists());
+    }
+    kufe_jobs::table::Wanted::read(&bench.path("table.toml")).expect("a table file");
+    kufe_jobs::case_file::LoadedCase::read(&bench.path("case.toml")).expect("a case");
+}

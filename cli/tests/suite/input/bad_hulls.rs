@@ -1,0 +1,281 @@
+//! Hulls that are no hulls, or not the hull that was meant, through `kufe press`.
+
+use std::process::Output;
+
+use crate::kufe::{Bench, CASE, errors};
+
+/// The case with this hull in the shape's place.
+fn case_of(hull: &str) -> String {
+    let shape = CASE.lines().nth(1).expect("the shape's line");
+    CASE.replacen(shape, hull, 1)
+        .replace("p_max = 0.02", "p_max = 0.01")
+}
+
+/// A folder with a bobsled runner as an OBJ file.
+fn bench_with_hull() -> (Bench, String) {
+    let bench = Bench::new();
+    bench.succeeds(&["hull", "bob", "--edge-length-m", "0.001", "-o", "bob.obj"]);
+    let text = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+    (bench, text)
+}
+
+fn press(bench: &Bench, hull: &str) -> Output {
+    bench.write("case.toml", case_of(hull));
+    bench.kufe(&["press", "case.toml", "-o", "out", "--json"])
+}
+
+/// Exit code 3, one line that says `expected`, and no output folder.
+fn refused(bench: &Bench, hull: &str, expected: &[&str]) {
+    let output = press(bench, hull);
+    let said = errors(&output);
+    let lines = said.lines().filter(|line| !line.contains("warning:"));
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert_eq!(lines.count(), 1, "one line: {said}");
+    for part in expected {
+        assert!(said.contains(part), "{part:?} is missing: {said}");
+    }
+    assert!(output.stdout.is_empty());
+    assert!(!bench.path("out").exists(), "something was left behind");
+    assert!(
+        bench.names().iter().all(|name| !name.starts_with('.')),
+        "{:?}",
+        bench.names()
+    );
+}
+
+fn p_max(output: &Output) -> f64 {
+    assert!(output.status.success(), "{}", errors(output));
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    result["p_max_pa"].as_f64().expect("a peak")
+}
+
+/// The OBJ text with each line changed, or dropped.
+fn lines(text: &str, change: impl Fn(&str) -> Option<String>) -> String {
+    text.lines()
+        .filter_map(change)
+        .map(|line| line + "\n")
+        .collect()
+}
+
+fn numbers(line: &str) -> Vec<f64> {
+    line.split_whitespace()
+        .skip(1)
+        .map(|word| word.parse().expect("a number"))
+        .collect()
+}
+
+#[test]
+fn a_tessellated_hull_gives_the_parametric_peak() {
+    let (bench, _) = bench_with_hull();
+    bench.succeeds(&["hull", "bob", "--edge-length-m", "0.0005", "-o", "fine.obj"]);
+    bench.write("shape.toml", CASE.replace("p_max = 0.02", "p_max = 0.01"));
+    let parametric = p_max(&bench.kufe(&["press", "shape.toml", "-o", "shape", "--json"]));
+    for hull in ["bob.obj", "fine.obj"] {
+        let read = p_max(&press(&bench, &format!("hull = \"{hull}\"")));
+        assert!(
+            (read / parametric - 1.0).abs() < 0.02,
+            "{hull}: {read} against {parametric}"
+        );
+    }
+}
+
+#[test]
+fn an_inverted_hull_is_refused_with_the_fix() {
+    let (bench, text) = bench_with_hull();
+    let inverted = lines(&text, |line| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["f", a, b, c] => Some(format!("f {a} {c} {b}")),
+            _ => Some(line.into()),
+        }
+    });
+    bench.write("inverted.obj", inverted);
+    refused(
+        &bench,
+        "hull = \"inverted.obj\"",
+        &["case.toml: ", "inverted.obj: ", "face inwards", "reverse"],
+    );
+}
+
+#[test]
+fn a_hull_without_triangles_is_refused() {
+    let (bench, text) = bench_with_hull();
+    bench.write(
+        "points.obj",
+        lines(&text, |line| {
+            (!line.starts_with('f')).then(|| line.to_string())
+        }),
+    );
+    bench.write("empty.obj", "");
+    bench.write("empty.stl", [0; 84]);
+    for hull in ["points.obj", "empty.obj", "empty.stl"] {
+        refused(
+            &bench,
+            &format!("hull = \"{hull}\""),
+            &[hull, "no triangles"],
+        );
+    }
+}
+
+#[test]
+fn a_hull_that_is_not_there_or_of_an_unknown_kind_is_named() {
+    let bench = Bench::new();
+    refused(&bench, "hull = \"nowhere.obj\"", &["nowhere.obj"]);
+    bench.write("hull.step", "ISO-10303-21;");
+    refused(&bench, "hull = \"hull.step\"", &["hull.step", "expected"]);
+}
+
+#[test]
+fn gltf_sizes_that_are_lies_are_refused_with_both_sizes() {
+    let bench = Bench::new();
+    bench.succeeds(&["hull", "bob", "--edge-length-m", "0.01", "-o", "bob.glb"]);
+    let honest = std::fs::read(bench.path("bob.glb")).expect("a hull");
+    let mut header = honest.clone();
+    header[8..12].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes());
+    bench.write("header.glb", header);
+    let has = format!("the file has {}", honest.len());
+    refused(
+        &bench,
+        "hull = \"header.glb\"",
+        &["header.glb: ", "2147483647 bytes", &has],
+    );
+    let key = b"\"buffers\":[{\"byteLength\":";
+    let start = key.len()
+        + honest
+            .windows(key.len())
+            .position(|window| window == key)
+            .expect("a buffer's length");
+    let digits = honest[start..]
+        .iter()
+        .take_while(|byte| byte.is_ascii_digit())
+        .count();
+    let mut buffer = honest.clone();
+    buffer[start..start + digits].fill(b'9');
+    bench.write("buffer.glb", buffer);
+    let announced = format!("buffer 0 announces {} bytes", "9".repeat(digits));
+    refused(
+        &bench,
+        "hull = \"buffer.glb\"",
+        &["buffer.glb: ", &announced, "it has"],
+    );
+    bench.write("half.glb", &honest[..honest.len() / 2]);
+    refused(&bench, "hull = \"half.glb\"", &["half.glb: "]);
+}
+
+#[test]
+fn millimetres_read_as_metres_are_told_with_the_fix_and_the_fix_works() {
+    let (bench, text) = bench_with_hull();
+    let millimetres = lines(&text, |line| {
+        if !line.starts_with("v ") {
+            return Some(line.into());
+        }
+        let [x, y, z] = numbers(line)[..] else {
+            panic!("{line}")
+        };
+        Some(format!("v {} {} {}", 1e3 * x, 1e3 * y, 1e3 * z))
+    });
+    bench.write("mm.obj", millimetres);
+    let output = press(&bench, "hull = \"mm.obj\"");
+    assert!(
+        errors(&output).contains("scale = 0.001"),
+        "{}",
+        errors(&output)
+    );
+    let metres = p_max(&press(&bench, "hull = \"bob.obj\""));
+    let output = press(&bench, "hull = \"mm.obj\"\nscale = 0.001");
+    assert!(!errors(&output).contains("scale"), "{}", errors(&output));
+    let scaled = p_max(&output);
+    assert!(
+        (scaled / metres - 1.0).abs() < 2e-3,
+        "{scaled} against {metres}"
+    );
+}
+
+#[test]
+fn an_open_hull_is_told_and_its_underside_used() {
+    let (bench, text) = bench_with_hull();
+    let heights: Vec<f64> = text
+        .lines()
+        .filter(|line| line.starts_with("v "))
+        .map(|line| numbers(line)[2])
+        .collect();
+    let top = heights.iter().copied().fold(f64::MIN, f64::max);
+    let on_top = |line: &str| {
+        numbers(line)
+            .iter()
+            .all(|&index| heights[index as usize - 1] > top - 1e-9)
+    };
+    bench.write(
+        "open.obj",
+        lines(&text, |line| {
+            (!line.starts_with("f ") || !on_top(line)).then(|| line.to_string())
+        }),
+    );
+    let closed = p_max(&press(&bench, "hull = \"bob.obj\""));
+    let output = press(&bench, "hull = \"open.obj\"");
+    assert!(
+        errors(&output).contains("the hull is open: "),
+        "{}",
+        errors(&output)
+    );
+    let open = p_max(&output);
+    assert!(
+        (open / closed - 1.0).abs() < 2e-3,
+        "{open} against {closed}"
+    );
+}
+
+/// A rocker of 30 m and a section of 5 mm with a vertex every 2 mm across: sampled too thinly for 12 um of approach.
+fn coarse_hull() -> String {
+    let (stations, across) = (9, 5);
+    let mut text = String::new();
+    for i in 0..stations {
+        for j in 0..across {
+            let x = -0.5 + f64::from(i) / f64::from(stations - 1);
+            let y = -0.004 + 0.008 * f64::from(j) / f64::from(across - 1);
+            let z = x * x / 60.0 + 0.005 - (0.005_f64.powi(2) - y * y).sqrt();
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for i in 0..stations - 1 {
+        for j in 0..across - 1 {
+            let a = i * across + j + 1;
+            let [b, c, d] = [a + 1, a + across, a + across + 1];
+            text += &format!("f {a} {b} {d}\nf {a} {d} {c}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_hull_too_coarse_for_its_load_is_refused_with_the_numbers_by_every_command_that_solves() {
+    let bench = Bench::new();
+    bench.write("coarse.obj", coarse_hull());
+    let expected = [
+        "runner.hull: too coarse",
+        "uncertain by ",
+        "um, the approach is ",
+    ];
+    refused(&bench, "hull = \"coarse.obj\"", &expected);
+    let output = bench.kufe(&["friction", "case.toml", "--speed", "30"]);
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    for part in expected {
+        assert!(errors(&output).contains(part), "{}", errors(&output));
+    }
+}
+
+#[test]
+fn a_load_that_misses_a_hull_is_refused_with_both_places() {
+    let (bench, _) = bench_with_hull();
+    let case =
+        case_of("hull = \"bob.obj\"").replace("fz_n = 1000.0", "fz_n = 1000.0\noffset_y_m = 0.1");
+    bench.write("case.toml", case);
+    let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("y = 0.1 m misses the hull, which spans"),
+        "{}",
+        errors(&output)
+    );
+    assert!(!bench.path("out").exists());
+}

@@ -1,0 +1,7 @@
+//! Files from elsewhere that are wrong or damaged.
+
+mod bad_hulls;
+mod bad_input;
+mod damage;
+mod mutated_data;
+mod mutated_input;

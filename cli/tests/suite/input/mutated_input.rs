@@ -1,0 +1,70 @@
+//! Readers on damaged files: valid ones with bytes changed, cut, doubled and swapped. No input may panic, hang or
+//! make a reader take memory that the file does not justify. `KUFE_FUZZ_SECONDS` sets the time a reader gets. Hulls and
+//! cases are here; `mutated_data.rs` has what the rest of the program reads.
+
+use crate::input::damage::rounds;
+use kufe_case::Case;
+use kufe_mesh::{
+    BobRunner, HullFormat, HullOptions, check_hull, read_gltf, read_obj, read_stl, tessellate,
+};
+
+const EXAMPLE: &str = include_str!("../../../../jobs/assets/example.toml");
+
+fn hull_seed(format: HullFormat) -> Vec<u8> {
+    let runner = BobRunner {
+        length: 0.05,
+        height: 0.01,
+        ..BobRunner::default()
+    };
+    let hull = tessellate(&runner.swept().expect("a runner"), 0.01).expect("a hull");
+    let mut bytes = Vec::new();
+    format.write(&hull, &mut bytes).expect("memory");
+    bytes
+}
+
+#[test]
+fn damaged_case_files_are_cases_or_errors_of_one_line() {
+    rounds(
+        "case",
+        &[EXAMPLE.as_bytes().to_vec()],
+        |bytes| match Case::parse(&String::from_utf8_lossy(bytes)) {
+            Ok(case) => {
+                let written = case.to_toml().expect("text");
+                assert_eq!(Case::parse(&written).expect("a case"), case);
+                true
+            }
+            Err(error) => {
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+                false
+            }
+        },
+    );
+}
+
+#[test]
+fn damaged_obj_files_are_hulls_or_errors() {
+    rounds("obj", &[hull_seed(HullFormat::Obj)], |bytes| {
+        read_obj(bytes, &HullOptions::default()).is_ok_and(|hull| check_hull(&hull).is_ok())
+    });
+}
+
+#[test]
+fn damaged_stl_files_are_hulls_or_errors() {
+    let text = b"solid s\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid s\n";
+    rounds(
+        "stl",
+        &[hull_seed(HullFormat::Stl), text.to_vec()],
+        |bytes| {
+            read_stl(bytes, &HullOptions::default()).is_ok_and(|hull| check_hull(&hull).is_ok())
+        },
+    );
+}
+
+#[test]
+fn damaged_gltf_files_are_hulls_or_errors() {
+    let nothing = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    rounds("gltf", &[hull_seed(HullFormat::Gltf)], |bytes| {
+        read_gltf(bytes, &HullOptions::default(), nothing)
+            .is_ok_and(|hull| check_hull(&hull).is_ok())
+    });
+}

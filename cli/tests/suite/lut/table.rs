@@ -1,0 +1,329 @@
+//! `kufe lut` from a table file to the forms that other programs read.
+
+use crate::kufe::Bench;
+use serde_json::Value;
+
+const PARABOLOID: &str = r#"[runner]
+shape = { kind = "paraboloid", rocker_radius_m = 30.0, section_radius_m = 0.005 }
+[ice]
+youngs_modulus_pa = 9.0e9
+poissons_ratio = 0.33
+thickness_m = "half-space"
+[load]
+fz_n = 1000.0
+"#;
+
+fn bench(table: &str) -> Bench {
+    let bench = Bench::new();
+    bench.write("case.toml", PARABOLOID);
+    bench.write("table.toml", format!("case = \"case.toml\"\n{table}"));
+    bench
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// Exit code and standard error.
+fn fails(bench: &Bench, words: &[&str]) -> (i32, String) {
+    let output = bench.kufe(words);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code().expect("an exit code"), said)
+}
+
+#[test]
+fn a_table_of_a_paraboloid_is_that_of_hertz() {
+    let bench = bench(
+        "[axes]\nfz_n = { values = [250.0, 1000.0, 4000.0] }\nradius_m = { values = [60.0, inf, -60.0] }\n\
+         [accuracy]\np_max = 0.005\n",
+    );
+    let said = bench.succeeds(&[
+        "lut",
+        "table.toml",
+        "-o",
+        "front.lut",
+        "--csv",
+        "--mat",
+        "--header",
+        "--fmu=other.fmu",
+    ]);
+    assert!(said.contains("3 x 3"), "{said}");
+    let names = [
+        "case.toml",
+        "front.csv",
+        "front.h",
+        "front.lut",
+        "front.mat",
+        "other.fmu",
+        "table.toml",
+    ];
+    assert_eq!(bench.names(), names);
+    let table = json(&std::fs::read_to_string(bench.path("front.lut")).unwrap());
+    let fz = [250.0, 1000.0, 4000.0];
+    // An effective rocker of 30 m at curvature 0; reference/hertz.csv's values for it.
+    let exact = [8.726337e7, 1.385220e8, 2.198899e8];
+    for (i, p_max) in exact.into_iter().enumerate() {
+        let found = table["quantities"]["p_max"]["values"][i][1]
+            .as_f64()
+            .unwrap();
+        assert!((found / p_max - 1.0).abs() < 0.005, "{found} {p_max}");
+        assert_eq!(table["axes"][0]["values"][i], fz[i]);
+    }
+    let curvatures: Vec<f64> = (0..3)
+        .map(|j| table["axes"][1]["values"][j].as_f64().unwrap())
+        .collect();
+    assert_eq!(curvatures, [-1.0 / 60.0, 0.0, 1.0 / 60.0]);
+    assert_eq!(table["case"]["ice"]["thickness_m"], "half-space");
+
+    let answer = json(&bench.succeeds(&[
+        "lut",
+        "query",
+        "front.lut",
+        "--fz",
+        "1000",
+        "--radius",
+        "inf",
+        "--json",
+    ]));
+    assert_eq!(
+        answer["p_max_pa"],
+        table["quantities"]["p_max"]["values"][1][1]
+    );
+    for key in [
+        "p_max_error_pa",
+        "p_mean_pa",
+        "area_m2",
+        "length_m",
+        "width_m",
+        "approach_m",
+        "fz_n",
+    ] {
+        assert!(answer[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    assert_eq!(answer["out_of_range"], false);
+    let by_curvature = bench.succeeds(&[
+        "lut",
+        "query",
+        "front.lut",
+        "--fz",
+        "1000",
+        "--curvature",
+        "-0.01",
+        "--json",
+    ]);
+    let by_pitch = bench.succeeds(&[
+        "lut",
+        "query",
+        "front.lut",
+        "--fz",
+        "1000",
+        "--v",
+        "20",
+        "--pitch-rate",
+        "0.2",
+        "--json",
+    ]);
+    assert_eq!(json(&by_curvature), json(&by_pitch));
+    let said = bench.succeeds(&[
+        "lut",
+        "query",
+        "front.lut",
+        "--fz",
+        "9000",
+        "--curvature",
+        "0",
+        "--mode",
+        "bilinear",
+    ]);
+    assert!(said.contains("outside the table"), "{said}");
+    let said = bench.succeeds(&[
+        "lut",
+        "show",
+        "front.lut",
+        "--quantity",
+        "length",
+        "-o",
+        "length.png",
+    ]);
+    assert!(
+        said.contains("length.png")
+            && std::fs::read(bench.path("length.png")).unwrap().len() > 10_000
+    );
+    bench.succeeds(&["lut", "export", "front.lut", "--csv=again.csv"]);
+    assert_eq!(
+        std::fs::read(bench.path("again.csv")).unwrap(),
+        std::fs::read(bench.path("front.csv")).unwrap()
+    );
+}
+
+#[test]
+fn a_range_is_refined_until_it_is_as_good_as_asked() {
+    let bench = bench(
+        "[axes]\nfz_n = { from = 250.0, to = 4000.0 }\ncurvature_1pm = { from = -0.02, to = 0.02 }\n\
+         [accuracy]\ninterpolation = 0.02\nchecks = 30\nevaluation = \"smooth\"\n",
+    );
+    let summary = json(&bench.succeeds(&["lut", "table.toml", "-o", "t.lut", "--json"]));
+    assert!(summary["interpolation_smooth"].as_f64().unwrap() <= 0.02);
+    assert!(summary["solver_p_max"].as_f64().unwrap() <= 0.01);
+    assert!(summary["checks"].as_u64().unwrap() >= 30);
+    // Held out: contacts solved afresh by `kufe press`.
+    for (fz, radius) in [(333.0, 55.0), (2345.0, -210.0), (3900.0, 90.0)] {
+        let case = PARABOLOID.replace(
+            "[load]\nfz_n = 1000.0",
+            &format!(
+                "[track]\nradius_m = {radius:.1}\n[load]\nfz_n = {fz:.1}\n[accuracy]\np_max = 0.005"
+            ),
+        );
+        bench.write("one.toml", case);
+        let pressed = json(&bench.succeeds(&["press", "one.toml", "--json"]))["p_max_pa"]
+            .as_f64()
+            .unwrap();
+        let (fz, radius) = (fz.to_string(), radius.to_string());
+        let looked = json(&bench.succeeds(&[
+            "lut", "query", "t.lut", "--fz", &fz, "--radius", &radius, "--json",
+        ]));
+        let error = looked["p_max_pa"].as_f64().unwrap() / pressed - 1.0;
+        assert!(error.abs() < 0.03, "{fz} {radius}: {error}");
+    }
+}
+
+#[test]
+fn the_table_has_the_same_bytes_for_any_number_of_threads() {
+    let bench = bench(
+        "[axes]\nfz_n = { values = [250.0, 1000.0] }\ncurvature_1pm = { values = [0.0, 0.02] }\n",
+    );
+    bench.succeeds(&["lut", "table.toml", "-o", "one.lut", "--threads", "1"]);
+    bench.succeeds(&["lut", "table.toml", "-o", "three.lut", "--threads", "3"]);
+    assert_eq!(
+        std::fs::read(bench.path("one.lut")).unwrap(),
+        std::fs::read(bench.path("three.lut")).unwrap()
+    );
+}
+
+#[test]
+fn bad_table_files_are_told_by_key_and_value() {
+    let good =
+        "[axes]\nfz_n = { values = [250.0, 1000.0] }\ncurvature_1pm = { values = [0.0, 0.02] }\n";
+    for (from, to, expected) in [
+        ("250.0, 1000.0", "1000.0, 250.0", "fz_n"),
+        ("250.0, 1000.0", "-250.0, 1000.0", "positive"),
+        ("250.0, 1000.0", "nan, 1000.0", "finite"),
+        (
+            "{ values = [250.0, 1000.0] }",
+            "{ from = 250.0 }",
+            "axes.fz_n",
+        ),
+        ("curvature_1pm", "curvature", "line 4"),
+        (
+            "curvature_1pm = { values = [0.0, 0.02] }",
+            "radius_m = { values = [0.0] }",
+            "axes.radius_m: found 0",
+        ),
+        (
+            "curvature_1pm = { values = [0.0, 0.02] }",
+            "",
+            "either curvature_1pm or radius_m",
+        ),
+        (
+            "[axes]",
+            "[accuracy]\ninterpolation = 7.0\n[axes]",
+            "interpolation = 7",
+        ),
+        (
+            "[axes]",
+            "[accuracy]\np_max = 0.0\n[axes]",
+            "accuracy.p_max = 0",
+        ),
+        (
+            "[axes]",
+            "[accuracy]\nsmallest_interval = 0.5\n[axes]",
+            "accuracy.smallest_interval = 0.5",
+        ),
+        (
+            "{ values = [0.0, 0.02] }",
+            "{ values = [0.0, 0.02], flush = { curvature_1pm = 0.01, scale_1pm_per_n = 1e-8 } }",
+            "flush: expected curvatures from one end to another",
+        ),
+        (
+            "{ values = [0.0, 0.02] }",
+            "{ from = 0.0, to = 0.02, flush = { curvature_1pm = 0.03, scale_1pm_per_n = 1e-8 } }",
+            "flush.curvature_1pm = 0.03",
+        ),
+        (
+            "{ values = [0.0, 0.02] }",
+            "{ from = 0.0, to = 0.02, flush = { curvature_1pm = 0.01, scale_1pm_per_n = 0.0 } }",
+            "flush.scale_1pm_per_n = 0",
+        ),
+    ] {
+        let bench = bench(&good.replace(from, to));
+        let (code, said) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
+        assert!(
+            code == 3 && said.contains(expected),
+            "{code} {said} lacks {expected}"
+        );
+        assert!(!bench.path("t.lut").exists());
+    }
+    let bench = Bench::new();
+    bench.write("table.toml", format!("case = \"absent.toml\"\n{good}"));
+    let (code, said) = fails(&bench, &["lut", "table.toml"]);
+    assert!(code == 3 && said.contains("absent.toml"), "{said}");
+}
+
+#[test]
+fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
+    let bench = bench(
+        "[axes]\nfz_n = { values = [1000.0] }\ncurvature_1pm = { values = [0.0] }\n[accuracy]\np_max = 1e-5\n",
+    );
+    let (code, said) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("1 solves stayed short")
+            && said.contains("1.00e-5")
+            && said.contains("fz_n = 1000"),
+        "{said}"
+    );
+    let table = json(&std::fs::read_to_string(bench.path("t.lut")).unwrap());
+    let error = table["accuracy"]["solver_p_max"].as_f64().unwrap();
+    assert!(error > 1e-5 && error < 1e-3, "{error}");
+    let looked = json(&bench.succeeds(&[
+        "lut", "query", "t.lut", "--fz", "1000", "--radius", "inf", "--json",
+    ]));
+    let (p_max, stated) = (&looked["p_max_pa"], &looked["p_max_error_pa"]);
+    // Hertz's peak is 138.52 MPa.
+    assert!((p_max.as_f64().unwrap() / 138.52e6 - 1.0).abs() < 1e-3);
+    assert!((stated.as_f64().unwrap() / p_max.as_f64().unwrap() / error - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn bad_tables_and_arguments_are_told() {
+    let bench = Bench::new();
+    bench.write("broken.lut", "{\"format\": \"kufe-lut\"");
+    let (code, said) = fails(
+        &bench,
+        &["lut", "query", "broken.lut", "--fz", "1", "--radius", "inf"],
+    );
+    assert!(code == 3 && said.contains("broken.lut: line 1"), "{said}");
+    for words in [
+        vec!["lut"],
+        vec!["lut", "query", "broken.lut", "--fz", "1"],
+        vec![
+            "lut",
+            "query",
+            "broken.lut",
+            "--fz",
+            "1",
+            "--radius",
+            "3",
+            "--curvature",
+            "3",
+        ],
+        vec!["lut", "show", "broken.lut", "--quantity", "colour"],
+        vec!["lut", "export", "broken.lut"],
+        vec!["lut", "run", "plan", "--shard", "0/4"],
+        vec!["lut", "run", "plan", "--shard", "5/4"],
+        vec!["lut", "plan", "t.toml", "-o", "p", "--shards", "0"],
+    ] {
+        let (code, said) = fails(&bench, &words);
+        assert_eq!(code, 2, "{words:?}: {said}");
+    }
+}

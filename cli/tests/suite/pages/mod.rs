@@ -1,0 +1,5 @@
+//! Pages to look at, in a browser where there is one.
+
+mod browser;
+mod report;
+mod view;

@@ -1,0 +1,133 @@
+//! `kufe press` on runners that bend: a steel on its bridges, a runner that nothing holds, hexahedra from elsewhere.
+
+use std::fmt::Write as _;
+
+use crate::kufe::{Bench, errors};
+use serde_json::Value;
+
+fn result(bench: &Bench) -> Value {
+    let text = std::fs::read_to_string(bench.path("out/result.json")).expect("result.json");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().expect(key)
+}
+
+/// A short bobsled runner with `more` in its table.
+fn case(more: &str, tilt: &str) -> String {
+    format!(
+        "[runner]\nshape = {{ kind = \"bob\", length_m = 0.3, rocker_radius_m = 8.0, section_radius_m = 0.004, width_m = 0.008, height_m = 0.012 }}\n\
+         elastic = true\n{more}\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.02\n\
+         [load]\nfz_n = 500.0\ntilt = \"{tilt}\"\n[accuracy]\np_max = 0.05\n"
+    )
+}
+
+/// A body that bends away under its load presses less sharply the less is held.
+#[test]
+fn the_peak_falls_from_a_held_top_over_two_places_to_none() {
+    let places = "{ x_m = -0.1, length_m = 0.02 }, { x_m = 0.1, length_m = 0.02 }";
+    let held = format!("mount = {{ held = [{places}] }}");
+    let carried = format!(
+        "mount = {{ carries = [{}] }}",
+        places.replace('}', ", share = 0.5 }")
+    );
+    let peaks = [("", "fixed"), (&held, "fixed"), (&carried, "free")].map(|(mount, tilt)| {
+        let bench = Bench::new();
+        bench.write("case.toml", case(mount, tilt));
+        bench.succeeds(&["press", "case.toml"]);
+        let result = result(&bench);
+        assert!(
+            (number(&result, "fz_n") / 500.0 - 1.0).abs() < 1e-6,
+            "{mount}"
+        );
+        assert!(number(&result, "iterations") <= 45.0, "{mount}");
+        let file = std::fs::read(bench.path("out/runner.vtu")).expect("runner.vtu");
+        let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
+        assert!(mesh.cells.len() > 1000, "{} cells", mesh.cells.len());
+        number(&result, "p_max_pa")
+    });
+    println!("{peaks:?}");
+    assert!(peaks[0] > peaks[1] && peaks[1] > peaks[2], "{peaks:?}");
+}
+
+/// A block 40 mm x 4 mm x 6 mm with a round underside in Gmsh's format, `n` cells along each axis.
+fn gmsh(n: [usize; 3]) -> String {
+    let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n");
+    let count = n.iter().map(|n| n + 1).product::<usize>();
+    writeln!(text, "{count}").unwrap();
+    let node = |i: usize, j: usize, k: usize| 1 + i + (n[0] + 1) * (j + (n[1] + 1) * k);
+    for k in 0..=n[2] {
+        for j in 0..=n[1] {
+            for i in 0..=n[0] {
+                // Closer together towards the middle, where it touches.
+                let [x, y] = [(i, n[0], 0.02), (j, n[1], 0.002)].map(|(at, of, half)| {
+                    let s = 2.0 * at as f64 / of as f64 - 1.0;
+                    half * s * (0.2 + 0.8 * s * s)
+                });
+                let low = x * x / 4.0 + y * y / 0.02;
+                let z = low + (0.006 - low) * (k as f64 / n[2] as f64).powi(2);
+                writeln!(text, "{} {x:.12e} {y:.12e} {z:.12e}", node(i, j, k)).unwrap();
+            }
+        }
+    }
+    let cells = n.iter().product::<usize>();
+    writeln!(text, "$EndNodes\n$Elements\n{cells}").unwrap();
+    let mut number = 0;
+    for k in 0..n[2] {
+        for j in 0..n[1] {
+            for i in 0..n[0] {
+                number += 1;
+                write!(text, "{number} 5 2 0 1").unwrap();
+                for (di, dj, dk) in [
+                    (0, 0, 0),
+                    (1, 0, 0),
+                    (1, 1, 0),
+                    (0, 1, 0),
+                    (0, 0, 1),
+                    (1, 0, 1),
+                    (1, 1, 1),
+                    (0, 1, 1),
+                ] {
+                    write!(text, " {}", node(i + di, j + dj, k + dk)).unwrap();
+                }
+                text.push('\n');
+            }
+        }
+    }
+    text + "$EndElements\n"
+}
+
+/// The block is steel nearly as stiff as rigid, so that Hertz's paraboloid (2 m by 10 mm) is met but for its facets.
+#[test]
+fn hexahedra_from_elsewhere_bear_the_load_at_hertzs_peak() {
+    let bench = Bench::new();
+    bench.write("steel.msh", gmsh([24, 16, 6]));
+    bench.write(
+        "case.toml",
+        "[runner]\nmesh = \"steel.msh\"\nelastic = true\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\n\
+         thickness_m = \"half-space\"\n[load]\nfz_n = 50.0\ntilt = \"fixed\"\n[accuracy]\np_max = 0.03\n",
+    );
+    bench.succeeds(&["press", "case.toml"]);
+    let result = result(&bench);
+    assert!((number(&result, "fz_n") / 50.0 - 1.0).abs() < 1e-6);
+    let both = (1.0 - 0.33f64.powi(2)) / 9.0e9 + (1.0 - 0.3f64.powi(2)) / 210e9;
+    let hertz = kufe_contact::hertz(2.0, 0.01, 1.0 / both, 50.0).p_max;
+    let p_max = number(&result, "p_max_pa");
+    println!("{p_max:.4e} beside Hertz's {hertz:.4e}");
+    assert!((p_max / hertz - 1.0).abs() < 0.05, "{p_max} {hertz}");
+    let file = std::fs::read(bench.path("out/runner.vtu")).expect("runner.vtu");
+    let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
+    assert_eq!(mesh.cells.len(), 24 * 16 * 6);
+
+    // A cell inside out is named.
+    let text = gmsh([2, 2, 2]).replace("1 5 2 0 1 1 2", "1 5 2 0 1 2 1");
+    bench.write("steel.msh", text);
+    let output = bench.kufe(&["press", "case.toml", "-o", "again"]);
+    let said = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("steel.msh") || said.contains("runner.mesh"),
+        "{said}"
+    );
+}

@@ -1,0 +1,175 @@
+//! `kufe export --calculix`: the deck says what was solved, CalculiX reads it, and what it cannot state is refused.
+
+use std::process::Command;
+
+use crate::kufe::{Bench, errors};
+use serde_json::Value;
+
+/// A short luge steel on two bridges: a mesh that CalculiX solves in seconds.
+const STEEL: &str = r#"[runner]
+shape = { kind = "luge", length_m = 0.2, rocker_radius_m = 6.0, edge_radius_m = 2e-3, tilt_rad = 0.05, width_m = 0.012, height_m = 0.008 }
+elastic = true
+mount = { held = [{ x_m = -0.06, length_m = 0.012 }, { x_m = 0.06, length_m = 0.012 }] }
+[ice]
+youngs_modulus_pa = 9.0e9
+poissons_ratio = 0.33
+thickness_m = 0.01
+[load]
+fz_n = 400.0
+tilt = "fixed"
+"#;
+
+/// The lines of a deck below each of its cards.
+fn cards(deck: &str) -> Vec<(String, Vec<Vec<f64>>)> {
+    let mut found: Vec<(String, Vec<Vec<f64>>)> = Vec::new();
+    for line in deck.lines().filter(|line| !line.starts_with("**")) {
+        if line.starts_with('*') {
+            found.push((line.to_owned(), Vec::new()));
+        } else if let Some((_, lines)) = found.last_mut() {
+            lines.push(
+                line.split(',')
+                    .filter_map(|word| word.trim().parse().ok())
+                    .collect(),
+            );
+        }
+    }
+    found
+}
+
+fn lines<'a>(cards: &'a [(String, Vec<Vec<f64>>)], name: &str) -> &'a [Vec<f64>] {
+    let card = cards.iter().find(|(card, _)| card.contains(name));
+    &card.unwrap_or_else(|| panic!("a card with {name}")).1
+}
+
+/// Total vertical force on a node set, as CalculiX prints it [N].
+fn total(dat: &str, set: &str) -> f64 {
+    let mut lines = dat
+        .lines()
+        .skip_while(|line| !(line.contains("total force") && line.contains(set)));
+    let numbers = lines.nth(2).expect("the force below its heading");
+    numbers
+        .split_whitespace()
+        .nth(2)
+        .and_then(|word| word.parse().ok())
+        .expect("a vertical force")
+}
+
+#[test]
+fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in_calculix() {
+    let bench = Bench::new();
+    bench.write("case.toml", STEEL);
+    let said = bench.succeeds(&[
+        "export",
+        "--calculix",
+        "case.toml",
+        "--cells",
+        "2",
+        "-o",
+        "deck.inp",
+        "--json",
+    ]);
+    let facts: Value = serde_json::from_str(&said).expect("JSON");
+    let text = std::fs::read_to_string(bench.path("deck.inp")).expect("a deck");
+    let deck = cards(&text);
+    let nodes = lines(&deck, "*NODE, NSET=ALL");
+    for (index, node) in nodes.iter().enumerate() {
+        assert_eq!((node.len(), node[0]), (4, index as f64 + 1.0));
+    }
+    // Every node is of a hexahedron, every hexahedron of nodes; three unknowns a node, and what is held is none.
+    let mut used = vec![false; nodes.len()];
+    let cells = [lines(&deck, "ELSET=ICE"), lines(&deck, "ELSET=RUNNER")].concat();
+    for cell in &cells {
+        assert_eq!(cell.len(), 9);
+        cell[1..]
+            .iter()
+            .for_each(|&node| used[node as usize - 1] = true);
+    }
+    assert!(used.iter().all(|&used| used) && text.contains("TYPE=C3D8I, ELSET=RUNNER"));
+    let dofs = facts["dofs"].as_f64().expect("dofs");
+    assert!(
+        dofs < 3.0 * nodes.len() as f64 && dofs > 2.0 * nodes.len() as f64,
+        "{dofs}"
+    );
+    // What holds the runner stands at its top over the bridge; the other one is its mirror image.
+    let top = nodes.iter().map(|node| node[3]).fold(f64::MIN, f64::max);
+    for held in lines(&deck, "NSET=MOUNT") {
+        let node = &nodes[held[0] as usize - 1];
+        assert!(
+            (node[3] - top).abs() < 1e-6 && (54.0 - 1e-6..=66.0 + 1e-6).contains(&node[1]),
+            "{node:?}"
+        );
+    }
+    let pressures = text.lines().filter(|line| {
+        let words: Vec<&str> = line.trim_start_matches("** ").split(", ").collect();
+        words.len() == 2 && words.iter().all(|word| word.parse::<f64>().is_ok())
+    });
+    assert!(pressures.count() > 5);
+
+    let Ok(ccx) = Command::new("ccx")
+        .arg("deck")
+        .current_dir(bench.folder.path())
+        .env("OMP_NUM_THREADS", "1")
+        .output()
+    else {
+        println!("skipped: no ccx");
+        return;
+    };
+    let said = String::from_utf8_lossy(&ccx.stdout);
+    assert!(ccx.status.success() && !said.contains("*ERROR"), "{said}");
+    let dat = std::fs::read_to_string(bench.path("deck.dat")).expect("CalculiX's forces");
+    // Half of it stands on either side of the mirror plane. On so coarse a mesh the runners' elements differ by a few per cent.
+    let force = -2.0 * total(&dat, "MOUNT");
+    println!("{force} N in CalculiX, {} N here", facts["fz_n"]);
+    assert!((force / 400.0 - 1.0).abs() < 0.08, "{force}");
+    assert!((total(&dat, "MOUNT") / total(&dat, "BED") + 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn what_a_deck_cannot_state_is_refused() {
+    let bench = Bench::new();
+    let refusals = [
+        ("elastic = true\n", "", "runner.elastic: expected true"),
+        (
+            "held = [{ x_m = -0.06, length_m = 0.012 }, { x_m = 0.06, length_m = 0.012 }]",
+            "carries = [{ x_m = -0.06, length_m = 0.012, share = 0.5 }, { x_m = 0.06, length_m = 0.012, share = 0.5 }]",
+            "runner.mount: expected held places",
+        ),
+        (
+            "tilt = \"fixed\"",
+            "tilt = \"free\"",
+            "load.tilt: expected \"fixed\"",
+        ),
+        (
+            "thickness_m = 0.01",
+            "thickness_m = \"half-space\"",
+            "ice.thickness_m: expected a layer",
+        ),
+        (
+            "thickness_m = 0.01",
+            "thickness_m = 0.01\nhardness_pa = 30e6",
+            "ice.hardness_pa",
+        ),
+    ];
+    for (there, instead, expected) in refusals {
+        let case = STEEL.replace(there, instead);
+        let case = if expected.contains("held places") {
+            case.replace("tilt = \"fixed\"", "tilt = \"free\"")
+        } else if expected.contains("expected true") {
+            case.lines()
+                .filter(|line| !line.starts_with("mount"))
+                .map(|line| format!("{line}\n"))
+                .collect()
+        } else {
+            case
+        };
+        assert_ne!(case, STEEL);
+        bench.write("case.toml", case);
+        let output = bench.kufe(&["export", "--calculix", "case.toml", "--cells", "2"]);
+        let said = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{said}");
+        assert!(said.contains(expected), "{expected}: {said}");
+        assert_eq!(bench.names(), ["case.toml"]);
+    }
+    let output = bench.kufe(&["export", "--calculix", "case.toml", "--cells", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+}

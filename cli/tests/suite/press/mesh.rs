@@ -1,0 +1,113 @@
+//! `kufe mesh`: hexahedra that other programs read.
+
+use crate::kufe::{Bench, CASE, names};
+use serde_json::Value;
+
+#[test]
+fn ice_and_runner_are_written_without_an_inverted_cell() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let said = bench.succeeds(&["mesh", "case.toml", "--json"]);
+    let quality: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(
+        names(&bench.path("out")),
+        ["ice.vtu", "quality.json", "runner.vtu"]
+    );
+    for body in ["ice", "runner"] {
+        let figure = |key: &str| quality[body][key].as_f64().expect(key);
+        assert_eq!(figure("inverted"), 0.0, "{body}");
+        assert!(
+            figure("min_scaled_jacobian") > 0.0 && figure("cells") > 100.0,
+            "{body}"
+        );
+    }
+    // A quarter of the runner (two mirror planes): its volume is below its box and above the box of its upper half.
+    let volume = quality["runner"]["volume_m3"].as_f64().expect("a volume");
+    let boxed = 0.5 * 0.005 * 0.030;
+    assert!(
+        volume > 0.5 * boxed && volume < boxed,
+        "{volume} of {boxed}"
+    );
+}
+
+#[test]
+fn the_meshes_of_a_hull_are_written_too() {
+    let bench = Bench::new();
+    bench.succeeds(&["hull", "bob", "-o", "bob.obj", "--edge-length-m", "0.002"]);
+    let text: String = CASE
+        .lines()
+        .map(|line| {
+            if line.starts_with("shape") {
+                "hull = \"bob.obj\"\n".to_string()
+            } else {
+                format!("{line}\n")
+            }
+        })
+        .collect();
+    bench.write("case.toml", text);
+    let said = bench.succeeds(&["mesh", "case.toml", "--json"]);
+    let quality: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(quality["runner"]["inverted"], 0);
+}
+
+#[test]
+fn a_paraboloid_has_ice_alone() {
+    let bench = Bench::new();
+    let shape =
+        "shape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }\n";
+    let text: String = CASE
+        .lines()
+        .map(|line| {
+            if line.starts_with("shape") {
+                shape.to_string()
+            } else {
+                format!("{line}\n")
+            }
+        })
+        .collect();
+    bench.write("case.toml", text);
+    bench.succeeds(&["mesh", "case.toml"]);
+    assert_eq!(names(&bench.path("out")), ["ice.vtu", "quality.json"]);
+}
+
+#[test]
+fn pyvista_and_meshio_read_meshes_and_fields() {
+    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
+        println!("skipped: KUFE_PYTHON is not set");
+        return;
+    };
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.succeeds(&["mesh", "case.toml", "-o", "."]);
+    bench.succeeds(&["press", "case.toml", "-o", "."]);
+    let script = "import numpy as np, pyvista, meshio, json\n\
+        r = json.load(open('result.json'))\n\
+        for name in ['ice.vtu', 'runner.vtu', 'field.vtu']:\n\
+        \x20   g, m = pyvista.read(name), meshio.read(name)\n\
+        \x20   assert g.n_cells == len(m.cells_dict['hexahedron']) > 0, name\n\
+        \x20   assert np.allclose(g.points, m.points)\n\
+        \x20   assert (g.compute_cell_sizes()['Volume'] > 0).all(), name\n\
+        f = pyvista.read('field.vtu')\n\
+        assert {'displacement_m', 'stress_pa', 'von_mises_pa'} <= set(f.point_data)\n\
+        s = f['stress_pa'].reshape(-1, 3, 3)\n\
+        assert np.allclose(s, s.transpose(0, 2, 1))\n\
+        d = s - np.trace(s, axis1=1, axis2=2)[:, None, None] * np.eye(3) / 3\n\
+        assert np.allclose(f['von_mises_pa'], np.sqrt(1.5 * (d * d).sum((1, 2))))\n\
+        print(-s[:, 2, 2].min() / r['p_max_pa'])\n";
+    let output = std::process::Command::new(interpreter)
+        .args(["-c", script])
+        .current_dir(bench.folder.path())
+        .output()
+        .expect("the interpreter that KUFE_PYTHON names");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    // The stress under the peak is the pressure; nodal stresses of trilinear cells see it to a few per cent.
+    let ratio: f64 = String::from_utf8_lossy(&output.stdout)
+        .trim()
+        .parse()
+        .expect("a number");
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}

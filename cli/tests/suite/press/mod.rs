@@ -1,0 +1,9 @@
+//! One contact or a series of them, and what is written for other programs.
+
+mod elastic;
+mod export;
+mod gallery;
+mod hull_rocker;
+mod mesh;
+mod press;
+mod series;

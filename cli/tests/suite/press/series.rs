@@ -1,0 +1,201 @@
+//! `kufe press` with lists: folders, table, PVD, resuming.
+
+use crate::kufe::{Bench, CASE, errors, names};
+use serde_json::Value;
+
+fn table(bench: &Bench, folder: &str) -> Vec<Value> {
+    let text = std::fs::read(bench.path(folder).join("table.json")).expect("a table");
+    let table: Value = serde_json::from_slice(&text).expect("JSON");
+    table.as_array().expect("rows").clone()
+}
+
+fn column(rows: &[Value], key: &str) -> Vec<f64> {
+    rows.iter()
+        .map(|row| row[key].as_f64().unwrap_or_else(|| panic!("{key}: {row}")))
+        .collect()
+}
+
+fn rises(values: &[f64]) -> bool {
+    values.windows(2).all(|w| w[0] < w[1])
+}
+
+/// p_max of a Hertz contact grows with the cube root of the load.
+#[test]
+fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let loads = ["press", "case.toml", "-o", "out", "--fz-n", "125,1000"];
+    let said = bench.succeeds(&loads);
+    assert!(
+        said.contains("step-002") && said.contains("2 steps"),
+        "{said}"
+    );
+    let expected = [
+        "series.pvd",
+        "step-001",
+        "step-002",
+        "table.csv",
+        "table.json",
+    ];
+    assert_eq!(names(&bench.path("out")), expected);
+    assert_eq!(
+        names(&bench.path("out/step-002")),
+        [
+            "field.vtu",
+            "hull.glb",
+            "pressure.exr",
+            "pressure.png",
+            "result.json"
+        ]
+    );
+    let rows = table(&bench, "out");
+    let p_max = column(&rows, "p_max_pa");
+    assert!((p_max[1] / p_max[0] - 2.0).abs() < 0.02, "{p_max:?}");
+    let csv = std::fs::read_to_string(bench.path("out/table.csv")).expect("a table");
+    let mut lines = csv.lines();
+    assert!(
+        lines
+            .next()
+            .is_some_and(|head| head.starts_with("step,folder,fz_n,p_max_pa,"))
+    );
+    assert_eq!(lines.count(), 2);
+    // Again: nothing is solved, nothing changes.
+    let before = std::fs::read(bench.path("out/step-001/result.json")).expect("a result");
+    let again = bench.succeeds(&loads);
+    assert!(again.contains("2 of them there already"), "{again}");
+    assert_eq!(
+        before,
+        std::fs::read(bench.path("out/step-001/result.json")).expect("a result")
+    );
+    // A longer list solves what is missing.
+    let longer = bench.succeeds(&["press", "case.toml", "-o", "out", "--fz-n", "125,1000,2000"]);
+    assert!(
+        longer.contains("3 steps, 2 of them there already"),
+        "{longer}"
+    );
+    assert!(rises(&column(&table(&bench, "out"), "p_max_pa")));
+    // Another case is another result: its steps are solved again.
+    bench.write("case.toml", CASE.replace("9.0e9", "4.5e9"));
+    assert!(!bench.succeeds(&loads).contains("already"));
+}
+
+/// The paper's table: a smaller rocker radius gives a higher peak; tilting a runner off its keel shortens the contact.
+#[test]
+fn lists_multiply_and_a_smaller_rocker_radius_presses_harder() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.succeeds(&[
+        "press",
+        "case.toml",
+        "--rocker-radius-m",
+        "40,25,15",
+        "--roll-rad",
+        "0,0.02",
+        "--radius-m",
+        "inf",
+    ]);
+    let rows = table(&bench, "out");
+    assert_eq!(rows.len(), 6);
+    assert_eq!(rows[0]["radius_m"], "inf");
+    assert_eq!(
+        column(&rows, "rocker_radius_m"),
+        [40.0, 40.0, 25.0, 25.0, 15.0, 15.0]
+    );
+    assert_eq!(column(&rows, "roll_rad"), [0.0, 0.02, 0.0, 0.02, 0.0, 0.02]);
+    let p_max = column(&rows, "p_max_pa");
+    assert!(rises(&[p_max[0], p_max[2], p_max[4]]), "{p_max:?}");
+    // A round section has no keel: rolling it moves the contact and changes nothing else.
+    assert!((p_max[1] / p_max[0] - 1.0).abs() < 0.02, "{p_max:?}");
+}
+
+#[test]
+fn a_step_short_of_its_accuracy_leaves_the_others_and_says_so() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let output = bench.kufe(&["press", "case.toml", "--fz-n", "500,-1"]);
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("load.fz_n = -1"),
+        "{}",
+        errors(&output)
+    );
+    assert!(
+        !bench.path("out").exists(),
+        "nothing is solved before all cases are checked"
+    );
+    let output = bench.kufe(&["press", "case.toml", "--fz-n", "500,many"]);
+    assert_eq!(output.status.code(), Some(2), "{}", errors(&output));
+    // A flat with sharp edges: its peak has no value, so no mesh is fine enough.
+    let sharp = "[runner.section]\nworn_m = 0.5e-6\nworn_edge = 0.0\n[ice]";
+    let case = CASE
+        .replace("[ice]", sharp)
+        .replace("p_max = 0.02", "p_max = 0.0005");
+    bench.write("flat.toml", case);
+    let output = bench.kufe(&["press", "flat.toml", "--fz-n", "1000"]);
+    assert_eq!(output.status.code(), Some(4), "{}", errors(&output));
+    let rows = table(&bench, "out");
+    assert!(
+        rows[0]["p_max_pa"].is_null() && rows[0]["error"].is_string(),
+        "{}",
+        rows[0]
+    );
+}
+
+#[test]
+fn pyvista_reads_the_series_as_time() {
+    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
+        println!("skipped: KUFE_PYTHON is not set");
+        return;
+    };
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.succeeds(&[
+        "press",
+        "case.toml",
+        "--fz-n",
+        "250,500,1000",
+        "--subsurface",
+    ]);
+    let script = "import sys, pyvista\n\
+        reader = pyvista.get_reader(sys.argv[1])\n\
+        print(*reader.time_values)\n\
+        for time in reader.time_values:\n\
+        \x20   reader.set_active_time_value(time)\n\
+        \x20   mesh = reader.read()[0]\n\
+        \x20   print(mesh.n_cells, mesh.point_data['max_shear_pa'].max())\n";
+    let output = std::process::Command::new(interpreter)
+        .args(["-c", script])
+        .arg(bench.path("out/series.pvd"))
+        .output()
+        .expect("the interpreter that KUFE_PYTHON names");
+    if errors(&output).contains("ModuleNotFoundError") {
+        println!("skipped: {}", errors(&output));
+        return;
+    }
+    assert!(output.status.success(), "{}", errors(&output));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines[0], "250.0 500.0 1000.0");
+    let shear: Vec<f64> = lines[1..]
+        .iter()
+        .map(|line| {
+            line.split_whitespace()
+                .nth(1)
+                .expect("two words")
+                .parse()
+                .expect("a number")
+        })
+        .collect();
+    assert!(shear.len() == 3 && rises(&shear), "{said}");
+    let rows = table(&bench, "out");
+    // The largest shear under a line-like contact is 0.3 of the peak pressure, whatever the load.
+    for row in &rows {
+        let share = row["max_shear_pa"].as_f64().expect("a number")
+            / row["p_max_pa"].as_f64().expect("a number");
+        assert!((share - 0.3).abs() < 0.01, "{share}");
+    }
+    let step = bench.path("out/step-001");
+    for name in ["subsurface.csv", "subsurface.png"] {
+        assert!(step.join(name).exists(), "{name}");
+    }
+}

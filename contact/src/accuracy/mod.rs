@@ -1,0 +1,5 @@
+//! Finer and finer meshes, until the pressure is as exact as was asked.
+
+pub(crate) mod extrapolation;
+pub(crate) mod mesh_solve;
+pub(crate) mod scout;

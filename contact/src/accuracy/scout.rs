@@ -1,0 +1,91 @@
+//! Finding the patch before anything is solved in the volume.
+
+use kufe_fem::Material;
+
+use crate::accuracy::mesh_solve::{Forces, lumped_forces};
+use crate::active_set::plane_problem::PlaneState;
+use crate::grid::contact_mesh::State;
+use crate::grid::discretise::{Reach, Resolution, discretise};
+use crate::grid::first_guess::first_guess;
+use crate::grid::patch::Patch;
+use crate::grid::stretch::Stretch;
+use crate::problem::gap::Gap;
+use crate::result::pressure::field;
+use crate::{Error, Load, Options, Problem};
+
+/// Cells over half the patch while it is being found.
+const SCOUTING: Resolution = Resolution {
+    cells: 7.0,
+    growth: 0.7,
+};
+
+/// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it finds.
+pub(crate) fn scout(
+    problem: &Problem,
+    gap: &Gap,
+    material: Material,
+    options: &Options,
+) -> Result<(Patch, Forces), Error> {
+    capacity(problem)?;
+    let mut patch = first_guess(problem, gap);
+    for _ in 0..30 {
+        if options.stopped() {
+            return Err(Error::Stopped);
+        }
+        let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull)?;
+        let contact = &mesh.contact;
+        let [_, scaled] = contact.greens();
+        let start = PlaneState {
+            force: vec![0.0; contact.candidates.len()],
+            motion: [patch.motion, 0.0, 0.0],
+            settled: false,
+        };
+        let base = contact.unpressed_gap();
+        let found = contact.plane_contact(&scaled, &base, start);
+        let mut force = vec![0.0; contact.gap.len()];
+        for (&node, f) in contact.candidates.iter().zip(&found.force) {
+            force[node] = *f;
+        }
+        let state = State {
+            displacement: Vec::new(),
+            force,
+            motion: found.motion,
+        };
+        let next = field(&mesh, problem, &patch).of(&state).patch;
+        let settled = similar(&patch, &next);
+        patch = next;
+        if settled {
+            return Ok((patch, lumped_forces(&mesh, &state)));
+        }
+    }
+    Err(Error::NotConverged {
+        iterations: 30,
+        residual: f64::INFINITY,
+        tolerance: 0.15,
+    })
+}
+
+/// Whether a grid made for one patch resolves the other.
+fn similar(a: &Patch, b: &Patch) -> bool {
+    let close = |a: &Stretch, b: &Stretch| {
+        (a.low - b.low).abs() < 0.3 * a.half()
+            && (a.high - b.high).abs() < 0.3 * a.half()
+            && b.half() > 0.75 * a.half()
+            && b.finest() > 0.85 * a.finest()
+    };
+    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(a, b)) && close(&a.y, &b.y)
+}
+
+/// Refuses a load that the hull cannot pass on at the stated hardness.
+fn capacity(problem: &Problem) -> Result<(), Error> {
+    let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
+        return Ok(());
+    };
+    let [x0, x1, y0, y1] = problem.runner.underside.extent();
+    let capacity = hardness * (x1 - x0) * (y1 - y0);
+    if capacity <= fz {
+        Err(Error::BeyondHardness { fz, capacity })
+    } else {
+        Ok(())
+    }
+}

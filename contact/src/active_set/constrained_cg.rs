@@ -1,0 +1,256 @@
+//! Conjugate gradients that keep the contact closed.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+use crate::active_set::motion::dot;
+use crate::active_set::motion::solve_motion;
+use crate::active_set::progress::{Limit, Progress};
+use crate::active_set::sets::Sets;
+use crate::active_set::vector;
+use crate::grid::contact_mesh::{ContactMesh, State};
+
+/// The factorised constraint of one contact set.
+pub(crate) struct Constraint {
+    pub inside: Vec<usize>,
+    rows: Vec<[f64; 3]>,
+    factor: Llt<f64>,
+    motion_columns: Mat<f64>,
+}
+
+/// Vectors that the iteration reuses.
+pub(crate) struct Workspace {
+    pub residual: Vec<f64>,
+    step: Vec<f64>,
+    direction: Vec<f64>,
+    image: Vec<f64>,
+}
+
+impl ContactMesh {
+    pub fn constrain(&self, sets: &Sets, green: &Mat<f64>) -> Option<Constraint> {
+        let inside = &sets.inside;
+        let n = inside.len();
+        let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
+        let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
+        let rows: Vec<[f64; 3]> = inside
+            .iter()
+            .map(|&i| self.rows[self.candidates[i]])
+            .collect();
+        let columns = Mat::from_fn(n, 3, |i, j| rows[i][j]);
+        let motion_columns = factor.solve(&columns);
+        let inside = inside.iter().map(|&i| self.candidates[i]).collect();
+        Some(Constraint {
+            inside,
+            rows,
+            factor,
+            motion_columns,
+        })
+    }
+
+    pub fn workspace(&self) -> Workspace {
+        let n = self.len();
+        Workspace {
+            residual: vec![0.0; n],
+            step: vec![0.0; n],
+            direction: vec![0.0; n],
+            image: vec![0.0; n],
+        }
+    }
+
+    /// Conjugate gradients in the subspace where the nodes inside stay closed.
+    ///
+    /// Returns whether the tolerance was reached and the signs confirm the set.
+    #[allow(clippy::too_many_arguments)]
+    pub fn iterate(
+        &self,
+        sets: &Sets,
+        constraint: &Constraint,
+        state: &mut State,
+        work: &mut Workspace,
+        tolerance: f64,
+        limit: &Limit,
+        progress: &mut Progress,
+    ) -> bool {
+        self.project_forces(sets, state);
+        self.enter(constraint, state, work);
+        progress.iterations += 1;
+        // Now the step's defect and imbalance are 0, and stay so.
+        let mut rho_before = 0.0;
+        let mut turn_direction = [0.0; 3];
+        let mut next_check: f64 = 1e-2;
+        loop {
+            let (turn, rho) = self.equilibrate(constraint, state, work, progress);
+            if let Some(confirmed) =
+                self.settled(sets, state, progress.residual, tolerance, &mut next_check)
+            {
+                return confirmed;
+            }
+            if limit.reached(progress.iterations) {
+                return false;
+            }
+            let beta = if rho_before > 0.0 {
+                rho / rho_before
+            } else {
+                0.0
+            };
+            rho_before = rho;
+            vector::scale_add(&mut work.direction, beta, &work.step);
+            turn_direction = [0, 1, 2].map(|a| turn[a] + beta * turn_direction[a]);
+            self.apply(&work.direction, &mut work.image);
+            let curvature = vector::dot(&work.direction, &work.image);
+            if curvature <= 0.0 {
+                return false;
+            }
+            let alpha = rho / curvature;
+            for (q, t) in state.motion.iter_mut().zip(turn_direction) {
+                *q += alpha * t;
+            }
+            vector::add_two(
+                alpha,
+                [&mut state.displacement, &mut work.residual],
+                [&work.direction, &work.image],
+            );
+            progress.iterations += 1;
+        }
+    }
+
+    /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of the new state.
+    pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
+        self.residual(state, &mut work.residual);
+        let closing = self.closing(&state.displacement);
+        let defect: Vec<f64> = constraint
+            .inside
+            .iter()
+            .map(|&i| self.gap[i] - dot(self.rows[i], state.motion) - closing[i])
+            .collect();
+        let mut balance = self.motion.balance;
+        for (row, force) in self
+            .rows
+            .iter()
+            .zip(&state.force)
+            .filter(|(_, f)| **f != 0.0)
+        {
+            for (b, r) in balance.iter_mut().zip(row) {
+                *b -= r * force;
+            }
+        }
+        let (turn, force) = self.precondition(constraint, &defect, balance, work);
+        self.advance(1.0, turn, state, &work.step);
+        add_to(constraint, &force, state);
+        self.residual(state, &mut work.residual);
+    }
+
+    /// The next step of a state in the subspace; returns its turn and r . z.
+    ///
+    /// The multipliers' increment goes into the forces, which leaves the residual what truly is out of equilibrium.
+    pub(crate) fn equilibrate(
+        &self,
+        constraint: &Constraint,
+        state: &mut State,
+        work: &mut Workspace,
+        progress: &mut Progress,
+    ) -> ([f64; 3], f64) {
+        let none = vec![0.0; constraint.inside.len()];
+        let (turn, force) = self.precondition(constraint, &none, [0.0; 3], work);
+        let rho = vector::dot(&work.residual, &work.step).max(0.0);
+        add_to(constraint, &force, state);
+        let opposite = forces_on(constraint, &force, -1.0);
+        self.add_forces(&opposite, &mut work.residual);
+        let energy = self.energy(state).max(f64::MIN_POSITIVE);
+        progress.residual = (rho / energy).sqrt();
+        (turn, rho)
+    }
+
+    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; looked at whenever the residual
+    /// has fallen a hundredfold.
+    pub(crate) fn settled(
+        &self,
+        sets: &Sets,
+        state: &State,
+        residual: f64,
+        tolerance: f64,
+        next_check: &mut f64,
+    ) -> Option<bool> {
+        if residual.is_nan() || residual >= next_check.max(tolerance) {
+            return None;
+        }
+        let reached = residual < tolerance;
+        let slack = if reached { 1e-10 } else { residual };
+        if self.signs(state, sets, slack).is_some() {
+            return Some(false);
+        }
+        *next_check *= 1e-2;
+        reached.then_some(true)
+    }
+
+    fn advance(&self, factor: f64, turn: [f64; 3], state: &mut State, step: &[f64]) {
+        for (q, t) in state.motion.iter_mut().zip(turn) {
+            *q += factor * t;
+        }
+        vector::add(&mut state.displacement, factor, step);
+    }
+
+    /// Solves P z + B^T m = r, N^T m = `balance`, B z + N q = `defect` for the step z (into `work.step`),
+    /// the turn q and the multipliers m of the nodes inside.
+    fn precondition(
+        &self,
+        constraint: &Constraint,
+        defect: &[f64],
+        balance: [f64; 3],
+        work: &mut Workspace,
+    ) -> ([f64; 3], Vec<f64>) {
+        let mut closing = vec![0.0; self.gap.len()];
+        let mut start = 0;
+        for member in self.members() {
+            let residual = &work.residual[start..start + member.len()];
+            member.begin(residual, &mut closing);
+            start += member.len();
+        }
+        let (turn, multipliers) = self.multipliers(constraint, &closing, defect, balance);
+        let forces = forces_on(constraint, &multipliers, 1.0);
+        let mut start = 0;
+        for member in self.members() {
+            member.finish(&forces, &mut work.step[start..start + member.len()]);
+            start += member.len();
+        }
+        (turn, multipliers)
+    }
+
+    /// The turn and the multipliers that close `defect` beyond `closing` = B P^-1 r.
+    pub(crate) fn multipliers(
+        &self,
+        constraint: &Constraint,
+        closing: &[f64],
+        defect: &[f64],
+        balance: [f64; 3],
+    ) -> ([f64; 3], Vec<f64>) {
+        let n = constraint.inside.len();
+        let side = Mat::from_fn(n, 1, |i, _| defect[i] - closing[constraint.inside[i]]);
+        let solved_side = constraint.factor.solve(&side);
+        let solved = Mat::from_fn(n, 4, |i, j| {
+            if j == 0 {
+                solved_side[(i, 0)]
+            } else {
+                constraint.motion_columns[(i, j - 1)]
+            }
+        });
+        let turn = solve_motion(&self.motion, &constraint.rows, &solved, balance, [0.0; 3]);
+        let multipliers: Vec<f64> = (0..n)
+            .map(|i| (1..4).map(|j| solved[(i, j)] * turn[j - 1]).sum::<f64>() - solved[(i, 0)])
+            .collect();
+        (turn, multipliers)
+    }
+}
+
+/// The forces on the nodes inside, times `factor`, with their nodes.
+pub(crate) fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
+    let nodes = constraint.inside.iter().copied();
+    nodes.zip(force.iter().map(|f| factor * f)).collect()
+}
+
+/// Adds the forces on the nodes inside to the state's.
+pub(crate) fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
+    for (&node, f) in constraint.inside.iter().zip(force) {
+        state.force[node] += f;
+    }
+}

@@ -1,0 +1,182 @@
+//! The contact problem on one mesh.
+
+use faer::Mat;
+use rayon::prelude::*;
+
+use crate::active_set::motion::dot;
+use crate::active_set::motion::{Motion, dot_rows};
+use crate::active_set::sets::Sets;
+use crate::active_set::vector;
+use crate::bodies::elastic_body::ElasticBody;
+use crate::bodies::solid_body::SolidBody;
+use crate::bodies::tensor_body::TensorBody;
+
+/// A mesh with everything the iteration needs; plane arrays have x fastest.
+pub(crate) struct ContactMesh {
+    /// Elastic bodies that share the columns of the contact plane; the ice first.
+    pub bodies: Vec<TensorBody>,
+    /// A runner on hexahedra of its own.
+    pub solid: Option<SolidBody>,
+    /// Undeformed gap; infinite where there is no hull [m].
+    pub gap: Vec<f64>,
+    /// Rows N of the rigid motion.
+    pub rows: Vec<[f64; 3]>,
+    /// Largest contact force of each node [N].
+    pub bound: Vec<f64>,
+    /// Nodes that may touch (indices on the plane).
+    pub candidates: Vec<usize>,
+    /// The runner's motion and the balance of the modelled part.
+    pub motion: Motion,
+}
+
+/// Displacements, contact forces and motion on one mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    /// Displacements of the bodies one after another, held values included [m].
+    pub displacement: Vec<f64>,
+    /// Contact forces on the plane [N].
+    pub force: Vec<f64>,
+    /// Approach [m], pitch and roll [rad].
+    pub motion: [f64; 3],
+}
+
+impl ContactMesh {
+    /// The bodies, in the order of their parts of a displacement vector.
+    pub fn members(&self) -> impl Iterator<Item = &dyn ElasticBody> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn ElasticBody);
+        bodies.chain(self.solid.iter().map(|solid| solid as &dyn ElasticBody))
+    }
+
+    /// Length of a displacement vector.
+    pub fn len(&self) -> usize {
+        self.members().map(ElasticBody::len).sum()
+    }
+
+    /// The dense Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's.
+    pub fn greens(&self) -> [Mat<f64>; 2] {
+        let n = self.candidates.len();
+        let mut sums = [Mat::zeros(n, n), Mat::zeros(n, n)];
+        for member in self.members() {
+            for (sum, green) in sums.iter_mut().zip(member.green(&self.candidates)) {
+                *sum += &green;
+            }
+        }
+        sums
+    }
+
+    /// Vertical closing of the gap by the displacements: B u.
+    pub fn closing(&self, displacement: &[f64]) -> Vec<f64> {
+        let mut closing = vec![0.0; self.gap.len()];
+        let mut start = 0;
+        for member in self.members() {
+            member.add_closing(&displacement[start..start + member.len()], &mut closing);
+            start += member.len();
+        }
+        closing
+    }
+
+    /// Gap of the candidates without motion and contact forces: the undeformed one less what loads on the runner close.
+    pub fn unpressed_gap(&self) -> Vec<f64> {
+        let mut closing = vec![0.0; self.gap.len()];
+        for member in self.members().filter(|m| !m.load().is_empty()) {
+            member.begin(member.load(), &mut closing);
+        }
+        self.candidates
+            .iter()
+            .map(|&node| self.gap[node] - closing[node])
+            .collect()
+    }
+
+    /// Vertical displacement of the lowest body's plane, the ice surface.
+    pub fn ice_surface(&self, displacement: &[f64]) -> Vec<f64> {
+        let ice = &self.bodies[0];
+        ice.surface(&displacement[..ice.len()], self.gap.len())
+    }
+
+    /// Gap of every plane node in a state.
+    pub fn gaps(&self, state: &State) -> Vec<f64> {
+        let closing = self.closing(&state.displacement);
+        (0..self.gap.len())
+            .map(|i| self.gap[i] - dot(self.rows[i], state.motion) - closing[i])
+            .collect()
+    }
+
+    /// Deepest interpenetration of the undeformed shapes [m].
+    pub fn depth(&self, state: &State) -> f64 {
+        (0..self.gap.len())
+            .map(|i| dot(self.rows[i], state.motion) - self.gap[i])
+            .fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Sum of the contact forces' rows: normal force and moments of the modelled part.
+    pub fn resultant(&self, state: &State) -> [f64; 3] {
+        let force = Mat::from_fn(state.force.len(), 1, |i, _| state.force[i]);
+        [0, 1, 2].map(|a| dot_rows(&self.rows, a, &force, 0))
+    }
+
+    /// Twice the energy stored by the contact forces: sum of force times closing.
+    pub fn energy(&self, state: &State) -> f64 {
+        let closing = self.closing(&state.displacement);
+        state
+            .force
+            .iter()
+            .zip(&closing)
+            .map(|(f, c)| f * c)
+            .sum::<f64>()
+            .abs()
+    }
+
+    /// Forces 0 outside the set and at their bound where full.
+    pub fn project_forces(&self, sets: &Sets, state: &mut State) {
+        let mut kept = vec![0.0; state.force.len()];
+        for &i in &sets.inside {
+            let node = self.candidates[i];
+            kept[node] = state.force[node].clamp(0.0, self.bound[node]);
+        }
+        for &i in &sets.full {
+            kept[self.candidates[i]] = self.bound[self.candidates[i]];
+        }
+        state.force = kept;
+    }
+
+    /// `out` = K u, body by body.
+    pub fn apply(&self, u: &[f64], out: &mut [f64]) {
+        let mut start = 0;
+        for member in self.members() {
+            let range = start..start + member.len();
+            member.apply(&u[range.clone()], &mut out[range]);
+            start += member.len();
+        }
+    }
+
+    /// `out` += B^T f for the forces (node, value).
+    pub fn add_forces(&self, forces: &[(usize, f64)], out: &mut [f64]) {
+        let mut start = 0;
+        for member in self.members() {
+            member.add_forces(forces, &mut out[start..start + member.len()]);
+            start += member.len();
+        }
+    }
+
+    /// `out` = load - K u - B^T f.
+    pub fn residual(&self, state: &State, out: &mut [f64]) {
+        self.apply(&state.displacement, out);
+        let forces: Vec<(usize, f64)> = state
+            .force
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|(_, f)| *f != 0.0)
+            .collect();
+        self.add_forces(&forces, out);
+        let mut start = 0;
+        for member in self.members() {
+            for (out, load) in out[start..].iter_mut().zip(member.load()) {
+                *out -= load;
+            }
+            start += member.len();
+        }
+        out.par_chunks_mut(vector::CHUNK)
+            .for_each(|chunk| chunk.iter_mut().for_each(|r| *r = -*r));
+    }
+}

@@ -1,0 +1,202 @@
+//! A first guess of the patch from the undeformed gap alone.
+
+use kufe_mesh::Underside;
+
+use crate::grid::corners::corners;
+use crate::grid::patch::Patch;
+use crate::grid::stretch::Stretch;
+use crate::problem::gap::Gap;
+use crate::{Load, Problem};
+
+/// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that
+/// E* d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor of 2.
+pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
+    let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
+    let underside = problem.runner.underside.as_ref();
+    let stations = Stations::new(underside, gap);
+    let guess = match problem.load {
+        Load::Approach { approach, .. } => stations.cut(gap, approach.max(1e-12)),
+        Load::Force { fz, .. } => {
+            let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                let depth = middle.exp();
+                let patch = stations.cut(gap, depth);
+                let length: f64 = patch.x.iter().map(|s| 2.0 * s.half()).sum();
+                let force = contact_modulus * depth * (length * 2.0 * patch.y.half()).sqrt();
+                if force < fz {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            stations.cut(gap, (0.5 * (low + high)).exp())
+        }
+    };
+    let y = gap.line_of_action[1];
+    let corners = match &problem.ice_surface {
+        None => corners(|x, y| underside.height(x, y), underside.extent(), y),
+        // The ice may have corners too, and under an unbounded hull nothing else says where to look.
+        Some(_) => corners(|x, y| gap.at(x, y), within(&guess, underside.extent()), y),
+    };
+    Patch { corners, ..guess }.refined_at_corners()
+}
+
+/// The hull's extent; where it is unbounded, along x thrice the patch that is expected.
+fn within(guess: &Patch, [low, high, right, left]: [f64; 4]) -> [f64; 4] {
+    if low.is_finite() && high.is_finite() {
+        return [low, high, right, left];
+    }
+    let from = guess
+        .x
+        .iter()
+        .fold(f64::INFINITY, |from, x| from.min(x.low));
+    let to = guess
+        .x
+        .iter()
+        .fold(f64::NEG_INFINITY, |to, x| to.max(x.high));
+    [2.0 * from - to, 2.0 * to - from, right, left]
+}
+
+/// Sampled lines along and across the hull.
+struct Stations {
+    along: Vec<[f64; 2]>,
+    lowest: f64,
+    y0: f64,
+    y_range: [f64; 2],
+}
+
+impl Stations {
+    /// Samples the gap on the line along x through the line of action, denser near it.
+    fn new(underside: &dyn Underside, gap: &Gap) -> Self {
+        let extent = underside.extent();
+        let [x0, y0] = gap.line_of_action;
+        let reach = |end: f64, from: f64| {
+            if end.is_finite() {
+                end - from
+            } else {
+                end.signum() * 2.0
+            }
+        };
+        let (back, front) = (reach(extent[0], x0), reach(extent[1], x0));
+        let mut offsets: Vec<f64> = Vec::new();
+        for i in 0..=400 {
+            let t = i as f64 / 400.0;
+            offsets.push(front * t.powi(3));
+            offsets.push(back * t.powi(3));
+            offsets.push(front * t);
+            offsets.push(back * t);
+        }
+        offsets.sort_by(f64::total_cmp);
+        offsets.dedup();
+        let y_range = [
+            if extent[2].is_finite() {
+                extent[2]
+            } else {
+                y0 - 2.0
+            },
+            if extent[3].is_finite() {
+                extent[3]
+            } else {
+                y0 + 2.0
+            },
+        ];
+        let along: Vec<[f64; 2]> = offsets
+            .iter()
+            .map(|d| [x0 + d, lowest_across(gap, x0 + d, y0, y_range)])
+            .filter(|s| s[1].is_finite())
+            .collect();
+        let lowest = along.iter().map(|s| s[1]).fold(f64::INFINITY, f64::min);
+        let along = along.iter().map(|s| [s[0], s[1] - lowest]).collect();
+        Stations {
+            along,
+            lowest,
+            y0,
+            y_range,
+        }
+    }
+
+    /// The part of the hull within `depth` of its lowest point.
+    fn cut(&self, gap: &Gap, depth: f64) -> Patch {
+        let mut x: Vec<[f64; 2]> = Vec::new();
+        let mut inside = false;
+        for pair in self.along.windows(2) {
+            let crossing = || {
+                pair[0][0]
+                    + (pair[1][0] - pair[0][0]) * (depth - pair[0][1]) / (pair[1][1] - pair[0][1])
+            };
+            match (pair[0][1] < depth, pair[1][1] < depth) {
+                (true, true) if !inside => {
+                    x.push([pair[0][0], pair[1][0]]);
+                    inside = true;
+                }
+                (true, true) => {
+                    if let Some(last) = x.last_mut() {
+                        last[1] = pair[1][0];
+                    }
+                }
+                (true, false) => {
+                    let end = crossing();
+                    match x.last_mut() {
+                        Some(last) if inside => last[1] = end,
+                        _ => x.push([pair[0][0], end]),
+                    }
+                    inside = false;
+                }
+                (false, true) => {
+                    x.push([crossing(), pair[1][0]]);
+                    inside = true;
+                }
+                (false, false) => {}
+            }
+        }
+        let deepest = self
+            .along
+            .iter()
+            .min_by(|a, b| a[1].total_cmp(&b[1]))
+            .map_or(0.0, |s| s[0]);
+        let width = |sign: f64| {
+            let end = if sign > 0.0 {
+                self.y_range[1]
+            } else {
+                self.y_range[0]
+            } - self.y0;
+            let below = |d: f64| gap.at(deepest, self.y0 + d) - self.lowest < depth;
+            let (mut low, mut high) = (1e-9f64.min(end.abs()), end.abs());
+            if below(sign * high) {
+                return end;
+            }
+            for _ in 0..60 {
+                let middle = (low * high).sqrt();
+                if below(sign * middle) {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            sign * high
+        };
+        let x = x
+            .iter()
+            .map(|[low, high]| Stretch::even(*low, *high))
+            .collect();
+        let y = Stretch::even(self.y0 + width(-1.0), self.y0 + width(1.0));
+        Patch {
+            x,
+            y,
+            motion: depth + self.lowest,
+            corners: Vec::new(),
+        }
+    }
+}
+
+/// Lowest gap on the line across at `x`: golden-section search on a curve with one valley.
+fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
+    let here = gap.at(x, y0);
+    if here.is_finite() {
+        return here;
+    }
+    (1..40)
+        .map(|i| gap.at(x, range[0] + (range[1] - range[0]) * f64::from(i) / 40.0))
+        .fold(f64::INFINITY, f64::min)
+}

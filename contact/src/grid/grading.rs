@@ -1,0 +1,201 @@
+//! Graded axes: fine over the contact, growing away from it.
+
+use crate::grid::stretch::Stretch;
+
+/// A stretch of an axis that is to be resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Zone {
+    /// Where it is, and how fine relative to `spacing`.
+    pub stretch: Stretch,
+    /// Spacing where the stretch wants 1 [m].
+    pub spacing: f64,
+}
+
+impl Zone {
+    fn spacing_at(&self, x: f64) -> f64 {
+        self.spacing * self.stretch.size(x)
+    }
+
+    /// Nodes at even steps of the integral of dx / h(x), ends included.
+    fn nodes(&self) -> Vec<f64> {
+        let (low, high) = (self.stretch.low, self.stretch.high);
+        if self.stretch.finest() == 1.0 {
+            let cells = ((high - low) / self.spacing).round().max(1.0) as usize;
+            return (0..=cells)
+                .map(|i| low + (high - low) * i as f64 / cells as f64)
+                .collect();
+        }
+        let mut nodes = vec![low];
+        nodes.extend(even_steps(low, high, |x| self.spacing_at(x), f64::round));
+        nodes.push(high);
+        nodes
+    }
+}
+
+/// Where an axis begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Start {
+    /// Exactly here: a mirror plane [m].
+    At(f64),
+    /// At or beyond this place [m].
+    Beyond(f64),
+}
+
+/// Nodes over the zones and beyond them to `start` and to at least `high`.
+///
+/// Every zone is divided by its own rule, so that meshes of different fineness are images of each other and
+/// their errors can be compared. Outside, the spacing grows by `growth` times the distance from the zone, and the
+/// last node falls where the growth puts it, at or beyond the end asked. Between two zones the nodes stand at
+/// even steps of the integral of dx / h(x), h being the smaller of the two zones' wishes. Zones are in order
+/// and apart.
+pub(crate) fn graded_axis(start: Start, high: f64, zones: &[Zone], growth: f64) -> Vec<f64> {
+    let (first, last) = (&zones[0], &zones[zones.len() - 1]);
+    let (begin, end) = (first.stretch.low, last.stretch.high);
+    let (reach, exact) = match start {
+        Start::At(x) => (begin - x, true),
+        Start::Beyond(x) => (begin - x, false),
+    };
+    let mut before = outward(first.spacing_at(begin), reach, growth);
+    if exact && let Some(&farthest) = before.last() {
+        before.iter_mut().for_each(|d| *d *= reach / farthest);
+    }
+    let mut nodes: Vec<f64> = before.iter().rev().map(|d| begin - d).collect();
+    for (index, zone) in zones.iter().enumerate() {
+        if index > 0 {
+            nodes.extend(between(&zones[index - 1], zone, growth));
+        }
+        let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
+        nodes.extend(zone.nodes().into_iter().filter(|&x| x > from));
+    }
+    nodes.extend(
+        outward(last.spacing_at(end), high - end, growth)
+            .iter()
+            .map(|d| end + d),
+    );
+    nodes
+}
+
+/// Distances of the nodes beyond a zone's end, up to the first at or beyond `reach`.
+fn outward(spacing: f64, reach: f64, growth: f64) -> Vec<f64> {
+    let mut distances = Vec::new();
+    let mut distance = 0.0;
+    while distance < reach * (1.0 - 1e-9) {
+        // The cell's middle is where its size is asked.
+        distance += (spacing + growth * distance) / (1.0 - 0.5 * growth).max(0.5);
+        distances.push(distance);
+    }
+    distances
+}
+
+/// Nodes strictly between two zones.
+fn between(left: &Zone, right: &Zone, growth: f64) -> Vec<f64> {
+    let (low, high) = (left.stretch.high, right.stretch.low);
+    let (from, to) = (left.spacing_at(low), right.spacing_at(high));
+    even_steps(
+        low,
+        high,
+        |x| (from + growth * (x - low)).min(to + growth * (high - x)),
+        f64::ceil,
+    )
+}
+
+/// Nodes strictly between `low` and `high` at even steps of the integral of dx / `spacing`, the number of
+/// steps rounded by `round`.
+fn even_steps(
+    low: f64,
+    high: f64,
+    spacing: impl Fn(f64) -> f64,
+    round: impl Fn(f64) -> f64,
+) -> Vec<f64> {
+    let (mut stations, mut counts) = (vec![low], vec![0.0]);
+    let (mut x, mut count) = (low, 0.0);
+    while x < high {
+        // Short against the spacing here and where the step leads.
+        let trial = 0.1 * spacing(x);
+        let step = trial
+            .min(0.2 * spacing((x + trial).min(high)))
+            .min(high - x);
+        let next = if high - (x + step) < 1e-6 * step {
+            high
+        } else {
+            x + step
+        };
+        count += (next - x) / spacing(0.5 * (x + next));
+        x = next;
+        stations.push(x);
+        counts.push(count);
+    }
+    let cells = round(count).max(1.0) as usize;
+    (1..cells)
+        .map(|i| {
+            let target = count * i as f64 / cells as f64;
+            let station = counts
+                .partition_point(|c| *c < target)
+                .clamp(1, counts.len() - 1);
+            let weight = (target - counts[station - 1]) / (counts[station] - counts[station - 1]);
+            stations[station - 1] + weight * (stations[station] - stations[station - 1])
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn zone(low: f64, high: f64, spacing: f64) -> Zone {
+        Zone {
+            stretch: Stretch::even(low, high),
+            spacing,
+        }
+    }
+
+    #[test]
+    fn axis_is_even_in_its_zones_and_grows_outside() {
+        let zones = [zone(0.0, 1.0, 0.1), zone(5.0, 6.0, 0.2)];
+        let nodes = graded_axis(Start::At(0.0), 100.0, &zones, 0.4);
+        assert!(nodes[0] == 0.0 && nodes[nodes.len() - 1] >= 100.0);
+        for pair in nodes.windows(2) {
+            let (step, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
+            let wish = |zone: &Zone| {
+                let (low, high) = (zone.stretch.low, zone.stretch.high);
+                zone.spacing + 0.4 * (low - middle).max(middle - high).max(0.0)
+            };
+            let asked = zones.iter().map(wish).fold(f64::INFINITY, f64::min);
+            assert!(
+                step > 0.0 && step < 1.3 * asked,
+                "{step} at {middle}, asked {asked}"
+            );
+        }
+        assert_eq!(
+            nodes.iter().filter(|x| (0.0..=1.0).contains(*x)).count(),
+            11
+        );
+    }
+
+    #[test]
+    fn finer_axis_of_the_same_zone_has_its_zone_nodes_in_the_same_proportion() {
+        let nodes = |cells: f64| {
+            graded_axis(
+                Start::At(0.0),
+                50.0,
+                &[zone(0.0, 1.0, 1.0 / cells)],
+                2.0 / cells,
+            )
+        };
+        let (coarse, fine) = (nodes(4.0), nodes(8.0));
+        assert!(
+            coarse
+                .iter()
+                .take(5)
+                .zip(fine.iter().step_by(2))
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+    }
+
+    #[test]
+    fn axis_beyond_a_mirror_plane_begins_exactly_there() {
+        let nodes = graded_axis(Start::At(0.0), 3.0, &[zone(1.0, 2.0, 0.1)], 0.3);
+        assert_eq!(nodes[0], 0.0);
+        assert!(nodes.windows(2).all(|w| w[1] > w[0]));
+    }
+}

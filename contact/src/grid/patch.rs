@@ -1,0 +1,79 @@
+//! Where contact is expected, and how fine cells are to be there.
+
+use crate::grid::corners::Corner;
+use crate::grid::stretch::Stretch;
+
+/// Where contact is expected: intervals along x, one interval across, and the approach.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Patch {
+    /// Stretches along the runner, in order.
+    pub x: Vec<Stretch>,
+    /// Stretch across the runner.
+    pub y: Stretch,
+    /// The runner's motion towards the track at which the patch is expected: approach plus the lowest gap [m].
+    pub motion: f64,
+    /// Where the keel's curvature jumps.
+    pub corners: Vec<Corner>,
+}
+
+/// Wanted spacing at a corner of the keel, at one cell over half the patch, over the contact's half-width: the tip of a
+/// pressure's peak there is as wide as the contact.
+const AT_CORNERS: f64 = 2.0;
+
+impl Patch {
+    /// This patch, resolved like `other` where both have the same stretches: their meshes are similar.
+    pub fn with_sizes_of(mut self, other: &Patch) -> Self {
+        if self.x.len() == other.x.len() {
+            for (mine, theirs) in self.x.iter_mut().zip(&other.x) {
+                mine.sizes.clone_from(&theirs.sizes);
+            }
+            self.y.sizes.clone_from(&other.y.sizes);
+        }
+        self
+    }
+
+    /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a mesh that does not
+    /// know of them, whatever it says of the pressure.
+    pub fn refined_at_corners(mut self) -> Self {
+        let width = self.y.half();
+        for stretch in &mut self.x {
+            let half = stretch.half();
+            for corner in &self.corners {
+                stretch.refine_at(corner.at, (AT_CORNERS * width).max(corner.within) / half);
+            }
+        }
+        self
+    }
+
+    /// Whether somewhere this patch asks for cells below `part` of those that `other` has there.
+    pub fn wants_finer_than(&self, other: &Patch, part: f64) -> bool {
+        let wants = |mine: &Stretch, theirs: &Stretch| {
+            mine.spacings()
+                .any(|[x, spacing]| spacing < part * theirs.half() * theirs.size(x))
+        };
+        let along = self.x.iter().any(|mine| {
+            let under = other.x.iter().find(|theirs| theirs.meets(mine));
+            under.is_some_and(|theirs| wants(mine, theirs))
+        });
+        along || wants(&self.y, &other.y)
+    }
+
+    /// Smallest wanted spacing over the even one.
+    pub fn finest(&self) -> f64 {
+        let stretches = self.x.iter().chain([&self.y]);
+        stretches.map(Stretch::finest).fold(1.0, f64::min)
+    }
+
+    /// Whether even cells do everywhere: a smooth contact away from its hull's ends.
+    pub fn is_even(&self) -> bool {
+        self.finest() == 1.0
+    }
+
+    /// From its first to its last point along x [m].
+    pub fn span_x(&self) -> [f64; 2] {
+        match (self.x.first(), self.x.last()) {
+            (Some(first), Some(last)) => [first.low, last.high],
+            _ => [0.0; 2],
+        }
+    }
+}

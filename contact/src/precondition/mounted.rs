@@ -1,0 +1,179 @@
+//! The preconditioner of a body on a tensor grid, ready for a constraint on its contact plane.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use faer::Mat;
+use kufe_fem::{Axis, FastDiagonal, Material, TensorOperator};
+
+use crate::bodies::columns::Columns;
+use crate::precondition::beam_space::BeamSpace;
+use crate::precondition::clamps::Clamps;
+use crate::precondition::plane_modes::PlaneModes;
+use crate::precondition::response::surface_response;
+
+/// M^-1 = P^-1 + Z C^-1 Z^T, in the subspace where the clamps hold.
+///
+/// P is fast diagonalisation, Z the motions of a beam where the body is slender ([`BeamSpace`]), and the clamps
+/// ([`Clamps`]) are places on the body's top that no face of P holds.
+pub(crate) struct MountedInverse {
+    fast: FastDiagonal,
+    contact: PlaneModes,
+    columns: Columns,
+    sign: f64,
+    /// Factor by which the true surface response exceeds that of P on a half-space.
+    response: f64,
+    beam: Option<BeamSpace>,
+    clamps: Option<Clamps>,
+    work: Mutex<Work>,
+}
+
+/// Vectors that applications reuse; `modal` and `motion` stand between a beginning and its finish.
+struct Work {
+    modal: Vec<f64>,
+    motion: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+impl MountedInverse {
+    /// Without beam and clamps; `first` is the x axis of component x where it is not the operator's own.
+    pub fn new(
+        operator: &TensorOperator,
+        first: Option<&Axis>,
+        plane: usize,
+        columns: Columns,
+        sign: f64,
+        material: Material,
+    ) -> Self {
+        let fast = FastDiagonal::with_first_axis(operator, first);
+        let contact = PlaneModes::new(&fast, 2, plane);
+        let response = surface_response(operator, material);
+        let work = Mutex::new(Work {
+            modal: vec![0.0; fast.mode_count()],
+            motion: Vec::new(),
+            scratch: vec![0.0; fast.scratch_len()],
+        });
+        MountedInverse {
+            fast,
+            contact,
+            columns,
+            sign,
+            response,
+            beam: None,
+            clamps: None,
+            work,
+        }
+    }
+
+    /// Adds the motions of a beam.
+    pub fn add_beam(&mut self, beam: BeamSpace) {
+        self.work
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner)
+            .motion = vec![0.0; beam.len()];
+        self.beam = Some(beam);
+    }
+
+    /// Holds entries (component, node (i, j)) of plane `plane`; fails where they are no constraint that can be told apart.
+    pub fn clamp(&mut self, plane: usize, held: [Vec<[usize; 2]>; 3]) -> Option<()> {
+        let factors = [1.0, self.response];
+        self.clamps = Some(Clamps::new(
+            &self.fast,
+            plane,
+            held,
+            self.beam.as_ref(),
+            factors,
+        )?);
+        Some(())
+    }
+
+    fn work(&self) -> MutexGuard<'_, Work> {
+        // Never contended: one iteration runs at a time.
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
+    pub fn begin(&self, residual: &[f64], closing: &mut [f64]) {
+        let mut work = self.work();
+        let Work {
+            modal,
+            motion,
+            scratch,
+        } = &mut *work;
+        self.fast.to_modes(residual, modal, scratch);
+        self.fast.divide(modal);
+        if let Some(beam) = &self.beam {
+            beam.project(residual, motion);
+        }
+        self.hold(modal, motion);
+        let trace = self.contact.trace(&self.fast, modal);
+        let amplitudes = self.beam.as_ref().map(|beam| beam.answer(motion));
+        let [nx, ny] = self.columns.count;
+        for j in 0..ny {
+            for i in 0..nx {
+                let mut value = trace[(i, j)];
+                if let (Some(beam), Some(c)) = (&self.beam, &amplitudes) {
+                    value += beam.on_contact([i, j], c);
+                }
+                closing[self.columns.node([i, j])] += self.sign * value;
+            }
+        }
+    }
+
+    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
+    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
+        let mut work = self.work();
+        let Work {
+            modal,
+            motion,
+            scratch,
+        } = &mut *work;
+        let [nx, ny] = self.columns.count;
+        let mut plane = Mat::<f64>::zeros(nx, ny);
+        for &(node, m) in multipliers {
+            if let Some([i, j]) = self.columns.local(node) {
+                plane[(i, j)] = self.sign * m;
+                if let Some(beam) = &self.beam {
+                    beam.subtract_contact([i, j], self.sign * m, motion);
+                }
+            }
+        }
+        self.contact
+            .subtract_load(&self.fast, plane.as_ref(), modal);
+        self.hold(modal, motion);
+        self.fast.from_modes(modal, step, scratch);
+        if let Some(beam) = &self.beam {
+            beam.add_motion(&beam.answer(motion), step);
+        }
+    }
+
+    /// Subtracts the clamps' reactions that keep them still.
+    fn hold(&self, modal: &mut [f64], motion: &mut [f64]) {
+        if let Some(clamps) = &self.clamps {
+            clamps.hold(&self.fast, self.beam.as_ref(), modal, motion);
+        }
+    }
+
+    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; the second one scales P's part to elasticity's response.
+    pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
+        let n = nodes.len();
+        let local: Vec<[usize; 2]> = nodes
+            .iter()
+            .filter_map(|&node| self.columns.local(node))
+            .collect();
+        assert_eq!(local.len(), n, "contact candidates over the body");
+        let fast = self.contact.green(&local);
+        let beam = self.beam.as_ref().map(|beam| beam.contact_green(&local));
+        [0, 1].map(|kind| {
+            let factor = [1.0, self.response][kind];
+            let mut green = faer::Scale(factor) * &fast;
+            if let Some(beam) = &beam {
+                green += beam;
+            }
+            if let Some(clamps) = &self.clamps {
+                let beam = self.beam.as_ref();
+                green -= clamps.share(kind, &self.fast, &self.contact, beam, factor, &local);
+            }
+            green
+        })
+    }
+}

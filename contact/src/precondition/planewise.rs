@@ -1,0 +1,120 @@
+//! The preconditioner of a body that nothing but faces holds.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use faer::{Mat, MatMut, MatRef};
+use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
+
+use crate::bodies::columns::Columns;
+use crate::precondition::plane_basis::PlaneBasis;
+use crate::precondition::response::surface_response;
+
+/// P^-1 by layers, with the contact plane as the end of the elimination.
+pub(crate) struct PlanewiseInverse {
+    pub preconditioner: LayeredDiagonal,
+    basis: PlaneBasis,
+    columns: Columns,
+    sign: f64,
+    /// Factor by which the true surface response exceeds that of P on a half-space.
+    response: f64,
+    /// What stands between a beginning and its finish.
+    modal: Mutex<Vec<f64>>,
+}
+
+impl PlanewiseInverse {
+    /// With the contact plane at `end` of z.
+    pub fn new(
+        operator: &TensorOperator,
+        end: End,
+        columns: Columns,
+        sign: f64,
+        material: Material,
+    ) -> Self {
+        let preconditioner = LayeredDiagonal::new(operator, end);
+        let [x, y] = preconditioner.plane_modes();
+        PlanewiseInverse {
+            basis: PlaneBasis::new(x, y),
+            columns,
+            sign,
+            response: surface_response(operator, material),
+            modal: Mutex::new(vec![0.0; preconditioner.mode_count()]),
+            preconditioner,
+        }
+    }
+
+    fn modal(&self) -> MutexGuard<'_, Vec<f64>> {
+        // Never contended: one iteration runs at a time.
+        self.modal.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
+    pub fn begin(&self, residual: &[f64], closing: &mut [f64]) {
+        let mut modal = self.modal();
+        self.preconditioner.gather(residual, &mut modal);
+        self.add_closing(self.preconditioner.gathered(&modal), closing);
+    }
+
+    /// `closing` += B P^-1 r from what the contact plane has gathered of r.
+    pub fn add_closing(&self, gathered: MatRef<'_, f64>, closing: &mut [f64]) {
+        let response = self.preconditioner.end_response();
+        let answer = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
+            gathered[(a, b)] * response[(a, b)]
+        });
+        let trace = self.basis.to_nodes(answer.as_ref());
+        let [nx, ny] = self.columns.count;
+        for j in 0..ny {
+            for i in 0..nx {
+                closing[self.columns.node([i, j])] += self.sign * trace[(i, j)];
+            }
+        }
+    }
+
+    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
+    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
+        let mut modal = self.modal();
+        self.take_forces(multipliers, self.preconditioner.gathered_mut(&mut modal));
+        self.preconditioner.spread(&mut modal, step);
+    }
+
+    /// `gathered` -= B^T m for the forces m on nodes.
+    pub fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
+        let [nx, ny] = self.columns.count;
+        let mut plane = Mat::<f64>::zeros(nx, ny);
+        for &(node, m) in multipliers {
+            if let Some([i, j]) = self.columns.local(node) {
+                plane[(i, j)] = m;
+            }
+        }
+        let load = self.basis.to_modes(plane.as_ref());
+        gathered -= faer::Scale(self.sign) * load;
+    }
+
+    /// `residual` -= B^T m on the nodes of the contact plane, x fastest.
+    #[cfg(feature = "gpu")]
+    pub fn take_nodal(&self, multipliers: &[(usize, f64)], residual: &mut [f64]) {
+        for &(node, m) in multipliers {
+            if let Some([i, j]) = self.columns.local(node) {
+                residual[j * self.columns.count[0] + i] -= self.sign * m;
+            }
+        }
+    }
+
+    /// Modes of x and of y on the contact plane.
+    #[cfg(feature = "gpu")]
+    pub fn mode_shape(&self) -> [usize; 2] {
+        self.basis.mode_shape()
+    }
+
+    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; the second one is scaled to elasticity's response.
+    pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
+        let n = nodes.len();
+        let local: Vec<[usize; 2]> = nodes
+            .iter()
+            .filter_map(|&node| self.columns.local(node))
+            .collect();
+        assert_eq!(local.len(), n, "contact candidates over the body");
+        let green = self.basis.green(self.preconditioner.end_response(), &local);
+        let scaled = faer::Scale(self.response) * &green;
+        [green, scaled]
+    }
+}

@@ -1,0 +1,5 @@
+//! Closed forms and plain methods that the solver is compared with.
+
+pub(crate) mod hertz;
+pub(crate) mod plain;
+pub(crate) mod plain_runner;

@@ -1,0 +1,224 @@
+//! Two slow ways to the same answer, for tests: plain projected SOR on the stiffness, and an active set on
+//! exact surface responses by sparse Cholesky.
+
+use faer::Mat;
+use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, Section, assemble};
+use kufe_mesh::TensorGrid;
+
+use crate::active_set::motion::dot;
+use crate::active_set::plane_problem::PlaneState;
+use crate::bodies::order::to_components;
+use crate::grid::contact_mesh::{ContactMesh, State};
+use crate::grid::discretise::Discretisation;
+use crate::reference::plain_runner::PlainRunner;
+
+const RELAXATION: f64 = 1.7;
+
+/// The assembled stiffness of the ice and its held displacements, node by node.
+struct Assembled {
+    stiffness: BlockMatrix,
+    constraints: Constraints,
+    points: Vec<[f64; 3]>,
+    top: usize,
+}
+
+fn assembled(
+    grid: &TensorGrid,
+    contact: &ContactMesh,
+    material: Material,
+    held: &[f64],
+) -> Option<Assembled> {
+    let mesh = grid.hex_mesh();
+    let points = mesh.points.clone();
+    let nodes = points.len();
+    let sections = sections(grid, contact, material)?;
+    let body = Body::new(mesh, sections).ok()?;
+    let stiffness = assemble(&body);
+    // What the tensor operator masks is what is held.
+    let mut free = vec![1.0; 3 * nodes];
+    contact.bodies[0].operator.mask(&mut free);
+    let mut constraints = Constraints::new(nodes);
+    for c in 0..3 {
+        for node in 0..nodes {
+            if free[c * nodes + node] == 0.0 {
+                constraints
+                    .prescribe(node, c, held[c * nodes + node])
+                    .ok()?;
+            }
+        }
+    }
+    let [nx, ny, nz] = grid.shape();
+    Some(Assembled {
+        stiffness,
+        constraints,
+        points,
+        top: (nz - 1) * nx * ny,
+    })
+}
+
+/// The cells' materials: those of the bed first, where there is one.
+fn sections(grid: &TensorGrid, contact: &ContactMesh, material: Material) -> Option<Vec<Section>> {
+    let [nx, ny, nz] = grid.shape().map(|nodes| nodes - 1);
+    let of = |material| Section {
+        material,
+        kind: ElementKind::Hex8,
+    };
+    let mut sections = vec![of(material); nx * ny * nz];
+    if let Some(layer) = contact.bodies[0].operator.lower_layer() {
+        let (lambda, mu) = (layer.lambda, layer.mu);
+        let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+        let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu)).ok()?;
+        sections[..nx * ny * layer.cells].fill(of(bed));
+    }
+    Some(sections)
+}
+
+/// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.
+///
+/// `state` enters with the held displacements and leaves solved. Returns whether it settled.
+pub(crate) fn active_set(
+    mesh: &Discretisation,
+    material: Material,
+    element: Option<ElementKind>,
+    state: &mut State,
+) -> bool {
+    let contact = &mesh.contact;
+    let Some(ice) = assembled(&mesh.grid, contact, material, &state.displacement) else {
+        return false;
+    };
+    let map = ice.constraints.dof_map();
+    let Ok(factor) = Factor::of_body(&ice.stiffness, &map, &ice.points) else {
+        return false;
+    };
+    let nodes = ice.points.len();
+    let unloaded = factor.displacement(
+        &ice.stiffness,
+        &ice.constraints,
+        &map,
+        &vec![0.0; 3 * nodes],
+    );
+    let n = contact.candidates.len();
+    let vertical = |candidate: usize| 3 * (ice.top + contact.candidates[candidate]) + 2;
+    let mut sides = vec![0.0; n * map.free_count()];
+    for j in 0..n {
+        if let Some(index) = map.index(vertical(j)) {
+            sides[j * map.free_count() + index] = 1.0;
+        }
+    }
+    factor.solve(&mut sides);
+    let mut response = Mat::from_fn(n, n, |i, j| {
+        map.index(vertical(i))
+            .map_or(0.0, |index| sides[j * map.free_count() + index])
+    });
+    let mut base: Vec<f64> = (0..n)
+        .map(|i| contact.gap[contact.candidates[i]] - unloaded[vertical(i)])
+        .collect();
+    let mut runner = None;
+    if let Some(element) = element {
+        let Some(part) = PlainRunner::new(mesh, element, state) else {
+            return false;
+        };
+        response += part.response(&contact.candidates, contact.gap.len());
+        let still = part.closing(&part.displacement(&[]), contact.gap.len());
+        for (base, &node) in base.iter_mut().zip(&contact.candidates) {
+            *base -= still[node];
+        }
+        runner = Some(part);
+    }
+    let force = contact.candidates.iter().map(|&c| state.force[c]).collect();
+    let start = PlaneState {
+        force,
+        motion: state.motion,
+        settled: false,
+    };
+    let found = contact.plane_contact(&response, &base, start);
+    let mut loads = vec![0.0; 3 * nodes];
+    state.force.fill(0.0);
+    for (i, &force) in found.force.iter().enumerate() {
+        loads[vertical(i)] = -force;
+        state.force[contact.candidates[i]] = force;
+    }
+    state.motion = found.motion;
+    let u = factor.displacement(&ice.stiffness, &ice.constraints, &map, &loads);
+    let (on_ice, on_runner) = state.displacement.split_at_mut(3 * nodes);
+    to_components(&u, on_ice);
+    if let Some(part) = runner {
+        let forces = state.force.iter().copied().enumerate();
+        let forces: Vec<(usize, f64)> = forces.filter(|(_, f)| *f != 0.0).collect();
+        on_runner.copy_from_slice(&part.displacement(&forces));
+    }
+    found.settled
+}
+
+/// Plain projected SOR on the stiffness at the motion of `state`, from the held displacements.
+///
+/// Every unknown in turn is relaxed towards its equation; the vertical displacement of a candidate is then
+/// pushed down to the runner where it would penetrate. Ends when a sweep changes nothing by more than `tolerance`
+/// times the largest displacement. Returns the sweeps, or `None` where `limit` was reached.
+pub(crate) fn projected_sor(
+    mesh: &Discretisation,
+    material: Material,
+    held: &[f64],
+    state: &mut State,
+    tolerance: f64,
+    limit: usize,
+) -> Option<usize> {
+    let contact = &mesh.contact;
+    let ice = assembled(&mesh.grid, contact, material, held)?;
+    let map = ice.constraints.dof_map();
+    let nodes = ice.points.len();
+    let mut u = vec![0.0; 3 * nodes];
+    ice.constraints.write_values(&mut u);
+    let mut ceiling = vec![f64::INFINITY; nodes];
+    for &c in &contact.candidates {
+        ceiling[ice.top + c] = contact.gap[c] - dot(contact.rows[c], state.motion);
+    }
+    let graph = &ice.stiffness.graph;
+    let mut sweeps = None;
+    for sweep in 1..=limit {
+        let (mut change, mut largest) = (0.0f64, 0.0f64);
+        for node in 0..nodes {
+            let range = graph.row_start[node]..graph.row_start[node + 1];
+            for c in 0..3 {
+                if map.index(3 * node + c).is_none() {
+                    continue;
+                }
+                let (mut sum, mut diagonal) = (0.0, 0.0);
+                for (block, &other) in ice.stiffness.blocks[range.clone()]
+                    .iter()
+                    .zip(&graph.neighbours[range.clone()])
+                {
+                    let at = 3 * other as usize;
+                    sum += block[c][0] * u[at] + block[c][1] * u[at + 1] + block[c][2] * u[at + 2];
+                    if other as usize == node {
+                        diagonal = block[c][c];
+                    }
+                }
+                let wanted = u[3 * node + c] - RELAXATION * sum / diagonal;
+                let value = if c == 2 {
+                    wanted.min(ceiling[node])
+                } else {
+                    wanted
+                };
+                change = change.max((value - u[3 * node + c]).abs());
+                largest = largest.max(value.abs());
+                u[3 * node + c] = value;
+            }
+        }
+        if change <= tolerance * largest {
+            sweeps = Some(sweep);
+            break;
+        }
+    }
+    let mut reaction = vec![0.0; 3 * nodes];
+    ice.stiffness.apply(&u, &mut reaction);
+    state.force.fill(0.0);
+    for &c in &contact.candidates {
+        let node = ice.top + c;
+        if u[3 * node + 2] >= ceiling[node] {
+            state.force[c] = (-reaction[3 * node + 2]).max(0.0);
+        }
+    }
+    to_components(&u, &mut state.displacement);
+    sweeps
+}

@@ -1,0 +1,165 @@
+//! From the last mesh to what a solve returns.
+
+use crate::accuracy::extrapolation::Extrapolation;
+use crate::active_set::progress::Progress;
+use crate::grid::contact_mesh::{ContactMesh, State};
+use crate::grid::discretise::Discretisation;
+use crate::problem::gap::Gap;
+use crate::result::pressure::Pressure;
+use crate::{Foundation, Iterate, Problem, RunnerField, Solution, SurfaceField, VolumeField};
+
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn solution(
+    problem: &Problem,
+    gap: &Gap,
+    mesh: Discretisation,
+    state: State,
+    progress: Progress,
+    pressure: Pressure,
+    limit: Extrapolation,
+    dofs: usize,
+    history: Vec<Iterate>,
+) -> Solution {
+    let Pressure {
+        values, figures, ..
+    } = pressure;
+    let share = mesh
+        .symmetry
+        .iter()
+        .map(|&s| if s { 0.5 } else { 1.0 })
+        .product::<f64>();
+    let resultant = mesh.contact.resultant(&state);
+    let fz = resultant[0] / share;
+    // A mirror plane holds the centre of pressure; otherwise it follows from the moments about the line of action.
+    let centre = |axis: usize, moment: f64| match mesh.symmetry[axis] {
+        true => 0.0,
+        false => gap.line_of_action[axis] + moment / resultant[0],
+    };
+    let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
+    let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
+    let gaps = mesh.contact.gaps(&state);
+    let ice_surface = mesh.contact.ice_surface(&state.displacement);
+    let surface = unfold(
+        &mesh.grid.x,
+        &mesh.grid.y,
+        mesh.symmetry,
+        [values, gaps, ice_surface],
+    );
+    let depth = mesh.contact.depth(&state);
+    let kkt_residual = kkt(&mesh.contact, &state, &progress, depth);
+    let nodes = mesh.grid.node_count();
+    let u = &state.displacement;
+    let displacement = by_node(&u[..3 * nodes]);
+    let bed = match problem.ice.foundation {
+        Foundation::ElasticBed { bed, .. } => mesh.contact.bodies[0]
+            .operator
+            .lower_layer()
+            .map(|layer| (bed, layer.cells)),
+        _ => None,
+    };
+    Solution {
+        p_max: limit.p_max,
+        p_max_error: limit.error,
+        p_mean: fz / figures.area,
+        area: figures.area,
+        length: figures.length,
+        width: figures.width,
+        approach: limit.approach,
+        pitch,
+        roll,
+        fz,
+        centre_of_pressure,
+        kkt_residual,
+        dofs,
+        iterations: progress.iterations,
+        history,
+        surface,
+        volume: VolumeField {
+            grid: mesh.grid,
+            displacement,
+            youngs_modulus: problem.ice.youngs_modulus,
+            poissons_ratio: problem.ice.poissons_ratio,
+            bed,
+        },
+        runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
+            displacement: by_node(&u[3 * nodes..]),
+            mesh,
+        }),
+        symmetry: mesh.symmetry,
+    }
+}
+
+/// From component after component to node by node.
+fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
+    let nodes = u.len() / 3;
+    (0..nodes)
+        .map(|n| [u[n], u[nodes + n], u[2 * nodes + n]])
+        .collect()
+}
+
+/// Largest relative violation: equilibrium, balance, tension, penetration.
+fn kkt(contact: &ContactMesh, state: &State, progress: &Progress, depth: f64) -> f64 {
+    let largest = state
+        .force
+        .iter()
+        .fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
+    let tension = state.force.iter().fold(0.0f64, |m, f| m.max(-f)) / largest;
+    let penetration = contact
+        .gaps(state)
+        .iter()
+        .zip(&state.force)
+        .zip(&contact.bound)
+        .fold(
+            0.0f64,
+            |m, ((g, f), b)| {
+                if *f >= *b { m } else { m.max(-g) }
+            },
+        )
+        / depth;
+    // Moments are compared with the force times half the contact's extent.
+    let reach = contact
+        .rows
+        .iter()
+        .zip(&state.force)
+        .filter(|(_, f)| **f > 0.0)
+        .fold([1.0f64, 1e-12, 1e-12], |m, (r, _)| {
+            [1.0, m[1].max(r[1].abs()), m[2].max(r[2].abs())]
+        });
+    let resultant = contact.resultant(state);
+    let force = resultant[0].abs().max(f64::MIN_POSITIVE);
+    let balance = (0..3)
+        .filter(|&a| contact.motion.free[a])
+        .map(|a| (resultant[a] - contact.motion.balance[a]).abs() / (force * reach[a]))
+        .fold(0.0, f64::max);
+    [progress.residual, tension, penetration, balance]
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+/// Mirrors plane fields over the symmetry planes.
+fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 3]) -> SurfaceField {
+    let whole = |nodes: &[f64], symmetric: bool| -> (Vec<f64>, Vec<usize>) {
+        if !symmetric {
+            return (nodes.to_vec(), (0..nodes.len()).collect());
+        }
+        let mirrored = (1..nodes.len()).rev().map(|i| (-nodes[i], i));
+        mirrored
+            .chain((0..nodes.len()).map(|i| (nodes[i], i)))
+            .unzip()
+    };
+    let (xs, is) = whole(x, symmetry[0]);
+    let (ys, js) = whole(y, symmetry[1]);
+    let spread = |values: &[f64]| -> Vec<f64> {
+        js.iter()
+            .flat_map(|&j| is.iter().map(move |&i| values[j * x.len() + i]))
+            .collect()
+    };
+    let [pressure, gap, uz] = fields.map(|f| spread(&f));
+    SurfaceField {
+        x: xs,
+        y: ys,
+        pressure,
+        gap,
+        uz,
+    }
+}

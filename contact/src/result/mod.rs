@@ -1,0 +1,7 @@
+//! From forces on nodes to pressures, figures and fields.
+
+pub(crate) mod answer;
+pub(crate) mod centre_line;
+pub(crate) mod measure;
+pub(crate) mod pressure;
+pub(crate) mod solution;

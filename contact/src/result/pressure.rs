@@ -1,0 +1,158 @@
+//! Pressures and figures of a state, and the patch that they cover.
+
+use crate::Problem;
+use crate::grid::contact_mesh::State;
+use crate::grid::discretise::Discretisation;
+use crate::grid::patch::Patch;
+use crate::grid::stretch::Stretch;
+use crate::result::measure::{Figures, PressureField};
+
+/// Pressures and figures of a state.
+pub(crate) struct Pressure {
+    pub values: Vec<f64>,
+    pub figures: Figures,
+    pub patch: Patch,
+}
+
+pub(crate) struct Field<'a> {
+    mesh: &'a Discretisation,
+    patch: &'a Patch,
+    hardness: f64,
+}
+
+pub(crate) fn field<'a>(
+    mesh: &'a Discretisation,
+    problem: &Problem,
+    patch: &'a Patch,
+) -> Field<'a> {
+    Field {
+        mesh,
+        patch,
+        hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
+    }
+}
+
+impl Field<'_> {
+    fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
+        let operator = &self.mesh.contact.bodies[0].operator;
+        PressureField {
+            x: &self.mesh.grid.x,
+            y: &self.mesh.grid.y,
+            force: &state.force,
+            lumped: [&operator.axes[0].lumped_mass, &operator.axes[1].lumped_mass],
+            symmetry: self.mesh.symmetry,
+            hardness: self.hardness,
+        }
+    }
+
+    /// Whether a node in contact has a neighbour under no hull.
+    fn touches_edge(&self, state: &State) -> bool {
+        let nx = self.mesh.grid.x.len();
+        let gap = &self.mesh.contact.gap;
+        (0..gap.len()).filter(|&n| state.force[n] > 0.0).any(|n| {
+            let left = (n % nx > 0).then(|| n - 1);
+            let right = (n % nx + 1 < nx).then_some(n + 1);
+            let below = n.checked_sub(nx);
+            let above = (n + nx < gap.len()).then_some(n + nx);
+            [left, right, below, above]
+                .into_iter()
+                .flatten()
+                .any(|n| gap[n].is_infinite())
+        })
+    }
+
+    pub fn of(&self, state: &State) -> Pressure {
+        let field = self.pressure_field(state);
+        let values = field.pressures();
+        let figures = field.figures(&values);
+        let edge = self.touches_edge(state);
+        let patch = found_patch(&field, &values, state.motion[0], self.patch, edge);
+        Pressure {
+            values,
+            figures,
+            patch,
+        }
+    }
+}
+
+/// The patch that a pressure field covers, and how fine it wants to be resolved.
+///
+/// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends at the hull's
+/// own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay as they are.
+fn found_patch(
+    field: &PressureField,
+    pressure: &[f64],
+    motion: f64,
+    before: &Patch,
+    edge: bool,
+) -> Patch {
+    let nx = field.x.len();
+    let mut x = merged(field.chords_along(pressure), field.symmetry[0]);
+    let mut y = merged(field.chords_across(pressure), field.symmetry[1]);
+    let last = y.pop().unwrap_or_else(|| before.y.clone());
+    let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
+    let highest_at_x: Vec<f64> = (0..nx)
+        .map(|i| highest(pressure.iter().skip(i).step_by(nx)))
+        .collect();
+    let highest_at_y: Vec<f64> = pressure
+        .chunks_exact(nx)
+        .map(|row| highest(row.iter()))
+        .collect();
+    for stretch in &mut x {
+        if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
+            stretch.sizes.clone_from(&same.sizes);
+        }
+        if !edge {
+            stretch.adapt(field.x, &highest_at_x);
+        }
+    }
+    y.sizes.clone_from(&before.y.sizes);
+    if !edge {
+        y.adapt(field.y, &highest_at_y);
+    }
+    if x.is_empty() {
+        x.clone_from(&before.x);
+    }
+    let corners = before.corners.clone();
+    let patch = Patch {
+        x,
+        y,
+        motion,
+        corners,
+    };
+    patch.refined_at_corners()
+}
+
+fn highest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    values.copied().fold(0.0, f64::max)
+}
+
+/// The union of the stretches on all lines; whole where a mirror plane cuts one.
+///
+/// Stretches closer together than a fifth of the longer one count as one: their grids would merge anyway.
+fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<Stretch> {
+    let mut all: Vec<[f64; 2]> = chords.into_iter().flatten().collect();
+    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut merged: Vec<[f64; 2]> = Vec::new();
+    for stretch in all {
+        match merged.last_mut() {
+            Some(last)
+                if stretch[0] - last[1]
+                    < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) =>
+            {
+                last[1] = last[1].max(stretch[1]);
+            }
+            _ => merged.push(stretch),
+        }
+    }
+    if symmetric
+        && let Some(first) = merged.first_mut()
+        && first[0] == 0.0
+    {
+        first[0] = -first[1];
+    }
+    merged
+        .iter()
+        .map(|[low, high]| Stretch::even(*low, *high))
+        .collect()
+}

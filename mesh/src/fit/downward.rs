@@ -1,0 +1,183 @@
+//! The part of a hull that faces the ice.
+
+use std::collections::HashMap;
+
+use crate::error::MeshError;
+use crate::hull::triangles::Hull;
+
+/// Facets whose normal is closer to level than this are flanks (cosine to straight down).
+const FLANK: f64 = 0.02;
+/// Stations along the hull at which its outline is kept.
+const STATIONS: usize = 1024;
+
+/// The downward-facing facets connected with the lowest vertex.
+pub(crate) struct Downward {
+    /// Vertices (x, y, z) [m].
+    pub points: Vec<[f64; 3]>,
+    /// Cosine between each vertex' normal and straight down.
+    pub cosines: Vec<f64>,
+    /// Facets' corners among the points.
+    pub facets: Vec<[usize; 3]>,
+}
+
+impl Downward {
+    /// Finds the part of `hull`.
+    ///
+    /// # Errors
+    /// [`MeshError::NothingFacesDown`] where no facet does.
+    pub fn of(hull: &Hull) -> Result<Self, MeshError> {
+        let downward: Vec<(&[u32; 3], [f64; 3])> = hull
+            .triangles
+            .iter()
+            .map(|t| (t, hull.normal(t)))
+            .filter(|(_, n)| -n[2] > FLANK * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt())
+            .collect();
+        let height = |t: &[u32; 3]| {
+            t.map(|i| hull.positions[i as usize][2])
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        let by_height =
+            |a: &usize, b: &usize| height(downward[*a].0).total_cmp(&height(downward[*b].0));
+        let lowest = (0..downward.len())
+            .min_by(by_height)
+            .ok_or(MeshError::NothingFacesDown)?;
+
+        let mut at_vertex: HashMap<u32, Vec<usize>> = HashMap::new();
+        for (facet, (corners, _)) in downward.iter().enumerate() {
+            corners
+                .iter()
+                .for_each(|&c| at_vertex.entry(c).or_default().push(facet));
+        }
+        let mut reached = vec![false; downward.len()];
+        reached[lowest] = true;
+        let mut waiting = vec![lowest];
+        while let Some(facet) = waiting.pop() {
+            for corner in downward[facet].0 {
+                for &next in &at_vertex[corner] {
+                    if !std::mem::replace(&mut reached[next], true) {
+                        waiting.push(next);
+                    }
+                }
+            }
+        }
+
+        let mut part = Self {
+            points: Vec::new(),
+            cosines: Vec::new(),
+            facets: Vec::new(),
+        };
+        let mut number: HashMap<u32, usize> = HashMap::new();
+        let mut normals: Vec<[f64; 3]> = Vec::new();
+        for ((corners, normal), _) in downward
+            .iter()
+            .zip(&reached)
+            .filter(|(_, reached)| **reached)
+        {
+            let facet = corners.map(|c| {
+                *number.entry(c).or_insert_with(|| {
+                    part.points.push(hull.positions[c as usize]);
+                    normals.push([0.0; 3]);
+                    normals.len() - 1
+                })
+            });
+            for i in facet {
+                (0..3).for_each(|k| normals[i][k] += normal[k]);
+            }
+            part.facets.push(facet);
+        }
+        part.cosines = normals
+            .iter()
+            .map(|n| -n[2] / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt())
+            .collect();
+        Ok(part)
+    }
+
+    /// Smallest and largest value of coordinate `axis` [m].
+    pub fn range(&self, axis: usize) -> [f64; 2] {
+        let values = || self.points.iter().map(|p| p[axis]);
+        [
+            values().fold(f64::INFINITY, f64::min),
+            values().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    }
+
+    /// The part's sides along x.
+    pub fn outline(&self) -> Outline {
+        let [from, to] = self.range(0);
+        let mut sides = vec![[f64::INFINITY, f64::NEG_INFINITY]; STATIONS + 1];
+        let step = (to - from) / STATIONS as f64;
+        for facet in &self.facets {
+            let corners = facet.map(|i| self.points[i]);
+            let xs = corners.map(|p| p[0]);
+            let low = xs.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = xs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            // A station at a vertex must not fall between two facets by rounding.
+            let first = ((low - from) / step - 1e-6).ceil().max(0.0) as usize;
+            let last = (((high - from) / step + 1e-6).floor() as usize).min(STATIONS);
+            for (i, side) in sides.iter_mut().enumerate().take(last + 1).skip(first) {
+                let x = if i == STATIONS {
+                    to
+                } else {
+                    from + step * i as f64
+                };
+                for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b])) {
+                    if (p[0] - x) * (q[0] - x) <= 0.0 {
+                        let ends = if p[0] == q[0] {
+                            [p[1], q[1]]
+                        } else {
+                            let y = p[1] + (q[1] - p[1]) * (x - p[0]) / (q[0] - p[0]);
+                            [y, y]
+                        };
+                        side[0] = side[0].min(ends[0]).min(ends[1]);
+                        side[1] = side[1].max(ends[0]).max(ends[1]);
+                    }
+                }
+            }
+        }
+        Outline { from, to, sides }
+    }
+}
+
+/// Where along x the hull lies between which y.
+#[derive(Clone, Debug)]
+pub(crate) struct Outline {
+    from: f64,
+    to: f64,
+    /// Least and greatest y [m] at evenly spaced x; reversed where there is no hull.
+    sides: Vec<[f64; 2]>,
+}
+
+impl Outline {
+    /// Least and greatest y [m] at `x` [m].
+    pub fn sides(&self, x: f64) -> Option<[f64; 2]> {
+        if !(self.from..=self.to).contains(&x) {
+            return None;
+        }
+        let place = (x - self.from) / (self.to - self.from) * STATIONS as f64;
+        let i = (place as usize).min(STATIONS - 1);
+        let part = place - i as f64;
+        let [a, b] = [self.sides[i], self.sides[i + 1]];
+        let sides = [0, 1].map(|k| a[k] + part * (b[k] - a[k]));
+        (sides[0] <= sides[1]).then_some(sides)
+    }
+
+    /// Mean of the outline and its mirror image in x, y or both.
+    pub fn symmetrised(mut self, [in_x, in_y]: [bool; 2]) -> Self {
+        if in_x {
+            let half = 0.5 * (self.to - self.from);
+            (self.from, self.to) = (-half, half);
+            let sides = self.sides.clone();
+            for (side, mirror) in self.sides.iter_mut().zip(sides.iter().rev()) {
+                (0..2).for_each(|k| side[k] = 0.5 * (side[k] + mirror[k]));
+            }
+        }
+        if in_y {
+            for side in &mut self.sides {
+                let half = 0.5 * (side[1] - side[0]);
+                *side = [-half, half];
+            }
+        }
+        self
+    }
+}

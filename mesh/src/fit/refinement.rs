@@ -1,0 +1,204 @@
+//! Breaks of a bicubic spline, refined where the heights ask for it.
+
+use crate::fit::bicubic::{Bicubic, Sample};
+use crate::fit::least_squares::fit;
+
+/// Most work in one factorisation: unknowns times band width squared.
+const MOST_WORK: f64 = 3e9;
+/// Most rounds of refinement.
+const ROUNDS: usize = 12;
+
+/// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its middle
+/// candidate until its residuals are what noise of standard deviation `noise` leaves.
+///
+/// Of each interval the means over quarters (and thirds along the other axis) are tested; noise makes
+/// the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
+/// split together with its mirror image.
+pub(crate) fn refined_fit(
+    samples: &[Sample],
+    candidates: &[Vec<f64>; 2],
+    noise: f64,
+    mirrored: [bool; 2],
+) -> Option<Bicubic> {
+    let mut breaks = [0, 1].map(|axis| thinned(&candidates[axis], [9, 5][axis], mirrored[axis]));
+    let mut surface = fit(samples, &breaks)?;
+    for _ in 0..ROUNDS {
+        let residuals: Vec<f64> = samples
+            .iter()
+            .map(|s| s.weight * (surface.value(s.at) - s.height))
+            .collect();
+        let mut next = breaks.clone();
+        for axis in 0..2 {
+            let split = badly_fitted(samples, &residuals, &breaks, axis, noise);
+            next[axis] = with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis]);
+        }
+        let work = (next[0].len() + 2) as f64 * ((next[1].len() + 2) as f64).powi(3) * 9.0;
+        if next == breaks || work > MOST_WORK {
+            break;
+        }
+        surface = fit(samples, &next)?;
+        breaks = next;
+    }
+    Some(surface)
+}
+
+/// About `count` of the sorted `values`, the ends among them.
+pub(crate) fn thinned(values: &[f64], count: usize, mirrored: bool) -> Vec<f64> {
+    let last = values.len() - 1;
+    let mut kept: Vec<f64> = (0..count).map(|i| values[i * last / (count - 1)]).collect();
+    kept.dedup();
+    if mirrored { symmetric(kept) } else { kept }
+}
+
+/// `values` and their mirror images, with those that nearly coincide made one.
+fn symmetric(values: Vec<f64>) -> Vec<f64> {
+    let last = values[values.len() - 1];
+    let mut half: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+    half.sort_by(f64::total_cmp);
+    half.dedup_by(|b, a| *b - *a < 1e-6 * last);
+    let centred = half[0] < 1e-6 * last;
+    let positive = &half[usize::from(centred)..];
+    let mut all: Vec<f64> = positive.iter().rev().map(|v| -v).collect();
+    if centred {
+        all.push(0.0);
+    }
+    all.extend(positive);
+    all
+}
+
+fn badly_fitted(
+    samples: &[Sample],
+    residuals: &[f64],
+    breaks: &[Vec<f64>; 2],
+    axis: usize,
+    noise: f64,
+) -> Vec<bool> {
+    const QUARTERS: usize = 4;
+    const THIRDS: usize = 3;
+    let (own, other) = (&breaks[axis], &breaks[1 - axis]);
+    let (low, span) = (other[0], other[other.len() - 1] - other[0]);
+    let intervals = own.len() - 1;
+    let mut bins = vec![(0.0, 0.0); intervals * QUARTERS * THIRDS];
+    for (sample, residual) in samples.iter().zip(residuals) {
+        let place = sample.at[axis];
+        let i = own.partition_point(|&b| b <= place).clamp(1, intervals) - 1;
+        let quarter = ((place - own[i]) / (own[i + 1] - own[i]) * QUARTERS as f64) as usize;
+        let third = ((sample.at[1 - axis] - low) / span * THIRDS as f64) as usize;
+        let bin =
+            &mut bins[(i * QUARTERS + quarter.min(QUARTERS - 1)) * THIRDS + third.min(THIRDS - 1)];
+        bin.0 += 1.0;
+        bin.1 += residual;
+    }
+    bins.chunks(QUARTERS * THIRDS)
+        .map(|bins| {
+            let filled = bins.iter().filter(|(n, _)| *n > 0.0);
+            let (count, sum) = filled.fold((0.0, 0.0), |(count, sum), (n, r)| {
+                (count + 1.0, sum + r * r / n)
+            });
+            sum / (noise * noise) > count + 4.0 * f64::sqrt(2.0 * count)
+        })
+        .collect()
+}
+
+fn with_splits(breaks: &[f64], split: &[bool], candidates: &[f64], mirrored: bool) -> Vec<f64> {
+    let mut next = vec![breaks[0]];
+    let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
+    for (i, pair) in breaks.windows(2).enumerate() {
+        let gap = 1e-6 * (last - first);
+        let from = candidates.partition_point(|&c| c <= pair[0] + gap);
+        let to = candidates.partition_point(|&c| c < pair[1] - gap);
+        if split[i] && from < to {
+            // The candidate nearest to the middle, so that wide gaps are halved.
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let inside = &candidates[from..to];
+            next.extend(
+                inside
+                    .iter()
+                    .copied()
+                    .min_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs())),
+            );
+        }
+        next.push(pair[1]);
+    }
+    if mirrored { symmetric(next) } else { next }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(n: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Vec<Sample> {
+        let at = |i: usize, n: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
+        (0..n[0] * n[1])
+            .map(|k| [at(k / n[1], n[0]), at(k % n[1], n[1])])
+            .map(|at| Sample {
+                at,
+                height: f(at[0], at[1]),
+                weight: 1.0,
+            })
+            .collect()
+    }
+
+    fn candidates(n: usize) -> Vec<f64> {
+        (0..n)
+            .map(|i| 2.0 * i as f64 / (n - 1) as f64 - 1.0)
+            .collect()
+    }
+
+    #[test]
+    fn a_plane_is_reproduced() {
+        let surface = fit(
+            &grid([20, 20], |x, y| 1.0 + 2.0 * x - y),
+            &[candidates(6), candidates(9)],
+        )
+        .unwrap();
+        assert!((surface.value([0.33, -0.71]) - (1.0 + 0.66 + 0.71)).abs() < 1e-11);
+    }
+
+    #[test]
+    fn breaks_gather_where_the_surface_bends() {
+        let samples = grid([200, 40], |x, _| (x - 0.5).max(0.0).powi(3));
+        let surface = refined_fit(
+            &samples,
+            &[candidates(200), candidates(40)],
+            1e-7,
+            [false; 2],
+        )
+        .unwrap();
+        let breaks = surface.axes[0].breaks();
+        let right = breaks.iter().filter(|&&b| b > 0.3 && b < 0.7).count();
+        let left = breaks.iter().filter(|&&b| b < -0.1).count();
+        assert!(right > left, "{breaks:?}");
+        assert!(
+            samples
+                .iter()
+                .all(|s| (surface.value(s.at) - s.height).abs() < 1e-6)
+        );
+    }
+
+    #[test]
+    fn noise_is_smoothed_not_followed() {
+        // A fixed scramble in place of a random number generator; standard deviation 1 / sqrt(12).
+        let scramble =
+            |x: f64, y: f64| (x * 12.9898 + y * 78.233).sin().abs() * 43758.5453 % 1.0 - 0.5;
+        let noise = 1e-3;
+        let smooth = |x: f64, y: f64| 0.1 * x * x + 0.3 * y * y;
+        let samples = grid([150, 80], |x, y| {
+            smooth(x, y) + noise * 12f64.sqrt() * scramble(x, y)
+        });
+        let surface = refined_fit(
+            &samples,
+            &[candidates(150), candidates(80)],
+            noise,
+            [false; 2],
+        )
+        .unwrap();
+        let mut worst = 0.0f64;
+        for s in grid([31, 31], smooth) {
+            worst = worst.max(
+                (surface.value(s.at.map(|v| 0.9 * v)) - smooth(0.9 * s.at[0], 0.9 * s.at[1])).abs(),
+            );
+        }
+        assert!(worst < 0.4 * noise, "{worst:e}");
+    }
+}

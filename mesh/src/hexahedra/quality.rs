@@ -1,0 +1,224 @@
+//! How well shaped hexahedra are.
+
+use crate::hexahedra::hex_mesh::HexMesh;
+
+/// The three neighbours of each corner, in an order that makes a right-handed frame.
+const NEIGHBOURS: [[usize; 3]; 8] = [
+    [1, 3, 4],
+    [2, 0, 5],
+    [3, 1, 6],
+    [0, 2, 7],
+    [7, 5, 0],
+    [4, 6, 1],
+    [5, 7, 2],
+    [6, 4, 3],
+];
+
+/// The twelve edges of a cell.
+const EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
+/// How well shaped a mesh's cells are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Number of cells.
+    pub cells: usize,
+    /// Cells with a corner whose Jacobian is not positive.
+    pub inverted: usize,
+    /// Smallest corner Jacobian, each over the product of its edges' lengths; 1 for a brick.
+    pub min_scaled_jacobian: f64,
+    /// Mean over the cells of each cell's smallest.
+    pub mean_scaled_jacobian: f64,
+    /// Largest ratio of a cell's longest to its shortest edge.
+    pub max_aspect: f64,
+    /// Smallest cell volume [m^3].
+    pub min_volume: f64,
+    /// Sum of the cells' volumes [m^3].
+    pub volume: f64,
+}
+
+impl HexMesh {
+    /// Jacobian [m^3] at each corner of a cell, and the same over its edges' lengths.
+    pub fn corner_jacobians(&self, cell: &[usize; 8]) -> [[f64; 2]; 8] {
+        std::array::from_fn(|corner| {
+            let [a, b, c] = NEIGHBOURS[corner]
+                .map(|n| difference(self.points[cell[n]], self.points[cell[corner]]));
+            let jacobian = triple(a, b, c);
+            let lengths = length(a) * length(b) * length(c);
+            [
+                jacobian,
+                if lengths > 0.0 {
+                    jacobian / lengths
+                } else {
+                    0.0
+                },
+            ]
+        })
+    }
+
+    /// Volume of a cell [m^3], exact for trilinear hexahedra.
+    pub fn cell_volume(&self, cell: &[usize; 8]) -> f64 {
+        let p = cell.map(|n| self.points[n]);
+        // Each bilinear face is integrated as the mean of its two splits into triangles.
+        let faces = [
+            [0, 3, 2, 1],
+            [4, 5, 6, 7],
+            [0, 1, 5, 4],
+            [1, 2, 6, 5],
+            [2, 3, 7, 6],
+            [3, 0, 4, 7],
+        ];
+        let tetrahedron = |a: usize, b: usize, c: usize| {
+            let origin = p[0];
+            triple(
+                difference(p[a], origin),
+                difference(p[b], origin),
+                difference(p[c], origin),
+            ) / 6.0
+        };
+        let split = |f: [usize; 4]| tetrahedron(f[0], f[1], f[2]) + tetrahedron(f[0], f[2], f[3]);
+        faces
+            .iter()
+            .map(|&[a, b, c, d]| 0.5 * (split([a, b, c, d]) + split([b, c, d, a])))
+            .sum()
+    }
+
+    /// Shape of all cells.
+    pub fn quality(&self) -> Quality {
+        let mut quality = Quality {
+            cells: self.cells.len(),
+            inverted: 0,
+            min_scaled_jacobian: f64::INFINITY,
+            mean_scaled_jacobian: 0.0,
+            max_aspect: 0.0,
+            min_volume: f64::INFINITY,
+            volume: 0.0,
+        };
+        for cell in &self.cells {
+            let smallest = self
+                .corner_jacobians(cell)
+                .iter()
+                .map(|j| j[1])
+                .fold(f64::INFINITY, f64::min);
+            let edges =
+                EDGES.map(|[a, b]| length(difference(self.points[cell[a]], self.points[cell[b]])));
+            let (short, long) = edges
+                .iter()
+                .fold((f64::INFINITY, 0.0f64), |(s, l), e| (s.min(*e), l.max(*e)));
+            let volume = self.cell_volume(cell);
+            quality.inverted += usize::from(smallest.is_nan() || smallest <= 0.0);
+            quality.min_scaled_jacobian = quality.min_scaled_jacobian.min(smallest);
+            quality.mean_scaled_jacobian += smallest / self.cells.len() as f64;
+            quality.max_aspect = quality.max_aspect.max(long / short);
+            quality.min_volume = quality.min_volume.min(volume);
+            quality.volume += volume;
+        }
+        quality
+    }
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
+}
+
+fn triple(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hexahedra::tensor_grid::TensorGrid;
+
+    fn bricks() -> HexMesh {
+        TensorGrid {
+            x: vec![0.0, 1.0, 3.0],
+            y: vec![0.0, 1.0],
+            z: vec![0.0, 0.5, 1.0],
+        }
+        .hex_mesh()
+    }
+
+    #[test]
+    fn bricks_have_unit_scaled_jacobian_their_aspect_and_volume() {
+        let quality = bricks().quality();
+        assert_eq!((quality.cells, quality.inverted), (4, 0));
+        assert!(
+            (quality.min_scaled_jacobian - 1.0).abs() < 1e-15
+                && (quality.mean_scaled_jacobian - 1.0).abs() < 1e-15
+        );
+        assert!((quality.max_aspect - 4.0).abs() < 1e-15 && (quality.volume - 3.0).abs() < 1e-14);
+        assert!((quality.min_volume - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn volume_of_a_twisted_cell_equals_gauss_quadrature() {
+        let mut mesh = TensorGrid {
+            x: vec![0.0, 1.0],
+            y: vec![0.0, 1.0],
+            z: vec![0.0, 1.0],
+        }
+        .hex_mesh();
+        for (i, p) in mesh.points.iter_mut().enumerate() {
+            (0..3).for_each(|k| p[k] += 0.15 * ((7 * i + 3 * k) as f64).sin());
+        }
+        let cell = mesh.cells[0];
+        let corner = |k: usize| {
+            [
+                [0, 0, 0],
+                [1, 0, 0],
+                [1, 1, 0],
+                [0, 1, 0],
+                [0, 0, 1],
+                [1, 0, 1],
+                [1, 1, 1],
+                [0, 1, 1],
+            ][k]
+        };
+        let mut volume = 0.0;
+        let g = 0.6f64.sqrt();
+        let rule = [(-g, 5.0 / 9.0), (0.0, 8.0 / 9.0), (g, 5.0 / 9.0)];
+        for (r, wr) in rule {
+            for (s, ws) in rule {
+                for (t, wt) in rule {
+                    let at = [r, s, t].map(|v| 0.5 * (1.0 + v));
+                    let mut columns = [[0.0; 3]; 3];
+                    for (k, node) in cell.iter().enumerate() {
+                        let factor = |e: usize| {
+                            if corner(k)[e] == 1 {
+                                at[e]
+                            } else {
+                                1.0 - at[e]
+                            }
+                        };
+                        let sign = |e: usize| if corner(k)[e] == 1 { 1.0 } else { -1.0 };
+                        for (d, column) in columns.iter_mut().enumerate() {
+                            let weight = sign(d) * factor((d + 1) % 3) * factor((d + 2) % 3);
+                            (0..3).for_each(|c| column[c] += weight * mesh.points[*node][c]);
+                        }
+                    }
+                    volume += wr * ws * wt / 8.0 * triple(columns[0], columns[1], columns[2]);
+                }
+            }
+        }
+        assert!((mesh.cell_volume(&cell) - volume).abs() < 1e-14, "{volume}");
+    }
+}

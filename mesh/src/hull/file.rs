@@ -1,0 +1,135 @@
+//! Hulls in files, by the file's ending.
+
+use std::{io::Write, path::Path};
+
+use crate::error::MeshError;
+use crate::hull::axes::HullOptions;
+use crate::hull::check::{HullReport, check_hull};
+use crate::hull::read_gltf::read_gltf;
+use crate::hull::read_obj::read_obj;
+use crate::hull::read_stl::read_stl;
+use crate::hull::triangles::Hull;
+use crate::hull::write::{write_glb, write_obj, write_stl};
+
+/// The formats that hulls come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HullFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF, text or binary.
+    Gltf,
+    /// STL, text or binary.
+    Stl,
+}
+
+impl HullFormat {
+    /// The format that the ending of `path` names.
+    ///
+    /// # Errors
+    /// [`MeshError::HullFormat`] for an unknown ending.
+    pub fn of(path: &Path) -> Result<Self, MeshError> {
+        let ending = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_lowercase())
+            .unwrap_or_default();
+        match ending.as_str() {
+            "obj" => Ok(Self::Obj),
+            "gltf" | "glb" => Ok(Self::Gltf),
+            "stl" => Ok(Self::Stl),
+            _ => Err(MeshError::HullFormat { found: ending }),
+        }
+    }
+
+    /// Writes `hull` in this format; glTF is written as GLB.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write(self, hull: &Hull, writer: impl Write) -> std::io::Result<()> {
+        match self {
+            Self::Obj => write_obj(hull, writer),
+            Self::Gltf => write_glb(hull, writer),
+            Self::Stl => write_stl(hull, writer),
+        }
+    }
+}
+
+/// Reads the hull file `path` and checks it.
+///
+/// # Errors
+/// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
+pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport), MeshError> {
+    let name = path.display().to_string();
+    let in_file = |source: MeshError| MeshError::File {
+        path: name.clone(),
+        source: Box::new(source),
+    };
+    let format = HullFormat::of(path).map_err(in_file)?;
+    let bytes = std::fs::read(path).map_err(|source| MeshError::Io {
+        path: name.clone(),
+        source,
+    })?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let hull = match format {
+        HullFormat::Obj => read_obj(&bytes, options),
+        HullFormat::Stl => read_stl(&bytes, options),
+        HullFormat::Gltf => read_gltf(&bytes, options, |uri| std::fs::read(folder.join(uri))),
+    };
+    let hull = hull.map_err(in_file)?;
+    let report = check_hull(&hull).map_err(in_file)?;
+    Ok((hull, report))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::tessellate::tessellate;
+    use crate::shapes::bob_runner::BobRunner;
+
+    #[test]
+    fn every_format_gives_back_the_hull_that_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let hull = tessellate(&BobRunner::default().swept().unwrap(), 0.004).unwrap();
+        for (name, tolerance) in [("bob.obj", 0.0), ("bob.glb", 3e-8), ("bob.stl", 3e-8)] {
+            let path = folder.path().join(name);
+            let format = HullFormat::of(&path).unwrap();
+            format
+                .write(&hull, std::fs::File::create(&path).unwrap())
+                .unwrap();
+            let (back, report) = load_hull(&path, &HullOptions::default()).unwrap();
+            assert_eq!(
+                (
+                    report.open_edges,
+                    report.flipped_edges,
+                    report.warnings.len()
+                ),
+                (0, 0, 0),
+                "{name}"
+            );
+            assert_eq!(back.triangles.len(), hull.triangles.len());
+            for (t, u) in back.triangles.iter().zip(&hull.triangles) {
+                for (&i, &j) in t.iter().zip(u) {
+                    let (p, q) = (back.positions[i as usize], hull.positions[j as usize]);
+                    assert!(
+                        (0..3).all(|k| (p[k] - q[k]).abs() <= tolerance),
+                        "{name}: {p:?} {q:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("empty.obj");
+        let message = |path: &Path| {
+            load_hull(path, &HullOptions::default())
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(message(&path).contains("empty.obj"));
+        std::fs::write(&path, "").unwrap();
+        assert!(message(&path).contains("empty.obj: the hull has no triangles"));
+        assert!(message(Path::new("bob.step")).contains("\"step\""));
+    }
+}

@@ -1,0 +1,321 @@
+//! A section swept along a rocker, with ends that turn up.
+
+use crate::error::MeshError;
+use crate::parameter::positive_finite;
+use crate::shapes::rocker::Rocker;
+use crate::shapes::section::Section;
+use crate::shapes::underside::Underside;
+
+/// Ends that turn up in an arc, tangent to the rocker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ends {
+    /// Radius of the arc [m].
+    pub radius: f64,
+    /// Length along x of each arc [m].
+    pub length: f64,
+}
+
+/// A runner made by sweeping a section along a rocker:
+///
+/// `z(x, y) = rocker(x) + section(y)` for `|x| <= length/2`, up to a flat top.
+///
+/// Over the last `ends.length` the rocker goes on as an arc of `ends.radius` (C1). Principal
+/// curvatures at the lowest point are the rocker's and the section's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Swept {
+    rocker: Rocker,
+    section: Section,
+    ends: Option<Ends>,
+    length: f64,
+    top: f64,
+}
+
+impl Swept {
+    /// A runner of `length` [m] whose flat top is `top` [m] above its lowest point.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where a number is not positive, the rocker is shorter than the
+    /// runner, the ends are steeper than upright, or the underside reaches above the top.
+    pub fn new(
+        rocker: Rocker,
+        section: Section,
+        ends: Option<Ends>,
+        length: f64,
+        top: f64,
+    ) -> Result<Self, MeshError> {
+        positive_finite("length [m]", length)?;
+        positive_finite("height [m]", top)?;
+        let half = 0.5 * length;
+        let mut needed = half;
+        if let Some(ends) = ends {
+            positive_finite("end radius [m]", ends.radius)?;
+            positive_finite("end length [m]", ends.length)?;
+            if ends.length > half {
+                let expected = "at most half the runner's length";
+                return Err(MeshError::Parameter {
+                    name: "end length [m]",
+                    value: ends.length,
+                    expected,
+                });
+            }
+            needed = half - ends.length;
+        }
+        let [from, to] = rocker.range();
+        // Positions that are decimals of the length may round either way.
+        if from > -needed * (1.0 - 1e-12) || to < needed * (1.0 - 1e-12) {
+            let expected = "a rocker that spans it";
+            return Err(MeshError::Parameter {
+                name: "length [m]",
+                value: length,
+                expected,
+            });
+        }
+        let swept = Self {
+            rocker,
+            section,
+            ends,
+            length,
+            top,
+        };
+        for x in [-half, half] {
+            if !swept.keel(x).is_finite() {
+                let (name, value) = ("end length [m]", ends.map_or(0.0, |e| e.length));
+                let expected =
+                    "ends that stay less than upright: a shorter end or a larger end radius";
+                return Err(MeshError::Parameter {
+                    name,
+                    value,
+                    expected,
+                });
+            }
+        }
+        let highest = swept.highest();
+        if highest >= top {
+            let expected = "a top above the underside's highest point: more height, or less width or end length";
+            return Err(MeshError::Parameter {
+                name: "height [m]",
+                value: top,
+                expected,
+            });
+        }
+        Ok(swept)
+    }
+
+    /// The same with ends of `end_radius` [m] that rise by half of what is left between the underside's corners and the top.
+    ///
+    /// # Errors
+    /// As [`Swept::new`].
+    pub fn with_rounded_ends(
+        rocker: Rocker,
+        section: Section,
+        length: f64,
+        top: f64,
+        end_radius: f64,
+    ) -> Result<Self, MeshError> {
+        let [y0, y1] = section.extent();
+        let sides = section.height(y0).max(section.height(y1));
+        let [keel, _] = rocker.height_and_slope(0.5 * length);
+        // A runner with no room for ends is refused by `new`, which names why.
+        let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * end_radius, 0.5 * end_radius);
+        let ends = Ends {
+            radius: end_radius,
+            length: (rise * (2.0 * end_radius - rise)).sqrt(),
+        };
+        Self::new(rocker, section, Some(ends), length, top)
+    }
+
+    /// The shape along x.
+    pub fn rocker(&self) -> &Rocker {
+        &self.rocker
+    }
+
+    /// The shape across.
+    pub fn section(&self) -> &Section {
+        &self.section
+    }
+
+    /// The ends' shape; none where the runner is cut off.
+    pub fn ends(&self) -> Option<Ends> {
+        self.ends
+    }
+
+    /// Length along x [m].
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Height of the flat top over the lowest point [m].
+    pub fn top(&self) -> f64 {
+        self.top
+    }
+
+    /// Height of the keel, the underside less its section, at `x` [m]; infinite beyond the ends.
+    pub fn keel(&self, x: f64) -> f64 {
+        let half = 0.5 * self.length;
+        if !(-half..=half).contains(&x) {
+            return f64::INFINITY;
+        }
+        let [from, to] = self.rocker.range();
+        let Some(ends) = self.ends else {
+            return self.rocker.height_and_slope(x.clamp(from, to))[0];
+        };
+        let start = half - ends.length;
+        if x.abs() <= start {
+            return self.rocker.height_and_slope(x.clamp(from, to))[0];
+        }
+        let [height, slope] = self
+            .rocker
+            .height_and_slope(start.copysign(x).clamp(from, to));
+        // Sine of the arc's angle at its beginning and at x; outwards is positive.
+        let first = slope.copysign(slope * x.signum()) / slope.hypot(1.0);
+        let last = first + (x.abs() - start) / ends.radius;
+        let cosine = |sine: f64| ((1.0 - sine) * (1.0 + sine)).sqrt();
+        if last >= 1.0 {
+            f64::INFINITY
+        } else {
+            height + ends.radius * (cosine(first) - cosine(last))
+        }
+    }
+
+    /// Height of the underside's highest point [m].
+    pub fn highest(&self) -> f64 {
+        let [y0, y1] = self.section.extent();
+        let over = |f: &dyn Fn(f64) -> f64, from: f64, to: f64| {
+            (0..=200)
+                .map(|i| f(from + (to - from) * f64::from(i) / 200.0))
+                .fold(0.0, f64::max)
+        };
+        let half = 0.5 * self.length;
+        over(&|x| self.keel(x), -half, half) + over(&|y| self.section.height(y), y0, y1)
+    }
+}
+
+impl Underside for Swept {
+    fn height(&self, x: f64, y: f64) -> f64 {
+        self.keel(x) + self.section.height(y)
+    }
+
+    fn extent(&self) -> [f64; 4] {
+        let [y0, y1] = self.section.extent();
+        [-0.5 * self.length, 0.5 * self.length, y0, y1]
+    }
+
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        [self.rocker.is_even(), self.section.is_even()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn runner() -> Swept {
+        let ends = Ends {
+            radius: 0.1,
+            length: 0.05,
+        };
+        Swept::new(
+            Rocker::arc(30.0).unwrap(),
+            Section::arc(0.005, 0.01).unwrap(),
+            Some(ends),
+            1.0,
+            0.03,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn ends_turn_up_smoothly_on_their_radius() {
+        let hull = runner();
+        let slope = |x: f64| (hull.keel(x + 1e-7) - hull.keel(x - 1e-7)) / 2e-7;
+        for sign in [-1.0, 1.0] {
+            let start = 0.45 * sign;
+            assert!((slope(start - 1e-6) - slope(start + 1e-6)).abs() < 1e-4);
+            let x = 0.48 * sign;
+            let second = (hull.keel(x + 1e-4) - 2.0 * hull.keel(x) + hull.keel(x - 1e-4)) / 1e-8;
+            let curvature = second / (1.0 + slope(x).powi(2)).powf(1.5);
+            assert!((curvature * 0.1 - 1.0).abs() < 1e-3, "{curvature}");
+        }
+        assert_eq!(hull.height(0.5001, 0.0), f64::INFINITY);
+        assert!(hull.height(0.5, 0.005) < hull.top());
+    }
+
+    #[test]
+    fn ends_of_a_rocker_given_as_points_turn_up_on_both_sides_of_a_slope() {
+        let points: Vec<_> = (-50..=50)
+            .map(|i| 0.01 * f64::from(i))
+            .map(|x| [x, 0.01 * x])
+            .collect();
+        let ends = Ends {
+            radius: 0.1,
+            length: 0.04,
+        };
+        let section = Section::arc(0.005, 0.006).unwrap();
+        let hull = Swept::new(
+            Rocker::points(&points).unwrap(),
+            section,
+            Some(ends),
+            1.0,
+            0.03,
+        )
+        .unwrap();
+        let slope = |x: f64| (hull.keel(x + 1e-7) - hull.keel(x - 1e-7)) / 2e-7;
+        for x in [-0.46, 0.46] {
+            assert!((slope(x) - 0.01).abs() < 1e-4, "{x}: {}", slope(x));
+        }
+        assert!(slope(-0.49) < -0.25 && slope(0.49) > 0.25);
+    }
+
+    #[test]
+    fn flat_rocker_gives_the_section_alone() {
+        let section = Section::arc(0.005, 0.01).unwrap();
+        let hull = Swept::new(
+            Rocker::arc(f64::INFINITY).unwrap(),
+            section,
+            None,
+            1.0,
+            0.03,
+        )
+        .unwrap();
+        assert_eq!(hull.height(0.4, 0.003), hull.height(0.0, 0.003));
+        assert_eq!(hull.mirror_symmetric(), [true, true]);
+    }
+
+    #[test]
+    fn shapes_that_cannot_be_are_refused_by_name() {
+        let make = |ends: Option<Ends>, length: f64, top: f64| {
+            let (rocker, section) = (
+                Rocker::arc(30.0).unwrap(),
+                Section::arc(0.005, 0.01).unwrap(),
+            );
+            Swept::new(rocker, section, ends, length, top)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(make(None, f64::NAN, 0.03).contains("length"));
+        assert!(make(None, 1.0, 0.004).contains("top above"));
+        assert!(make(None, 61.0, 0.03).contains("spans"));
+        assert!(
+            make(
+                Some(Ends {
+                    radius: 0.01,
+                    length: 0.02
+                }),
+                1.0,
+                0.03
+            )
+            .contains("upright")
+        );
+        assert!(
+            make(
+                Some(Ends {
+                    radius: 0.01,
+                    length: 0.6
+                }),
+                1.0,
+                0.03
+            )
+            .contains("half")
+        );
+    }
+}

@@ -1,0 +1,33 @@
+//! Other worlds: runs by a second generator, in which the data are wrong the way real data are.
+//!
+//! The sled is the published one, but everything that makes data of it is written anew: the road turns by rotation
+//! matrices, the equations of motion are those of speed, course and yaw, integrated at the rate of a logger by a
+//! predictor and a corrector, and the recorders have delays, filters, scales and biases of their own. A world says what
+//! is wrong in it besides noise; an effect may be hidden there or not.
+//!
+//! | world | what is wrong |
+//! |---|---|
+//! | `clean` | noise alone |
+//! | `delays` | every channel is late by 0 to 20 ms of its own |
+//! | `gyros` | gyroscopes read 1 % and 2 mrad/s (standard deviations) off |
+//! | `body` | inertias 10 %, the centre of gravity 3 cm off |
+//! | `curvature` | the track's curvature 10 % off |
+//! | `lines` | each driver takes a line of his own up the banks |
+//! | `sessions` | friction and grip scatter by 5 % from session to session |
+//! | `filters` | coloured noise through anti-alias filters, stated wrongly by a factor of two |
+//! | `bare` | no column and no track table beyond what is required |
+//! | `few` | six to ten runs |
+//! | `walls` | some runs hit a wall somewhere, harder or softer |
+//! | `uphill` | the track tables count slope uphill |
+
+mod build;
+mod hidden;
+mod recorder;
+mod ride;
+mod road;
+mod runners;
+mod wrong;
+
+pub use build::build;
+pub use hidden::{EFFECTS, Effect};
+pub use wrong::{WORLDS, World};

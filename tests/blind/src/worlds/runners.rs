@@ -1,0 +1,116 @@
+//! What ice and air do to the sled.
+
+use super::hidden::{Force, Hidden};
+
+/// The true sled; places from the centre of gravity [m].
+#[derive(Debug, Clone, Copy)]
+pub struct Sled {
+    /// Mass [kg].
+    pub mass_kg: f64,
+    /// Pitch and yaw inertia [kg m2].
+    pub inertia_kgm2: [f64; 2],
+    /// Front and rear axle, both positive [m].
+    pub axle_m: [f64; 2],
+    /// Accelerometer [m].
+    pub accel_m: [f64; 3],
+    /// Slip sensor [m].
+    pub slip_m: f64,
+    /// Drag area [m2] and its growth a degree of drift.
+    pub drag: [f64; 2],
+    /// Friction along the runners.
+    pub mu: f64,
+    /// Of both runners: peak over load, shape, bend, stiffness [N/rad].
+    pub grip: [[f64; 4]; 2],
+}
+
+/// One instant as ice and air see it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Now {
+    /// Speed [m/s].
+    pub v: f64,
+    /// Course against the sled's axis, left positive [rad].
+    pub beta: f64,
+    /// Slip of both runners [rad].
+    pub slip: [f64; 2],
+    /// Rates of the slip [rad/s].
+    pub slip_rate: [f64; 2],
+    /// Steering and roll split [rad].
+    pub steer: f64,
+    /// Roll split [rad].
+    pub split: f64,
+    /// Load of both axles in the body's frame [N].
+    pub load: [f64; 2],
+    /// Pitch rate [rad/s].
+    pub pitch: f64,
+    /// Ice temperature [deg C].
+    pub ice_c: f64,
+    /// Air density [kg/m3].
+    pub air: f64,
+    /// Push of a wall, left positive [N].
+    pub wall: f64,
+}
+
+/// Forces along and across [N] and yaw moment [N m].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Push {
+    /// Along x [N].
+    pub x: f64,
+    /// Along y [N].
+    pub y: f64,
+    /// About z [N m].
+    pub turn: f64,
+}
+
+/// `F = D sin(C atan(B a - E (B a - atan(B a))))`, `D = m F_z`, `B = K/(C D)`.
+fn side_force([peak, shape, bend, stiffness]: [f64; 4], slip: f64, load: f64) -> f64 {
+    let d = peak * load.max(1.0);
+    let x = stiffness * slip / (shape * d);
+    d * (shape * (x - bend * (x - x.atan())).atan()).sin()
+}
+
+/// Forces at an instant; `friction` and `grip` are the session's factors.
+pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&Hidden>) -> Push {
+    let of = |force: Force| hidden.map_or(0.0, |h| h.force(force));
+    let mut mu = sled.mu * friction;
+    mu *= 1.0 + of(Force::Temperature) * (now.ice_c + 5.0);
+    mu *= (now.v / 20.0).powf(of(Force::Speed));
+    let mut hold = grip * (1.0 + of(Force::SpeedGrip) * (now.v - 25.0));
+    hold *= 1.0 + of(Force::TemperatureGrip) * (now.ice_c + 5.0);
+    hold *= 1.0 + of(Force::PitchGrip) * now.pitch.abs();
+    hold *= 1.0 + of(Force::HumpGrip) * (-((now.v - 22.0) / 3.0).powi(2)).exp();
+    let across = |runner: usize, load: f64| {
+        let bare = side_force(sled.grip[runner], now.slip[runner], load);
+        let step = 1e-5;
+        let steep = (side_force(sled.grip[runner], now.slip[runner] + step, load) - bare) / step;
+        let late = of(Force::Relaxation) / now.v * steep * now.slip_rate[runner];
+        let heavy = (load.max(100.0) / 2000.0).powf(of(Force::LoadGrip));
+        hold * heavy * (bare - late)
+    };
+    let along = |runner: usize, load: f64| {
+        let push = -mu * load.max(0.0) * now.slip[runner].cos();
+        push - of(Force::SlipDrag) * (across(runner, load) * now.slip[runner]).abs()
+    };
+    let ((sin_g, cos_g), (sin_d, cos_d)) = (now.split.sin_cos(), now.steer.sin_cos());
+    // The front runner stands turned in the body: its own load follows from the axle's by a fixed point.
+    let mut own = now.load[0] / cos_g;
+    for _ in 0..6 {
+        let y = across(0, own) + of(Force::Camber) * now.split * own;
+        own = (now.load[0] - sin_g * (sin_d * along(0, own) + cos_d * y)) / cos_g;
+    }
+    let (fx, fy) = (
+        along(0, own),
+        across(0, own) + of(Force::Camber) * now.split * own,
+    );
+    let flat = sin_d * fx + cos_d * fy;
+    let front = [cos_d * fx - sin_d * fy, cos_g * flat - sin_g * own];
+    let rear = [along(1, now.load[1]), across(1, now.load[1])];
+    let area = sled.drag[0]
+        * (1.0 + (sled.drag[1] + of(Force::AeroYaw)) * now.beta.to_degrees().abs())
+        + of(Force::DragArea);
+    let air = 0.5 * now.air * area * now.v * now.v;
+    Push {
+        x: front[0] + rear[0] - air * now.beta.cos(),
+        y: front[1] + rear[1] - air * now.beta.sin() + now.wall,
+        turn: sled.axle_m[0] * front[1] - sled.axle_m[1] * rear[1],
+    }
+}

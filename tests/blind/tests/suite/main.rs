@@ -1,0 +1,4 @@
+//! The generator and the scorer, without the finder.
+
+mod generator;
+mod judge;

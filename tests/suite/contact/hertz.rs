@@ -1,0 +1,144 @@
+//! Paraboloids on a half-space against Hertz's closed form.
+
+use kufe_contact::{ElasticRunner, Options, hertz, solve};
+use kufe_mesh::Paraboloid;
+use kufe_tests::contact::{contact_modulus, on_half_space};
+
+/// The reference table's runner; an unbounded hull has no top.
+const STEEL: ElasticRunner = ElasticRunner {
+    mount: kufe_contact::Mount::Top,
+    flank: None,
+    element: None,
+    solid: None,
+    youngs_modulus: 210e9,
+    poissons_ratio: 0.30,
+    top: f64::INFINITY,
+};
+
+/// Rows of the reference table for one kind of runner: rocker and section radius [m], force [N], a, b [m], peak [Pa],
+/// approach [m].
+fn reference_rows(runner: &str) -> Vec<[f64; 7]> {
+    include_str!("../../data/hertz.csv")
+        .lines()
+        .filter(|line| line.split(',').next() == Some(runner))
+        .map(|line| {
+            let numbers: Vec<f64> = line
+                .split(',')
+                .skip(1)
+                .map(|n| n.parse().unwrap())
+                .collect();
+            numbers.try_into().unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn closed_form_agrees_with_every_rigid_reference_row() {
+    for [rocker, section, force, a, b, p_max, approach] in reference_rows("rigid") {
+        let h = hertz(rocker, section, contact_modulus(), force);
+        for (value, expected) in [(h.a, a), (h.b, b), (h.p_max, p_max), (h.approach, approach)] {
+            assert!(
+                (value / expected - 1.0).abs() < 2e-6,
+                "{value} against {expected}"
+            );
+        }
+    }
+}
+
+/// At 0.5 % asked: peak within 0.5 %, semi-axes and area within 1.5 %, approach within 1 %, force exact; the
+/// reported error holds the true one in at least 95 % of the rows.
+#[test]
+fn every_rigid_reference_row_is_met_within_its_tolerances() {
+    let rows = reference_rows("rigid");
+    assert_eq!(rows.len(), 32);
+    let mut held = 0;
+    for [rocker, section, force, a, b, p_max, approach] in rows {
+        let hull = Paraboloid::new(rocker, section).unwrap();
+        let options = Options {
+            p_max_tolerance: 0.005,
+            ..Options::default()
+        };
+        let s = solve(&on_half_space(hull, force), &options).unwrap();
+        let row = format!("rocker {rocker} section {section} force {force}");
+        let off = |value: f64, expected: f64| (value / expected - 1.0).abs();
+        assert!(off(s.p_max, p_max) < 0.005, "{row}: p_max {:.3e}", s.p_max);
+        assert!(
+            off(0.5 * s.length, a) < 0.015,
+            "{row}: a {:.4e}",
+            0.5 * s.length
+        );
+        assert!(
+            off(0.5 * s.width, b) < 0.015,
+            "{row}: b {:.4e}",
+            0.5 * s.width
+        );
+        assert!(
+            off(s.area, std::f64::consts::PI * a * b) < 0.015,
+            "{row}: area {:.4e}",
+            s.area
+        );
+        assert!(
+            off(s.approach, approach) < 0.01,
+            "{row}: approach {:.4e}",
+            s.approach
+        );
+        assert!(off(s.fz, force) < 1e-8, "{row}: force {}", s.fz);
+        assert!(
+            s.kkt_residual < 1e-8,
+            "{row}: residual {:.1e}",
+            s.kkt_residual
+        );
+        held += usize::from((s.p_max - p_max).abs() <= s.p_max_error);
+    }
+    assert!(
+        held >= 31,
+        "the reported error held the true one in {held} of 32 rows"
+    );
+}
+
+/// Both bodies deform: the contact modulus is that of ice and steel in series.
+#[test]
+fn every_steel_reference_row_is_met_within_its_tolerances() {
+    let rows = reference_rows("steel");
+    assert_eq!(rows.len(), 32);
+    for [rocker, section, force, a, b, p_max, approach] in rows {
+        let hull = Paraboloid::new(rocker, section).unwrap();
+        let mut problem = on_half_space(hull, force);
+        problem.runner.elastic = Some(STEEL);
+        let options = Options {
+            p_max_tolerance: 0.005,
+            ..Options::default()
+        };
+        let s = solve(&problem, &options).unwrap();
+        let row = format!("rocker {rocker} section {section} force {force}");
+        let off = |value: f64, expected: f64| (value / expected - 1.0).abs();
+        assert!(off(s.p_max, p_max) < 0.007, "{row}: p_max {:.4e}", s.p_max);
+        assert!(off(0.5 * s.length, a) < 0.015, "{row}: {:.4e}", s.length);
+        assert!(off(0.5 * s.width, b) < 0.015, "{row}: {:.4e}", s.width);
+        assert!(
+            off(s.approach, approach) < 0.01,
+            "{row}: {:.4e}",
+            s.approach
+        );
+        assert!(off(s.fz, force) < 1e-8, "{row}: force {}", s.fz);
+    }
+}
+
+#[test]
+fn iterations_do_not_grow_with_refinement_or_aspect_ratio() {
+    for (rocker, section) in [(0.01, 0.01), (0.1, 0.005), (30.0, 0.005), (300.0, 0.002)] {
+        for cells in [4, 8, 16] {
+            let hull = Paraboloid::new(rocker, section).unwrap();
+            let options = Options {
+                cells: Some(cells),
+                ..Options::default()
+            };
+            let s = solve(&on_half_space(hull, 1000.0), &options).unwrap();
+            assert!(
+                s.iterations <= 30,
+                "rocker {rocker} cells {cells}: {} iterations",
+                s.iterations
+            );
+        }
+    }
+}

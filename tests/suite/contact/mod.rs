@@ -1,0 +1,10 @@
+//! Contacts against closed forms, textbooks and other programs.
+
+mod hertz;
+mod ice;
+mod methods;
+mod mounts;
+mod shapes;
+mod slender;
+mod solid;
+mod stress;

@@ -1,0 +1,4 @@
+//! The verification suite, one program.
+
+mod contact;
+mod fem;
