@@ -52,7 +52,7 @@ mod result;
 mod solve;
 
 pub use error::Error;
-pub use options::{Method, Options, Watcher};
+pub use options::{Method, Options, Stiffness, Watcher};
 pub use problem::contact_problem::{
     Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,
 };
@@ -64,5 +64,7 @@ pub use problem::mount::{LoadedPlace, Mount, Place};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
-pub use result::solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
+pub use result::solution::{
+    AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,
+};
 pub use solve::solve;

@@ -5,12 +5,13 @@ use crate::accuracy::mesh_solve::{lumped_forces, solve_mesh};
 use crate::accuracy::scout::scout;
 use crate::active_set::progress::Progress;
 use crate::bodies::elastic_body::ElasticBody;
+use crate::grid::assembled::assemble;
 use crate::grid::discretise::{Reach, Resolution, discretise};
 use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::answer::solution;
 use crate::result::pressure::field;
-use crate::{Error, Iterate, Options, Problem, Solution};
+use crate::{Error, Iterate, Options, Problem, Solution, Stiffness};
 
 /// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
 fn growth(cells: f64) -> f64 {
@@ -60,7 +61,11 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             cells,
             growth: growth(cells),
         };
-        let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
+        let mut mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
+        if options.stiffness == Stiffness::Assembled {
+            let element = problem.runner.elastic.as_ref().map(|e| e.element_kind());
+            assemble(&mut mesh, element, options.max_stiffness_bytes)?;
+        }
         let dofs = mesh.contact.members().map(ElasticBody::free_dofs).sum();
         let (state, progress) = solve_mesh(problem, material, &mesh, &patch, &forces, options)?;
         let pressure = field(&mesh, problem, &patch).of(&state);

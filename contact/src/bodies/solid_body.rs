@@ -3,18 +3,20 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use faer::Mat;
+use kufe_fem::{Body, SparseStiffness, to_components, to_nodes};
 use kufe_mesh::TensorGrid;
 
 use crate::RunnerSolid;
 use crate::bodies::elastic_body::ElasticBody;
 use crate::bodies::mortar::{Rows, mortar_rows};
-use crate::bodies::order::{to_components, to_nodes};
 
 /// A solid with its factor as preconditioner, exact, over the ice's plane by a mortar.
 pub(crate) struct SolidBody {
     solid: Arc<RunnerSolid>,
     /// For each plane node the weights of the underside's nodes, by their place in the solid's `surface`.
     rows: Rows,
+    /// The solid's stiffness in the order of its vector: what is multiplied with where it is there.
+    pub assembled: Option<Arc<SparseStiffness>>,
     work: Mutex<Work>,
 }
 
@@ -40,6 +42,7 @@ impl SolidBody {
         let length = 3 * solid.mesh().points.len();
         SolidBody {
             rows: mortar_rows(grid, &faces),
+            assembled: None,
             work: Mutex::new(Work {
                 residual: vec![0.0; length],
                 by_node: vec![0.0; length],
@@ -47,6 +50,22 @@ impl SolidBody {
             }),
             solid,
         }
+    }
+
+    /// The hexahedra.
+    pub fn body(&self) -> &Body {
+        self.solid.body()
+    }
+
+    /// Which entries nothing holds.
+    pub fn free(&self) -> Vec<bool> {
+        (0..self.len()).map(|entry| self.is_free(entry)).collect()
+    }
+
+    fn is_free(&self, entry: usize) -> bool {
+        let nodes = self.solid.mesh().points.len();
+        let dof = 3 * (entry % nodes) + entry / nodes;
+        self.solid.map.index(dof).is_some()
     }
 
     fn work(&self) -> MutexGuard<'_, Work> {
@@ -80,6 +99,13 @@ impl ElasticBody for SolidBody {
     }
 
     fn apply(&self, u: &[f64], out: &mut [f64]) {
+        if let Some(assembled) = &self.assembled {
+            assembled.apply(u, out);
+            let entries = out.iter_mut().enumerate();
+            let held = entries.filter(|(entry, _)| !self.is_free(*entry));
+            held.for_each(|(_, out)| *out = 0.0);
+            return;
+        }
         let mut work = self.work();
         let Work { by_node, image, .. } = &mut *work;
         to_nodes(u, by_node);

@@ -1,13 +1,15 @@
 //! One elastic body of a contact on a tensor grid: stiffness, preconditioner, and the plane with which it touches.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::Mat;
-use kufe_fem::{Body as Solid, End, Material, MatrixFree, TensorOperator};
+use kufe_fem::{
+    Body as Solid, End, Material, MatrixFree, SparseStiffness, TensorOperator, to_components,
+    to_nodes,
+};
 
 use crate::bodies::columns::{Columns, Side};
 use crate::bodies::elastic_body::ElasticBody;
-use crate::bodies::order::{to_components, to_nodes};
 use crate::precondition::mounted::MountedInverse;
 use crate::precondition::planewise::PlanewiseInverse;
 
@@ -17,6 +19,8 @@ pub(crate) struct TensorBody {
     pub operator: TensorOperator,
     /// The stiffness on mapped hexahedra, where the body is none of tensor shape.
     mapped: Option<Mutex<Mapped>>,
+    /// The same or the operator's stiffness, assembled: what is multiplied with where it is there.
+    pub assembled: Option<Arc<SparseStiffness>>,
     /// M, spectrally equivalent to the stiffness.
     inverse: Inverse,
     /// Index of the contact plane along z.
@@ -83,6 +87,7 @@ impl TensorBody {
         TensorBody {
             operator,
             mapped: None,
+            assembled: None,
             inverse,
             plane,
             columns,
@@ -109,6 +114,11 @@ impl TensorBody {
         self.held = held;
         self.load = load;
         self
+    }
+
+    /// Whether the body's hexahedra are not those of its tensor grid.
+    pub fn is_mapped(&self) -> bool {
+        self.mapped.is_some()
     }
 
     /// Which entries nothing holds.
@@ -159,6 +169,12 @@ impl ElasticBody for TensorBody {
     }
 
     fn apply(&self, u: &[f64], out: &mut [f64]) {
+        if let Some(assembled) = &self.assembled {
+            assembled.apply(u, out);
+            self.operator.mask(out);
+            self.held.iter().for_each(|&entry| out[entry] = 0.0);
+            return;
+        }
         let Some(mapped) = &self.mapped else {
             return self.operator.apply(u, out);
         };

@@ -3,10 +3,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use faer::Mat;
-use kufe_fem::BeamModes;
+use kufe_fem::{BeamModes, to_components, to_nodes};
 use rayon::prelude::*;
-
-use crate::bodies::order::{to_components, to_nodes};
 
 /// Entries (motion, value) of a row of Z.
 type Row = Vec<(usize, f64)>;

@@ -95,6 +95,11 @@ impl RunnerSolid {
         self.body.mesh()
     }
 
+    /// The hexahedra.
+    pub(crate) fn body(&self) -> &Body {
+        &self.body
+    }
+
     /// The underside as triangles, for a smooth surface through its nodes.
     pub fn underside(&self) -> Hull {
         let number: HashMap<usize, u32> = self

@@ -1,10 +1,12 @@
 //! The elastic runner in the slow way to the answer: its exact surface response by sparse Cholesky.
 
 use faer::Mat;
-use kufe_fem::{BlockMatrix, Body as Solid, Constraints, DofMap, ElementKind, Factor, assemble};
+use kufe_fem::{
+    BlockMatrix, Body as Solid, Constraints, DofMap, ElementKind, Factor, assemble, to_components,
+    to_nodes,
+};
 
 use crate::bodies::elastic_body::ElasticBody;
-use crate::bodies::order::{to_components, to_nodes};
 use crate::bodies::tensor_body::TensorBody;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;

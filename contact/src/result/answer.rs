@@ -2,6 +2,7 @@
 
 use crate::accuracy::extrapolation::Extrapolation;
 use crate::active_set::progress::Progress;
+use crate::grid::assembled::assembled_bodies;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::problem::gap::Gap;
@@ -86,6 +87,7 @@ pub(crate) fn solution(
             mesh,
         }),
         symmetry: mesh.symmetry,
+        assembled: assembled_bodies(&mesh.contact),
     }
 }
 

@@ -123,7 +123,7 @@ impl Solver {
         if let Load::Force { fz, .. } = &mut problem.load {
             *fz = point.fz;
         }
-        let solution = best(&problem, self.tolerance, Options::default())?;
+        let solution = best(&problem, self.tolerance, self.loaded.case.options())?;
         self.loaded
             .fine_enough(self.hull.as_ref(), &solution)
             .map_err(SolveError::Hull)?;

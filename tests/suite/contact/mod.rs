@@ -1,5 +1,6 @@
 //! Contacts against closed forms, textbooks and other programs.
 
+mod assembled;
 mod hertz;
 mod ice;
 mod methods;

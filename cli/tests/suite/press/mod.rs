@@ -7,3 +7,4 @@ mod hull_rocker;
 mod mesh;
 mod press;
 mod series;
+mod stiffness;
