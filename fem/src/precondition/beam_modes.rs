@@ -1,10 +1,8 @@
 //! A coarse space of beam motions for slender bodies.
 
-use faer::Mat;
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::precondition::semidefinite::SemidefiniteFactor;
 
 /// Additive coarse correction by the motions of a beam along x.
 ///
@@ -29,8 +27,8 @@ pub struct BeamModes {
     axis: [f64; 2],
     points: Vec<[f64; 3]>,
     held: Vec<bool>,
-    /// Of Z^T K Z; motions that add nothing are left out.
-    factor: SemidefiniteFactor,
+    /// Lower Cholesky factor of Z^T K Z by rows; rows of motions that add nothing are zero.
+    factor: Vec<Vec<f64>>,
     partial: Vec<f64>,
 }
 
@@ -44,10 +42,7 @@ impl BeamModes {
     ///
     /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about `knot_count` of the lines, evenly
     /// spread, become knots. `axis` = (y_0, z_0) is the beam's axis [m]; `held` says which displacements are zero; `apply`
-    /// writes K u. It is called 24 times.
-    ///
-    /// # Errors
-    /// [`Error::Length`] where `held` does not have three flags a node, [`Error::NotPositiveDefinite`] where K u is no number.
+    /// writes K u. It is called 24 times. Fails where a list's length is wrong.
     ///
     /// # Panics
     /// With fewer than two lines or knots.
@@ -74,12 +69,11 @@ impl BeamModes {
             axis,
             points,
             held,
-            factor: SemidefiniteFactor::empty(),
+            factor: vec![vec![0.0; n]; n],
             partial: vec![0.0; tasks * n],
         };
         // Knots stand on planes of nodes, so K couples a knot with its next ones only: every third knot goes at once.
         let dofs = 3 * modes.points.len();
-        let mut projected = Mat::zeros(n, n);
         let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
         for colour in 0..3 {
             for motion in 0..MOTIONS {
@@ -94,12 +88,12 @@ impl BeamModes {
                 for knot in (colour..modes.knots.len()).step_by(3) {
                     let rows = knot.saturating_sub(1)..(knot + 2).min(modes.knots.len());
                     for row in MOTIONS * rows.start..MOTIONS * rows.end {
-                        projected[(row, MOTIONS * knot + motion)] = column[row];
+                        modes.factor[row][MOTIONS * knot + motion] = column[row];
                     }
                 }
             }
         }
-        modes.factor = SemidefiniteFactor::new(projected)?;
+        cholesky_of_what_counts(&mut modes.factor);
         Ok(modes)
     }
 
@@ -110,7 +104,7 @@ impl BeamModes {
 
     /// Never: there are at least two knots.
     pub fn is_empty(&self) -> bool {
-        self.factor.len() == 0
+        self.factor.is_empty()
     }
 
     /// `z` += Z (Z^T K Z)^-1 Z^T `r`.
@@ -123,7 +117,24 @@ impl BeamModes {
 
     /// `c` = (Z^T K Z)^-1 `c`.
     pub fn solve(&self, c: &mut [f64]) {
-        self.factor.solve(c);
+        for i in 0..c.len() {
+            let pivot = self.factor[i][i];
+            let sum: f64 = (0..i).map(|k| self.factor[i][k] * c[k]).sum();
+            c[i] = if pivot > 0.0 {
+                (c[i] - sum) / pivot
+            } else {
+                0.0
+            };
+        }
+        for i in (0..c.len()).rev() {
+            let pivot = self.factor[i][i];
+            let sum: f64 = (i + 1..c.len()).map(|k| self.factor[k][i] * c[k]).sum();
+            c[i] = if pivot > 0.0 {
+                (c[i] - sum) / pivot
+            } else {
+                0.0
+            };
+        }
     }
 
     /// Entries of Z's row of a displacement as (motion, value); none where it is held.
@@ -262,6 +273,30 @@ fn spread(lines: &[f64], count: usize) -> Vec<f64> {
     knots
 }
 
+/// Cholesky factorisation in place; a row whose pivot is lost to rounding is left out as zero.
+fn cholesky_of_what_counts(a: &mut [Vec<f64>]) {
+    for j in 0..a.len() {
+        let diagonal = a[j][j];
+        let pivot = diagonal - a[j][..j].iter().map(|v| v * v).sum::<f64>();
+        if pivot.is_nan() || pivot <= 1e-10 * diagonal {
+            for row in a.iter_mut().skip(j) {
+                row[j] = 0.0;
+            }
+            a[j].fill(0.0);
+            continue;
+        }
+        let pivot = pivot.sqrt();
+        a[j][j] = pivot;
+        for i in j + 1..a.len() {
+            let sum: f64 = a[i][..j].iter().zip(&a[j][..j]).map(|(x, y)| x * y).sum();
+            a[i][j] = (a[i][j] - sum) / pivot;
+        }
+        for k in j + 1..a.len() {
+            a[j][k] = 0.0;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -330,5 +365,17 @@ mod tests {
             }
         }
         assert_eq!((y0, modes.knots.len()), (0.01, 9));
+    }
+
+    #[test]
+    fn motions_that_add_nothing_are_left_out() {
+        let mut a = vec![
+            vec![2.0, 2.0, 0.0],
+            vec![2.0, 2.0, 0.0],
+            vec![0.0, 0.0, 9.0],
+        ];
+        cholesky_of_what_counts(&mut a);
+        assert_eq!((a[0][0], a[1][1], a[2][2]), (2.0f64.sqrt(), 0.0, 3.0));
+        assert_eq!(a[2][1], 0.0);
     }
 }

@@ -6,5 +6,4 @@ pub mod elimination;
 pub mod fast_diagonal;
 pub mod layered_diagonal;
 pub mod mapped;
-mod semidefinite;
 pub mod single_precision;
