@@ -52,7 +52,7 @@ mod result;
 mod solve;
 
 pub use error::Error;
-pub use options::{Method, Options, Stiffness, Watcher};
+pub use options::{Method, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::{
     Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,
 };

@@ -20,7 +20,7 @@ pub enum Method {
 
 /// The form in which the stiffness of the bodies is multiplied with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stiffness {
+pub enum StiffnessForm {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
@@ -47,7 +47,7 @@ pub struct Options {
     /// How the equations are solved.
     pub method: Method,
     /// The form of the stiffness.
-    pub stiffness: Stiffness,
+    pub stiffness: StiffnessForm,
     /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together [bytes].
     pub max_stiffness_bytes: u64,
     /// Where given, the equations of a rigid runner's contact are solved on this graphics processor, to the same residual.
@@ -78,7 +78,7 @@ impl Default for Options {
             max_dofs: 4_000_000,
             cells: None,
             method: Method::Accelerated,
-            stiffness: Stiffness::MatrixFree,
+            stiffness: StiffnessForm::MatrixFree,
             max_stiffness_bytes: 4_000_000_000,
             #[cfg(feature = "gpu")]
             device: None,

@@ -11,7 +11,7 @@ use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::answer::solution;
 use crate::result::pressure::field;
-use crate::{Error, Iterate, Options, Problem, Solution, Stiffness};
+use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
 /// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
 fn growth(cells: f64) -> f64 {
@@ -62,11 +62,11 @@ fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             growth: growth(cells),
         };
         let mut mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
-        if options.stiffness == Stiffness::Assembled {
+        if options.stiffness == StiffnessForm::Assembled {
             let element = problem.runner.elastic.as_ref().map(|e| e.element_kind());
             assemble(&mut mesh, element, options.max_stiffness_bytes)?;
         }
-        let dofs = mesh.contact.members().map(ElasticBody::free_dofs).sum();
+        let dofs = mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum();
         let (state, progress) = solve_mesh(problem, material, &mesh, &patch, &forces, options)?;
         let pressure = field(&mesh, problem, &patch).of(&state);
         let raw = Raw {

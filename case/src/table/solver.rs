@@ -1,6 +1,6 @@
 //! How a case is solved.
 
-use kufe_contact::Stiffness;
+use kufe_contact::StiffnessForm;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,11 +31,11 @@ pub enum StiffnessWord {
     Assembled,
 }
 
-impl From<StiffnessWord> for Stiffness {
+impl From<StiffnessWord> for StiffnessForm {
     fn from(word: StiffnessWord) -> Self {
         match word {
-            StiffnessWord::MatrixFree => Stiffness::MatrixFree,
-            StiffnessWord::Assembled => Stiffness::Assembled,
+            StiffnessWord::MatrixFree => StiffnessForm::MatrixFree,
+            StiffnessWord::Assembled => StiffnessForm::Assembled,
         }
     }
 }

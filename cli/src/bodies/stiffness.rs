@@ -4,7 +4,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use kufe_case::StatedProblem;
-use kufe_contact::{Options, Solution, Stiffness, solve};
+use kufe_contact::{Options, Solution, StiffnessForm, solve};
 use kufe_fem::write_matrix_market;
 use kufe_jobs::{Failure, case_file::LoadedCase};
 use serde_json::json;
@@ -32,7 +32,7 @@ pub fn write_stiffness(
     bar.set_message("solving, for the mesh");
     let options = Options {
         cells,
-        stiffness: Stiffness::Assembled,
+        stiffness: StiffnessForm::Assembled,
         ..loaded.case.options()
     };
     let solved = solve(&problem, &options);
@@ -78,7 +78,7 @@ pub fn write_stiffness(
 /// What the rows and columns are, and which of them are held.
 fn comments(title: String, solution: &Solution) -> Vec<String> {
     let mut lines = vec![
-        format!("Stiffness of {title} [N/m]"),
+        format!("StiffnessForm of {title} [N/m]"),
         "Displacements count from 1, body after body; in a body component after component (x, y, z), node by node.".into(),
         "Nothing is taken out: every body is free here and has its six rigid motions. Without the rows and columns".into(),
         "that are listed as held (by outer faces, mirror planes or a mount) the matrix is positive definite.".into(),

@@ -101,21 +101,19 @@ fn hold_outer_faces(
 ) {
     let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
     let grid = &mesh.grid;
-    let (ice, runner) = state.displacement.split_at_mut(3 * grid.node_count());
+    let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
     if problem.ice.foundation == Foundation::HalfSpace {
-        prescribe(grid, mesh.symmetry, material, &lumps, Side::Below, ice);
+        prescribe(grid, mesh.symmetry, material, &lumps, Side::Below, on_ice);
     }
     // An unbounded runner stands on all columns: a half-space too.
-    if let Some(body) = mesh
-        .contact
-        .bodies
-        .get(1)
-        .filter(|b| b.columns == mesh.contact.bodies[0].columns)
+    if let [ice, body] = &mesh.contact.bodies[..]
+        && body.columns() == ice.columns()
+        && let Some(operator) = body.stiffness.grid()
     {
         let grid = TensorGrid {
             x: grid.x.clone(),
             y: grid.y.clone(),
-            z: body.operator.axes[2].nodes.clone(),
+            z: operator.axes[2].nodes.clone(),
         };
         prescribe(
             &grid,
@@ -123,7 +121,7 @@ fn hold_outer_faces(
             body.material,
             &lumps,
             Side::Above,
-            runner,
+            on_runner,
         );
     }
 }

@@ -8,6 +8,7 @@ use crate::active_set::motion::solve_motion;
 use crate::active_set::progress::{Limit, Progress};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
+use crate::bodies::elastic_body::BodyWork;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
 /// The factorised constraint of one contact set.
@@ -24,6 +25,7 @@ pub(crate) struct Workspace {
     step: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
+    bodies: Vec<BodyWork>,
 }
 
 impl ContactMesh {
@@ -54,6 +56,7 @@ impl ContactMesh {
             step: vec![0.0; n],
             direction: vec![0.0; n],
             image: vec![0.0; n],
+            bodies: self.work(),
         }
     }
 
@@ -96,7 +99,7 @@ impl ContactMesh {
             rho_before = rho;
             vector::scale_add(&mut work.direction, beta, &work.step);
             turn_direction = [0, 1, 2].map(|a| turn[a] + beta * turn_direction[a]);
-            self.apply(&work.direction, &mut work.image);
+            self.apply(&work.direction, &mut work.image, &mut work.bodies);
             let curvature = vector::dot(&work.direction, &work.image);
             if curvature <= 0.0 {
                 return false;
@@ -116,7 +119,7 @@ impl ContactMesh {
 
     /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of the new state.
     pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
-        self.residual(state, &mut work.residual);
+        self.residual(state, &mut work.residual, &mut work.bodies);
         let closing = self.closing(&state.displacement);
         let defect: Vec<f64> = constraint
             .inside
@@ -137,7 +140,7 @@ impl ContactMesh {
         let (turn, force) = self.precondition(constraint, &defect, balance, work);
         self.advance(1.0, turn, state, &work.step);
         add_to(constraint, &force, state);
-        self.residual(state, &mut work.residual);
+        self.residual(state, &mut work.residual, &mut work.bodies);
     }
 
     /// The next step of a state in the subspace; returns its turn and r . z.
@@ -200,18 +203,13 @@ impl ContactMesh {
         work: &mut Workspace,
     ) -> ([f64; 3], Vec<f64>) {
         let mut closing = vec![0.0; self.gap.len()];
-        let mut start = 0;
-        for member in self.members() {
-            let residual = &work.residual[start..start + member.len()];
-            member.begin(residual, &mut closing);
-            start += member.len();
+        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
+            body.begin(&work.residual[part], &mut closing, kept);
         }
         let (turn, multipliers) = self.multipliers(constraint, &closing, defect, balance);
         let forces = forces_on(constraint, &multipliers, 1.0);
-        let mut start = 0;
-        for member in self.members() {
-            member.finish(&forces, &mut work.step[start..start + member.len()]);
-            start += member.len();
+        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
+            body.finish(&forces, &mut work.step[part], kept);
         }
         (turn, multipliers)
     }

@@ -41,21 +41,17 @@ impl ContactMesh {
         tolerance: f64,
         limit: &Limit,
     ) -> Result<Progress, Error> {
-        let [ice] = &self.bodies[..] else {
-            return Err(Error::NotOnDevice {
-                found: "an elastic runner",
-            });
+        let plain = match &self.bodies[..] {
+            [ice] => ice.plain(),
+            _ => None,
         };
-        let inverse =
-            ice.plain_inverse()
-                .filter(|_| self.solid.is_none())
-                .ok_or(Error::NotOnDevice {
-                    found: "an elastic runner",
-                })?;
+        let (operator, inverse) = plain.ok_or(Error::NotOnDevice {
+            found: "an elastic runner",
+        })?;
         let mut on_device = OnDevice {
             contact: self,
             inverse,
-            cg: DeviceCg::new(device, &ice.operator, &inverse.preconditioner)?,
+            cg: DeviceCg::new(device, operator, &inverse.preconditioner)?,
             work: self.workspace(),
         };
         self.solve_by(state, greens, limit, |sets, constraint, state, progress| {

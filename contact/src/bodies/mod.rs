@@ -7,4 +7,5 @@ pub(crate) mod hexahedra;
 pub(crate) mod mortar;
 pub(crate) mod runner_body;
 pub(crate) mod solid_body;
-pub(crate) mod tensor_body;
+pub(crate) mod stiffness;
+pub(crate) mod trace;

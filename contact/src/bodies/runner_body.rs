@@ -6,7 +6,7 @@ use kufe_fem::{
 use kufe_mesh::{HexMesh, TensorGrid, limit_slope, mesh_over_heights};
 
 use crate::bodies::columns::{Columns, Side};
-use crate::bodies::tensor_body::TensorBody;
+use crate::bodies::elastic_body::ElasticBody;
 use crate::grid::grading::{Start, Zone, graded_axis};
 use crate::grid::stretch::Stretch;
 use crate::precondition::beam_space::BeamSpace;
@@ -33,7 +33,7 @@ pub(crate) fn runner_body(
     symmetry: [bool; 2],
     (spacing, growth): (f64, f64),
     for_solving: bool,
-) -> Result<(TensorBody, HexMesh), Error> {
+) -> Result<(ElasticBody, HexMesh), Error> {
     let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio).map_err(|_| {
         Error::OutOfRange {
             name: "runner Young's modulus",
@@ -57,7 +57,7 @@ pub(crate) fn runner_body(
         };
         let operator = TensorOperator::new(&grid, lambda, mu, held(symmetry, true, true));
         return Ok((
-            TensorBody::new(operator, material, Side::Above, columns),
+            ElasticBody::on_grid(operator, material, Side::Above, columns),
             grid.hex_mesh(),
         ));
     }
@@ -81,7 +81,7 @@ pub(crate) fn runner_body(
     let (mesh, grid) = mapped(problem, elastic, grid, (spacing, growth))?;
     if elastic.mount == Mount::Top {
         let operator = TensorOperator::new(&grid, lambda, mu, held(symmetry, false, true));
-        let body = TensorBody::new(operator, material, Side::Above, columns);
+        let body = ElasticBody::on_grid(operator, material, Side::Above, columns);
         if !for_solving {
             return Ok((body, mesh));
         }
@@ -122,7 +122,7 @@ pub(crate) fn runner_body(
         .ok_or_else(|| Error::RunnerMesh {
             reason: "its mount holds no independent nodes".into(),
         })?;
-    let mut body = TensorBody::mounted(operator, inverse, material, columns).held_at(entries, load);
+    let mut body = ElasticBody::mounted(operator, inverse, material, columns, (entries, load));
     if for_solving {
         body = body.on_mapped(&solid);
     }

@@ -6,6 +6,7 @@ use kufe_fem::{Body, ElementKind, SparseStiffness};
 
 use crate::Error;
 use crate::bodies::hexahedra::hexahedra;
+use crate::bodies::stiffness::Stiffness;
 use crate::grid::contact_mesh::ContactMesh;
 use crate::grid::discretise::Discretisation;
 use crate::result::solution::AssembledBody;
@@ -28,17 +29,17 @@ pub(crate) fn assemble(
         Ok::<_, Error>(Some(Arc::new(made)))
     };
     for body in &mut mesh.contact.bodies {
-        let solid = match &mesh.runner_mesh {
-            Some(runner) if body.is_mapped() => {
+        body.assembled = match (&body.stiffness, &mesh.runner_mesh) {
+            (Stiffness::Solid(solid), _) => of(solid.body())?,
+            (Stiffness::Mapped { .. }, Some(runner)) => {
                 let kind = element.unwrap_or_default();
-                Body::uniform(runner.clone(), body.material, kind)
+                let solid = Body::uniform(runner.clone(), body.material, kind);
+                of(&solid.map_err(named)?)?
             }
-            _ => hexahedra(&body.operator, body.material),
+            (Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. }, _) => {
+                of(&hexahedra(grid, body.material).map_err(named)?)?
+            }
         };
-        body.assembled = of(&solid.map_err(named)?)?;
-    }
-    if let Some(solid) = &mut mesh.contact.solid {
-        solid.assembled = of(solid.body())?;
     }
     Ok(())
 }
@@ -62,18 +63,13 @@ fn named(error: kufe_fem::Error) -> Error {
 
 /// The assembled bodies with what is held of them; none where nothing was assembled.
 pub(crate) fn assembled_bodies(contact: &ContactMesh) -> Vec<AssembledBody> {
-    let of = |name, stiffness: &Option<Arc<SparseStiffness>>, free: Vec<bool>| {
-        let held = (0..free.len()).filter(|&entry| !free[entry]);
+    let bodies = ["ice", "runner"].into_iter().zip(&contact.bodies);
+    let assembled = bodies.filter_map(|(name, body)| {
         Some(AssembledBody {
             name,
-            stiffness: stiffness.clone()?,
-            held: held.collect(),
+            stiffness: body.assembled.clone()?,
+            held: body.held_entries(),
         })
-    };
-    let names = ["ice", "runner"].into_iter();
-    let bodies = names.zip(&contact.bodies);
-    let bodies = bodies.filter_map(|(name, body)| of(name, &body.assembled, body.free()));
-    let solid = contact.solid.iter();
-    let solid = solid.filter_map(|solid| of("runner", &solid.assembled, solid.free()));
-    bodies.chain(solid).collect()
+    });
+    assembled.collect()
 }

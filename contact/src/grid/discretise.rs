@@ -5,9 +5,9 @@ use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::active_set::motion::Motion;
 use crate::bodies::columns::{Columns, Side};
+use crate::bodies::elastic_body::ElasticBody;
 use crate::bodies::runner_body::runner_body;
-use crate::bodies::solid_body::SolidBody;
-use crate::bodies::tensor_body::TensorBody;
+use crate::bodies::solid_body::solid_body;
 use crate::grid::contact_mesh::ContactMesh;
 use crate::grid::grading::{Start, Zone, graded_axis};
 use crate::grid::patch::Patch;
@@ -170,7 +170,7 @@ pub(crate) fn discretise(
     if let Some(elastic) = &problem.runner.elastic {
         let fineness = (narrowest / resolution.cells, resolution.growth);
         if let Some(solid) = &elastic.solid {
-            contact.solid = Some(SolidBody::new(solid.clone(), &grid));
+            contact.bodies.push(solid_body(solid, &grid));
             runner_mesh = Some(solid.mesh().clone());
         } else {
             let for_solving = under == Reach::Patch;
@@ -338,10 +338,11 @@ fn contact_mesh(
         count: [nx, ny],
         plane_width: nx,
     };
-    let ice = TensorBody::new(operator, material, Side::Below, columns);
+    let lumped = [0, 1].map(|axis| operator.axes[axis].lumped_mass.clone());
+    let ice = ElasticBody::on_grid(operator, material, Side::Below, columns);
     ContactMesh {
         bodies: vec![ice],
-        solid: None,
+        lumped,
         gap: gaps,
         rows,
         bound,

@@ -3,7 +3,7 @@
 use kufe_fem::Material;
 
 #[cfg(feature = "gpu")]
-use crate::Stiffness;
+use crate::StiffnessForm;
 use crate::{ElasticRunner, Error, Foundation, Load, Method, Mount, Options, Problem, Tilt};
 
 /// Ranges of the numbers in a problem.
@@ -93,7 +93,7 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
     #[cfg(feature = "gpu")]
     if options.device.is_some() {
         let found = match (&problem.runner.elastic, options.method) {
-            _ if options.stiffness == Stiffness::Assembled => Some("an assembled stiffness"),
+            _ if options.stiffness == StiffnessForm::Assembled => Some("an assembled stiffness"),
             (Some(_), _) => Some("an elastic runner"),
             (None, Method::Accelerated) => None,
             (None, _) => Some("a checking method"),

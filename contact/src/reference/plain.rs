@@ -28,17 +28,15 @@ fn assembled(
     material: Material,
     held: &[f64],
 ) -> Option<Assembled> {
-    let body = hexahedra(&contact.bodies[0].operator, material).ok()?;
+    let body = hexahedra(contact.bodies[0].stiffness.grid()?, material).ok()?;
     let points = body.mesh().points.clone();
     let nodes = points.len();
     let stiffness = assemble(&body);
-    // What the tensor operator masks is what is held.
-    let mut free = vec![1.0; 3 * nodes];
-    contact.bodies[0].operator.mask(&mut free);
+    let free = contact.bodies[0].free()?;
     let mut constraints = Constraints::new(nodes);
     for c in 0..3 {
         for node in 0..nodes {
-            if free[c * nodes + node] == 0.0 {
+            if !free[c * nodes + node] {
                 constraints
                     .prescribe(node, c, held[c * nodes + node])
                     .ok()?;

@@ -1,5 +1,7 @@
 //! From the last mesh to what a solve returns.
 
+use kufe_fem::TensorOperator;
+
 use crate::accuracy::extrapolation::Extrapolation;
 use crate::active_set::progress::Progress;
 use crate::grid::assembled::assembled_bodies;
@@ -53,8 +55,9 @@ pub(crate) fn solution(
     let displacement = by_node(&u[..3 * nodes]);
     let bed = match problem.ice.foundation {
         Foundation::ElasticBed { bed, .. } => mesh.contact.bodies[0]
-            .operator
-            .lower_layer()
+            .stiffness
+            .grid()
+            .and_then(TensorOperator::lower_layer)
             .map(|layer| (bed, layer.cells)),
         _ => None,
     };

@@ -34,12 +34,12 @@ pub(crate) fn field<'a>(
 
 impl Field<'_> {
     fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
-        let operator = &self.mesh.contact.bodies[0].operator;
+        let [along, across] = &self.mesh.contact.lumped;
         PressureField {
             x: &self.mesh.grid.x,
             y: &self.mesh.grid.y,
             force: &state.force,
-            lumped: [&operator.axes[0].lumped_mass, &operator.axes[1].lumped_mass],
+            lumped: [along, across],
             symmetry: self.mesh.symmetry,
             hardness: self.hardness,
         }

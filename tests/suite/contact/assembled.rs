@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kufe_contact::{
     Bed, ElasticRunner, Error, Foundation, Ice, Load, Mount, Options, Place, Problem, Runner,
-    RunnerSolid, Solution, Stiffness, Tilt, solve,
+    RunnerSolid, Solution, StiffnessForm, Tilt, solve,
 };
 use kufe_fem::{Material, TensorOperator};
 use kufe_mesh::{BobRunner, Paraboloid, Underside};
@@ -13,7 +13,7 @@ use kufe_tests::meshes::block;
 
 const STEEL: (f64, f64) = (210e9, 0.3);
 
-fn options(stiffness: Stiffness) -> Options {
+fn options(stiffness: StiffnessForm) -> Options {
     Options {
         cells: Some(3),
         residual: 1e-12,
@@ -84,8 +84,8 @@ fn on_own_hexahedra() -> Problem {
 
 /// The solutions with both forms of the stiffness, whose displacements and peak pressures differ by less than 1e-8.
 fn compared(problem: &Problem) -> (Solution, Solution) {
-    let free = solve(problem, &options(Stiffness::MatrixFree)).unwrap();
-    let stored = solve(problem, &options(Stiffness::Assembled)).unwrap();
+    let free = solve(problem, &options(StiffnessForm::MatrixFree)).unwrap();
+    let stored = solve(problem, &options(StiffnessForm::Assembled)).unwrap();
     assert!(free.assembled.is_empty());
     let ice = [&free, &stored].map(|s| s.volume.displacement.as_flattened());
     let runner = [&free, &stored].map(|s| {
@@ -162,7 +162,7 @@ fn a_runner_on_hexahedra_of_its_own_gives_the_same_answer() {
 
 #[test]
 fn products_of_the_assembled_ice_are_those_of_its_tensor_operator() {
-    let stored = solve(&rigid(), &options(Stiffness::Assembled)).unwrap();
+    let stored = solve(&rigid(), &options(StiffnessForm::Assembled)).unwrap();
     let ice = Material::new(ICE_E, ICE_NU).unwrap();
     let free = [[[false; 2]; 3]; 3];
     let grid = &stored.volume.grid;
@@ -182,7 +182,7 @@ fn products_of_the_assembled_ice_are_those_of_its_tensor_operator() {
 fn more_memory_than_it_may_take_is_refused_with_both_figures() {
     let few = Options {
         max_stiffness_bytes: 100_000,
-        ..options(Stiffness::Assembled)
+        ..options(StiffnessForm::Assembled)
     };
     let error = solve(&rigid(), &few).unwrap_err();
     let Error::StiffnessTooLarge {
