@@ -1,5 +1,7 @@
 //! What can go wrong in a contact solve.
 
+use crate::Solution;
+
 /// Errors of the contact solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -81,6 +83,8 @@ pub enum Error {
         estimate: f64,
         /// Relative error asked.
         tolerance: f64,
+        /// The solution of the finest mesh, with that error.
+        best: Box<Solution>,
     },
     /// The assembled stiffness does not fit into the memory that it may take.
     #[error(

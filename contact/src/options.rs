@@ -53,7 +53,7 @@ pub struct Options {
     /// Where given, the equations of a rigid runner's contact are solved on this graphics processor, to the same residual.
     #[cfg(feature = "gpu")]
     pub device: Option<Arc<kufe_fem::gpu::Device>>,
-    /// Called after every update of the contact set.
+    /// Called after every update of the contact set, as it happens and in order, with the values of that moment.
     pub progress: Option<Watcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an iteration.
     pub stop: Option<Arc<AtomicBool>>,

@@ -5,7 +5,7 @@ use faer::{Mat, Side};
 
 use crate::active_set::motion::dot;
 use crate::active_set::motion::solve_motion;
-use crate::active_set::progress::{Limit, Progress};
+use crate::active_set::progress::{Control, Progress};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
 use crate::bodies::elastic_body::BodyWork;
@@ -17,6 +17,13 @@ pub(crate) struct Constraint {
     rows: Vec<[f64; 3]>,
     factor: Llt<f64>,
     motion_columns: Mat<f64>,
+}
+
+/// A contact set to iterate on.
+pub(crate) struct OneSet<'a> {
+    pub sets: &'a Sets,
+    pub constraint: &'a Constraint,
+    pub control: &'a Control<'a>,
 }
 
 /// Vectors that the iteration reuses.
@@ -63,17 +70,18 @@ impl ContactMesh {
     /// Conjugate gradients in the subspace where the nodes inside stay closed.
     ///
     /// Returns whether the tolerance was reached and the signs confirm the set.
-    #[allow(clippy::too_many_arguments)]
     pub fn iterate(
         &self,
-        sets: &Sets,
-        constraint: &Constraint,
+        set: &OneSet,
         state: &mut State,
         work: &mut Workspace,
-        tolerance: f64,
-        limit: &Limit,
         progress: &mut Progress,
     ) -> bool {
+        let OneSet {
+            sets,
+            constraint,
+            control,
+        } = *set;
         self.project_forces(sets, state);
         self.enter(constraint, state, work);
         progress.iterations += 1;
@@ -83,12 +91,10 @@ impl ContactMesh {
         let mut next_check: f64 = 1e-2;
         loop {
             let (turn, rho) = self.equilibrate(constraint, state, work, progress);
-            if let Some(confirmed) =
-                self.settled(sets, state, progress.residual, tolerance, &mut next_check)
-            {
+            if let Some(confirmed) = self.settled(set, state, progress.residual, &mut next_check) {
                 return confirmed;
             }
-            if limit.reached(progress.iterations) {
+            if control.reached(progress.iterations) {
                 return false;
             }
             let beta = if rho_before > 0.0 {
@@ -168,18 +174,18 @@ impl ContactMesh {
     /// has fallen a hundredfold.
     pub(crate) fn settled(
         &self,
-        sets: &Sets,
+        set: &OneSet,
         state: &State,
         residual: f64,
-        tolerance: f64,
         next_check: &mut f64,
     ) -> Option<bool> {
+        let tolerance = set.control.tolerance;
         if residual.is_nan() || residual >= next_check.max(tolerance) {
             return None;
         }
         let reached = residual < tolerance;
         let slack = if reached { 1e-10 } else { residual };
-        if self.signs(state, sets, slack).is_some() {
+        if self.contradicts(state, set.sets, slack) {
             return Some(false);
         }
         *next_check *= 1e-2;

@@ -5,6 +5,7 @@ pub(crate) mod elastic_body;
 pub(crate) mod far_field;
 pub(crate) mod hexahedra;
 pub(crate) mod mortar;
+pub(crate) mod mounting;
 pub(crate) mod runner_body;
 pub(crate) mod solid_body;
 pub(crate) mod stiffness;

@@ -72,6 +72,19 @@ impl ContactMesh {
         sums
     }
 
+    /// Forces of the candidates and the motion with them, without displacements.
+    pub fn state_of(&self, force: &[f64], motion: [f64; 3]) -> State {
+        let mut forces = vec![0.0; self.gap.len()];
+        for (&node, f) in self.candidates.iter().zip(force) {
+            forces[node] = *f;
+        }
+        State {
+            displacement: Vec::new(),
+            force: forces,
+            motion,
+        }
+    }
+
     /// Vertical closing of the gap by the displacements: B u.
     pub fn closing(&self, displacement: &[f64]) -> Vec<f64> {
         let mut closing = vec![0.0; self.gap.len()];

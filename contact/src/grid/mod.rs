@@ -8,3 +8,4 @@ pub(crate) mod first_guess;
 pub(crate) mod grading;
 pub(crate) mod patch;
 pub(crate) mod stretch;
+pub(crate) mod zones;

@@ -105,11 +105,7 @@ pub(crate) fn active_set(
         runner = Some(part);
     }
     let force = contact.candidates.iter().map(|&c| state.force[c]).collect();
-    let start = PlaneState {
-        force,
-        motion: state.motion,
-        settled: false,
-    };
+    let start = PlaneState::new(force, state.motion);
     let found = contact.plane_contact(&response, &base, start);
     let mut loads = vec![0.0; 3 * nodes];
     state.force.fill(0.0);

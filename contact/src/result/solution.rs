@@ -8,7 +8,7 @@ use kufe_mesh::{HexMesh, TensorGrid};
 use crate::Bed;
 
 /// The solved contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Peak pressure [Pa].
     pub p_max: f64,
@@ -53,7 +53,7 @@ pub struct Solution {
 }
 
 /// The assembled stiffness of one body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AssembledBody {
     /// `"ice"` or `"runner"`.
     pub name: &'static str,
@@ -76,8 +76,14 @@ pub struct Iterate {
     pub iterations: usize,
     /// Relative residual reached.
     pub residual: f64,
-    /// Peak pressure as it stood [Pa].
+    /// Peak pressure of the forces as they stood [Pa].
     pub p_max: f64,
+    /// Projected SOR sweeps since the last update.
+    pub sweeps: usize,
+    /// Accelerations since the last update: on the contact plane, and the iterations on this set.
+    pub accelerations: usize,
+    /// Energy of the contact forces accepted so far, minus the total potential energy at the solution [J].
+    pub energy: f64,
 }
 
 /// Fields on the contact plane over a rectilinear grid; arrays are `y.len()` rows of `x.len()`.

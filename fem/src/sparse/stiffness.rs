@@ -124,6 +124,12 @@ impl SparseStiffness {
     }
 }
 
+impl PartialEq for SparseStiffness {
+    fn eq(&self, other: &Self) -> bool {
+        self.dofs == other.dofs && self.lower().eq(other.lower())
+    }
+}
+
 /// Some neighbouring columns of a matrix, by component.
 fn panel(matrix: &BlockMatrix, columns: std::ops::Range<usize>) -> SparseColMat<u32, f64> {
     let graph = &matrix.graph;
