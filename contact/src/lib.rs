@@ -22,7 +22,8 @@
 //!    matrix of the preconditioner (`plane_basis`); `extrapolation` makes two or three similar meshes into a peak pressure
 //!    with an error.
 //! 6. `result`: `pressure` turns nodal forces into pressures and figures, `answer` puts the solution together.
-//! 7. `reference`: closed forms and plain methods to compare with.
+//! 7. `map`: the solution on the pixels of a regular grid, as files and pages show it.
+//! 8. `reference`: closed forms and plain methods to compare with.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -44,6 +45,7 @@ mod active_set;
 mod bodies;
 mod error;
 mod grid;
+mod map;
 mod options;
 mod precondition;
 mod problem;
@@ -52,6 +54,9 @@ mod result;
 mod solve;
 
 pub use error::Error;
+pub use map::patches::{parted, pressure_maps};
+pub use map::pressure_map::PressureMap;
+pub use map::rim::squared_pressure;
 pub use options::{Method, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::{
     Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,

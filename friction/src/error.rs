@@ -108,3 +108,21 @@ pub enum Error {
         tolerance: f64,
     },
 }
+
+/// `Ok` where the value is finite and `holds`.
+pub(crate) fn in_range(
+    name: &'static str,
+    value: f64,
+    holds: bool,
+    expected: &'static str,
+) -> Result<(), Error> {
+    if value.is_finite() && holds {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            expected,
+        })
+    }
+}

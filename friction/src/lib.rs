@@ -7,6 +7,7 @@
 //! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
 //! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
 //! | [`evaluate_glide`], [`evaluate_ice_house`] | mu by specimen from gliding runs |
+//! | [`film`] | the melt film under a runner, from heat and water balance |
 //!
 //! ```
 //! use kufe_friction::{Longitudinal, MagicFormula, longitudinal_force};
@@ -16,43 +17,31 @@
 //! assert!(fx < 0.0 && fy > 20.0 * fx.abs());
 //! ```
 
-pub mod effects;
 mod error;
 mod estimate;
-mod experiments;
-mod glide_run;
-mod glides;
+pub mod film;
 mod icehouse;
-mod icehouse_plot;
 mod lateral;
-mod lateral_fit;
-mod lateral_identifiability;
-mod lateral_least_squares;
-mod lateral_root;
-mod lateral_score;
-mod line_fit;
 mod longitudinal;
-mod mu_plot;
-mod mu_pressure_fit;
-mod orthogonal_distance;
-mod table;
+mod tables;
+
+pub use kufe_effect as effects;
 
 pub use error::Error;
 pub use estimate::Estimate;
-pub use experiments::{Experiment, read_experiments, write_experiments};
-pub use glide_run::{
+pub use icehouse::glide_run::{
     GAS_CONSTANT_OF_AIR, GRAVITY, GlideRun, SHARE_LEFT_OUT, air_density, evaluate_glide,
 };
-pub use glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
-pub use icehouse::{GlidePair, IceHouse, SpecimenFriction, evaluate_ice_house};
-pub use icehouse_plot::draw_glide;
-pub use lateral::{Braghin, LateralDerivatives, MagicFormula};
-pub use lateral_fit::{LateralFit, LateralFitOptions, fit_lateral};
-pub use lateral_identifiability::{Combination, Identifiability};
-pub use lateral_score::LateralSample;
-pub use line_fit::{LineFit, fit_line};
-pub use longitudinal::{
+pub use icehouse::glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
+pub use icehouse::line_fit::{LineFit, fit_line};
+pub use icehouse::plot::draw_glide;
+pub use icehouse::specimens::{GlidePair, IceHouse, SpecimenFriction, evaluate_ice_house};
+pub use lateral::fit::{LateralFit, fit_lateral};
+pub use lateral::law::{Braghin, LateralDerivatives, MagicFormula};
+pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
+pub use longitudinal::law::{
     Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,
 };
-pub use mu_plot::draw_mu_over_pressure;
-pub use mu_pressure_fit::{LeastFriction, MuFit, Weighting, fit_mu};
+pub use longitudinal::plot::draw_mu_over_pressure;
+pub use longitudinal::{LeastFriction, MuFit, Weighting, fit_mu};
+pub use tables::experiments::{Experiment, read_experiments, write_experiments};

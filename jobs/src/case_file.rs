@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use kufe_case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, Solution, SurfaceField};
 
-use crate::Failure;
+use crate::failure::Failure;
 
 /// The case that is solved where none is given.
 pub const EXAMPLE: &str = include_str!("../assets/example.toml");

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use kufe_sled::{Error, Model, PrepareOptions, Prepared, Run, Vehicle, prepare_all};
 
-use crate::{Failure, Watch};
+use crate::failure::Failure;
+use crate::watch::Watch;
 
 /// Which runs, and what they are used with.
 #[derive(Clone, Debug)]

@@ -12,39 +12,22 @@
 //! | [`sweep`] | fills a [`Plan`] from a solver's answers |
 //! | [`curvature_from_pitch`] | the input that a sled measures |
 
-mod axes;
-mod csv_file;
-mod each;
 mod error;
-mod flush;
-mod fmu;
-mod grid;
-mod header;
-mod lookup;
-mod mat_file;
-mod picture;
-mod pitch;
-mod quantity;
-mod read;
-mod refine;
-mod script;
-mod shard;
-mod smooth;
+mod export;
+mod file;
 mod store;
 mod sweep;
 mod table;
-mod write;
 
-pub use axes::{Axes, MAX_AXIS, MAX_NODES};
 pub use error::Error;
-pub use flush::Flush;
-pub use lookup::{Looked, Lookup, Mode};
-pub use picture::draw;
-pub use pitch::{MIN_SPEED, curvature_from_pitch, radius_from_pitch};
-pub use quantity::{Point, Quantity, Solved};
-pub use read::MAX_FILE_BYTES;
-pub use script::{parallel as parallel_script, slurm as slurm_script};
-pub use shard::{Done, Manifest, Next, next_batch, solve_missing};
-pub use store::{Origin, Store, sha256};
+pub use export::draw;
+pub use file::MAX_FILE_BYTES;
+pub use store::{
+    Done, Manifest, Next, Origin, Store, next_batch, parallel_script, sha256, slurm_script,
+    solve_missing,
+};
 pub use sweep::{Plan, Spacing, SweepError, Swept, sweep, sweep_batches};
-pub use table::{Check, Measured, Table};
+pub use table::{
+    Axes, Check, Flush, Looked, Lookup, MAX_AXIS, MAX_NODES, MIN_SPEED, Measured, Mode, Point,
+    Quantity, Solved, Table, curvature_from_pitch, radius_from_pitch,
+};

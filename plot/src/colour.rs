@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-/// Eight line colours after Okabe and Ito, "Color Universal Design" (2008), black first.
+/// Eight line colours after Okabe and Ito, "Color Universal Design" (2008), black last.
 pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

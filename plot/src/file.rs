@@ -69,13 +69,25 @@ pub fn png(
     draw: &dyn Fn(PngRoot) -> Result<(), Error>,
 ) -> Result<(), Error> {
     embed_font();
-    write_whole(path, ".png", &|temporary| {
-        let root = BitMapBackend::new(temporary, (width, height)).into_drawing_area();
+    let mut pixels = vec![0; 3 * width as usize * height as usize];
+    {
+        let backend = BitMapBackend::with_buffer(&mut pixels, (width, height));
+        let root = backend.into_drawing_area();
         root.fill(&WHITE)?;
         draw(root.clone())?;
         root.present()?;
-        Ok(())
-    })
+    }
+    let written = kufe_files::write_whole(path, |writer| {
+        let mut encoder = ::png::Encoder::new(writer, width, height);
+        encoder.set_color(::png::ColorType::Rgb);
+        encoder.set_depth(::png::BitDepth::Eight);
+        encoder.set_adaptive_filter(::png::AdaptiveFilterType::Adaptive);
+        encoder.set_compression(::png::Compression::Fast);
+        let mut image = encoder.write_header()?;
+        image.write_image_data(&pixels)?;
+        Ok(image.finish()?)
+    });
+    written.map_err(|source| write_error(path, source))
 }
 
 /// Draws an SVG of `width` x `height` units on white and moves it to `path` once it is whole.
@@ -89,9 +101,8 @@ pub fn svg(
     draw: &dyn Fn(SvgRoot) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let text = svg_string(width, height, draw)?;
-    write_whole(path, ".svg", &|temporary| {
-        std::fs::write(temporary, &text).map_err(|source| write_error(path, source))
-    })
+    kufe_files::write_whole(path, |writer| writer.write_all(text.as_bytes()))
+        .map_err(|source| write_error(path, source))
 }
 
 /// Draws an SVG and returns its text.
@@ -121,23 +132,50 @@ fn write_error(path: &Path, source: std::io::Error) -> Error {
     }
 }
 
-fn write_whole(
-    path: &Path,
-    suffix: &str,
-    write: &dyn Fn(&Path) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let temporary = tempfile::Builder::new()
-        .prefix(".kufe-")
-        .suffix(suffix)
-        .tempfile_in(folder)
-        .map_err(|source| write_error(path, source))?;
-    write(temporary.path())?;
-    temporary
-        .persist(path)
-        .map_err(|error| write_error(path, error.error))?;
-    Ok(())
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_png_holds_what_was_drawn_and_may_be_read_as_any_other_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("dot.png");
+        png(&path, 7, 5, &|root| {
+            root.draw(&Pixel::new((2, 3), RGBColor(10, 20, 30)))?;
+            Ok(())
+        })
+        .unwrap();
+        let file = std::fs::File::open(&path).unwrap();
+        let mut reader = ::png::Decoder::new(file).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.width, info.height, pixels.len()), (7, 5, 105));
+        for (place, pixel) in pixels.chunks(3).enumerate() {
+            let drawn: [u8; 3] = if place == 3 * 7 + 2 {
+                [10, 20, 30]
+            } else {
+                [255; 3]
+            };
+            assert_eq!(pixel, drawn, "{place}");
+        }
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            std::fs::write(folder.path().join("other"), "").unwrap();
+            let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+            assert_eq!(mode(&path), mode(&folder.path().join("other")));
+        }
+    }
+
+    #[test]
+    fn a_picture_that_cannot_be_drawn_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none.svg");
+        let drawn = svg(&path, 7, 5, &|_| {
+            Err(Error::Draw {
+                reason: "no room".into(),
+            })
+        });
+        assert!(drawn.is_err() && !path.exists());
+    }
 }

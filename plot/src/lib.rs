@@ -6,11 +6,12 @@
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`png`] / [`svg`] | draws into a temporary file and renames it into place |
+//! | [`png`] / [`svg`] | draws a picture and writes its file, whole or not at all |
 //! | [`svg_string`] | the same picture as text, for an HTML page |
 //! | [`viridis`] | colour map on `0..=1` |
 //! | [`PALETTE`] | eight line colours that colour-blind readers can tell apart |
 //! | [`axis_ticks`], [`tick_text`] | round tick positions and their text |
+//! | [`number4`], [`quantity`], [`usual`], [`unit_of`] | numbers and units as people read them |
 //!
 //! ```
 //! use plotters::prelude::*;
@@ -33,8 +34,10 @@
 
 mod colour;
 mod file;
+mod number;
 mod ticks;
 
 pub use colour::{PALETTE, viridis};
 pub use file::{Error, PngRoot, SvgRoot, png, svg, svg_string};
+pub use number::{number4, quantity, unit_of, usual};
 pub use ticks::{axis_ticks, tick_text};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_discover::{Error, Options, Report, page};
+use kufe_discover::{Error, Options, Report};
 use pyo3::prelude::*;
 
 use crate::error::{InputError, NotConvergedError, bad_input};
@@ -51,11 +51,14 @@ pub fn discover(
     let worked = work(py, progress, |watch, _| {
         kufe_discover::discover(&data, &model, &options, &|text| watch.progress(text))
     })?;
-    let (report, next_model) = worked.value.map_err(|error| match error {
+    let found = worked.value.map_err(|error| match error {
         Error::BaseFit { .. } => NotConvergedError::new_err(error.to_string()),
         other => bad_input(other),
     })?;
-    Ok(Discovery { report, next_model })
+    Ok(Discovery {
+        report: found.report,
+        next_model: found.next_model,
+    })
 }
 
 #[pymethods]
@@ -86,8 +89,9 @@ impl Discovery {
 
     /// The report as a page.
     #[getter]
-    fn html(&self) -> String {
-        page(&self.report)
+    fn html(&self) -> PyResult<String> {
+        let data = self.report.page_data().map_err(bad_input)?;
+        Ok(kufe_report::discovery_page(&data))
     }
 
     fn __repr__(&self) -> String {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::pack;
+use crate::pack::pack;
 
 /// Contact fields on the pixels of a regular grid, `ny` rows of `nx`.
 ///

@@ -7,6 +7,7 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`page`] | the whole page of one [`Kind`] from its title and data |
+//! | [`discovery_page`] | what a search for missing effects has found: tables and diagrams without scripts |
 //! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
 //! | [`POLICY`] | the content security policy that every page carries |
@@ -19,10 +20,12 @@
 //! assert!(!html.contains("src=\"http") && !html.contains("href=\"http"));
 //! ```
 
+mod discovery;
 mod grid;
 mod pack;
 mod page;
 
+pub use discovery::discovery_page;
 pub use grid::Grid;
 pub use pack::pack;
 pub use page::{Kind, POLICY, page};

@@ -74,7 +74,7 @@ pub fn page(kind: Kind, title: &str, data: &Value) -> String {
 }
 
 /// Text as text in HTML.
-fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

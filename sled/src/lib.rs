@@ -5,6 +5,7 @@
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
 //! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 (feature `mdf4`) |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
+//! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
@@ -21,61 +22,60 @@
 //! # Ok::<(), kufe_sled::Error>(())
 //! ```
 
-pub mod aero;
-mod bootstrap;
-pub mod check;
-mod derivative;
-mod driver;
-mod dynamics;
-pub mod effects;
 mod error;
 mod evaluate;
-mod filter;
 mod fit;
-mod friction;
-mod matlab;
-#[cfg(feature = "mdf4")]
-mod mdf4;
 mod model;
-mod noise;
-pub mod one_track;
-mod parquet_file;
+mod motion;
 pub mod plots;
-mod prepare;
-mod read;
-mod run;
-pub mod sample_data;
+mod record;
+mod signals;
 mod simulate;
-mod spline;
 mod track;
-mod transfer;
-mod validate;
-mod write;
 
-pub use bootstrap::{Summary, quantile, summarise};
-pub use derivative::derivative;
-pub use driver::Driver;
-pub use dynamics::{GRAVITY, Instant, WallContact};
+pub use kufe_effect as effects;
+
 pub use error::Error;
-pub use evaluate::{Angles, DrivingForce, Group, RunEvaluation, distinct, evaluate, groups};
-pub use filter::{low_pass, noise_gain, resample};
-pub use fit::{FitOptions, SledFit, find_contacts, fit, lateral_samples};
-pub use friction::{PressureLookup, RunnerFriction, Vehicle};
-pub use model::{Friction, Model, Noise, Sled, Survey};
-pub use noise::{estimate_noise, slip_noise, white_noise_sd};
-pub use one_track::{AxleForces, Motion, State};
-pub use parquet_file::{read_parquet, write_parquet};
-pub use prepare::{PrepareOptions, Prepared, prepare, prepare_all};
-pub use read::{Columns, read_columns, read_csv, write_csv};
-pub use run::{
-    COLUMNS, Conditions, Entry, INDEX_COLUMNS, Run, read_good_runs, read_index, read_run,
-    read_runs, write_index,
-};
-pub use simulate::{EnergyBalance, SimulateOptions, Simulated, record, simulate, simulated_entry};
-pub use spline::Spline;
-pub use track::{Track, TrackShape};
-pub use transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
-pub use validate::{
+pub use evaluate::bootstrap::{Summary, quantile, summarise};
+pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
+pub use evaluate::groups::{Group, distinct, groups};
+pub use evaluate::residuals::{balances_left, residuals, root_mean_square};
+pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
-pub use write::{RunFormat, write_run};
+pub use fit::contacts::find_contacts;
+pub use fit::runners::{SledFit, fit};
+pub use fit::samples::{FitOptions, lateral_samples};
+pub use model::model_toml::{Friction, Model};
+pub use model::runner::{PressureLookup, RunnerFriction};
+pub use model::sled::{ModelConditions, Noise, Sled, Survey};
+pub use model::vehicle::{BaseParameter, Vehicle};
+pub use motion::balance::{Balance, Left};
+pub use motion::law_forces::LawForces;
+pub use motion::measured::from_sensors;
+pub use motion::state::{AxleForces, GRAVITY, Motion, State};
+pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
+pub use motion::{aero, one_track};
+pub use record::check;
+pub use record::columns::Columns;
+pub use record::csv::{read_csv, write_csv};
+pub use record::index::{
+    Conditions, Entry, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
+};
+pub use record::parquet::{read_parquet, write_parquet};
+pub use record::read::read_columns;
+pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs, state_distances};
+pub use record::write::{RunFormat, write_run};
+pub use signals::derivative::derivative;
+pub use signals::filter::{low_pass, noise_gain, resample};
+pub use signals::noise::{estimate_noise, slip_noise, white_noise_sd};
+pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
+pub use simulate::drive::{EnergyBalance, Simulated, simulate};
+pub use simulate::driver::Driver;
+pub use simulate::dynamics::{Instant, WallContact};
+pub use simulate::options::SimulateOptions;
+pub use simulate::sample_data;
+pub use simulate::sensors::{record, simulated_entry};
+pub use track::shape::TrackShape;
+pub use track::spline::Spline;
+pub use track::table::Track;

@@ -3,25 +3,26 @@
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
-use super::CATALOGUE;
+use crate::effects::catalogue::CATALOGUE;
 
 /// One table an effect with its one key and the key's bounds.
 pub(crate) fn schema(_: &mut SchemaGenerator) -> Schema {
     let effects: Map<String, Value> = CATALOGUE
         .iter()
         .map(|effect| {
-            let info = effect.info();
+            let p = effect.parameter();
             let table = json!({
+                "description": effect.info.summary,
                 "type": "object",
-                "properties": { info.key: {
-                    "description": format!("[{}]", info.unit),
+                "properties": { p.name: {
+                    "description": format!("[{}]", p.unit),
                     "type": "number",
-                    "minimum": info.low,
-                    "maximum": info.high,
+                    "minimum": p.low,
+                    "maximum": p.high,
                 } },
                 "additionalProperties": false,
             });
-            (info.name.to_owned(), table)
+            (effect.info.name.to_owned(), table)
         })
         .collect();
     json_schema!({

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Command;
 use clap_complete::Shell;
+use kufe_jobs::{Failure, write_whole};
 
 use crate::about::reference;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::{Failure, write_whole};
 
 /// Arguments of `kufe completions`.
 #[derive(clap::Args, Debug)]

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use kufe_jobs::Failure;
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;
 use crate::output::say::say;
-use kufe_jobs::Failure;
 
 /// Programs that kufe works without, and what they would add.
 const OPTIONAL: [(&str, &str); 5] = [

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use kufe_case::Case;
+use kufe_jobs::{Failure, write_whole};
 use kufe_sled::Model;
 use schemars::generate::SchemaSettings;
 
 use crate::output::global::Global;
 use crate::output::say::say;
-use kufe_jobs::{Failure, write_whole};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kufe_case::StatedProblem;
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, solve};
+use kufe_jobs::{Failure, case_file::LoadedCase};
 use serde_json::json;
 
 use crate::bodies::calculix::{Deck, write_deck};
@@ -11,7 +12,6 @@ use crate::bodies::stiffness::write_stiffness;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Arguments of `kufe export`.
 #[derive(clap::Args, Debug)]

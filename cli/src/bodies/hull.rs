@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use kufe_jobs::{Failure, write_whole};
 use kufe_mesh::{
     BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
 };
@@ -10,7 +11,6 @@ use serde_json::json;
 
 use crate::output::global::Global;
 use crate::output::say::say;
-use kufe_jobs::{Failure, write_whole};
 
 /// Arguments of `kufe hull`.
 #[derive(clap::Args, Debug)]

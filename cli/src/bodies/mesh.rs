@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use kufe_case::{Shape, StatedProblem};
 use kufe_contact::{Runner, solve};
+use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 use serde_json::{Value, json};
 
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Layers of cells between the underside and the top of the runner, and how much each is higher than the one below.
 const LAYERS: usize = 8;

@@ -4,9 +4,8 @@ use std::io::Write;
 
 use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
 use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
-use kufe_mesh::{HexMesh, VtuField, write_vtu};
-
 use kufe_jobs::Failure;
+use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 /// The ice. Where the solver used mirror planes the file holds the part that it solved.
 ///

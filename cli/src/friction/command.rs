@@ -1,8 +1,9 @@
 //! `kufe friction`: from a hull to its friction, and the fit of friction over pressure.
 
+use kufe_jobs::Failure;
+
 use crate::friction::{fit, point};
 use crate::output::global::Global;
-use kufe_jobs::Failure;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -8,13 +8,13 @@ use kufe_friction::{
     Experiment, Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn,
     draw_mu_over_pressure, fit_mu, read_experiments,
 };
+use kufe_jobs::Failure;
 use serde_json::{Value, json};
 
 use crate::friction::failure::failure;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::Failure;
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]

@@ -8,13 +8,13 @@ use kufe_friction::{
     GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, draw_glide, evaluate_glide, evaluate_ice_house,
     read_glide, read_glide_index, write_experiments,
 };
+use kufe_jobs::Failure;
 use serde_json::{Value, json};
 
 use crate::friction::failure::failure;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::Failure;
 
 const EXAMPLES: &str = "\
 glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;

@@ -5,15 +5,15 @@ use std::time::Instant;
 
 use kufe_case::StatedProblem;
 use kufe_contact::solve;
-use kufe_friction::effects::{Column, Conditions, find};
+use kufe_friction::effects::Conditions;
 use kufe_friction::{Longitudinal, air_density, longitudinal_force};
+use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_sled::Model;
-use kufe_sled::effects::{Channel, Effects, Kind};
+use kufe_sled::effects::{Effects, Kind};
 use serde_json::json;
 
 use crate::output::global::Global;
 use crate::output::say::say;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Arguments of `kufe friction CASE`.
 #[derive(clap::Args, Debug)]
@@ -207,33 +207,25 @@ fn with_effects(
 ) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
     let (mut mu, mut applied, mut ignored) = (base, Vec::new(), Vec::new());
     for active in &effects.active {
-        let effect = match &active.kind {
-            Kind::Catalogue(_) => find(active.effect_name()),
-            Kind::Custom(own) if own.channel == Channel::Friction => {
-                let change = own.coefficient(active.values[0], at);
-                if change.is_nan() {
-                    return Err(Failure::Usage(format!(
-                        "the model's effect {} needs {}: a condition is not given, or belongs to a run",
-                        active.name,
-                        own.expression.names().join(", ")
-                    )));
-                }
-                mu += change;
-                applied.push(active.name.clone());
-                continue;
-            }
-            Kind::Custom(_) => None,
-        };
-        let Some(effect) = effect else {
+        let Some(with) = active.coefficient(mu, at) else {
             ignored.push(active.name.clone());
             continue;
         };
-        for column in effect.info().needs {
+        if let Kind::Custom(own) = &active.kind
+            && with.is_nan()
+        {
+            return Err(Failure::Usage(format!(
+                "the model's effect {} needs {}: a condition is not given, or belongs to a run",
+                active.name,
+                own.names().join(", ")
+            )));
+        }
+        for column in active.columns() {
             let missing = match column {
-                Column::IceTemperature => at.ice_c.is_nan().then_some("--ice-c"),
-                Column::AirTemperature => at.air_c.is_nan().then_some("--air-c"),
-                Column::AirPressure => at.air_pa.is_nan().then_some("--air-pa"),
-                Column::Humidity => at.humidity_pct.is_nan().then_some("--humidity-pct"),
+                "ice_c" => at.ice_c.is_nan().then_some("--ice-c"),
+                "air_c" => at.air_c.is_nan().then_some("--air-c"),
+                "air_pa" => at.air_pa.is_nan().then_some("--air-pa"),
+                "humidity_pct" => at.humidity_pct.is_nan().then_some("--humidity-pct"),
                 _ => None,
             };
             if let Some(option) = missing {
@@ -243,7 +235,7 @@ fn with_effects(
                 )));
             }
         }
-        mu = effect.coefficient(&active.values, mu, at);
+        mu = with;
         if mu.is_nan() {
             return Err(Failure::Usage(format!(
                 "the model's effect {} needs --air-c and --air-pa",

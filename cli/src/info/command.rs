@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe_jobs::Failure;
 use serde_json::{Value, json};
 
 use crate::info::{exr_file, hull_file, lut_file};
 use crate::output::global::Global;
 use crate::output::say::say;
-use kufe_jobs::Failure;
 
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use serde_json::{Map, Value, json};
-
 use kufe_jobs::Failure;
+use serde_json::{Map, Value, json};
 
 /// Size, channels and own attributes of an EXR file; pixels are not read.
 pub fn describe(path: &Path) -> Result<Value, Failure> {

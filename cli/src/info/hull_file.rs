@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
+use kufe_jobs::Failure;
 use kufe_mesh::{HullOptions, load_hull};
 use serde_json::{Value, json};
-
-use kufe_jobs::Failure;
 
 /// Triangles, extent, holes and warnings of a hull, its coordinates taken as metres.
 pub fn describe(path: &Path) -> Result<Value, Failure> {

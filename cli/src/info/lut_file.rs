@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
+use kufe_jobs::{Failure, table::read_table};
 use kufe_lut::{Mode, Quantity, Table};
 use serde_json::{Map, Value, json};
-
-use kufe_jobs::{Failure, table::read_table};
 
 /// Axes, quantities with their ranges and interpolation errors, the solver's error, case and version.
 pub fn describe(path: &Path) -> Result<Value, Failure> {

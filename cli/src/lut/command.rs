@@ -1,8 +1,9 @@
 //! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
 
+use kufe_jobs::Failure;
+
 use crate::lut::{export, fill, plan, query, show};
 use crate::output::global::Global;
-use kufe_jobs::Failure;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe_jobs::{Failure, table::read_table, write_whole};
 use kufe_lut::{Error, Table};
 
 use crate::output::global::Global;
-use kufe_jobs::{Failure, table::read_table, write_whole};
 
 /// Which forms to write beside a table.
 #[derive(clap::Args, Debug, Default)]

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use kufe_jobs::{Failure, table::read_table};
 use kufe_lut::{Looked, Lookup, Mode, Quantity, Table, curvature_from_pitch};
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;
-use kufe_jobs::{Failure, table::read_table};
 
 /// Arguments of `kufe lut query`.
 #[derive(clap::Args, Debug)]

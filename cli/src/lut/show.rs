@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use kufe_jobs::{Failure, table::read_table};
 use kufe_lut::Quantity;
 
 use crate::output::global::Global;
-use kufe_jobs::{Failure, table::read_table};
 
 /// Arguments of `kufe lut show`.
 #[derive(clap::Args, Debug)]

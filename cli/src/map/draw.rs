@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use kufe_contact::PressureMap;
 use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text, viridis};
 use plotters::prelude::*;
 
 use crate::map::outline::outline;
-use crate::map::pressure_map::PressureMap;
 
 const WIDTH: u32 = 1500;
 const HEIGHT: u32 = 1040;
@@ -232,13 +232,13 @@ fn stretch_text(stretch: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_field::ellipse;
+    use crate::map::hertz_map::hertz_map;
 
     #[test]
     fn a_needle_is_drawn_stretched_and_to_the_last_row() -> Result<(), Box<dyn std::error::Error>> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join("pressure.png");
-        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6);
+        let map = hertz_map();
         write(&path, &[map], "test")?;
         let bytes = std::fs::read(&path)?;
         assert_eq!(&bytes[1..4], b"PNG");

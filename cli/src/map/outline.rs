@@ -1,6 +1,6 @@
 //! The line of one pressure around the contact, by marching squares.
 
-use crate::map::pressure_map::PressureMap;
+use kufe_contact::PressureMap;
 
 /// Segments, joined where they meet in order, of the line where the pressure equals `level` [Pa].
 ///

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use kufe_mesh::ExrImage;
-
-use crate::map::pressure_map::PressureMap;
+use kufe_contact::PressureMap;
 use kufe_jobs::Failure;
+use kufe_mesh::ExrImage;
 
 /// Reads the channels `p`, `gap` and `uz` with their place in metres.
 ///
@@ -39,12 +38,12 @@ pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_field::ellipse;
+    use crate::map::hertz_map::hertz_map;
     use crate::map::write_exr;
 
     #[test]
     fn a_map_comes_back_as_it_was_written() -> Result<(), Box<dyn std::error::Error>> {
-        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6);
+        let map = hertz_map();
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
         write_exr::write(file.as_file(), &map, 1000.0, 0.0)?;
         let back = read_map(file.path()).map_err(|failure| failure.to_string())?;

@@ -7,8 +7,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
     WritableImage,
 };
-
-use crate::map::pressure_map::PressureMap;
+use kufe_contact::PressureMap;
 
 const COMMENTS: &str = "p: contact pressure [Pa]; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
     row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
@@ -100,12 +99,12 @@ fn sort_attributes(bytes: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_field::ellipse;
+    use crate::map::hertz_map::hertz_map;
     use exr::prelude::read_first_flat_layer_from_file;
 
     #[test]
     fn an_exr_gives_back_its_channels_and_its_place() -> Result<(), Box<dyn std::error::Error>> {
-        let map = PressureMap::new(&ellipse(0.025, 0.14e-3, 138.5e6), 1000.0, 138.5e6);
+        let map = hertz_map();
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
         write(file.as_file(), &map, 1000.0, 0.0)?;
         let image = read_first_flat_layer_from_file(file.path())?;

@@ -4,7 +4,6 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-
 use kufe_jobs::Failure;
 
 use crate::output::progress::Progress;

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 use kufe_jobs::Failure;
+use tempfile::TempDir;
 
 /// A hidden folder beside the output that collects files until [`Staging::commit`] moves them in.
 ///
@@ -112,8 +111,7 @@ impl Staging {
         }
         for name in &names {
             let to = self.target.join(name);
-            set_ordinary_permissions(&folder.path().join(name))
-                .and_then(|()| std::fs::rename(folder.path().join(name), &to))
+            std::fs::rename(folder.path().join(name), &to)
                 .map_err(|error| unwritable(&to, &error))?;
         }
         self.made.clear();
@@ -133,18 +131,6 @@ impl Drop for Staging {
 
 fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
     Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
-}
-
-/// Temporary files are private; a result is readable like any other new file.
-#[cfg(unix)]
-fn set_ordinary_permissions(path: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn set_ordinary_permissions(_path: &Path) -> std::io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]

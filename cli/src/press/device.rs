@@ -1,9 +1,9 @@
 //! `--gpu`: the graphics processor that a contact is solved on.
 
 use kufe_contact::Options;
+use kufe_jobs::Failure;
 
 use crate::output::global::Global;
-use kufe_jobs::Failure;
 
 /// The solver's options, with the best graphics processor where it is asked for.
 #[cfg(feature = "gpu")]

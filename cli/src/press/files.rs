@@ -2,15 +2,14 @@
 
 use std::io::Write;
 
-use kufe_contact::CentreLine;
+use kufe_contact::{CentreLine, PressureMap, pressure_maps};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
 use serde_json::Value;
 
 use crate::bodies::placed_hull::placed_hull;
 use crate::bodies::volume_vtu;
-use crate::map::pressure_map::PressureMap;
-use crate::map::{draw, patches, write_exr};
+use crate::map::{draw, write_exr};
 use crate::output::staging::Staging;
 use crate::press::{subsurface, summary};
 
@@ -33,7 +32,7 @@ pub fn write(
         write_exr::write(file, &map, solution.fz, curvature)
     })?;
     let title = summary::title(solution);
-    let maps = patches::maps(solution);
+    let maps = pressure_maps(solution);
     draw::write(&staging.path("pressure.png"), &maps, &title)
         .map_err(|error| staging.failure("pressure.png", &error))?;
     let shear = line.is_some();

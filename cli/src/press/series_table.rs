@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value, json};
-
 use kufe_jobs::{Failure, write_whole};
+use serde_json::{Map, Value, json};
 
 /// One step of a series: what was varied and what came out.
 pub struct Row {

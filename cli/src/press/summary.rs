@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use crate::press::series_table::Row;
 use kufe_contact::{Iterate, Solution};
 use kufe_jobs::Pressed;
+
+use crate::press::series_table::Row;
 
 /// One line while the solver works.
 pub fn progress_line(state: &Iterate) -> String {

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe_jobs::{Failure, write_whole};
 use serde_json::json;
 
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::report::{contact, evaluation, table};
-use kufe_jobs::{Failure, write_whole};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
+use kufe_contact::{PressureMap, parted};
+use kufe_jobs::Failure;
 use kufe_mesh::{Hull, HullOptions, load_hull};
 use kufe_report::{Grid, Kind, pack, page as html};
 use serde_json::{Value, json};
 
-use crate::map::patches;
-use crate::map::pressure_map::PressureMap;
 use crate::map::read_exr::read_map;
 use crate::report::read_json::read_json;
-use kufe_jobs::Failure;
 
 /// `result.json` is a page of figures; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 22;
@@ -49,7 +48,7 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
             result["history"]
         )));
     }
-    let maps = patches::parts(read_map(&folder.join("pressure.exr"))?);
+    let maps = parted(read_map(&folder.join("pressure.exr"))?);
     let glb = folder.join("hull.glb");
     let hull = if glb.is_file() {
         let (hull, _) = load_hull(&glb, &HullOptions::default())

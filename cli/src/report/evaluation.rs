@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use kufe_jobs::Failure;
 use kufe_report::{Kind, page as html};
 
 use crate::report::read_json::read_json;
-use kufe_jobs::Failure;
 
 /// An evaluation holds a few hundred bytes a run; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 24;

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
+use kufe_jobs::{Failure, table::read_table};
 use kufe_lut::{Axes, Flush, Mode, Quantity, Table};
 use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
-
-use kufe_jobs::{Failure, table::read_table};
 
 /// Most breakpoints of an axis that the page carries; a longer axis is thinned.
 const MOST: [usize; 3] = [60, 60, 8];

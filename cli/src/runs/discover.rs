@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_discover::{Error, Options, Report};
+use kufe_discover::{Error, Options, Report, Rules};
+use kufe_jobs::{Failure, write_whole};
 
 use crate::output::global::Global;
-use kufe_jobs::{Failure, write_whole};
 
 /// Find the effect that a model lacks, name it and add it
 #[derive(clap::Args, Debug)]
@@ -27,6 +27,9 @@ pub struct Args {
     /// Which channels of runs to use
     #[arg(long, value_enum, default_value_t = Channels::All)]
     channels: Channels,
+    /// Rules of judgement that differ from the usual ones (TOML); for developers
+    #[arg(long, hide = true, value_name = "TOML")]
+    rules: Option<PathBuf>,
 }
 
 /// Channels of runs.
@@ -51,23 +54,30 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             args.twins
         )));
     }
+    let rules = match &args.rules {
+        Some(path) => rules(path)?,
+        None => Rules::default(),
+    };
     let options = Options {
         seed: args.seed,
         twins: args.twins,
         longitudinal: args.channels != Channels::Lateral,
         lateral: args.channels != Channels::Longitudinal,
+        rules,
         ..Options::default()
     };
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let (report, next) =
+    let found =
         kufe_discover::discover(&args.data, &args.model, &options, &progress).map_err(failure)?;
+    let (report, next) = (found.report, found.next_model);
     bar.finish_and_clear();
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
+    let page = report.page_data().map_err(Failure::bad_input)?;
     let out = |name: &str| -> PathBuf { Path::new(&args.output).join(name) };
     write_whole(&out("report.json"), |w| writeln!(w, "{json}"))?;
     write_whole(&out("report.html"), |w| {
-        w.write_all(kufe_discover::page(&report).as_bytes())
+        w.write_all(kufe_report::discovery_page(&page).as_bytes())
     })?;
     write_whole(&out("model.next.toml"), |w| w.write_all(next.as_bytes()))?;
     if global.json {
@@ -76,6 +86,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&report, &args.output);
     }
     Ok(())
+}
+
+fn rules(path: &Path) -> Result<Rules, Failure> {
+    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
+    Rules::from_toml(&text).map_err(|error| told(error.to_string()))
 }
 
 fn say(report: &Report, output: &Path) {

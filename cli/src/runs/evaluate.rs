@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use kufe_jobs::Failure;
 use kufe_sled::plots::{angle_picture, energy_picture, force_picture};
 use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups};
 use serde_json::json;
@@ -10,7 +11,6 @@ use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::runs::arguments::{RunArgs, file_name};
-use kufe_jobs::Failure;
 
 const EXAMPLES: &str = "\
 Example:

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use kufe_friction::{LateralFit, MagicFormula};
+use kufe_jobs::{Failure, runs::Loaded, runs::failure};
 use kufe_sled::plots::fit_picture;
 use kufe_sled::{FitOptions, find_contacts, lateral_samples};
 
@@ -10,7 +11,6 @@ use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::runs::arguments::RunArgs;
-use kufe_jobs::{Failure, runs::Loaded, runs::failure};
 
 const EXAMPLES: &str = "\
 Example:

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use kufe_jobs::{Failure, runs::failure};
 use kufe_sled::plots::run_picture;
 use kufe_sled::sample_data::{DRIVERS, drive_sample, sample_driver, sample_plan, sample_track};
 use kufe_sled::{
@@ -15,7 +16,6 @@ use serde_json::{Value, json};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use kufe_jobs::{Failure, runs::failure};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -81,6 +81,12 @@ pub struct Args {
     /// Air pressure [Pa]
     #[arg(long, default_value_t = 95_000.0)]
     air_pa: f64,
+    /// Relative humidity [%], for effects that ask for it; else from the model's [conditions]
+    #[arg(long, value_name = "PCT")]
+    humidity_pct: Option<f64>,
+    /// Distance run on this finish of the runners before the run [m], likewise
+    #[arg(long, value_name = "M")]
+    distance_m: Option<f64>,
     /// Name of the session in runs.csv
     #[arg(long, default_value = "1")]
     session: String,
@@ -107,7 +113,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
     let track = Track::load(track).map_err(told)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
-    let conditions = conditions(args)?;
+    let conditions = conditions(args)?.or(&vehicle.conditions);
     let staging = Staging::begin(&args.out)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
@@ -229,6 +235,13 @@ fn conditions(args: &Args) -> Result<Conditions, Failure> {
         ("--ice-c", args.ice_c, -60.0, 5.0),
         ("--air-c", args.air_c, -60.0, 50.0),
         ("--air-pa", args.air_pa, 50e3, 110e3),
+        (
+            "--humidity-pct",
+            args.humidity_pct.unwrap_or(0.0),
+            0.0,
+            100.0,
+        ),
+        ("--distance-m", args.distance_m.unwrap_or(0.0), 0.0, 1e8),
     ] {
         if !(low..=high).contains(&value) {
             return Err(Failure::Usage(format!(
@@ -240,6 +253,8 @@ fn conditions(args: &Args) -> Result<Conditions, Failure> {
         ice_c: args.ice_c,
         air_c: args.air_c,
         air_pa: args.air_pa,
+        humidity_pct: args.humidity_pct,
+        distance_m: args.distance_m,
     })
 }
 

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_friction::MagicFormula;
+use kufe_jobs::{Failure, runs::failure};
 use kufe_sled::plots::{lateral_force_picture, rmse_picture};
 use kufe_sled::{RunValidation, by_track, validate};
 use serde_json::{Value, json};
@@ -13,7 +14,6 @@ use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::runs::arguments::{RunArgs, file_name};
-use kufe_jobs::{Failure, runs::failure};
 
 const EXAMPLES: &str = "\
 Example:

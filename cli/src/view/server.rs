@@ -4,12 +4,11 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use kufe_contact::Options;
+use kufe_contact::{Options, pressure_maps};
 use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with};
 use serde_json::{Value, json};
 
 use crate::bodies::placed_hull::placed_hull;
-use crate::map::patches;
 use crate::report;
 use crate::view::form::Form;
 use crate::view::guard;
@@ -107,7 +106,7 @@ pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Value, Failu
         ..Options::default()
     };
     let pressed = press_with(loaded, &Watch::default(), options)?;
-    let maps = patches::maps(&pressed.solution);
+    let maps = pressure_maps(&pressed.solution);
     let hull = placed_hull(&pressed.problem, &pressed.solution);
     let document = pressed.document();
     let mut data = report::contact(&document, &maps, hull.as_ref(), POINTS, &name);

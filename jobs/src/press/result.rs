@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::Pressed;
 use crate::case_json::case_json;
+use crate::press::pressed::Pressed;
 
 impl Pressed {
     /// The figures of a solve, the case that they belong to, and how they came about.

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use kufe_lut::{Next, Point, Store, Swept, Table, next_batch};
 
-use super::{Solver, Wanted};
-use crate::{Failure, Watch};
+use crate::failure::Failure;
+use crate::table::solver::Solver;
+use crate::table::wanted::Wanted;
+use crate::watch::Watch;
 
 /// A filled table, and the results in hand that it makes needless.
 pub struct Filled {

@@ -7,10 +7,11 @@ use kufe_case::{Case, CaseError, FittedHull, StatedProblem};
 use kufe_contact::{Load, Options, Problem, Solution};
 use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
 
-use super::Wanted;
 use crate::case_file::LoadedCase;
 use crate::case_json::case_json;
-use crate::{Failure, Watch};
+use crate::failure::Failure;
+use crate::table::wanted::Wanted;
+use crate::watch::Watch;
 
 /// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
 const LARGEST_ERROR: f64 = 0.2;

@@ -6,7 +6,7 @@ use kufe_lut::{Mode, Plan, Spacing};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
-use crate::Failure;
+use crate::failure::Failure;
 
 /// A table file is a page of text; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 20;

@@ -1,8 +1,8 @@
 //! A bicubic spline through scattered heights, by least squares on given breaks.
 
 use crate::fit::b_spline::BSpline;
-use crate::fit::band_cholesky::Band;
 use crate::fit::bicubic::{Bicubic, Sample};
+use crate::fit::normal_equations::NormalEquations;
 
 /// Weight of the bending energy, as a length in units of a cell's.
 const STIFFNESS: f64 = 0.03;
@@ -12,25 +12,12 @@ const STIFFNESS: f64 = 0.03;
 /// c = 0.03, hx and hy the cell's sides. The energy settles what no height decides.
 pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic> {
     let axes = [BSpline::new(&breaks[0]), BSpline::new(&breaks[1])];
-    let columns = axes[1].count();
-    let (size, width) = (axes[0].count() * columns, 3 * columns + 3);
-    let mut band = Band::new(size, width);
-    let mut right = vec![0.0; size];
-    let mut add = |i: usize, a: &[f64; 4], j: usize, b: &[f64; 4], weight: f64, height: f64| {
-        let mut product = [0.0; 16];
-        for k in 0..16 {
-            product[k] = a[k / 4] * b[k % 4];
-        }
-        let place = |k: usize| (i + k / 4) * columns + j + k % 4;
-        for k in 0..16 {
-            right[place(k)] += weight * product[k] * height;
-            (0..=k).for_each(|l| band.add(place(k), place(l), weight * product[k] * product[l]));
-        }
-    };
+    let mut equations = NormalEquations::new(axes[0].count(), axes[1].count());
     for sample in samples {
         let (i, a) = axes[0].values(sample.at[0]);
         let (j, b) = axes[1].values(sample.at[1]);
-        add(i, &a, j, &b, sample.weight * sample.weight, sample.height);
+        let weight = sample.weight * sample.weight;
+        equations.add([i, j], [&a, &b], weight, sample.height);
     }
     let lengths = [0, 1].map(|k| breaks[k][breaks[k].len() - 1] - breaks[k][0]);
     let density = samples.len() as f64 / (lengths[0] * lengths[1]);
@@ -54,14 +41,14 @@ pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic>
                     axes[0].second_derivatives(px),
                     axes[1].second_derivatives(py),
                 );
-                add(i, &a2, j, &b0, weight * cx * cx, 0.0);
-                add(i, &a1, j, &b1, weight * 2.0 * cx * cy, 0.0);
-                add(i, &a0, j, &b2, weight * cy * cy, 0.0);
+                equations.add([i, j], [&a2, &b0], weight * cx * cx, 0.0);
+                equations.add([i, j], [&a1, &b1], weight * 2.0 * cx * cy, 0.0);
+                equations.add([i, j], [&a0, &b2], weight * cy * cy, 0.0);
             }
         }
     }
     Some(Bicubic {
-        coefficients: band.solve(right)?,
+        coefficients: equations.solve()?,
         axes,
     })
 }

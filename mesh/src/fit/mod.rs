@@ -2,12 +2,15 @@
 
 pub(crate) mod arc_length;
 pub(crate) mod b_spline;
-pub(crate) mod band_cholesky;
 pub(crate) mod bicubic;
 pub(crate) mod break_places;
 pub(crate) mod downward;
 pub(crate) mod fitted_underside;
+pub(crate) mod judgement;
 pub(crate) mod least_squares;
+pub(crate) mod normal_equations;
 pub(crate) mod refinement;
+pub(crate) mod surface;
 
-pub use fitted_underside::{Coarse, FitQuality, FittedUnderside};
+pub use fitted_underside::FittedUnderside;
+pub use judgement::{Coarse, FitQuality};

@@ -3,7 +3,7 @@
 use crate::fit::bicubic::{Bicubic, Sample};
 use crate::fit::least_squares::fit;
 
-/// Most work in one factorisation: unknowns times band width squared.
+/// Most unknowns times band width squared: a bound on the work of one factorisation.
 const MOST_WORK: f64 = 3e9;
 /// Most rounds of refinement.
 const ROUNDS: usize = 12;

@@ -77,17 +77,14 @@ impl Swept {
             length,
             top,
         };
-        for x in [-half, half] {
-            if !swept.keel(x).is_finite() {
-                let (name, value) = ("end length [m]", ends.map_or(0.0, |e| e.length));
-                let expected =
-                    "ends that stay less than upright: a shorter end or a larger end radius";
-                return Err(MeshError::Parameter {
-                    name,
-                    value,
-                    expected,
-                });
-            }
+        if let Some(ends) = ends
+            && [-half, half].iter().any(|&x| !swept.keel(x).is_finite())
+        {
+            return Err(MeshError::Parameter {
+                name: "end length [m]",
+                value: ends.length,
+                expected: "ends that stay less than upright: a shorter end or a larger end radius",
+            });
         }
         let highest = swept.highest();
         if highest >= top {

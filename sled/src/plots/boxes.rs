@@ -3,7 +3,7 @@
 use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
 use plotters::prelude::*;
 
-use crate::bootstrap::quantile;
+use crate::evaluate::bootstrap::quantile;
 
 /// Five quantiles of a distribution, and its points where they are few.
 #[derive(Clone, Debug, Default)]

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::boxes::{Spread, draw_boxes};
 use super::strip::{Line, draw_strip};
-use crate::Error;
-use crate::evaluate::{DrivingForce, RunEvaluation, distinct};
+use crate::error::Error;
+use crate::evaluate::driving::{DrivingForce, RunEvaluation};
+use crate::evaluate::groups::distinct;
 
 /// Relative loss increases as box plots (front, rear, air, total), a box a driver or a track.
 ///

@@ -6,8 +6,8 @@ use kufe_friction::{LateralSample, MagicFormula};
 use kufe_plot::{PALETTE, tick_text};
 use plotters::prelude::*;
 
-use crate::Error;
-use crate::bootstrap::quantile;
+use crate::error::Error;
+use crate::evaluate::bootstrap::quantile;
 
 /// Points drawn a panel at most; more would only hide each other.
 const MOST_POINTS: usize = 6000;

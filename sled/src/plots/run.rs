@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::strip::{Line, draw_strip};
-use crate::Error;
-use crate::prepare::Prepared;
+use crate::error::Error;
+use crate::signals::prepare::Prepared;
 
 /// Slip angles, accelerations at the centre of gravity, speed and steering over time.
 ///

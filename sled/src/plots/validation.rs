@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::boxes::{Spread, draw_boxes};
 use super::strip::{Line, draw_strip};
-use crate::Error;
-use crate::validate::{RunValidation, by_track};
+use crate::error::Error;
+use crate::evaluate::validate::{RunValidation, by_track};
 
 /// Root mean square error by run, a box a track and law.
 ///
@@ -41,7 +41,7 @@ pub fn rmse_picture(path: &Path, runs: &[RunValidation]) -> Result<(), Error> {
 /// # Errors
 /// [`Error::Plot`].
 pub fn lateral_force_picture(path: &Path, run: &RunValidation) -> Result<(), Error> {
-    let line = |name, colour, pick: fn(&crate::validate::LateralForce) -> f64| Line {
+    let line = |name, colour, pick: fn(&crate::evaluate::validate::LateralForce) -> f64| Line {
         name,
         colour,
         points: run.series.iter().map(|f| (f.t_s, pick(f))).collect(),

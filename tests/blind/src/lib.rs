@@ -10,7 +10,7 @@
 //! | [`run_case`], [`experiments`], [`pressure_case`] | builders of the three kinds of data |
 //! | [`track`], [`sled`], [`drive`], [`sensors`], [`campaign`] | the sled on its track and its measurement chain |
 //! | [`inverse`], [`signature`] | residuals by an independent inversion; size and likeness of effects in them |
-//! | [`worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
+//! | [`other_worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
 //! | [`half_space`], [`fourier`] | contact pressures by boundary elements |
 //! | [`answer`] | what a case hides, as a file |
 //! | [`score`], [`table`], [`ci`] | runs the finder on cases and compares its reports with the answers |
@@ -20,24 +20,16 @@
 //! let case = specs[0].build(1).unwrap();
 //! assert_eq!(case.answer.hides[0].effect, "temperature");
 //! ```
-pub mod answer;
-pub mod campaign;
-pub mod catalogue;
-pub mod ci;
-pub mod drive;
-pub mod experiments;
-pub mod fourier;
-pub mod half_space;
-pub mod hidden;
-pub mod inverse;
-pub mod least_squares;
-pub mod noise;
-pub mod pressure_case;
-pub mod run_case;
+
+mod cases;
+mod contact;
+pub mod other_worlds;
+mod residuals;
 pub mod score;
-pub mod sensors;
-pub mod signature;
-pub mod sled;
-pub mod table;
-pub mod track;
-pub mod worlds;
+mod world;
+
+pub use cases::{answer, catalogue, experiments, label, pressure_case, run_case};
+pub use contact::{fourier, half_space};
+pub use residuals::{inverse, least_squares, signature};
+pub use score::{ci, constants, table};
+pub use world::{campaign, drive, hidden, noise, sensors, sled, track};

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 use kufe_blind::score::{Options, Outcome, score};
-use kufe_blind::{catalogue, ci, table};
+use kufe_blind::{catalogue, ci, constants, table};
 
 #[derive(Parser)]
 #[command(name = "blind", about = "Blind cases for kufe discover")]
@@ -74,6 +74,14 @@ enum Task {
         #[command(flatten)]
         how: How,
     },
+    /// Prints the score at half and at twice each chosen constant of a search, on a few cheap cases.
+    Constants {
+        #[command(flatten)]
+        how: How,
+        /// The usual rules: what `cargo run -p kufe-discover --example rules` prints.
+        #[arg(long)]
+        rules: PathBuf,
+    },
 }
 
 #[derive(clap::Args)]
@@ -101,6 +109,7 @@ impl How {
             jobs: self.jobs,
             limit: Duration::from_secs(self.limit),
             keep: self.keep.map(std::path::absolute).transpose()?,
+            rules: None,
         })
     }
 }
@@ -193,6 +202,20 @@ fn run(task: Task) -> Result<bool, String> {
                 println!("missed: {line}");
             }
             Ok(missed.is_empty())
+        }
+        Task::Constants { how, rules } => {
+            let text = std::fs::read_to_string(&rules)
+                .map_err(|error| format!("{}: {error}", rules.display()))?;
+            let options = how.options(0, 0).map_err(|error| error.to_string())?;
+            let rows = constants::constants(&text, &options, &|row| {
+                eprintln!(
+                    "{} {} {:e}: {} of {} in class",
+                    row.kind, row.key, row.value, row.in_class, row.hidden
+                );
+            })
+            .map_err(|error| error.to_string())?;
+            print!("{}", constants::markdown(&rows));
+            Ok(true)
         }
     }
 }

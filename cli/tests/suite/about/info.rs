@@ -1,7 +1,8 @@
 //! `kufe info` of a lookup table.
 
-use crate::kufe::{Bench, CASE, errors};
 use serde_json::Value;
+
+use crate::kufe::{Bench, CASE, errors};
 
 #[test]
 fn info_tells_a_tables_axes_quantities_errors_and_version() {

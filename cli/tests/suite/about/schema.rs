@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::kufe::Bench;
 use kufe_case::Case;
 use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_sled::Model;
+
+use crate::kufe::Bench;
 
 const VALIDATE: &str = "
 import json, sys, tomllib, jsonschema

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::input::damage::rounds;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
@@ -15,6 +14,8 @@ use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
 use kufe_lut::{Axes, Solved, Table};
 use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
+
+use crate::input::damage::rounds;
 
 /// A reader of paths as a reader of bytes.
 fn through_file(name: &str, read: impl Fn(&Path) -> bool) -> impl Fn(&[u8]) -> bool {

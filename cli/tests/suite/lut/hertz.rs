@@ -1,8 +1,9 @@
 //! A table of the reference runner beside Hertz's closed form.
 
-use crate::kufe::Bench;
 use kufe_contact::hertz;
 use serde_json::Value;
+
+use crate::kufe::Bench;
 
 const ROCKER: f64 = 30.0;
 const SECTION: f64 = 0.005;

@@ -1,7 +1,8 @@
 //! `kufe lut` from a table file to the forms that other programs read.
 
-use crate::kufe::Bench;
 use serde_json::Value;
+
+use crate::kufe::Bench;
 
 const PARABOLOID: &str = r#"[runner]
 shape = { kind = "paraboloid", rocker_radius_m = 30.0, section_radius_m = 0.005 }

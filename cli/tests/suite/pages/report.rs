@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use exr::prelude::{ReadChannels, ReadLayers, read};
+
 use crate::kufe::{Bench, CASE, errors, names};
 use crate::pages::browser::{Browser, DESK, Look, chromium};
-use exr::prelude::{ReadChannels, ReadLayers, read};
 
 const WEBGL: [&str; 2] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const LOOKS: [Look; 4] = [

@@ -5,9 +5,10 @@ use std::net::{IpAddr, TcpStream, UdpSocket};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use serde_json::Value;
+
 use crate::kufe::{Bench, CASE, errors};
 use crate::pages::browser::{Browser, DESK, Look, chromium, wait};
-use serde_json::Value;
 
 const FORM: &str = "{\"shape\":\"bob\",\"rocker_radius_m\":20.0,\"section_radius_m\":0.005,\"edge_radius_m\":0.0003,\
                     \"tilt_rad\":0.0,\"fz_n\":1000.0,\"curvature_1pm\":0.0}";

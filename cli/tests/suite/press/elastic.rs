@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::kufe::{Bench, errors};
 use serde_json::Value;
+
+use crate::kufe::{Bench, errors};
 
 fn result(bench: &Bench) -> Value {
     let text = std::fs::read_to_string(bench.path("out/result.json")).expect("result.json");

@@ -2,8 +2,9 @@
 
 use std::process::Command;
 
-use crate::kufe::{Bench, errors};
 use serde_json::Value;
+
+use crate::kufe::{Bench, errors};
 
 /// A short luge steel on two bridges: a mesh that CalculiX solves in seconds.
 const STEEL: &str = r#"[runner]

@@ -1,7 +1,8 @@
 //! `kufe mesh`: hexahedra that other programs read.
 
-use crate::kufe::{Bench, CASE, names};
 use serde_json::Value;
+
+use crate::kufe::{Bench, CASE, names};
 
 #[test]
 fn ice_and_runner_are_written_without_an_inverted_cell() {

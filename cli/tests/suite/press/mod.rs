@@ -5,6 +5,6 @@ mod export;
 mod gallery;
 mod hull_rocker;
 mod mesh;
-mod press;
+mod one_case;
 mod series;
 mod stiffness;

@@ -1,7 +1,8 @@
 //! `kufe press` with lists: folders, table, PVD, resuming.
 
-use crate::kufe::{Bench, CASE, errors, names};
 use serde_json::Value;
+
+use crate::kufe::{Bench, CASE, errors, names};
 
 fn table(bench: &Bench, folder: &str) -> Vec<Value> {
     let text = std::fs::read(bench.path(folder).join("table.json")).expect("a table");

@@ -1,70 +1,12 @@
-//! `kufe discover` on friction experiments and with bad input, as a user meets it.
+//! `kufe discover` on friction experiments, as a user meets it.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::Value;
 
+use crate::runs::experiments::{MODEL, TABLE, discover, next, report, table};
+
 type Outcome = Result<(), Box<dyn std::error::Error>>;
-
-/// The published table of seven specimens.
-const TABLE: &str = "\
-specimen,p_max_pa,p_max_sd_pa,mu,mu_sd
-Alpha 1,7.7e6,0.4e6,0.0045,0.0004
-Alpha 2,8.6e6,0.5e6,0.0038,0.0004
-Beta 1,13.6e6,0.7e6,0.0042,0.0004
-Beta 2,16.0e6,0.9e6,0.0046,0.0004
-Gamma 1,10.9e6,0.6e6,0.0030,0.0003
-Gamma 2,11.8e6,0.6e6,0.0027,0.0003
-Gamma 3,9.6e6,0.5e6,0.0033,0.0003
-";
-
-const MODEL: &str = "\
-[sled]
-mass_kg = 390.0
-j_yy_kgm2 = 145.0
-j_zz_kgm2 = 150.0
-l_f_m = 0.82
-l_r_m = 0.88
-cda_m2 = 0.28
-[friction.longitudinal]
-b = 0.088
-c = 2.01
-d = 14.66
-mu_cap = 0.007
-[friction.front]
-mu_zeta = 2.577
-c = 0.024
-e = 0.99
-k_n_per_rad = 10522.0
-[friction.rear]
-mu_zeta = 3.288
-c = 0.076
-e = 0.99
-k_n_per_rad = 49776.0
-";
-
-fn discover(folder: &Path, data: &str, further: &[&str]) -> std::io::Result<Output> {
-    Command::new(env!("CARGO_BIN_EXE_kufe"))
-        .current_dir(folder)
-        .args(["discover", data, "--model", "model.toml", "-o", "out"])
-        .args(further)
-        .output()
-}
-
-fn refused(table: &str, parts: &[&str]) -> Outcome {
-    let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join("model.toml"), MODEL)?;
-    std::fs::write(folder.path().join("experiments.csv"), table)?;
-    let output = discover(folder.path(), "experiments.csv", &[])?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{told}");
-    for part in parts {
-        assert!(told.contains(part), "{part} not in {told}");
-    }
-    assert!(!folder.path().join("out/report.json").exists());
-    Ok(())
-}
 
 #[test]
 fn nothing_is_found_in_the_seven_points_and_the_next_model_is_accepted() -> Outcome {
@@ -111,151 +53,6 @@ fn two_runs_of_the_command_write_the_same_bytes() -> Outcome {
     assert!(!one.stdout.is_empty());
     assert_eq!(one.stdout, two.stdout);
     Ok(())
-}
-
-#[test]
-fn a_copied_row_a_missing_column_and_a_word_for_a_number_are_refused() -> Outcome {
-    let copied = format!("{TABLE}Delta,7.7e6,0.4e6,0.0045,0.0004\n");
-    refused(&copied, &["experiments.csv", "row 2", "row 9"])?;
-    let without = TABLE.replace("mu_sd", "deviation");
-    refused(&without, &["experiments.csv", "mu_sd"])?;
-    let word = TABLE.replace("0.0030", "slow");
-    refused(&word, &["experiments.csv", "mu", "slow"])
-}
-
-#[test]
-fn cells_columns_and_files_that_are_wrong_are_named_with_their_place() -> Outcome {
-    let empty = TABLE.replace("8.6e6,0.5e6,0.0038", "8.6e6,0.5e6,");
-    refused(
-        &empty,
-        &["experiments.csv", "row 3", "column mu:", "\"\"", "a number"],
-    )?;
-    let nan = TABLE.replace("16.0e6,0.9e6", "NaN,0.9e6");
-    refused(&nan, &["row 5", "p_max_pa", "NaN"])?;
-    let mpa = TABLE.replace("0.0042", "4.2");
-    refused(&mpa, &["row 4", "mu", "4.2", "from 0 to 1"])?;
-    let one: String = TABLE.lines().take(2).map(|l| format!("{l}\n")).collect();
-    refused(&one, &["experiments.csv: rows", "found 1", "at least 5"])?;
-    refused(
-        "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n",
-        &["experiments.csv", "no rows"],
-    )?;
-    refused(
-        "a,b\n1,2\n",
-        &["experiments.csv", "a, b", "runs.csv", "pressures.csv"],
-    )?;
-    let ragged = TABLE.replace("0.0030,0.0003", "0.0030");
-    refused(&ragged, &["experiments.csv", "line: 6"])?;
-    let twice = TABLE.replace("p_max_sd_pa", "mu");
-    refused(&twice, &["experiments.csv", "`mu`", "twice"])?;
-    let gap = TABLE
-        .replace("mu_sd", "mu_sd,ice_c")
-        .replace("0004\n", "0004,-5\n")
-        .replace("0003\n", "0003,\n");
-    refused(&gap, &["row 6", "ice_c", "\"\"", "a number"])
-}
-
-#[test]
-fn missing_files_folders_and_unknown_effects_are_named() -> Outcome {
-    let folder = tempfile::tempdir()?;
-    let at = folder.path();
-    let told = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
-    std::fs::write(at.join("experiments.csv"), TABLE)?;
-    let output = discover(at, "experiments.csv", &[])?;
-    assert_eq!(output.status.code(), Some(3));
-    assert!(told(&output).contains("model.toml"), "{}", told(&output));
-    std::fs::write(at.join("model.toml"), MODEL)?;
-    let output = discover(at, "nowhere.csv", &[])?;
-    assert_eq!(output.status.code(), Some(3));
-    assert!(told(&output).contains("nowhere.csv"), "{}", told(&output));
-    let output = discover(at, ".", &[])?;
-    assert_eq!(output.status.code(), Some(3));
-    for part in ["a folder", "such as ./experiments.csv"] {
-        assert!(told(&output).contains(part), "{}", told(&output));
-    }
-    for (effect, parts) in [
-        (
-            "[effects.rust]\nslope = 1.0\n",
-            ["rust", "unknown effect", "temperature"],
-        ),
-        (
-            "[effects.temperature]\nslope = 1.0\n",
-            ["temperature", "`slope`", "slope_per_k"],
-        ),
-        (
-            "[effects.temperature]\nslope_per_k = -0.01\n",
-            ["ice_c", "missing", "temperature"],
-        ),
-        (
-            "[effects.mine]\nexpression = \"v_mps *\"\nchannel = \"friction\"\n",
-            ["mine", "expression", "the end"],
-        ),
-        (
-            "[effects.mine]\nexpression = \"vmps\"\nchannel = \"friction\"\n",
-            ["mine", "vmps", "v_mps"],
-        ),
-    ] {
-        std::fs::write(at.join("model.toml"), format!("{MODEL}{effect}"))?;
-        let output = discover(at, "experiments.csv", &[])?;
-        assert_eq!(output.status.code(), Some(3), "{}", told(&output));
-        for part in parts {
-            assert!(
-                told(&output).contains(part),
-                "no {part} in {}",
-                told(&output)
-            );
-        }
-    }
-    Ok(())
-}
-
-/// A normal variate from a congruential sequence (the sum of twelve uniform ones).
-fn normal(state: &mut u64) -> f64 {
-    let mut sum = -6.0;
-    for _ in 0..12 {
-        *state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        sum += (*state >> 11) as f64 / (1u64 << 53) as f64;
-    }
-    sum
-}
-
-/// Sixty rows of eight sessions with mu times `factor(ice_c, v_mps)` of the published law, and noise of 3 per cent.
-fn table(factor: impl Fn(f64, f64) -> f64) -> String {
-    let mut state = 11;
-    let mut text =
-        String::from("specimen,p_max_pa,p_max_sd_pa,mu,mu_sd,session,ice_c,air_c,v_mps,lab\n");
-    for k in 0..60 {
-        let p = 7.0 + 9.0 * f64::from(k % 7) / 6.0;
-        let session = k / 8;
-        let ice = -2.0 - 1.3 * f64::from((session * 5) % 8) + 0.3 * normal(&mut state);
-        let v = 5.0 + 0.35 * f64::from((k * 17) % 60);
-        let law = 1e-3 * (0.088 * p * p - 2.01 * p + 14.66);
-        let mu = law * factor(ice, v) + 0.03 * law * normal(&mut state);
-        text += &format!(
-            "s{k},{:.0},1e4,{mu:.7},{:.7},d{session},{ice:.3},3.0,{v:.2},west\n",
-            1e6 * p,
-            0.03 * law
-        );
-    }
-    text
-}
-
-fn report(folder: &Path, model: &str) -> Result<Value, Box<dyn std::error::Error>> {
-    std::fs::write(folder.join("model.toml"), model)?;
-    let output = discover(folder, "experiments.csv", &["--json"])?;
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    Ok(serde_json::from_slice(&output.stdout)?)
-}
-
-fn next(folder: &Path) -> Result<String, std::io::Error> {
-    std::fs::read_to_string(folder.join("out/model.next.toml"))
 }
 
 #[test]
@@ -430,13 +227,5 @@ fn an_effect_of_ones_own_is_found_and_acts() -> Outcome {
     let text = next(at)?;
     let again = report(at, &text)?;
     assert_eq!(again["verdict"], "none", "{}", again["sentence"]);
-    Ok(())
-}
-
-#[test]
-fn too_few_twins_are_wrong_usage() -> Outcome {
-    let folder = tempfile::tempdir()?;
-    let output = discover(folder.path(), "experiments.csv", &["--twins", "2"])?;
-    assert_eq!(output.status.code(), Some(2));
     Ok(())
 }

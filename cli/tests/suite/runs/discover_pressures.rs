@@ -37,6 +37,7 @@ fn press(case: &Path, out: &Path) -> Value {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_found_in_a_null() {
     const SEED: u64 = 901;
     let bench = tempfile::tempdir().expect("a folder");
@@ -49,6 +50,7 @@ fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_foun
         jobs: 1,
         limit: Duration::from_secs(1800),
         keep: Some(at.to_path_buf()),
+        rules: None,
     };
     let outcomes = score(&cases, &options, &|_| {}).expect("scored");
     assert_eq!(outcomes.len(), 3);

@@ -3,5 +3,7 @@
 mod discover_experiments;
 mod discover_pressures;
 mod discover_runs;
+mod discover_wrong;
+mod experiments;
 mod friction;
 mod sled;

@@ -286,6 +286,7 @@ fn built() -> &'static [(&'static str, Case)] {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn a_case_is_the_same_bits_for_its_seed_and_others_for_another() {
     // the order of a map's attributes is the EXR writer's own
     let files = |case: &Case| {

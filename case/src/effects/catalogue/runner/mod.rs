@@ -1,0 +1,3 @@
+//! The runner: its shape, how it is turned, how it gives.
+
+include!(concat!(env!("OUT_DIR"), "/runner.rs"));

@@ -1,0 +1,33 @@
+//! The page of effects is what the catalogue gives.
+
+use std::path::Path;
+
+use kufe_case::effects::CATALOGUE;
+use kufe_effect::page::{Row, tables, with_section};
+
+#[test]
+fn the_page_holds_the_catalogue() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects.md");
+    let stands = std::fs::read_to_string(&path).unwrap();
+    let rows = CATALOGUE.iter().map(|effect| Row {
+        info: effect.info(),
+        example: format!(
+            "{} = {} gives {} = {}",
+            effect.parameter().name,
+            effect.example.size,
+            effect.example.of,
+            effect.example.gives
+        ),
+    });
+    let wanted = with_section(&stands, "effects on pressures", &tables(rows));
+    let wanted = wanted.expect("the page has its marks");
+    if std::env::var_os("KUFE_WRITE_DOCS").is_some() {
+        std::fs::write(&path, wanted).unwrap();
+        return;
+    }
+    assert!(
+        stands == wanted,
+        "docs/effects.md is not what the files of the effects say; write it anew: \
+         KUFE_WRITE_DOCS=1 cargo test --release -p kufe-effect -p kufe-case page"
+    );
+}

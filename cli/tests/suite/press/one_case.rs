@@ -1,0 +1,286 @@
+//! `kufe press` from a case to its files.
+
+use serde_json::Value;
+
+use crate::kufe::{Bench, CASE, errors, names};
+
+fn result(bench: &Bench, folder: &str) -> Value {
+    let text = std::fs::read_to_string(bench.path(folder).join("result.json")).expect("a result");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{key} is no number: {value}"))
+}
+
+#[test]
+fn without_a_case_the_example_is_solved_and_its_files_written() {
+    let bench = Bench::new();
+    let said = bench.succeeds(&["press"]);
+    for word in [
+        "peak pressure",
+        "mean pressure",
+        "length",
+        "width",
+        "area",
+        "approach",
+        "estimated error",
+        " s,",
+    ] {
+        assert!(said.contains(word), "{word:?} is missing: {said}");
+    }
+    assert_eq!(bench.names(), ["out"]);
+    let expected = [
+        "field.vtu",
+        "hull.glb",
+        "pressure.exr",
+        "pressure.png",
+        "result.json",
+    ];
+    assert_eq!(names(&bench.path("out")), expected);
+    let result = result(&bench, "out");
+    for key in [
+        "p_max_pa",
+        "p_max_error_pa",
+        "p_mean_pa",
+        "area_m2",
+        "length_m",
+        "width_m",
+        "approach_m",
+        "pitch_rad",
+        "roll_rad",
+        "fz_n",
+        "kkt_residual",
+        "dofs",
+        "iterations",
+        "seconds",
+        "peak_memory_bytes",
+    ] {
+        assert!(number(&result, key).is_finite());
+    }
+    assert_eq!(result["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(result["case"]["load"]["fz_n"], 1000.0);
+    assert_eq!(result["case"]["track"]["radius_m"], "inf");
+    // Rigid Hertz on a half-space gives 138.52 MPa; 50 mm of ice on a rigid bed differ by less than the
+    // asked per cent (the patch is 0.3 mm wide).
+    let p_max = number(&result, "p_max_pa");
+    assert!((p_max / 138.52e6 - 1.0).abs() < 0.012, "{p_max}");
+    assert!(number(&result, "p_max_error_pa") <= 0.01 * p_max);
+    assert!((number(&result, "fz_n") / 1000.0 - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn pressures_beyond_ice_bring_a_warning_that_names_the_remedy() {
+    let bench = Bench::new();
+    let output = bench.kufe(&["press", "--quiet"]);
+    assert!(
+        errors(&output).contains("hardness_pa"),
+        "{}",
+        errors(&output)
+    );
+    assert!(output.stdout.is_empty());
+    let bounded = CASE.replace(
+        "thickness_m = 0.05",
+        "thickness_m = 0.05\nhardness_pa = 30e6",
+    );
+    bench.write("case.toml", bounded);
+    let output = bench.kufe(&["press", "case.toml", "-o", "bounded"]);
+    assert!(
+        output.status.success() && output.stderr.is_empty(),
+        "{}",
+        errors(&output)
+    );
+    assert!(number(&result(&bench, "bounded"), "p_max_pa") <= 30e6 * (1.0 + 1e-9));
+}
+
+/// Ice and steel in series give the reference table's 134.6221 MPa for this runner as a paraboloid.
+#[test]
+fn an_elastic_runner_meets_hertz_and_brings_its_own_field() {
+    let bench = Bench::new();
+    let elastic = CASE
+        .replace("[ice]", "elastic = true\n[ice]")
+        .replace("p_max = 0.02", "p_max = 0.005");
+    let shape = CASE.lines().nth(1).expect("the shape's line");
+    let paraboloid =
+        "shape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }";
+    let unbounded = elastic
+        .replace(shape, paraboloid)
+        .replace("thickness_m = 0.05", "thickness_m = \"half-space\"");
+    bench.write("unbounded.toml", unbounded);
+    bench.succeeds(&["press", "unbounded.toml", "-o", "unbounded"]);
+    let p_max = number(&result(&bench, "unbounded"), "p_max_pa");
+    assert!((p_max / 134.6221e6 - 1.0).abs() < 0.007, "{p_max}");
+    bench.write("bounded.toml", elastic);
+    bench.succeeds(&["press", "bounded.toml", "-o", "bounded"]);
+    let p_max = number(&result(&bench, "bounded"), "p_max_pa");
+    assert!((p_max / 134.6221e6 - 1.0).abs() < 0.015, "{p_max}");
+    for folder in ["unbounded", "bounded"] {
+        let mut expected = vec![
+            "field.vtu",
+            "hull.glb",
+            "pressure.exr",
+            "pressure.png",
+            "result.json",
+            "runner.vtu",
+        ];
+        // A paraboloid has no ends, and so no hull to write.
+        expected.retain(|name| folder == "bounded" || *name != "hull.glb");
+        assert_eq!(names(&bench.path(folder)), expected);
+        let file = std::fs::read(bench.path(folder).join("runner.vtu")).expect("runner.vtu");
+        let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
+        assert!(mesh.cells.len() > 1000, "{} cells", mesh.cells.len());
+    }
+}
+
+/// Under the runner's keel the steel bears what the ice bears: -p, within the averaging over one cell.
+#[test]
+fn the_runners_stress_at_the_contact_is_the_pressure() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE.replace("[ice]", "elastic = true\n[ice]"));
+    bench.succeeds(&["press", "case.toml"]);
+    let script = "import sys, meshio, numpy as np\n\
+        m = meshio.read(sys.argv[1])\n\
+        s, u = m.point_data['stress_pa'].reshape(-1, 9), m.point_data['displacement_m']\n\
+        z = m.points[:, 2]\n\
+        k = np.argmin(np.linalg.norm(m.points[:, :2], axis=1) + z)\n\
+        top = z > z.max() - 1e-9\n\
+        print(-s[k, 8], np.abs(u[top]).max(), u[k, 2], np.isfinite(s).all())\n";
+    let runner = bench.path("out/runner.vtu");
+    let Some(said) = python(script, &[&runner.to_string_lossy()]) else {
+        return;
+    };
+    let words: Vec<&str> = said.split_whitespace().collect();
+    let [normal, held, pressed] = [0, 1, 2].map(|k| words[k].parse::<f64>().expect("a number"));
+    let p_max = number(&result(&bench, "out"), "p_max_pa");
+    assert!(
+        (normal / p_max - 1.0).abs() < 0.1,
+        "{normal} against {p_max}"
+    );
+    assert_eq!((held, words[3]), (0.0, "True"));
+    assert!(pressed > 0.0 && pressed < 2e-6, "{pressed}");
+}
+
+#[test]
+fn json_on_standard_output_is_the_result_file() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let said = bench.succeeds(&["press", "case.toml", "--json"]);
+    let printed: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(printed, result(&bench, "out"));
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_bits() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.succeeds(&["press", "case.toml", "-o", "one", "--threads", "1"]);
+    bench.succeeds(&["press", "case.toml", "-o", "two", "--threads", "2"]);
+    for name in ["pressure.exr", "pressure.png", "field.vtu"] {
+        let [one, two] =
+            ["one", "two"].map(|folder| std::fs::read(bench.path(folder).join(name)).expect(name));
+        assert!(one == two, "{name} differs");
+    }
+}
+
+#[test]
+fn a_case_that_init_writes_solves_to_the_examples_figures() {
+    let bench = Bench::new();
+    bench.succeeds(&["init", "case.toml"]);
+    bench.succeeds(&["press", "case.toml", "-o", "a"]);
+    bench.succeeds(&["press", "-o", "b"]);
+    let [a, b] = ["a", "b"].map(|folder| number(&result(&bench, folder), "p_max_pa"));
+    assert_eq!(a, b);
+}
+
+#[test]
+fn info_tells_the_maps_size_and_place() {
+    let bench = Bench::new();
+    bench.succeeds(&["press"]);
+    let facts: Value =
+        serde_json::from_str(&bench.succeeds(&["info", "out/pressure.exr", "--json"]))
+            .expect("JSON");
+    assert_eq!(facts["channels"]["p"], "F32");
+    assert_eq!(
+        facts["attributes"]["fz_n"],
+        number(&result(&bench, "out"), "fz_n")
+    );
+    assert!(number(&facts, "width") >= 100.0 && number(&facts, "height") >= 100.0);
+}
+
+/// The interpreter that has OpenEXR, pyvista and the like, where there is one.
+fn python(script: &str, arguments: &[&str]) -> Option<String> {
+    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
+        println!("skipped: KUFE_PYTHON is not set");
+        return None;
+    };
+    let output = std::process::Command::new(interpreter)
+        .args(["-c", script])
+        .args(arguments)
+        .output()
+        .expect("the interpreter that KUFE_PYTHON names");
+    assert!(output.status.success(), "{}", errors(&output));
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+#[test]
+fn openexr_reads_a_map_that_carries_the_force_peak_and_area() {
+    let bench = Bench::new();
+    bench.succeeds(&["press"]);
+    let script = "import sys, OpenEXR, numpy as np\n\
+        f = OpenEXR.File(sys.argv[1], separate_channels=True)\n\
+        h, c = f.header(), f.channels()\n\
+        assert sorted(c) == ['gap', 'p', 'uz'], sorted(c)\n\
+        assert all(v.pixels.dtype == np.float32 for v in c.values())\n\
+        assert h['type'] == OpenEXR.scanlineimage\n\
+        p = c['p'].pixels.astype(float)\n\
+        a = float(h['pixel_x_m'][0]) * float(h['pixel_y_m'][0])\n\
+        touching = c['gap'].pixels[p > 0.5 * p.max()]\n\
+        print(p.sum() * a, p.max(), (p > 0).sum() * a, p.min(), touching.max())\n";
+    let exr = bench.path("out/pressure.exr");
+    let Some(said) = python(script, &[&exr.to_string_lossy()]) else {
+        return;
+    };
+    let numbers: Vec<f64> = said
+        .split_whitespace()
+        .map(|word| word.parse().expect("a number"))
+        .collect();
+    let result = result(&bench, "out");
+    let relative = |value: f64, key: &str| (value / number(&result, key) - 1.0).abs();
+    assert!(relative(numbers[0], "fz_n") < 1e-5, "force {}", numbers[0]);
+    assert!(
+        relative(numbers[1], "p_max_pa") < 0.01,
+        "peak {}",
+        numbers[1]
+    );
+    assert!(
+        relative(numbers[2], "area_m2") < 0.02,
+        "area {}",
+        numbers[2]
+    );
+    assert_eq!((numbers[3], numbers[4]), (0.0, 0.0));
+}
+
+#[test]
+fn exrheader_reads_the_map() {
+    let bench = Bench::new();
+    bench.succeeds(&["press"]);
+    let Ok(output) = std::process::Command::new("exrheader")
+        .arg(bench.path("out/pressure.exr"))
+        .output()
+    else {
+        println!("skipped: exrheader is not installed");
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success());
+    for part in [
+        "scanlineimage",
+        "p, 32-bit floating-point",
+        "pixel_x_m (type double)",
+        "radius_m (type double): inf",
+    ] {
+        assert!(said.contains(part), "{part:?} is missing: {said}");
+    }
+}

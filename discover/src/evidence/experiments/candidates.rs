@@ -1,0 +1,240 @@
+//! What may be missing: effects of the catalogue, effects of one's own, and a straight line in each further column.
+
+use std::sync::Arc;
+
+use kufe_sled::effects::{CATALOGUE, Column, Custom, Effect, Effects, Kind};
+
+use crate::evidence::experiments::rows::Row;
+use crate::input::table::Table;
+use crate::procedure::candidate::Candidate;
+
+/// Change of mu of a row, from its coefficient without the effect and the size in units of `typical`.
+type Change = Arc<dyn Fn(&Row, f64, f64) -> f64 + Send + Sync>;
+
+/// How a candidate changes the coefficient of friction.
+#[derive(Clone)]
+pub struct FrictionChange {
+    of: Change,
+    /// The table that switches it on, but for its size; `None` where no simulation knows its column.
+    pub table: Option<toml::Table>,
+    /// Whether it is constant within each session.
+    pub by_session: bool,
+}
+
+impl Candidate<FrictionChange> {
+    /// Change of mu of a row at a size in units of `typical`; `mu` is the coefficient without it.
+    pub fn change(&self, row: &Row, mu: f64, size: f64) -> f64 {
+        (self.act.of)(row, mu, size)
+    }
+
+    /// Derivative of the change with the size, at a size.
+    pub fn slope(&self, row: &Row, mu: f64, size: f64) -> f64 {
+        const STEP: f64 = 0.01;
+        (self.change(row, mu, size + STEP) - self.change(row, mu, size)) / STEP
+    }
+}
+
+/// What can be tested, and names of what cannot with the reason.
+pub type Listed = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
+
+/// Lists the candidates; effects that the model has switched on are none.
+pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
+    let mut candidates = Vec::new();
+    let mut untestable = Vec::new();
+    let varies = |column: &str| {
+        table
+            .place(column)
+            .is_some_and(|at| table.rows.iter().any(|row| row[at] != table.rows[0][at]))
+    };
+    let on = |name: &str| {
+        model
+            .active
+            .iter()
+            .any(|a| a.effect_name() == name && a.is_on())
+    };
+    for effect in CATALOGUE.iter().filter(|e| e.on_friction.is_some()) {
+        let info = effect.info();
+        if on(info.name) {
+            continue;
+        }
+        let needed = match info.needs_in_experiments() {
+            Ok(needed) => needed.iter().map(|c| Column::name(*c)),
+            Err(why) => {
+                untestable.push((info.name.to_owned(), why.to_owned()));
+                continue;
+            }
+        };
+        let missing: Vec<&str> = needed.filter(|c| !varies(c)).collect();
+        if !missing.is_empty() {
+            untestable.push((info.name.to_owned(), needs(&missing)));
+        } else if let Some(candidate) = of_catalogue(*effect) {
+            candidates.push(candidate);
+        }
+    }
+    for active in &model.active {
+        let Kind::Custom(custom) = &active.kind else {
+            continue;
+        };
+        if !custom.acts_on_friction() || active.is_on() {
+            continue;
+        }
+        let names = custom.names();
+        let missing: Vec<&str> = names
+            .iter()
+            .map(String::as_str)
+            .filter(|name| !table.header.iter().any(|h| h == name))
+            .collect();
+        if missing.is_empty() && names.iter().any(|name| varies(name)) {
+            candidates.push(own(&active.name, custom, rows));
+        } else {
+            let all: Vec<&str> = names.iter().map(String::as_str).collect();
+            untestable.push((active.name.clone(), needs(&all)));
+        }
+    }
+    for (name, values) in further(rows) {
+        if !on(&format!("unknown:{name}")) {
+            candidates.extend(of_column(name, &values));
+        }
+    }
+    mark_sessions(rows, &mut candidates);
+    (candidates, untestable)
+}
+
+fn needs(columns: &[&str]) -> String {
+    format!(
+        "needs {}, which is absent or does not vary",
+        columns.join(", ")
+    )
+}
+
+fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
+    let info = effect.info();
+    let index = info.parameters.iter().position(|p| p.is_amplitude())?;
+    let p = info.parameters[index];
+    let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
+    Some(Candidate {
+        effect: info.name.to_owned(),
+        key: p.name.to_owned(),
+        unit: p.unit.to_owned(),
+        low: p.low,
+        high: p.high,
+        typical: p.typical,
+        decides: info.decides.to_owned(),
+        act: FrictionChange {
+            of: Arc::new(move |row, mu, size| {
+                let mut values = defaults.clone();
+                values[index] = size * p.typical;
+                effect.coefficient(&values, mu, &row.conditions) - mu
+            }),
+            table: Some(toml::Table::new()),
+            by_session: false,
+        },
+    })
+}
+
+/// An effect of one's own that `model.toml` proposes with `value = 0`.
+fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
+    let custom = custom.clone();
+    let squares = rows
+        .iter()
+        .map(|row| custom.coefficient(1.0, &row.conditions).powi(2));
+    let size = (squares.sum::<f64>() / rows.len() as f64).sqrt();
+    let typical = if size > 0.0 { 1e-4 / size } else { 1.0 };
+    let mut table = toml::Table::new();
+    table.insert("expression".to_owned(), custom.text.clone().into());
+    table.insert("channel".to_owned(), "friction".into());
+    table.insert("unit".to_owned(), custom.unit.clone().into());
+    table.insert("low".to_owned(), custom.low.into());
+    table.insert("high".to_owned(), custom.high.into());
+    Candidate {
+        effect: name.to_owned(),
+        key: "value".to_owned(),
+        unit: custom.unit.clone(),
+        low: custom.low,
+        high: custom.high,
+        typical,
+        decides: format!("rows in which {} is varied by itself", custom.text),
+        act: FrictionChange {
+            of: Arc::new(move |row, _, size| custom.coefficient(size * typical, &row.conditions)),
+            table: Some(table),
+            by_session: false,
+        },
+    }
+}
+
+/// Columns that hold numbers and vary, with their values.
+fn further(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
+    let Some(first) = rows.first() else {
+        return Vec::new();
+    };
+    let names = first.columns.keys();
+    names
+        .map(|name| {
+            let values = rows.iter().map(|row| row.columns[name]).collect();
+            (name.as_str(), values)
+        })
+        .collect()
+}
+
+fn of_column(name: &str, values: &[f64]) -> Option<Candidate<FrictionChange>> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let sd = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+    if sd <= 1e-9 * mean.abs() || sd == 0.0 {
+        return None;
+    }
+    // Simulations know the columns of expressions alone.
+    let simulated = kufe_sled::effects::is_column(name);
+    let table = simulated.then(|| {
+        let mut table = toml::Table::new();
+        let text = format!("({name} - ({mean:?})) / {sd:?}");
+        table.insert("expression".to_owned(), text.into());
+        table.insert("channel".to_owned(), "friction".into());
+        table.insert("low".to_owned(), (-1.0).into());
+        table.insert("high".to_owned(), 1.0.into());
+        table
+    });
+    let column = name.to_owned();
+    Some(Candidate {
+        effect: format!("unknown:{name}"),
+        key: "value".to_owned(),
+        unit: format!("for {sd:.4} of {name}"),
+        low: -1.0,
+        high: 1.0,
+        typical: 1e-4,
+        decides: format!("rows in which {name} is varied by itself"),
+        act: FrictionChange {
+            of: Arc::new(move |row, _, size| {
+                1e-4 * size * (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd
+            }),
+            table,
+            by_session: false,
+        },
+    })
+}
+
+/// What is constant within every session is judged by permuting sessions.
+fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
+    let sessions = sessions(rows);
+    if sessions.len() == rows.len() {
+        return;
+    }
+    for candidate in candidates {
+        candidate.act.by_session = sessions.iter().all(|s| {
+            let mut own = rows
+                .iter()
+                .filter(|r| r.session == *s)
+                .map(|r| candidate.slope(r, 0.004, 0.0));
+            let one = own.next().unwrap_or(0.0);
+            own.all(|x| (x - one).abs() <= 1e-9 * one.abs().max(1e-12))
+        });
+    }
+}
+
+/// Names of the sessions, each once.
+pub fn sessions(rows: &[Row]) -> Vec<&str> {
+    let mut sessions: Vec<&str> = rows.iter().map(|r| r.session.as_str()).collect();
+    sessions.sort_unstable();
+    sessions.dedup();
+    sessions
+}

@@ -1,0 +1,107 @@
+//! Candidates compared by fits that have several of them.
+
+use crate::evidence::experiments::fit::{Fit, Setting, fit};
+use crate::evidence::experiments::rows::Row;
+use crate::evidence::experiments::screen::TableScreen;
+use crate::finding::report::Rival;
+use crate::procedure::rivals::NamedEffect;
+use crate::procedure::rules::ExperimentRules;
+
+/// A screen and what its candidates are fitted with.
+pub struct Comparison<'a> {
+    /// Candidates and base.
+    pub setting: &'a Setting,
+    /// Rows to learn from.
+    pub training: &'a [Row],
+    /// The screen.
+    pub screen: &'a TableScreen,
+    /// What is already chosen.
+    pub chosen: &'a [usize],
+    /// When one is claimed.
+    pub rules: &'a ExperimentRules,
+}
+
+impl Comparison<'_> {
+    /// The claimable candidate that leaves least, fitted in full; an effect by name goes before a mere column that it
+    /// explains as well.
+    pub fn strongest(&self) -> Option<usize> {
+        let (screen, candidates) = (self.screen, &self.setting.candidates);
+        let claimable: Vec<usize> = (0..candidates.len())
+            .filter(|c| screen.claimable(*c, &candidates[*c]))
+            .collect();
+        let largest = claimable
+            .iter()
+            .fold(0.0_f64, |m, c| m.max(screen.t[*c].abs()));
+        let left: Vec<(usize, f64)> = claimable
+            .into_iter()
+            .filter(|c| screen.t[*c].abs() > self.rules.near_largest * largest)
+            .map(|c| (c, self.with(&[c]).chi2))
+            .collect();
+        let least = |by_name: bool| {
+            left.iter()
+                .filter(|(c, _)| !candidates[*c].is_column() || !by_name)
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(c, _)| *c)
+        };
+        let best = least(false)?;
+        match least(true) {
+            Some(named) if named != best => {
+                let beside = self.beside(named, best).abs();
+                Some(match beside < self.rules.rivals.needed_t {
+                    true => named,
+                    false => best,
+                })
+            }
+            _ => Some(best),
+        }
+    }
+
+    /// The class of a named effect and its rivals.
+    pub fn class(&self, named: usize) -> (Vec<String>, Vec<Rival>) {
+        let (screen, candidates) = (self.screen, &self.setting.candidates);
+        let others = candidates.iter().enumerate();
+        let others = others
+            .filter(|(j, _)| {
+                let seen = screen.t[*j].abs() >= self.rules.rivals.least_t;
+                *j != named && !self.chosen.contains(j) && seen
+            })
+            .map(|(j, rival)| {
+                let size = screen.size[j] * rival.typical;
+                Rival {
+                    effect: rival.effect.clone(),
+                    parameter: rival.key.clone(),
+                    size,
+                    unit: rival.unit.clone(),
+                    t: screen.t[j],
+                    gain: screen.t[j].powi(2),
+                    correlation: screen.correlation(named, j),
+                    t_of_named_beyond: self.beside(j, named),
+                    in_class: !rival.is_column() && rival.admits(size),
+                    decides: rival.decides.clone(),
+                }
+            })
+            .collect();
+        let named = NamedEffect {
+            effect: &candidates[named].effect,
+            t: screen.t[named],
+            gain: screen.t[named].powi(2),
+            units: self.training.len(),
+        };
+        self.rules.rivals.class(&named, others)
+    }
+
+    fn with(&self, more: &[usize]) -> Fit {
+        fit(self.setting, self.training, &[self.chosen, more].concat())
+    }
+
+    /// t of `one` in the fit that has `other` too; 0 where the two cannot be told apart at all.
+    fn beside(&self, other: usize, one: usize) -> f64 {
+        if self.screen.correlation(other, one).abs() > self.rules.rivals.alike {
+            return 0.0;
+        }
+        let joint = self.with(&[other, one]);
+        let at = self.setting.base + self.chosen.len() + 1;
+        let t = joint.step[at] / joint.errors[at].max(1e-300);
+        if t.is_finite() { t } else { 0.0 }
+    }
+}

@@ -1,0 +1,314 @@
+//! Friction experiments as evidence.
+//!
+//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa (or a constant, where the model has a fixed mu), refitted with the
+//! variance `mu_sd^2 + (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the largest
+//! |t| over all candidates in simulated tables (rows drawn from the fit with both errors, p among them) and under permutations
+//! of the rows' residuals; what is constant within a session is permuted by session.
+
+use std::path::Path;
+
+use kufe_friction::Longitudinal;
+use kufe_sled::Model;
+use kufe_sled::effects::Effects;
+
+use crate::error::Error;
+use crate::evidence::experiments::bins::bins;
+use crate::evidence::experiments::candidates::{FrictionChange, list};
+use crate::evidence::experiments::compare::Comparison;
+use crate::evidence::experiments::fit::{Fit, Setting, fit};
+use crate::evidence::experiments::known::Known;
+use crate::evidence::experiments::pictures::pictures;
+use crate::evidence::experiments::rows::{Row, read};
+use crate::evidence::experiments::screen::{TableScreen, screen_table};
+use crate::finding::report::{ChannelGap, Fitted, HeldOut};
+use crate::input::table::Table;
+use crate::options::Options;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{
+    Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
+};
+use crate::procedure::search::{Found, search_evidence};
+
+/// Rows of friction experiments, and the model that they are judged against.
+pub struct Experiments<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// How the search is made.
+    pub options: &'a Options,
+    /// What is fitted.
+    pub setting: Setting,
+    /// Rows to learn from.
+    pub training: Vec<Row>,
+    /// Rows that are locked away.
+    pub held: Vec<Row>,
+    /// What cannot be tested, and why.
+    pub untestable: Vec<(String, String)>,
+    /// Names of the model's effects that a table of friction coefficients says nothing about.
+    pub others: Vec<String>,
+    /// The strongest candidate that could not be claimed.
+    pub next_best: Option<usize>,
+}
+
+/// A fit with the candidates that take part in it.
+#[derive(Clone)]
+pub struct TableFit {
+    /// Places of the candidates.
+    pub chosen: Vec<usize>,
+    /// The fit.
+    pub fit: Fit,
+}
+
+impl<'a> Experiments<'a> {
+    /// Reads an `experiments.csv` and locks a part of its rows away.
+    ///
+    /// # Errors
+    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
+    pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
+        let table = Table::read(path)?;
+        let rows = read(&table, model.sled.cda_m2)?;
+        let longitudinal = model.friction.longitudinal.model()?;
+        let base = match longitudinal {
+            Longitudinal::Pressure(_) => 3,
+            _ => 1,
+        };
+        if rows.len() < base + 2 {
+            return Err(Error::TooFew {
+                what: format!("{}: rows", table.file),
+                found: rows.len(),
+                needed: base + 2,
+            });
+        }
+        let effects = Effects::from_tables(&model.effects)?;
+        let (known, others) = Known::new(&effects, &table)?;
+        let (candidates, untestable) = list(&rows, &table, &effects);
+        let locked = options.rules.lock.rows(rows.len());
+        let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
+        Ok(Self {
+            model,
+            options,
+            training: pick(&locked.training),
+            held: pick(&locked.held),
+            setting: Setting {
+                candidates,
+                known,
+                base,
+            },
+            untestable,
+            others,
+            next_best: None,
+        })
+    }
+
+    fn fitted(&self, chosen: Vec<usize>) -> TableFit {
+        let fit = fit(&self.setting, &self.training, &chosen);
+        TableFit { chosen, fit }
+    }
+
+    fn rows(&self) -> usize {
+        self.training.len() + self.held.len()
+    }
+
+    fn freedom(&self) -> usize {
+        self.training.len() - self.setting.base
+    }
+
+    fn gap(&self, before: f64, after: f64) -> ChannelGap {
+        let squares = self.training.iter().map(|r| r.mu_sd * r.mu_sd);
+        ChannelGap {
+            channel: "mu".to_owned(),
+            unit: String::new(),
+            before,
+            after,
+            noise: f64::sqrt(squares.sum::<f64>() / self.training.len() as f64),
+        }
+    }
+
+    /// The claim of a screen, with its class.
+    fn claim(&self, screen: &TableScreen, chosen: &[usize]) -> Option<Claim<FrictionChange>> {
+        let compare = Comparison {
+            setting: &self.setting,
+            training: &self.training,
+            screen,
+            chosen,
+            rules: &self.options.rules.experiments,
+        };
+        let named = compare.strongest()?;
+        let (class, rivals) = compare.class(named);
+        let candidate = self.setting.candidates[named].clone();
+        Some(Claim {
+            size: screen.size[named] * candidate.typical,
+            error: screen.error[named] * candidate.typical,
+            candidate,
+            class,
+            rivals,
+            p_value: screen.p_value(named),
+            place: "all rows".to_owned(),
+            channel: ("mu", ""),
+            remark: None,
+            parameters: Vec::new(),
+        })
+    }
+}
+
+impl Evidence for Experiments<'_> {
+    type Act = FrictionChange;
+    type Fit = TableFit;
+
+    fn fit_base(&mut self, account: &mut Account) -> Result<TableFit, Error> {
+        if !self.others.is_empty() {
+            account.remarks.push(format!(
+                "effects of the model that these data say nothing about: {}",
+                self.others.join(", ")
+            ));
+        }
+        if self.held.is_empty() {
+            account.remarks.push(format!(
+                "{} rows are too few to lock any away: the gap is judged on the rows that were fitted",
+                self.rows()
+            ));
+        }
+        let base = self.fitted(Vec::new());
+        account.remarks.push(format!(
+            "base fit: chi2 = {:.1} on {} degrees of freedom",
+            base.fit.chi2,
+            self.freedom()
+        ));
+        Ok(base)
+    }
+
+    fn screen(&mut self, fit: &TableFit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
+        let too_few = self.training.len() <= self.setting.base + fit.chosen.len() + 2;
+        let screen = screen_table(&self.setting, &self.training, &fit.chosen, self.options);
+        let claim = match too_few {
+            true => None,
+            false => self.claim(&screen, &fit.chosen),
+        };
+        self.next_best = match claim {
+            None if !too_few => screen.largest(&fit.chosen),
+            _ => None,
+        };
+        Ok(Screen {
+            detectable: screen.detectable(&self.setting.candidates),
+            claim,
+        })
+    }
+
+    fn add(
+        &mut self,
+        fit: &TableFit,
+        claim: &Claim<FrictionChange>,
+        _: usize,
+    ) -> Result<Added<TableFit>, Error> {
+        let named = |c: &Candidate<FrictionChange>| c.effect == claim.candidate.effect;
+        let place = self.setting.candidates.iter().position(named);
+        let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
+        let next = self.fitted(chosen);
+        Ok(Added {
+            gap: [fit.fit.rms, next.fit.rms],
+            fit: Some(next),
+            place: None,
+        })
+    }
+
+    fn settle(&mut self, fit: TableFit, account: &mut Account) -> Result<TableFit, Error> {
+        let mut fit = fit;
+        let least = self.options.rules.search.superfluous_t;
+        while fit.chosen.len() > 1 {
+            let t = |k: &usize| {
+                let at = self.setting.base + k;
+                (fit.fit.step[at] / fit.fit.errors[at].max(1e-300)).abs()
+            };
+            let Some(weak) = (0..fit.chosen.len()).find(|k| t(k) < least) else {
+                break;
+            };
+            account.leave_out(weak);
+            fit.chosen.remove(weak);
+            fit = self.fitted(fit.chosen);
+        }
+        Ok(fit)
+    }
+
+    fn open(
+        &mut self,
+        base: &TableFit,
+        last: &TableFit,
+        account: &mut Account,
+    ) -> Result<Opened, Error> {
+        let closed = self.closed(base, last);
+        let rms = |of: &TableFit| of.fit.rms_of(&self.setting, &self.held, &of.chosen);
+        let (before, after) = (rms(base), rms(last));
+        Ok(Opened {
+            held_out: HeldOut {
+                runs: self.held.iter().map(|r| r.name.clone()).collect(),
+                gap_before: before,
+                gap_after: after,
+                unit: String::new(),
+                channels: match self.held.is_empty() {
+                    true => Vec::new(),
+                    false => vec![self.gap(before, after)],
+                },
+            },
+            closed: vec![closed; account.steps.len()],
+        })
+    }
+
+    fn describe(
+        &mut self,
+        base: &TableFit,
+        last: &TableFit,
+        account: &mut Account,
+    ) -> Result<Description, Error> {
+        let (first, setting, rows) = (&base.fit, &self.setting, &self.training);
+        let freedom = self.freedom();
+        let rules = &self.options.rules;
+        let shown = rules.experiments.bin_shown;
+        let left = rows.len() as f64 - (setting.base + last.chosen.len()) as f64;
+        let quantile = rules.search.interval + rules.experiments.interval_few / left.max(1.0);
+        let parameters: Vec<Vec<Fitted>> = (0..last.chosen.len())
+            .map(|k| vec![self.size(last, k, quantile)])
+            .collect();
+        let decides = setting.candidates.iter();
+        Ok(Description {
+            data: "friction experiments".to_owned(),
+            training: vec![self.gap(first.rms, last.fit.rms)],
+            base: self.base_parameters(last, quantile),
+            bins: bins(setting, rows, first, &[], shown),
+            bins_after: bins(setting, rows, &last.fit, &last.chosen, shown),
+            pictures: pictures(setting, rows, first, (&last.fit, &last.chosen)),
+            clean: last.fit.chi2 < rules.experiments.unclean * left.max(1.0),
+            untestable: self.untestable.clone(),
+            decides: decides
+                .map(|c| (c.effect.clone(), c.decides.clone()))
+                .collect(),
+            words: Words {
+                nothing: format!(
+                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect stands out from chance.",
+                    self.rows(),
+                    first.chi2
+                ),
+                next_after_nothing: format!(
+                    "{} rows leave {freedom} degrees of freedom; more specimens, each at several pressures and conditions, would let smaller effects be seen",
+                    self.rows()
+                ),
+                next_after_name: String::new(),
+            },
+            next_model: self.next_model(last, &parameters, account).to_toml(),
+            parameters,
+            ..Description::default()
+        })
+    }
+}
+
+/// Searches an `experiments.csv`.
+///
+/// # Errors
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
+pub fn search(
+    path: &Path,
+    model: &Model,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    let mut experiments = Experiments::read(path, model, options)?;
+    search_evidence(&mut experiments, options, progress)
+}

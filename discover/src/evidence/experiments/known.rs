@@ -1,0 +1,57 @@
+//! What the model's own effects add to a coefficient of friction.
+
+use kufe_sled::effects::{Active, Effects, Kind};
+
+use crate::error::Error;
+use crate::evidence::experiments::rows::Row;
+use crate::input::table::Table;
+
+/// What the effects that the model has switched on add to mu.
+pub struct Known {
+    effects: Vec<Active>,
+}
+
+impl Known {
+    /// The model's effects on the friction coefficient, and the names of its others, which a table of friction
+    /// coefficients says nothing about.
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`] where one needs a column that the table lacks.
+    pub fn new(model: &Effects, table: &Table) -> Result<(Self, Vec<String>), Error> {
+        let (mut effects, mut others) = (Vec::new(), Vec::new());
+        for active in model.active.iter().filter(|a| a.is_on()) {
+            let needed: Vec<&str> = match &active.kind {
+                Kind::Custom(custom) if custom.acts_on_friction() => active.columns(),
+                Kind::Catalogue(effect) if effect.on_friction.is_some() => {
+                    let needed = effect.info.needs_in_experiments().unwrap_or_default();
+                    needed.iter().map(|c| c.name()).collect()
+                }
+                _ => {
+                    others.push(active.name.clone());
+                    continue;
+                }
+            };
+            if let Some(column) = needed.into_iter().find(|c| table.place(c).is_none()) {
+                return Err(Error::MissingColumn {
+                    file: table.file.clone(),
+                    column: column.to_owned(),
+                    found: format!(
+                        "{} (the model's effect {} needs it)",
+                        table.header.join(", "),
+                        active.name
+                    ),
+                });
+            }
+            effects.push(active.clone());
+        }
+        Ok((Known { effects }, others))
+    }
+
+    /// What they add to the coefficient `mu` of a row.
+    pub fn add(&self, row: &Row, mu: f64) -> f64 {
+        let with = self.effects.iter().fold(mu, |mu, effect| {
+            effect.coefficient(mu, &row.conditions).unwrap_or(mu)
+        });
+        with - mu
+    }
+}

@@ -1,0 +1,14 @@
+//! Friction experiments: mu over pressure, one row a specimen or condition.
+
+pub(crate) mod bins;
+pub(crate) mod candidates;
+pub(crate) mod compare;
+pub(crate) mod evidence;
+pub(crate) mod fit;
+pub(crate) mod known;
+pub(crate) mod outcome;
+pub(crate) mod pictures;
+pub(crate) mod rows;
+pub(crate) mod screen;
+
+pub use evidence::search;

@@ -1,0 +1,131 @@
+//! Rows of an `experiments.csv`.
+
+use std::collections::BTreeMap;
+
+use kufe_friction::effects::Conditions;
+
+use crate::error::Error;
+use crate::input::table::Table;
+
+/// One row.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Specimen or condition.
+    pub name: String,
+    /// Session; the row's own where there is no such column.
+    pub session: String,
+    /// Peak pressure [Pa].
+    pub pressure: f64,
+    /// Its standard deviation [Pa].
+    pub pressure_sd: f64,
+    /// Measured coefficient of friction.
+    pub mu: f64,
+    /// Its standard deviation.
+    pub mu_sd: f64,
+    /// What the effects of the catalogue see.
+    pub conditions: Conditions,
+    /// All further columns that hold numbers.
+    pub columns: BTreeMap<String, f64>,
+}
+
+/// Columns that no candidate is made of.
+const KNOWN: [&str; 6] = [
+    "specimen",
+    "session",
+    "p_max_pa",
+    "p_max_sd_pa",
+    "mu",
+    "mu_sd",
+];
+
+/// Reads the rows; `drag_area` [m2] is the model's.
+///
+/// # Errors
+/// [`Error::MissingColumn`], [`Error::Cell`] with row and column; [`Error::Duplicate`] for a row that repeats another one
+/// under whatever name.
+pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
+    let names = table.texts("specimen")?;
+    let pressure = table.numbers("p_max_pa", 0.0, 1e10)?;
+    let pressure_sd = table.numbers("p_max_sd_pa", 0.0, 1e10)?;
+    let mu = table.numbers("mu", 0.0, 1.0)?;
+    let mu_sd = table.numbers("mu_sd", 1e-9, 1.0)?;
+    let sessions = match table.place("session") {
+        Some(_) => table.texts("session")?,
+        None => names
+            .iter()
+            .enumerate()
+            .map(|(i, name)| format!("{name} {i}"))
+            .collect(),
+    };
+    let column = |name: &str, low: f64, high: f64| table.optional(name, low, high);
+    let fz = column("fz_n", 1e-3, 1e6)?;
+    let v = column("v_mps", 1e-3, 200.0)?;
+    let ice = column("ice_c", -80.0, 5.0)?;
+    let air = column("air_c", -80.0, 60.0)?;
+    let humidity = column("humidity_pct", 0.0, 100.0)?;
+    let air_pa = column("air_pa", 4e4, 1.2e5)?;
+    let distance = column("distance_m", 0.0, 1e9)?;
+    let (time, place) = (column("t_s", 0.0, 1e6)?, column("s_m", -1e6, 1e6)?);
+    let mut further = Vec::new();
+    for name in &table.header {
+        if KNOWN.contains(&name.as_str()) {
+            continue;
+        }
+        // A column of words is kept by the file's format and ignored here; a number gone wrong among numbers is not.
+        let numbers = table.texts(name)?;
+        if numbers.iter().any(|text| text.parse::<f64>().is_ok()) {
+            further.push((name, table.numbers(name, f64::MIN, f64::MAX)?));
+        }
+    }
+    let rows = (0..names.len())
+        .map(|i| {
+            let get = |x: &Option<Vec<f64>>, default: f64| x.as_ref().map_or(default, |x| x[i]);
+            let (air_c, air_pa) = (get(&air, 0.0), get(&air_pa, 95_000.0));
+            Row {
+                name: names[i].clone(),
+                session: sessions[i].clone(),
+                pressure: pressure[i],
+                pressure_sd: pressure_sd[i],
+                mu: mu[i],
+                mu_sd: mu_sd[i],
+                conditions: Conditions {
+                    t: get(&time, f64::NAN),
+                    s: get(&place, f64::NAN),
+                    v: get(&v, f64::NAN),
+                    fz: get(&fz, f64::NAN),
+                    ice_c: get(&ice, f64::NAN),
+                    air_c,
+                    air_pa,
+                    humidity_pct: get(&humidity, f64::NAN),
+                    distance: get(&distance, f64::NAN),
+                    air_density: kufe_sled::aero::air_density(air_pa, air_c),
+                    drag_area,
+                },
+                columns: further
+                    .iter()
+                    .map(|(name, values)| ((*name).clone(), values[i]))
+                    .collect(),
+            }
+        })
+        .collect();
+    refuse_copies(table)?;
+    Ok(rows)
+}
+
+fn refuse_copies(table: &Table) -> Result<(), Error> {
+    let place = table.place("specimen");
+    for (i, row) in table.rows.iter().enumerate() {
+        let same = |other: &Vec<String>| {
+            let mut pairs = row.iter().zip(other).enumerate();
+            pairs.all(|(k, (a, b))| Some(k) == place || a == b)
+        };
+        if let Some(j) = table.rows[..i].iter().position(same) {
+            return Err(Error::Duplicate {
+                file: table.file.clone(),
+                first: format!("row {}", j + 2),
+                second: format!("row {}", i + 2),
+            });
+        }
+    }
+    Ok(())
+}

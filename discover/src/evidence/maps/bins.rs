@@ -1,0 +1,96 @@
+//! Where maps and simulation part: by load and curvature, along and across the runner, and by pressure.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use crate::error::Error;
+use crate::evidence::maps::simulate::{REPORTING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
+use crate::finding::report::Bin;
+
+/// Bins a variable.
+const BINS: usize = 8;
+/// Pixels that are counted as one value.
+const PATCH: f64 = 16.0;
+
+/// Bins of measured less simulated pressure that stand out, strongest first; p-values hold over all bins (Bonferroni).
+///
+/// # Errors
+/// Those of the contact solver.
+pub fn bins(
+    simulations: &Simulations,
+    active: &SizedEffects,
+    shown: f64,
+) -> Result<Vec<Bin>, Error> {
+    let maps = simulations.maps(active, REPORTING)?;
+    // One value a pixel in contact: load, curvature, place, simulated pressure, residual.
+    let mut values: Vec<([f64; 5], f64)> = Vec::new();
+    for (row, map) in simulations.rows.iter().zip(&maps) {
+        let (Some(map), Some(measured)) = (map, &row.map) else {
+            continue;
+        };
+        let largest = map.pressure.iter().copied().fold(0.0, f64::max);
+        for (k, (m, s)) in measured.pressure.iter().zip(&map.pressure).enumerate() {
+            if m.max(*s) < 0.05 * largest {
+                continue;
+            }
+            let x = map.x0 + (k % map.nx) as f64 * map.dx;
+            let y = map.y0 + (k / map.nx) as f64 * map.dy;
+            values.push(([row.fz, row.problem.track_curvature, x, y, *s], m - s));
+        }
+    }
+    let columns = ["fz_n", "curvature_1pm", "x_m", "y_m", "p_pa"];
+    let mut found = Vec::new();
+    for (c, column) in columns.iter().enumerate() {
+        let mut sorted: Vec<f64> = values.iter().map(|v| v.0[c]).collect();
+        sorted.sort_by(f64::total_cmp);
+        let mut edges: Vec<f64> = (0..=BINS)
+            .filter_map(|k| sorted.get((k * sorted.len() / BINS).min(sorted.len().max(1) - 1)))
+            .copied()
+            .collect();
+        edges.dedup();
+        if edges.len() < 2 {
+            continue;
+        }
+        let last = edges[edges.len() - 1];
+        for pair in edges.windows(2) {
+            let own: Vec<f64> = values
+                .iter()
+                .filter(|v| v.0[c] >= pair[0] && (v.0[c] < pair[1] || pair[1] == last))
+                .filter(|v| v.0[c] <= pair[1])
+                .map(|v| v.1)
+                .collect();
+            let n = own.len() as f64;
+            if n < 2.0 * PATCH {
+                continue;
+            }
+            let mean = own.iter().sum::<f64>() / n;
+            let variance = own.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            let error = (variance * PATCH / n).sqrt();
+            found.push(Bin {
+                channel: "p".to_owned(),
+                column: (*column).to_owned(),
+                from: pair[0],
+                to: pair[1],
+                mean,
+                error,
+                unit: "Pa".to_owned(),
+                p_value: two_sided(mean / error.max(1e-300)),
+            });
+        }
+    }
+    let count = found.len() as f64;
+    for bin in &mut found {
+        bin.p_value = (bin.p_value * count).min(1.0);
+    }
+    found.retain(|bin| bin.p_value <= shown);
+    found.sort_by(|a, b| {
+        let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
+        t(b).total_cmp(&t(a))
+    });
+    found.truncate(40);
+    Ok(found)
+}
+
+fn two_sided(t: f64) -> f64 {
+    2.0 * Normal::standard().sf(t.abs())
+}

@@ -1,0 +1,404 @@
+//! Pressure measurements as evidence: maps and peaks against contact solves.
+//!
+//! Each candidate of [`kufe_case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
+//! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that is really left:
+//!
+//! ```text
+//! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)  +  peaks
+//! ```
+//!
+//! var is that of `noise`, and with it in squares what a finer mesh changes at that pixel. A claim must lower chi2 by more
+//! than 30 and by a fifth; its class is every effect whose own best fit is worse by less than 9 in units of the best fit's
+//! mean square. A size within three of its errors of 0 is no claim. Sizes are reported from finer meshes (`polish`).
+
+use std::path::Path;
+
+use kufe_case::Case;
+use kufe_case::effects::{CATALOGUE, Effect};
+
+use crate::error::Error;
+use crate::evidence::maps::bins::bins;
+use crate::evidence::maps::claim::{claimed, place};
+use crate::evidence::maps::line::LineSearch;
+use crate::evidence::maps::next_case::next_case;
+use crate::evidence::maps::pictures::pictures;
+use crate::evidence::maps::polish::polish;
+use crate::evidence::maps::remarks::{remarks_on, typical_noise, untestable};
+use crate::evidence::maps::rows::{Row, read};
+use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
+use crate::evidence::maps::simulate::{Misfit, REPORTING, SEARCHING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
+use crate::finding::report::{ChannelGap, Fitted, HeldOut, Interval, Step};
+use crate::options::Options;
+use crate::procedure::closed::ClosedGap;
+use crate::procedure::evidence::{
+    Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
+};
+use crate::procedure::rules::MapRules;
+use crate::procedure::search::{Found, search_evidence};
+
+/// Measured maps and peaks, and the case that they are judged against.
+pub struct Maps<'a> {
+    model: &'a Path,
+    text: String,
+    rows: &'a [Row],
+    remarks: &'a [String],
+    options: &'a Options,
+    progress: &'a (dyn Fn(&str) + Sync),
+    training: Simulations<'a>,
+    held: Simulations<'a>,
+    start: Misfit,
+    first_steps: Steps,
+    /// What would lower the misfit most beside what was found, claimed or not.
+    next: Option<(&'static Effect, f64)>,
+    screens: usize,
+}
+
+/// Effects at their sizes and what they leave.
+#[derive(Clone)]
+pub struct MapFit {
+    active: SizedEffects,
+    errors: Vec<f64>,
+    misfit: Misfit,
+}
+
+/// What a search is given: the case's text, and its rows as they are read.
+pub struct Measured {
+    text: String,
+    rows: Vec<Row>,
+    remarks: Vec<String>,
+}
+
+impl Measured {
+    /// Reads a `pressures.csv`; `model` is the case file that is to be improved.
+    ///
+    /// # Errors
+    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
+    pub fn read(path: &Path, model: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(model).map_err(|error| told(model, &error))?;
+        let case = Case::parse(&text).map_err(|error| told(model, &error))?;
+        let (rows, remarks) = read(path, model, &case)?;
+        Ok(Self {
+            text,
+            rows,
+            remarks,
+        })
+    }
+}
+
+fn told(model: &Path, what: &dyn std::fmt::Display) -> Error {
+    Error::File {
+        file: model.display().to_string(),
+        reason: what.to_string(),
+    }
+}
+
+impl<'a> Maps<'a> {
+    /// Locks the last map away and solves all rows on two meshes.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn new(
+        measured: &'a Measured,
+        model: &'a Path,
+        options: &'a Options,
+        progress: &'a (dyn Fn(&str) + Sync),
+    ) -> Result<Self, Error> {
+        let rows = &measured.rows;
+        let locked = options.rules.lock.maps(rows.len());
+        let pick = |which: &[usize]| which.iter().map(|i| &rows[*i]).collect();
+        let training = Simulations::new(pick(&locked.training))?;
+        let held = Simulations::new(pick(&locked.held))?;
+        Ok(Self {
+            model,
+            text: measured.text.clone(),
+            rows,
+            remarks: &measured.remarks,
+            options,
+            progress,
+            start: training.misfit(&SizedEffects::new(), REPORTING)?,
+            training,
+            held,
+            first_steps: Steps::new(),
+            next: None,
+            screens: 0,
+        })
+    }
+
+    fn rules(&self) -> &MapRules {
+        &self.options.rules.maps
+    }
+
+    fn unclean(&self, misfit: &Misfit) -> bool {
+        misfit.chi2 > self.rules().unclean * misfit.count
+    }
+
+    /// Whether the best line of a screen may be claimed.
+    fn stands_out(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
+        let rules = self.rules();
+        before - best.chi2() >= rules.least_drop
+            && best.chi2() <= (1.0 - rules.least_share) * before
+            && best.size().abs() >= rules.size_in_errors * best.error() * mean_square.sqrt()
+    }
+
+    /// A name in whose company most of what was wrong stays wrong is none: what was tried, in words.
+    fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
+        let [most, share] = self.rules().doubtful;
+        let left = (last.chi2 - last.count) / (self.start.chi2 - self.start.count).max(1e-9);
+        let doubtful = last.chi2 > most * last.count && left > share;
+        let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
+        (doubtful && !names.is_empty()).then(|| {
+            format!(
+                "{} would lower the gap, but leaves {:.0} % of what is beyond the noise: not named",
+                names.join(" and "),
+                100.0 * left
+            )
+        })
+    }
+
+    fn polished(&self, active: &SizedEffects, errors: &[f64]) -> Result<MapFit, Error> {
+        let polished = polish(&self.training, active, errors)?;
+        Ok(MapFit {
+            active: polished.active,
+            errors: polished.errors,
+            misfit: polished.misfit,
+        })
+    }
+
+    /// Takes out again what the effects found later explain as well: its removal raises chi2 by less than a claim must
+    /// lower it.
+    fn leave_out(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
+        let mut k = 0;
+        while fit.active.len() > 1 && k < fit.active.len() {
+            let (mut active, mut own) = (fit.active.clone(), fit.errors.clone());
+            active.remove(k);
+            own.remove(k);
+            let mut without = self.polished(&active, &own)?;
+            for _ in 0..2 {
+                without = self.polished(&without.active, &without.errors)?;
+            }
+            let raised = without.misfit.chi2 - fit.misfit.chi2;
+            if raised < self.rules().least_drop * fit.misfit.mean_square() {
+                account.leave_out(k);
+                account.steps[0].gap_before = self.start.rms;
+                *fit = without;
+                if let Some(last) = account.steps.last_mut() {
+                    last.gap_after = fit.misfit.rms;
+                }
+                k = 0;
+            } else {
+                k += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn closed(&self, last: &MapFit) -> Result<Interval, Error> {
+        let mut all = last.active.clone();
+        all.extend(self.next);
+        let change = |rows: &Simulations| -> Result<(Vec<f64>, Misfit), Error> {
+            let before = rows.misfit(&SizedEffects::new(), REPORTING)?;
+            let least = match rows.misfit(&all, REPORTING) {
+                Ok(least) => least,
+                Err(_) => rows.misfit(&last.active, REPORTING)?,
+            };
+            let pairs = before.rest.iter().zip(&least.rest);
+            Ok((pairs.map(|(a, b)| a - b).collect(), before))
+        };
+        let judged = match self.held.rows.is_empty() {
+            true => &self.training,
+            false => &self.held,
+        };
+        let (direction, before) = change(judged)?;
+        Ok(ClosedGap {
+            direction: &direction,
+            before: &before.rest,
+            after: &judged.misfit(&last.active, REPORTING)?.rest,
+            fitted: &change(&self.training)?.0,
+            spread: last.misfit.mean_square().sqrt(),
+        }
+        .closed())
+    }
+
+    fn gap(&self, before: &Misfit, after: &Misfit, rows: &[&Row]) -> ChannelGap {
+        ChannelGap {
+            channel: "p".to_owned(),
+            unit: "Pa".to_owned(),
+            before: before.rms,
+            after: after.rms,
+            noise: typical_noise(rows),
+        }
+    }
+
+    fn parameters(&self, last: &MapFit) -> Vec<Vec<Fitted>> {
+        let spread = last.misfit.mean_square().sqrt();
+        let quantile = self.options.rules.search.interval;
+        let sizes = last.active.iter().zip(&last.errors);
+        sizes
+            .map(|((effect, size), error)| {
+                let info = effect.parameter();
+                let half = quantile * (error * spread).hypot(effect.form_error() * size);
+                vec![Fitted {
+                    name: info.name.to_owned(),
+                    value: *size,
+                    low: (size - half).max(info.low),
+                    high: (size + half).min(info.high),
+                    unit: info.unit.to_owned(),
+                }]
+            })
+            .collect()
+    }
+}
+
+impl Evidence for Maps<'_> {
+    type Act = &'static Effect;
+    type Fit = MapFit;
+
+    fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
+        account.remarks.extend(self.remarks.iter().cloned());
+        account.remarks.extend(remarks_on(self.rows));
+        Ok(MapFit {
+            active: SizedEffects::new(),
+            errors: Vec::new(),
+            misfit: self.start.clone(),
+        })
+    }
+
+    fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>, Error> {
+        let before = self.training.misfit(&fit.active, SEARCHING)?;
+        self.screens += 1;
+        let number = self.screens;
+        let progress = self.progress;
+        let lines = screen_maps(
+            &self.training,
+            &fit.active,
+            &mut self.first_steps,
+            self.options.rules.maps.least_drop,
+            &|name| progress(&format!("screen {number}: {name}")),
+        );
+        self.next = None;
+        let mut claim = None;
+        if let Some(best) = lines.first() {
+            let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
+            if self.stands_out(best, before.chi2, mean_square) {
+                claim = Some(claimed(
+                    &lines,
+                    before.chi2,
+                    mean_square,
+                    &self.rules().rivals,
+                ));
+            } else {
+                self.next = Some((best.effect, best.size()));
+            }
+        }
+        Ok(Screen {
+            claim,
+            detectable: detectable(&lines, &self.options.rules),
+        })
+    }
+
+    fn add(
+        &mut self,
+        fit: &MapFit,
+        claim: &Claim<Self::Act>,
+        _: usize,
+    ) -> Result<Added<MapFit>, Error> {
+        (self.progress)(&format!("screen {}: finer meshes", self.screens));
+        let before = self.training.misfit(&fit.active, SEARCHING)?;
+        let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
+        active.push((claim.candidate.act, claim.size));
+        errors.push(claim.error);
+        let next = self.polished(&active, &errors)?;
+        let after = self.training.misfit(&next.active, SEARCHING)?;
+        Ok(Added {
+            gap: [fit.misfit.rms, next.misfit.rms],
+            place: Some(place(&self.training, &before, &after)),
+            fit: Some(next),
+        })
+    }
+
+    fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
+        let mut fit = fit;
+        self.leave_out(&mut fit, account)?;
+        if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
+            account.remarks.push(doubt);
+            account.steps.clear();
+            fit.active.clear();
+            fit.errors.clear();
+            fit.misfit = self.start.clone();
+        }
+        if account.steps.is_empty() && self.unclean(&fit.misfit) {
+            account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which tells the sensor from the runner".to_owned());
+        }
+        Ok(fit)
+    }
+
+    fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {
+        let before = self.held.misfit(&SizedEffects::new(), REPORTING)?;
+        let after = self.held.misfit(&last.active, REPORTING)?;
+        let closed = match account.steps.is_empty() {
+            true => Vec::new(),
+            false => vec![self.closed(last)?; account.steps.len()],
+        };
+        Ok(Opened {
+            held_out: HeldOut {
+                runs: self.held.rows.iter().map(|r| r.name.clone()).collect(),
+                gap_before: before.rms,
+                gap_after: after.rms,
+                unit: "Pa".to_owned(),
+                channels: match self.held.rows.is_empty() {
+                    true => Vec::new(),
+                    false => vec![self.gap(&before, &after, &self.held.rows)],
+                },
+            },
+            closed,
+        })
+    }
+
+    fn describe(
+        &mut self,
+        _: &MapFit,
+        last: &MapFit,
+        _: &mut Account,
+    ) -> Result<Description, Error> {
+        let shown = self.rules().bin_shown;
+        let infos = CATALOGUE.iter().map(|e| e.info());
+        Ok(Description {
+            data: "pressure measurements".to_owned(),
+            training: vec![self.gap(&self.start, &last.misfit, &self.training.rows)],
+            parameters: self.parameters(last),
+            bins: bins(&self.training, &SizedEffects::new(), shown)?,
+            bins_after: bins(&self.training, &last.active, shown)?,
+            pictures: pictures(&self.training, &self.held, &last.active)?,
+            clean: !self.unclean(&last.misfit),
+            untestable: untestable(self.rows),
+            decides: infos
+                .map(|i| (i.name.to_owned(), i.decides.to_owned()))
+                .collect(),
+            words: Words {
+                next_after_nothing:
+                    "maps at several loads, on straight and curved track, show smaller effects"
+                        .to_owned(),
+                ..Words::default()
+            },
+            next_model: next_case(&self.text, &last.active)
+                .map_err(|error| told(self.model, &error))?,
+            ..Description::default()
+        })
+    }
+}
+
+/// Searches a `pressures.csv`; `model` is the case file that is to be improved.
+///
+/// # Errors
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case and of the solver.
+pub fn search(
+    path: &Path,
+    model: &Path,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    let measured = Measured::read(path, model)?;
+    let mut maps = Maps::new(&measured, model, options, progress)?;
+    search_evidence(&mut maps, options, progress)
+}

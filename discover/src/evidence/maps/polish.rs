@@ -1,0 +1,80 @@
+//! The sizes that are reported: one Gauss-Newton step for all effects together, on finer meshes than the search's.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::Error;
+use crate::evidence::maps::simulate::{Misfit, REPORTING, Simulations};
+use crate::evidence::maps::sized::SizedEffects;
+
+/// Effects at their final sizes.
+pub struct Polished {
+    /// Effects and sizes.
+    pub active: SizedEffects,
+    /// Standard errors of the sizes, for noise as stated.
+    pub errors: Vec<f64>,
+    /// What is left.
+    pub misfit: Misfit,
+}
+
+/// `errors` are those of the search, one an effect.
+///
+/// # Errors
+/// Those of the contact solver at the sizes given.
+pub fn polish(
+    simulations: &Simulations,
+    active: &SizedEffects,
+    errors: &[f64],
+) -> Result<Polished, Error> {
+    let here = simulations.misfit(active, REPORTING)?;
+    let count = active.len();
+    let mut derivative = DMatrix::zeros(here.rest.len(), count);
+    for k in 0..count {
+        let info = active[k].0.parameter();
+        // Well above the solves' own scatter, well below the size.
+        let step = (6.0 * errors[k]).clamp(0.01 * active[k].1.abs(), 0.1 * active[k].1.abs());
+        let step = if active[k].1 + step > info.high {
+            -step
+        } else {
+            step
+        };
+        let mut moved = active.clone();
+        moved[k].1 += step;
+        let Ok(there) = simulations.misfit(&moved, REPORTING) else {
+            return Ok(Polished {
+                active: active.clone(),
+                errors: errors.to_vec(),
+                misfit: here,
+            });
+        };
+        for (i, (a, b)) in here.rest.iter().zip(&there.rest).enumerate() {
+            derivative[(i, k)] = (b - a) / step;
+        }
+    }
+    let normal = derivative.tr_mul(&derivative);
+    let Some(inverse) = normal.try_inverse() else {
+        return Ok(Polished {
+            active: active.clone(),
+            errors: errors.to_vec(),
+            misfit: here,
+        });
+    };
+    let own: Vec<f64> = (0..count)
+        .map(|k| inverse[(k, k)].max(0.0).sqrt())
+        .collect();
+    let by = -(&inverse * derivative.tr_mul(&DVector::from_column_slice(&here.rest)));
+    let mut moved = active.clone();
+    for (k, (effect, size)) in moved.iter_mut().enumerate() {
+        let most = 0.2 * size.abs();
+        *size = (*size + by[k].clamp(-most, most))
+            .clamp(effect.parameter().low, effect.parameter().high);
+    }
+    let (active, misfit) = match simulations.misfit(&moved, REPORTING) {
+        Ok(better) if better.chi2 < here.chi2 => (moved, better),
+        _ => (active.clone(), here),
+    };
+    Ok(Polished {
+        active,
+        errors: own,
+        misfit,
+    })
+}

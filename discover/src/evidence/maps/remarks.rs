@@ -1,0 +1,62 @@
+//! What measurements of pressure can say, and what not.
+
+use kufe_case::effects::CATALOGUE;
+
+use crate::evidence::maps::rows::Row;
+
+/// Effects that these rows say next to nothing of, and why.
+pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
+    if rows.iter().any(|r| r.map.is_some()) {
+        return Vec::new();
+    }
+    CATALOGUE
+        .iter()
+        .filter(|e| e.search.needs_map)
+        .map(|e| {
+            (
+                e.info().name.to_owned(),
+                "needs the column map, which is absent or empty".to_owned(),
+            )
+        })
+        .collect()
+}
+
+/// What the reader should know of the rows.
+pub fn remarks_on(rows: &[Row]) -> Vec<String> {
+    let mut remarks = vec![
+        "errors of a pixel: the sensor's noise as the map itself shows it, a third of a pixel in its place, 0.3 % of the peak, and what a finer mesh changes; 16 neighbouring pixels count as one value".to_owned(),
+    ];
+    if rows.iter().any(|r| r.map.is_none()) {
+        remarks.push("rows without a map contribute their peak pressure alone".to_owned());
+    }
+    if rows.len() < 3 {
+        remarks.push(format!(
+            "{} rows are too few to lock one away: the gap is judged on the rows that were fitted",
+            rows.len()
+        ));
+    }
+    let same = |value: &dyn Fn(&Row) -> f64| rows.iter().all(|r| value(r) == value(&rows[0]));
+    if same(&|r| r.fz) && same(&|r| r.problem.track_curvature) {
+        remarks.push(format!(
+            "fz_n and radius_m are the same in all rows ({} N): effects that differ by load alone cannot be told apart",
+            rows[0].fz
+        ));
+    }
+    remarks
+}
+
+/// Root mean square of the stated and estimated deviations \[Pa\].
+pub fn typical_noise(rows: &[&Row]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for row in rows {
+        for sd in row
+            .noise
+            .iter()
+            .chain(row.noise.is_empty().then_some(&row.p_max_sd))
+        {
+            sum += sd * sd;
+            count += 1.0;
+        }
+    }
+    f64::sqrt(sum / f64::max(count, 1.0))
+}

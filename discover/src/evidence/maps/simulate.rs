@@ -1,0 +1,267 @@
+//! Measurements simulated: contact solves, seen on the measured maps' pixels through the sensor.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use kufe_case::effects::{Effect, Map};
+use kufe_contact::solve;
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::evidence::maps::rows::Row;
+use crate::evidence::maps::sample::sample;
+use crate::evidence::maps::sized::SizedEffects;
+
+/// Cells over half the patch while searching.
+pub const SEARCHING: usize = 8;
+/// Cells of the solves from which sizes are reported.
+pub const REPORTING: usize = 12;
+/// Pixels that count as one independent value along each direction.
+const PATCH: f64 = 4.0;
+
+/// What a solve gives of a row before the sensor: a map on its pixels, or the peak alone.
+enum Simulated {
+    Map(Map),
+    Peak(f64),
+}
+
+/// Cells, and names and sizes of the effects that change the problem itself.
+type Key = (usize, Vec<(&'static str, u64)>);
+
+/// Rows that are solved once for each set of effects; those of the sensor need no solve of their own.
+pub struct Simulations<'a> {
+    /// The rows.
+    pub rows: Vec<&'a Row>,
+    /// Standard deviation of each value: the sensor's, and what a finer mesh changes there, by row [Pa].
+    deviation: Vec<Vec<f64>>,
+    solved: RefCell<BTreeMap<Key, Arc<Vec<Simulated>>>>,
+}
+
+/// Simulation against measurement.
+#[derive(Clone)]
+pub struct Misfit {
+    /// Sum of squares in units of the noise.
+    pub chi2: f64,
+    /// Its share of each row.
+    pub by_row: Vec<f64>,
+    /// Independent values.
+    pub count: f64,
+    /// Root mean square over pixels in contact [Pa].
+    pub rms: f64,
+    /// Weighted residuals, row after row.
+    pub rest: Vec<f64>,
+    /// Norm of the weighted simulated values.
+    pub size: f64,
+    /// Differences of the maps' moments, row after row: they follow an effect even where the maps do not overlap.
+    pub moments: Vec<f64>,
+}
+
+impl Misfit {
+    /// Mean square in units of the noise; at least 1, as the noise may be stated too large.
+    pub fn mean_square(&self) -> f64 {
+        (self.chi2 / (self.count - 1.0).max(1.0)).max(1.0)
+    }
+}
+
+impl<'a> Simulations<'a> {
+    /// Solves each row on two meshes, whose difference counts as an error of every later comparison.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn new(rows: Vec<&'a Row>) -> Result<Self, Error> {
+        let mut simulations = Simulations {
+            rows,
+            deviation: Vec::new(),
+            solved: RefCell::default(),
+        };
+        let none = SizedEffects::new();
+        let (coarse, fine) = (
+            simulations.simulated(&none, SEARCHING)?,
+            simulations.simulated(&none, REPORTING)?,
+        );
+        let pairs = coarse.iter().zip(fine.iter()).zip(&simulations.rows);
+        simulations.deviation = pairs
+            .map(|((coarse, fine), row)| match (coarse, fine) {
+                (Simulated::Map(a), Simulated::Map(b)) => {
+                    let both = a.pressure.iter().zip(&b.pressure);
+                    both.zip(&row.noise)
+                        .map(|((a, b), sd)| sd.hypot(a - b))
+                        .collect()
+                }
+                _ => vec![row.p_max_sd],
+            })
+            .collect();
+        Ok(simulations)
+    }
+
+    /// Simulates every row with the effects, on meshes of `cells` cells over half the patch.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
+        let seen = self.simulated(active, cells)?;
+        let mut out = Misfit {
+            chi2: 0.0,
+            by_row: Vec::new(),
+            count: 0.0,
+            rms: 0.0,
+            rest: Vec::new(),
+            size: 0.0,
+            moments: Vec::new(),
+        };
+        let mut values = 0.0;
+        for ((row, seen), deviation) in self.rows.iter().zip(seen.iter()).zip(&self.deviation) {
+            let from = out.rest.len();
+            values += compare(row, seen, deviation, active, &mut out);
+            let own: f64 = out.rest[from..].iter().map(|r| r * r).sum();
+            out.by_row.push(own);
+        }
+        out.chi2 = out.by_row.iter().sum();
+        out.rms = (out.rms / f64::max(values, 1.0)).sqrt();
+        out.size = out.size.sqrt();
+        Ok(out)
+    }
+
+    /// The maps of a row as simulated, for pictures and bins; `None` where no map was measured.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn maps(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<Map>>, Error> {
+        let seen = self.simulated(active, cells)?;
+        Ok(seen
+            .iter()
+            .zip(&self.rows)
+            .map(|(seen, row)| match seen {
+                Simulated::Map(map) => Some(sensed(row, map, active)),
+                Simulated::Peak(_) => None,
+            })
+            .collect())
+    }
+
+    fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>, Error> {
+        let sizes = active
+            .iter()
+            .filter(|(e, v)| !e.is_of_the_sensor() && *v != 0.0)
+            .map(|(e, v)| (e.info().name, v.to_bits()));
+        let key: Key = (cells, sizes.collect());
+        if let Some(seen) = self.solved.borrow().get(&key) {
+            return Ok(seen.clone());
+        }
+        let seen: Vec<Simulated> = self
+            .rows
+            .par_iter()
+            .map(|row| simulate(row, active, cells))
+            .collect::<Result<_, _>>()?;
+        let seen = Arc::new(seen);
+        self.solved.borrow_mut().insert(key, seen.clone());
+        Ok(seen)
+    }
+}
+
+fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated, Error> {
+    let mut problem = row.problem.clone();
+    for (effect, size) in active {
+        effect.alter(*size, &mut problem);
+    }
+    let options = kufe_contact::Options {
+        cells: Some(cells),
+        residual: 1e-6,
+        ..kufe_contact::Options::default()
+    };
+    let solution = solve(&problem, &options)?;
+    Ok(match &row.map {
+        Some(measured) => Simulated::Map(sample(&solution.surface, measured)),
+        None => Simulated::Peak(solution.p_max),
+    })
+}
+
+/// The map as the sensor shows it.
+fn sensed(row: &Row, map: &Map, active: &SizedEffects) -> Map {
+    let mut map = map.clone();
+    for (effect, size) in row.sensor.iter().chain(active) {
+        effect.sense(*size, &mut map);
+    }
+    map
+}
+
+/// Adds a row's weighted residuals, its independent values and its squares [Pa2]; the number of its values comes back.
+fn compare(
+    row: &Row,
+    seen: &Simulated,
+    deviation: &[f64],
+    active: &SizedEffects,
+    out: &mut Misfit,
+) -> f64 {
+    let (map, measured) = match (seen, &row.map) {
+        (Simulated::Map(map), Some(measured)) => (sensed(row, map, active), measured),
+        (Simulated::Map(_), None) => unreachable!("a map is simulated where one was measured"),
+        (Simulated::Peak(p_max), _) => {
+            let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
+            let all = row.sensor.iter().chain(active);
+            let simulated = p_max * all.map(gain).product::<f64>();
+            let r = row.p_max - simulated;
+            out.rest.push(r / deviation[0]);
+            out.size += (simulated / deviation[0]).powi(2);
+            out.count += 1.0;
+            out.rms += r * r;
+            return 1.0;
+        }
+    };
+    let (own, like) = (moments(measured), moments(&map));
+    out.moments.extend([
+        (own.sum / like.sum.max(1e-300)).ln(),
+        (own.middle[0] - like.middle[0]) / own.spread[0],
+        (own.middle[1] - like.middle[1]) / own.spread[1],
+        (own.spread[0] / like.spread[0]).ln(),
+        (own.spread[1] / like.spread[1]).ln(),
+    ]);
+    // A patch of pixels counts as one value, no larger than a 64th of the map.
+    let patch = (PATCH * PATCH)
+        .min((map.nx * map.ny) as f64 / 64.0)
+        .max(1.0);
+    let mut touched = 0.0;
+    let pairs = measured.pressure.iter().zip(&map.pressure);
+    for ((m, s), sd) in pairs.zip(deviation) {
+        out.rms += (m - s).powi(2);
+        let weight = 1.0 / (sd * patch.sqrt());
+        out.rest.push((m - s) * weight);
+        out.size += (s * weight).powi(2);
+        if *s > 0.0 {
+            touched += 1.0;
+        }
+    }
+    out.count += touched / patch;
+    f64::max(touched, 1.0)
+}
+
+/// Sum, centre and spread of a map.
+struct Moments {
+    sum: f64,
+    middle: [f64; 2],
+    spread: [f64; 2],
+}
+
+/// Of the pixels above a tenth of the largest; the spread is at least a pixel.
+fn moments(map: &Map) -> Moments {
+    let least = 0.1 * map.pressure.iter().copied().fold(0.0, f64::max);
+    let (mut sum, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
+    for (k, p) in map.pressure.iter().enumerate().filter(|(_, p)| **p > least) {
+        sum += p;
+        for (a, place) in [(k % map.nx) as f64, (k / map.nx) as f64]
+            .into_iter()
+            .enumerate()
+        {
+            first[a] += p * place;
+            second[a] += p * place * place;
+        }
+    }
+    let (from, step) = ([map.x0, map.y0], [map.dx, map.dy]);
+    let middle = [0, 1].map(|a| first[a] / f64::max(sum, 1e-300));
+    let spread = [0, 1].map(|a| (second[a] / f64::max(sum, 1e-300) - middle[a].powi(2)).max(1.0));
+    Moments {
+        sum: sum.max(1e-300),
+        middle: [0, 1].map(|a| from[a] + step[a] * middle[a]),
+        spread: [0, 1].map(|a| step[a] * spread[a].sqrt()),
+    }
+}

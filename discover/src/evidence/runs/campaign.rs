@@ -1,0 +1,192 @@
+//! Recorded runs, a part of them locked away, and the model that they are judged against.
+
+use kufe_sled::Model;
+
+use crate::error::Error;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::candidates::catalogue::Candidates;
+use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
+use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::prepare::Data;
+use crate::options::Options;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Account;
+use crate::procedure::rules::RunRules;
+
+/// A campaign of runs.
+pub struct Campaign<'a> {
+    /// The runs as they are read.
+    pub data: &'a Data,
+    /// The model.
+    pub model: &'a Model,
+    /// How the search is made.
+    pub options: &'a Options,
+    /// Runs to learn from.
+    pub training: Vec<Frame>,
+    /// Runs that are locked away.
+    pub held: Vec<Frame>,
+    /// Channels that take part.
+    pub used: [bool; CHANNELS],
+    /// What may be missing.
+    pub candidates: Candidates,
+    /// Base parameters that the data can move.
+    pub free: Vec<usize>,
+    /// The model before anything is fitted.
+    pub given: ResidualModel,
+    /// What the forces alone say of each candidate's size, with its standard error.
+    pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
+}
+
+/// The model with its effects, fitted.
+#[derive(Clone)]
+pub struct RunFit {
+    /// The model.
+    pub residual_model: ResidualModel,
+    /// Its rows' whitening.
+    pub whitener: Whitener,
+    /// The step of each effect that was added.
+    pub owners: Vec<usize>,
+    /// What is left of noisy inputs taken off, at the end: base multipliers, then amplitudes.
+    pub estimates: Vec<Estimate>,
+    /// The model that holds these estimates.
+    pub settled: ResidualModel,
+}
+
+impl RunFit {
+    /// Number of effects that the model had from the start.
+    pub fn already(&self) -> usize {
+        self.residual_model.effects.active.len() - self.owners.len()
+    }
+}
+
+/// A model and what is made for a screen of it.
+pub struct Current<'a> {
+    /// The model so far.
+    pub residual_model: &'a ResidualModel,
+    /// Its rows' whitening.
+    pub whitener: &'a Whitener,
+    /// Base parameters that the data can move.
+    pub free: &'a [usize],
+    /// Simulates runs with it.
+    pub simulator: &'a RunSimulator,
+}
+
+impl<'a> Current<'a> {
+    /// Its rows' derivatives for candidates that act everywhere.
+    pub fn design(&self, candidates: &'a [Candidate<Amplitude>]) -> Design<'a> {
+        Design {
+            residual_model: self.residual_model,
+            whitener: self.whitener,
+            free_base: self.free,
+            candidates,
+            local: &[],
+            windows: &[],
+        }
+    }
+}
+
+impl Campaign<'_> {
+    /// Simulates training runs with a model.
+    pub fn simulator(&self, residual_model: &ResidualModel) -> RunSimulator {
+        RunSimulator::new(
+            &self.training,
+            residual_model,
+            self.data.noise,
+            self.used,
+            self.options.seed,
+        )
+    }
+
+    /// The rules of runs.
+    pub fn rules(&self) -> &RunRules {
+        &self.options.rules.runs
+    }
+
+    /// After a first name the next ones are held to half of the chance of an error.
+    pub fn share(&self, account: &Account) -> f64 {
+        match account.steps.is_empty() {
+            true => 1.0,
+            false => self.rules().alpha_again,
+        }
+    }
+
+    /// Fits base and effects.
+    ///
+    /// # Errors
+    /// [`Error::BaseFit`] where a residual is not finite.
+    pub fn fitted(
+        &self,
+        residual_model: &ResidualModel,
+        owners: Vec<usize>,
+    ) -> Result<RunFit, Error> {
+        let (residual_model, whitener) =
+            fit(residual_model, &self.training, &self.free, self.used)?;
+        Ok(RunFit {
+            settled: residual_model.clone(),
+            residual_model,
+            whitener,
+            owners,
+            estimates: Vec::new(),
+        })
+    }
+
+    /// Base parameters (as multipliers) first, then the effects' amplitudes, and the model that holds them.
+    pub fn estimates(
+        &self,
+        residual_model: &ResidualModel,
+        whitener: &Whitener,
+    ) -> (Vec<Estimate>, ResidualModel) {
+        // Where the noise is only estimated its bias is not known well enough to be taken off.
+        let (trust, settle) = match self.data.noise_estimated {
+            true => (self.rules().estimated_noise_error, false),
+            false => (self.rules().stated_noise_error, true),
+        };
+        let simulator = self.simulator(residual_model);
+        let rows = FittedRows {
+            residual_model,
+            whitener,
+            frames: &self.training,
+            free: &self.free,
+            simulator: &simulator,
+        };
+        estimate(&rows, trust, settle)
+    }
+
+    /// Candidates that are not already part of the model.
+    pub fn fresh(
+        &self,
+        residual_model: &ResidualModel,
+        list: &[Candidate<Amplitude>],
+    ) -> Vec<Candidate<Amplitude>> {
+        let active = &residual_model.effects.active;
+        let on = |c: &Candidate<Amplitude>| {
+            active.iter().any(|e| {
+                e.effect_name() == c.effect
+                    && e.track == c.act.track
+                    && e.values[c.act.parameter] != 0.0
+            })
+        };
+        list.iter().filter(|c| !on(c)).cloned().collect()
+    }
+}
+
+/// Root mean square of rows.
+pub fn scale_of(rows: &[f64]) -> f64 {
+    (rows.iter().map(|x| x * x).sum::<f64>() / rows.len().max(1) as f64)
+        .sqrt()
+        .max(1e-300)
+}
+
+/// Root mean square of one channel over all runs.
+pub fn gap_of(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
+    let rows: Vec<f64> = residuals(residual_model, frames)
+        .into_iter()
+        .flat_map(|r| r[channel].clone())
+        .collect();
+    scale_of(&rows)
+}

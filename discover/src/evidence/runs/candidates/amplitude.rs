@@ -1,0 +1,71 @@
+//! How an amplitude of an effect acts on a sled.
+
+use kufe_sled::effects::{Active, Judged, Kind, Level};
+
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::candidate::Candidate;
+
+/// One amplitude of one effect of a sled, with its settings.
+#[derive(Clone)]
+pub struct Amplitude {
+    /// What the effect does.
+    pub kind: Kind,
+    /// Place of the amplitude among the effect's parameters.
+    pub parameter: usize,
+    /// Whether it differs from sample to sample, run to run, session to session or place to place.
+    pub level: Level,
+    /// Settings, with the amplitudes at 0.
+    pub values: Vec<f64>,
+    /// The only track it acts on.
+    pub track: Option<String>,
+    /// A recorded column outside the model, that the expression names.
+    pub carrier: Option<String>,
+}
+
+impl Candidate<Amplitude> {
+    /// The effect at an amplitude.
+    pub fn active(&self, amplitude: f64) -> Active {
+        let mut values = self.act.values.clone();
+        values[self.act.parameter] = amplitude;
+        Active {
+            name: self.effect.clone(),
+            kind: self.act.kind.clone(),
+            values,
+            track: self.act.track.clone(),
+        }
+    }
+
+    /// The same in a window of distance on one track.
+    pub fn within(&self, track: &str, from: f64, to: f64) -> Self {
+        let mut local = self.clone();
+        local.act.track = Some(track.to_owned());
+        if let Kind::Catalogue(effect) = &self.act.kind
+            && let Some([begin, end]) = effect.info.window()
+        {
+            (local.act.values[begin], local.act.values[end]) = (from, to);
+        }
+        local
+    }
+
+    /// The stretch of distance on which it acts, where it has one \[m\].
+    pub fn window(&self) -> Option<(f64, f64)> {
+        let Kind::Catalogue(effect) = &self.act.kind else {
+            return None;
+        };
+        let [begin, end] = effect.info.window()?;
+        Some((self.act.values[begin], self.act.values[end]))
+    }
+
+    /// Whether it is judged place by place along the track's profile.
+    pub fn is_profile(&self) -> bool {
+        matches!(&self.act.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::ByProfile)
+    }
+
+    /// The values of its carrier in a run.
+    pub fn carried<'a>(&self, frame: &'a Frame) -> Option<&'a [f64]> {
+        match self.act.carrier.as_deref()? {
+            "pitch_rate_radps" => Some(&frame.rate[1]),
+            name => frame.extra.get(name).map(Vec::as_slice),
+        }
+    }
+}

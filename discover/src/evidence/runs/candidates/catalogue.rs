@@ -1,0 +1,144 @@
+//! The effects that could be missing, as far as the data can speak of them.
+
+use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Judged, Kind, Level, Sensor};
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::recordings::prepare::Data;
+use crate::procedure::candidate::Candidate;
+
+/// All candidates by the way in which they are tested.
+pub struct Candidates {
+    /// Within runs, everywhere.
+    pub regular: Vec<Candidate<Amplitude>>,
+    /// Within runs, in a window of distance that is searched for.
+    pub local: Vec<Candidate<Amplitude>>,
+    /// From session to session or run to run.
+    pub levels: Vec<Candidate<Amplitude>>,
+    /// In the track channel: slope and its rivals.
+    pub track: Vec<Candidate<Amplitude>>,
+    /// Effects that these data cannot speak of, and why.
+    pub untestable: Vec<(String, String)>,
+}
+
+/// The catalogue and the person's own effects against what was recorded.
+pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
+    let mut out = Candidates {
+        regular: Vec::new(),
+        local: Vec::new(),
+        levels: Vec::new(),
+        track: Vec::new(),
+        untestable: Vec::new(),
+    };
+    for effect in CATALOGUE {
+        let info = effect.info();
+        let missing: Vec<&str> = info
+            .needs
+            .iter()
+            .filter(|column| !data.available.contains(column))
+            .map(|column| column.name())
+            .collect();
+        if !missing.is_empty() {
+            let why = format!(
+                "needs {}, which is not recorded or does not vary",
+                missing.join(", ")
+            );
+            out.untestable.push((info.name.to_owned(), why));
+            continue;
+        }
+        if !along && info.acts_only_along() {
+            let why = "acts along the sled, and that channel is not used".to_owned();
+            out.untestable.push((info.name.to_owned(), why));
+            continue;
+        }
+        if matches!(info.level(), Level::Session | Level::Run) && data.segmented {
+            let why = "needs several runs; there is one".to_owned();
+            out.untestable.push((info.name.to_owned(), why));
+            continue;
+        }
+        let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
+        for (index, parameter) in info.parameters.iter().enumerate() {
+            if !parameter.is_amplitude() {
+                continue;
+            }
+            let candidate = Candidate {
+                effect: info.name.to_owned(),
+                key: parameter.name.to_owned(),
+                unit: parameter.unit.to_owned(),
+                low: parameter.low,
+                high: parameter.high,
+                typical: parameter.typical,
+                decides: info.decides.to_owned(),
+                act: Amplitude {
+                    kind: Kind::Catalogue(*effect),
+                    parameter: index,
+                    level: info.level(),
+                    values: defaults.clone(),
+                    track: None,
+                    carrier: None,
+                },
+            };
+            match info.judged {
+                Judged::BySlope | Judged::ByProfile => out.track.push(candidate),
+                Judged::InWindow => out.local.push(candidate),
+                Judged::BetweenSessions | Judged::BetweenRuns => out.levels.push(candidate),
+                Judged::WithinRuns => {
+                    if reads_ahead(effect, index) {
+                        out.track.push(candidate.clone());
+                    }
+                    out.regular.extend(shapes(candidate, effect));
+                }
+                Judged::ByPressure => {}
+            }
+        }
+    }
+    for effect in &own.active {
+        if let Kind::Custom(custom) = &effect.kind
+            && effect.values[0] == 0.0
+        {
+            out.regular
+                .push(own_candidate(&effect.name, custom.clone(), &effect.track));
+        }
+    }
+    out
+}
+
+/// Whether an amplitude is a fault of the accelerometer ahead, which the track channel holds against the slope.
+fn reads_ahead(effect: &Effect, parameter: usize) -> bool {
+    let mut faults = effect.on_sensors.iter();
+    faults.any(|fault| fault.of == Sensor::Ax && fault.parameter == parameter)
+}
+
+/// The candidate with every value of a setting that is to be tried.
+fn shapes(candidate: Candidate<Amplitude>, effect: &Effect) -> Vec<Candidate<Amplitude>> {
+    let mut settings = effect.info.parameters.iter().enumerate();
+    let Some((place, setting)) = settings.find(|(_, p)| !p.tried.is_empty()) else {
+        return vec![candidate];
+    };
+    let with = |value: &f64| {
+        let mut shaped = candidate.clone();
+        shaped.act.values[place] = *value;
+        shaped
+    };
+    setting.tried.iter().map(with).collect()
+}
+
+fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate<Amplitude> {
+    Candidate {
+        effect: name.to_owned(),
+        key: "value".to_owned(),
+        unit: custom.unit.clone(),
+        low: custom.low,
+        high: custom.high,
+        // The expression is linear in its amplitude: any step gives the same direction.
+        typical: 1e-3 * custom.high.clamp(1e-6, 1.0),
+        decides: String::new(),
+        act: Amplitude {
+            parameter: 0,
+            level: Level::Sample,
+            values: vec![0.0],
+            track: track.clone(),
+            carrier: None,
+            kind: Kind::Custom(custom),
+        },
+    }
+}

@@ -1,0 +1,113 @@
+//! Dependences on a column that no effect of the catalogue has.
+
+use kufe_sled::effects::{Channel, Column, Custom, Expression, Kind, Level};
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::recordings::prepare::Data;
+use crate::procedure::candidate::Candidate;
+
+/// Dependences on single columns beyond the catalogue: a slope and a bend of the friction and of the grip, and a side force.
+///
+/// Columns that the model has no name for, the pitch rate among them, are handed in as carriers: they are judged, but no
+/// simulation could follow them.
+pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>> {
+    let known = [
+        ("v_mps", Column::Speed),
+        ("fz_n", Column::Load),
+        ("alpha_rad", Column::Slip),
+        ("delta_rad", Column::Steering),
+        ("gamma_rad", Column::RollSplit),
+        ("roll_rate_radps", Column::RollRate),
+        ("roll_acceleration_radps2", Column::RollRate),
+        ("t_s", Column::Time),
+    ];
+    let mut columns: Vec<(String, Option<String>)> = known
+        .iter()
+        .filter(|(_, column)| data.available.contains(column))
+        .map(|(name, _)| ((*name).to_owned(), None))
+        .collect();
+    let mut carried = vec!["pitch_rate_radps".to_owned()];
+    if let Some(frame) = data.frames.first() {
+        let everywhere = |name: &&String| data.frames.iter().all(|f| f.extra.contains_key(*name));
+        let own = |name: &&String| name.as_str() != "humidity_pct" && name.as_str() != "distance_m";
+        carried.extend(frame.extra.keys().filter(everywhere).filter(own).cloned());
+    }
+    columns.extend(carried.into_iter().map(|name| (name.clone(), Some(name))));
+    let mut out = Vec::new();
+    for (name, carrier) in columns {
+        let Some((centre, scale)) = spread(data, mass, &name) else {
+            continue;
+        };
+        let x = Expression::quoted(&name);
+        let z = format!("(({x} - {centre:.6e}) / {scale:.6e})");
+        let size = format!("abs({x}) / {scale:.6e}");
+        let mut forms = vec![
+            (Channel::Grip, z.clone(), 0.02, ""),
+            (Channel::Grip, format!("{z}^2"), 0.02, ""),
+            (Channel::Lateral, format!("{x} / {scale:.6e}"), 10.0, "N"),
+        ];
+        if along {
+            forms.push((Channel::Friction, z.clone(), 1e-4, ""));
+            forms.push((Channel::Friction, format!("{z}^2"), 1e-4, ""));
+        }
+        if centre.abs() < scale {
+            // Signs change: the column's size is a form of its own.
+            forms.push((Channel::Grip, size.clone(), 0.02, ""));
+            if along {
+                forms.push((Channel::Friction, size, 1e-4, ""));
+            }
+        }
+        for (channel, text, typical, unit) in forms {
+            let Some(custom) = Custom::new(channel, &text, carrier.as_deref()) else {
+                continue;
+            };
+            let limit = if channel == Channel::Lateral {
+                1e5
+            } else {
+                10.0
+            };
+            out.push(Candidate {
+                effect: format!("unknown:{name}"),
+                key: "value".to_owned(),
+                unit: unit.to_owned(),
+                low: -limit,
+                high: limit,
+                typical,
+                decides: format!("runs in which {name} is varied by itself"),
+                act: Amplitude {
+                    kind: Kind::Custom(custom.bounded(unit, -limit, limit)),
+                    parameter: 0,
+                    level: Level::Sample,
+                    values: vec![0.0],
+                    track: None,
+                    carrier: carrier.clone(),
+                },
+            });
+        }
+    }
+    out
+}
+
+fn spread(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
+    let mut all: Vec<f64> = Vec::new();
+    for frame in &data.frames {
+        let column: &[f64] = match name {
+            "v_mps" => &frame.v,
+            "fz_n" => &frame.acceleration[2],
+            "alpha_rad" => &frame.slip,
+            "delta_rad" => &frame.steer,
+            "gamma_rad" => &frame.roll_split,
+            "roll_rate_radps" => &frame.rate[0],
+            "pitch_rate_radps" => &frame.rate[1],
+            "roll_acceleration_radps2" => &frame.rate_slope[0],
+            "t_s" => &frame.t,
+            other => frame.extra.get(other)?,
+        };
+        let unit = if name == "fz_n" { mass } else { 1.0 };
+        all.extend(column.iter().map(|x| unit * x));
+    }
+    let n = all.len() as f64;
+    let mean = all.iter().sum::<f64>() / n;
+    let sd = (all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+    (sd > 0.0).then_some((mean, sd))
+}

@@ -1,0 +1,50 @@
+//! Which channels of the residual can be judged.
+
+use kufe_friction::Longitudinal;
+use kufe_sled::Model;
+use kufe_sled::effects::Column;
+
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::prepare::Data;
+use crate::evidence::runs::screen::track_channel::TrackChannel;
+use crate::options::Options;
+
+/// Whether the track channel closes better with the slope along the sled's way than along its axis.
+pub fn closes_along_path(residual_model: &ResidualModel, frames: &[Frame]) -> bool {
+    let closure = |along_path: bool| {
+        let mut residual_model = residual_model.clone();
+        residual_model.along_path = along_path;
+        TrackChannel::new(&residual_model, frames, &[]).map_or(f64::INFINITY, |c| c.closure())
+    };
+    closure(true) < closure(false)
+}
+
+/// The channels along, aside, about the vertical and of the track that take part.
+pub fn channels_in_use(data: &Data, model: &Model, options: &Options) -> [bool; CHANNELS] {
+    let recorded = data.available.contains(&Column::LongitudinalAcceleration);
+    let along = recorded && !is_silent(model) && options.longitudinal;
+    let surveyed = data.frames.iter().all(|f| f.slope.len() == f.len());
+    [along, options.lateral, options.lateral, along && surveyed]
+}
+
+/// What the reader should know of the longitudinal channel.
+pub fn remarks_on_channels(model: &Model, along: bool) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if is_silent(model) {
+        remarks.push(
+            "the model has no friction and no drag along: the longitudinal channel is left out"
+                .to_owned(),
+        );
+    }
+    if along {
+        remarks.push("the longitudinal residual uses the specific force a_x, which gravity does not enter; the speed's derivative enters the track channel alone".to_owned());
+    }
+    remarks
+}
+
+/// Whether the model has nothing to say along the sled.
+fn is_silent(model: &Model) -> bool {
+    let longitudinal = model.friction.longitudinal.model();
+    model.sled.cda_m2 == 0.0 && matches!(longitudinal, Ok(Longitudinal::Fixed(mu)) if mu <= 1e-9)
+}

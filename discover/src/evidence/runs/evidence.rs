@@ -1,0 +1,284 @@
+//! Runs as evidence.
+
+use kufe_sled::effects::{CATALOGUE, Effects, Kind};
+use kufe_sled::{Model, Vehicle};
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit, gap_of};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::candidates::catalogue::list;
+use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
+use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::outcome::bins::stand_out;
+use crate::evidence::runs::outcome::by_run::by_run;
+use crate::evidence::runs::outcome::gap::channels;
+use crate::evidence::runs::outcome::next_model::next_model;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::prepare::Data;
+use crate::finding::report::HeldOut;
+use crate::options::Options;
+use crate::procedure::evidence::{
+    Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
+};
+use crate::procedure::lock::Place;
+use crate::procedure::search::{Found, search_evidence};
+
+impl<'a> Campaign<'a> {
+    /// Locks a part of the runs away, and says which channels can be judged.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::Effect`].
+    pub fn new(data: &'a Data, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
+        let mut own = Effects::from_tables(&model.effects)?;
+        let trial = own.clone();
+        // An effect of one's own without a value is a candidate, not a part of the model.
+        own.active
+            .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
+        let mut given = ResidualModel {
+            vehicle: Vehicle::new(model)?,
+            base: [1.0; 5],
+            effects: own,
+            along_path: false,
+            frozen: Vec::new(),
+        };
+        let places: Vec<Place> = data
+            .frames
+            .iter()
+            .map(|f| Place {
+                session: &f.session,
+                track: &f.track,
+            })
+            .collect();
+        let locked = match data.segmented {
+            true => options.rules.lock.segments(places.len()),
+            false => options.rules.lock.runs(&places),
+        };
+        let pick = |which: &[usize]| -> Vec<Frame> {
+            which.iter().map(|i| data.frames[*i].clone()).collect()
+        };
+        let (training, held) = (pick(&locked.training), pick(&locked.held));
+        if training.len() < 2 {
+            return Err(Error::TooFew {
+                what: "runs to learn from, beside those locked away".to_owned(),
+                found: training.len(),
+                needed: 2,
+            });
+        }
+        let used = channels_in_use(data, model, options);
+        if used[3] {
+            given.along_path = closes_along_path(&given, &training);
+        }
+        Ok(Self {
+            data,
+            model,
+            options,
+            free: free_base(&given, &training, used),
+            training,
+            held,
+            used,
+            candidates: list(data, &trial, used[0]),
+            given,
+            by_forces: Vec::new(),
+        })
+    }
+}
+
+impl Evidence for Campaign<'_> {
+    type Act = Amplitude;
+    type Fit = RunFit;
+
+    fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
+        account.remarks.extend(self.data.remarks.iter().cloned());
+        account
+            .remarks
+            .extend(remarks_on_channels(self.model, self.used[0]));
+        let base = self.fitted(&self.given, Vec::new())?;
+        if self.data.noise_estimated {
+            let n = &self.data.noise;
+            let [low, high] = self.rules().estimated_noise_trust;
+            let low = if low == 0.5 {
+                "half".to_owned()
+            } else {
+                format!("{low}")
+            };
+            account.remarks.push(format!(
+                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; claims must hold from {low} to {high} times their bias",
+                n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
+            ));
+        }
+        Ok(base)
+    }
+
+    fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
+        let residual_model = &fit.residual_model;
+        let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
+        let simulator = self.simulator(residual_model);
+        let free = self.free.clone();
+        let at = Current {
+            residual_model,
+            whitener: &whitener,
+            free: &free,
+            simulator: &simulator,
+        };
+        let track = self.surveyed(residual_model, &simulator, account);
+        let mut screen = self.within_runs(&at, track.as_ref(), account);
+        if screen.claim.is_none() {
+            screen.claim = self.between_runs(&at, account);
+        }
+        if let (None, Some(track)) = (&screen.claim, &track) {
+            screen.claim = self.on_the_track(residual_model, track, account);
+        }
+        Ok(screen)
+    }
+
+    fn add(
+        &mut self,
+        fit: &RunFit,
+        claim: &Claim<Amplitude>,
+        step: usize,
+    ) -> Result<Added<RunFit>, Error> {
+        let residual_model = &fit.residual_model;
+        let channel = CHANNEL_NAMES.iter().position(|c| *c == claim.channel);
+        let gap = |residual_model: &ResidualModel| {
+            gap_of(residual_model, &self.training, channel.unwrap_or(1))
+        };
+        let before = gap(residual_model);
+        if claim.candidate.act.carrier.is_some() {
+            return Ok(Added {
+                fit: None,
+                gap: [before, before],
+                place: None,
+            });
+        }
+        let mut active = claim.candidate.active(claim.size);
+        let known = residual_model.effects.active.iter();
+        let same = known.filter(|e| e.effect_name() == active.name).count();
+        if same > 0 {
+            active.name = format!("{}@{}", active.name, same + 1);
+        }
+        let mut next = residual_model.with(active.clone());
+        if !claim.parameters.is_empty() {
+            next.frozen.push(active.name);
+        }
+        let owners = fit.owners.iter().copied().chain([step]).collect();
+        let next = self.fitted(&next, owners)?;
+        let stretch = claim.candidate.act.track.is_some();
+        Ok(Added {
+            gap: [before, gap(&next.residual_model)],
+            place: stretch.then(|| claim.place.clone()),
+            fit: Some(next),
+        })
+    }
+
+    fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
+        let mut fit = fit;
+        while let Some(step) = self.superfluous(&fit, &account.steps) {
+            account.leave_out(step);
+            fit = self.without(&fit, step)?;
+        }
+        let mut last = self.fitted(&fit.residual_model, fit.owners)?;
+        (last.estimates, last.settled) = self.estimates(&last.residual_model, &last.whitener);
+        Ok(last)
+    }
+
+    fn open(
+        &mut self,
+        base: &RunFit,
+        last: &RunFit,
+        account: &mut Account,
+    ) -> Result<Opened, Error> {
+        let simulator = self.simulator(&last.settled);
+        let channels = channels(
+            &base.residual_model,
+            &last.residual_model,
+            &self.held,
+            &simulator,
+            self.used,
+        );
+        let shown = account
+            .steps
+            .first()
+            .map_or(CHANNEL_NAMES[1].0, |s| s.channel.as_str());
+        let one = channels
+            .iter()
+            .find(|c| c.channel == shown)
+            .or(channels.first());
+        Ok(Opened {
+            held_out: HeldOut {
+                runs: self.held.iter().map(|f| f.name.clone()).collect(),
+                gap_before: one.map_or(0.0, |c| c.before),
+                gap_after: one.map_or(0.0, |c| c.after),
+                unit: one.map_or(String::new(), |c| c.unit.clone()),
+                channels,
+            },
+            closed: self.close(base, last, &account.steps),
+        })
+    }
+
+    fn describe(
+        &mut self,
+        base: &RunFit,
+        last: &RunFit,
+        account: &mut Account,
+    ) -> Result<Description, Error> {
+        let simulator = self.simulator(&last.settled);
+        let (rules, seed) = (self.rules(), self.options.seed);
+        let bins = |fit: &RunFit| {
+            let (residual_model, whitener) = (&fit.residual_model, &fit.whitener);
+            stand_out(
+                residual_model,
+                whitener,
+                &self.training,
+                rules.bin_shown,
+                seed,
+            )
+        };
+        let bins_after = bins(last);
+        let data = match self.data.segmented {
+            true => "one run, in segments",
+            false => "runs",
+        };
+        let infos = CATALOGUE.iter().map(|e| e.info());
+        Ok(Description {
+            data: data.to_owned(),
+            training: channels(&base.residual_model, &last.residual_model, &self.training, &simulator, self.used),
+            parameters: self.parameters(last, account.steps.len()),
+            base: self.base_parameters(last),
+            bins: bins(base),
+            clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
+            located: account.steps.is_empty() && self.stands_out(last, &bins_after),
+            bins_after,
+            by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),
+            untestable: self.candidates.untestable.clone(),
+            decides: infos
+                .map(|i| (i.name.to_owned(), i.decides.to_owned()))
+                .collect(),
+            words: Words {
+                next_after_nothing:
+                    "more runs lower the smallest detectable sizes as one over the root of their number"
+                        .to_owned(),
+                next_after_name: "more runs in other conditions would narrow the parameter"
+                    .to_owned(),
+                ..Words::default()
+            },
+            next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
+            ..Description::default()
+        })
+    }
+}
+
+/// Searches runs for what the model lacks.
+///
+/// # Errors
+/// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`], [`Error::Effect`].
+pub fn search(
+    data: &Data,
+    model: &Model,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    let mut campaign = Campaign::new(data, model, options)?;
+    search_evidence(&mut campaign, options, progress)
+}

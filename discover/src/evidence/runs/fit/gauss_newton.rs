@@ -1,0 +1,192 @@
+//! The base model and its effects, fitted together.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::{BASE, CHANNELS, ChannelRows, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::regression::inverse::ridge_inverse;
+
+/// Residuals of all runs.
+pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
+    frames
+        .par_iter()
+        .map(|frame| residual_model.residuals(frame))
+        .collect()
+}
+
+/// Which base parameters the data can move: a coefficient whose rows hardly change stays as it is given.
+pub fn free_base(
+    residual_model: &ResidualModel,
+    frames: &[Frame],
+    used: [bool; CHANNELS],
+) -> Vec<usize> {
+    let whitener = Whitener::estimate(&residuals(residual_model, frames), used);
+    let design = Design {
+        residual_model,
+        whitener: &whitener,
+        free_base: &[0, 1, 2, 3, 4],
+        candidates: &[],
+        local: &[],
+        windows: &[],
+    };
+    let mut norms = [0.0; BASE];
+    // Which parameters have leverage shows in any few runs.
+    for frame in frames.iter().take(6) {
+        let columns = design.columns(frame);
+        for (b, norm) in norms.iter_mut().enumerate() {
+            *norm += columns.column(OWN_LEVELS + b).norm_squared();
+        }
+    }
+    let mut free = Vec::new();
+    if used[0] && norms[0] > 0.0 {
+        free.push(0);
+    }
+    for (saturating, stiffness) in [(1, 2), (3, 4)] {
+        if norms[saturating] > 1e-4 * norms[stiffness] {
+            free.push(saturating);
+        }
+        if norms[stiffness] > 0.0 {
+            free.push(stiffness);
+        }
+    }
+    free
+}
+
+/// Fits base and effects by Gauss-Newton, each channel over its own residual's deviation.
+///
+/// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
+/// are halved until it falls; amplitudes stay in their bounds.
+///
+/// # Errors
+/// [`Error::BaseFit`] where a residual is not finite.
+pub fn fit(
+    residual_model: &ResidualModel,
+    frames: &[Frame],
+    free_base: &[usize],
+    used: [bool; CHANNELS],
+) -> Result<(ResidualModel, Whitener), Error> {
+    const ROUNDS: usize = 14;
+    /// Changes of the criterion below this are far inside the noise.
+    const ENOUGH: f64 = 1e-3;
+    let plain = Whitener {
+        sd: [1.0; CHANNELS],
+        used,
+    };
+    let mut best: Option<(f64, ResidualModel, Whitener, DVector<f64>)> = None;
+    let mut trial = residual_model.clone();
+    let mut share = 1.0;
+    for _ in 0..ROUNDS {
+        let design = Design {
+            residual_model: &trial,
+            whitener: &plain,
+            free_base,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        };
+        let p = design.fitted();
+        let blocks: Vec<Vec<(DMatrix<f64>, usize)>> = frames
+            .par_iter()
+            .map(|frame| channel_grams(&design, frame))
+            .collect();
+        let m = OWN_LEVELS + p + 1;
+        let mut sums = vec![(DMatrix::zeros(m, m), 0); plain.count()];
+        for run in &blocks {
+            for (sum, (gram, n)) in sums.iter_mut().zip(run) {
+                sum.0 += gram;
+                sum.1 += n;
+            }
+        }
+        if !sums.iter().all(|(g, _)| g.iter().all(|x| x.is_finite())) {
+            if best.is_none() {
+                return Err(Error::BaseFit {
+                    reason: "a residual is not a finite number".to_owned(),
+                });
+            }
+            sums.clear();
+        }
+        let mut whitener = plain.clone();
+        let mut total = DMatrix::zeros(m, m);
+        let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
+        for (k, (gram, n)) in sums.iter().enumerate() {
+            let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
+            let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
+            whitener.sd[plain.channel(k)] = sd;
+            total += gram / (sd * sd);
+            criterion += *n as f64 * sd.ln();
+        }
+        let gained = best.as_ref().map_or(f64::INFINITY, |b| b.0 - criterion);
+        if gained >= 0.0 {
+            let step = joint_step(&total, p);
+            best = Some((criterion, trial.clone(), whitener, step));
+            share = 1.0;
+            if gained < ENOUGH {
+                break;
+            }
+        } else {
+            share *= 0.5;
+            if share < 0.01 {
+                break;
+            }
+        }
+        let (_, from, _, step) = best.as_ref().expect("the first round sets it");
+        trial = stepped(from, free_base, step.as_slice(), share);
+    }
+    let (_, residual_model, whitener, _) = best.expect("the first round sets it");
+    Ok((residual_model, whitener))
+}
+
+/// Products of a run's columns by channel, with the number of rows.
+fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
+    let columns = design.columns(frame);
+    let n = frame.row_count();
+    (0..design.whitener.count())
+        .map(|k| {
+            let block = columns.rows(k * n, n);
+            (block.tr_mul(&block), n)
+        })
+        .collect()
+}
+
+/// The Gauss-Newton step of base and effects together.
+fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
+    let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
+    let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
+    (ridge_inverse(jj) * jr).column(0).into_owned()
+}
+
+/// The model moved by a share of a step: base multipliers, then amplitudes in their units; all stay in their bounds.
+pub fn stepped(
+    residual_model: &ResidualModel,
+    free_base: &[usize],
+    step: &[f64],
+    share: f64,
+) -> ResidualModel {
+    let mut trial = residual_model.clone();
+    for (k, b) in free_base.iter().enumerate() {
+        trial.base[*b] = (residual_model.base[*b] + share * step[k]).clamp(0.02, 50.0);
+    }
+    for (k, (e, q)) in residual_model.free().into_iter().enumerate() {
+        let scale = residual_model.scale(e, q);
+        let active = &mut trial.effects.active[e];
+        let (low, high) = match &active.kind {
+            kufe_sled::effects::Kind::Catalogue(kind) => {
+                let p = &kind.info().parameters[q];
+                (p.low, p.high)
+            }
+            kufe_sled::effects::Kind::Custom(custom) => (custom.low, custom.high),
+        };
+        let value = active.values[q] + share * scale * step[free_base.len() + k];
+        // An amplitude of exactly 0 would count as switched off.
+        active.values[q] = if value == 0.0 {
+            1e-12 * scale
+        } else {
+            value.clamp(low, high)
+        };
+    }
+    trial
+}

@@ -1,0 +1,196 @@
+//! Twins: data simulated from the fitted model and sent through the whole measurement model.
+//!
+//! A twin takes the measured motion as the truth and moves the measured accelerations to where the model says they are:
+//! nothing is missing from the model there. Each sensor's white noise at the recorded rate is added, smoothed and
+//! differentiated as the data were; what the residual holds beyond that comes back as a shifted copy of itself with a
+//! random sign. Twins come in pairs of opposite noise, so that in a pair's mean everything odd in the noise cancels and
+//! what is left is what noisy inputs do to products of signals.
+
+use kufe_sled::Noise;
+use rand::Rng;
+use rayon::prelude::*;
+
+use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::smooth_run::signal_kernel;
+use crate::null::random::{below, normal, sign, stream};
+
+/// How twins are made.
+#[derive(Clone, Debug)]
+pub struct RunSimulator {
+    noise: Noise,
+    /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
+    pub beyond: [f64; CHANNELS],
+    seed: u64,
+}
+
+/// A run without noise and with it, in both signs.
+pub struct SimulatedPair {
+    /// The model's own run.
+    pub truth: Frame,
+    /// With noise.
+    pub plus: Frame,
+    /// With the opposite noise.
+    pub minus: Frame,
+}
+
+impl RunSimulator {
+    /// Finds how much of the residuals the sensors' noise explains.
+    pub fn new(
+        frames: &[Frame],
+        residual_model: &ResidualModel,
+        noise: Noise,
+        used: [bool; CHANNELS],
+        seed: u64,
+    ) -> Self {
+        let mut simulator = Self {
+            noise,
+            beyond: [0.0; CHANNELS],
+            seed,
+        };
+        let powers: Vec<[[f64; CHANNELS]; 2]> = frames
+            .par_iter()
+            .enumerate()
+            .map(|(i, frame)| {
+                let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
+                let pair = simulator.pair(frame, residual_model, 1_000_003, i);
+                [
+                    power(residual_model.residuals(frame)),
+                    power(residual_model.residuals(&pair.plus)),
+                ]
+            })
+            .collect();
+        for (c, used) in used.iter().enumerate() {
+            let have: f64 = powers.iter().map(|p| p[0][c]).sum();
+            let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
+            if *used && have > 0.0 {
+                simulator.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
+            }
+        }
+        simulator
+    }
+
+    /// The same with the sensors' noise alone.
+    pub fn sensors_only(&self) -> Self {
+        Self {
+            beyond: [0.0; CHANNELS],
+            ..self.clone()
+        }
+    }
+
+    /// The `k`-th pair of twins of a run, the `i`-th of its set.
+    pub fn pair(
+        &self,
+        frame: &Frame,
+        residual_model: &ResidualModel,
+        k: u64,
+        i: usize,
+    ) -> SimulatedPair {
+        let mut rng = stream(self.seed, 0x7417 + k, i as u64);
+        let rows = residual_model.raw(frame);
+        let truth = truth(frame, residual_model, &rows);
+        let (mut plus, mut minus) = (truth.clone(), truth.clone());
+        self.add_rest(&mut plus, &mut minus, residual_model, &rows, &mut rng);
+        self.add_noise(&mut plus, &mut minus, &mut rng);
+        SimulatedPair { truth, plus, minus }
+    }
+
+    fn add_rest(
+        &self,
+        plus: &mut Frame,
+        minus: &mut Frame,
+        residual_model: &ResidualModel,
+        rows: &ChannelRows,
+        rng: &mut impl Rng,
+    ) {
+        let n = plus.len();
+        let shift = below(rng, n);
+        let flip = sign(rng);
+        let sled = &residual_model.vehicle.sled;
+        let rest = |c: usize, i: usize| -> f64 {
+            match rows[c].get((i + shift) % n) {
+                Some(r) => flip * self.beyond[c] * r,
+                None => 0.0,
+            }
+        };
+        for i in 0..n {
+            let yaw = rest(2, i) / sled.j_zz_kgm2;
+            let ahead = rest(0, i) / sled.mass_kg - sled.accel_y_m * yaw;
+            let aside = rest(1, i) / sled.mass_kg + sled.accel_x_m * yaw;
+            for (twin, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                twin.rate_slope[2][i] += way * yaw;
+                twin.acceleration[0][i] += way * ahead;
+                twin.acceleration[1][i] += way * aside;
+                twin.v_slope[i] += way * rest(3, i);
+            }
+        }
+    }
+
+    fn add_noise(&self, plus: &mut Frame, minus: &mut Frame, rng: &mut impl Rng) {
+        let kernel = signal_kernel(plus.recorded_dt);
+        let n = plus.len();
+        let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
+        let mut white = |sd: f64| -> Vec<f64> { (0..length).map(|_| sd * normal(rng)).collect() };
+        let add = |to: &mut [f64], against: &mut [f64], what: Vec<f64>| {
+            for ((x, y), e) in to.iter_mut().zip(against).zip(what) {
+                *x += e;
+                *y -= e;
+            }
+        };
+        let noise = self.noise;
+        for axis in 0..3 {
+            let e = kernel.smooth(&white(noise.accel_mps2));
+            add(
+                &mut plus.acceleration[axis],
+                &mut minus.acceleration[axis],
+                e,
+            );
+            let e = white(noise.rate_radps);
+            add(
+                &mut plus.rate[axis],
+                &mut minus.rate[axis],
+                kernel.smooth(&e),
+            );
+            let slope = kernel.slope(&e);
+            add(
+                &mut plus.rate_slope[axis],
+                &mut minus.rate_slope[axis],
+                slope,
+            );
+        }
+        let e = white(noise.speed_mps);
+        add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
+        add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
+        let e = white(noise.slip_rad);
+        add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
+        add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
+        let e = white(noise.steer_rad);
+        add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
+        add(
+            &mut plus.steer_rate,
+            &mut minus.steer_rate,
+            kernel.slope(&e),
+        );
+        let e = kernel.smooth(&white(noise.roll_split_rad));
+        add(&mut plus.roll_split, &mut minus.roll_split, e);
+    }
+}
+
+/// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
+fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
+    let mut twin = frame.clone();
+    let sled = &residual_model.vehicle.sled;
+    for (i, ((along, side), moment)) in rows[0].iter().zip(&rows[1]).zip(&rows[2]).enumerate() {
+        let yaw = moment / sled.j_zz_kgm2;
+        twin.rate_slope[2][i] -= yaw;
+        twin.acceleration[0][i] += sled.accel_y_m * yaw - along / sled.mass_kg;
+        twin.acceleration[1][i] -= sled.accel_x_m * yaw + side / sled.mass_kg;
+    }
+    if !rows[3].is_empty() {
+        let left = residual_model.raw(&twin);
+        for (slope, r) in twin.v_slope.iter_mut().zip(&left[3]) {
+            *slope -= r;
+        }
+    }
+    twin
+}

@@ -1,0 +1,15 @@
+//! Runs: what is measured on a track, against the one-track model.
+
+pub(crate) mod campaign;
+pub(crate) mod candidates;
+pub(crate) mod channels;
+pub(crate) mod evidence;
+pub(crate) mod fit;
+pub(crate) mod model;
+pub(crate) mod outcome;
+pub(crate) mod recordings;
+pub(crate) mod screen;
+
+pub use evidence::search;
+pub use recordings::prepare::{Data, prepare};
+pub use recordings::read::read;

@@ -1,0 +1,271 @@
+//! Directions: how the rows change with each parameter.
+
+use kufe_sled::effects::Active;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ModelOnRun, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::model::windows::{BIN_M, Window};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::candidate::Candidate;
+use crate::regression::gram::Gram;
+
+/// Columns that stand for each run's own level: of friction and of lateral grip.
+pub const OWN_LEVELS: usize = 2;
+/// What is differentiated: the model, its rows' whitening and the candidates.
+pub struct Design<'a> {
+    /// The model with its effects.
+    pub residual_model: &'a ResidualModel,
+    /// The rows' whitening.
+    pub whitener: &'a Whitener,
+    /// Base parameters with leverage, then the active effects' amplitudes.
+    pub free_base: &'a [usize],
+    /// Regular candidates.
+    pub candidates: &'a [Candidate<Amplitude>],
+    /// Candidates that are searched in windows.
+    pub local: &'a [Candidate<Amplitude>],
+    /// The windows.
+    pub windows: &'a [Window],
+}
+
+impl Design<'_> {
+    /// Number of fitted parameters.
+    pub fn fitted(&self) -> usize {
+        self.free_base.len() + self.residual_model.free().len()
+    }
+
+    /// Columns of one run: its levels, fitted parameters, candidates, and the residual last; all whitened.
+    pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
+        self.with_locals(frame, &[]).0
+    }
+
+    /// The same, and beside them the directions of local candidates that act everywhere.
+    pub fn columns_and_locals(&self, frame: &Frame) -> (DMatrix<f64>, DMatrix<f64>) {
+        self.with_locals(frame, self.local)
+    }
+
+    fn with_locals(
+        &self,
+        frame: &Frame,
+        locals: &[Candidate<Amplitude>],
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
+        const STEP: f64 = 1e-3;
+        let residual_model = self.residual_model;
+        let on_run = ModelOnRun::new(residual_model, frame);
+        let moved: Vec<ResidualModel> = residual_model
+            .free()
+            .into_iter()
+            .map(|(e, p)| {
+                let mut moved = residual_model.clone();
+                moved.effects.active[e].values[p] += 0.01 * residual_model.scale(e, p);
+                moved
+            })
+            .collect();
+        let moved: Vec<ModelOnRun> = moved.iter().map(|c| ModelOnRun::new(c, frame)).collect();
+        let trials: Vec<(Active, Option<&[f64]>)> = self
+            .candidates
+            .iter()
+            .chain(locals)
+            .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
+            .collect();
+        let n = frame.len();
+        let (first_trial, count) = (BASE + moved.len(), BASE + moved.len() + trials.len() + 1);
+        let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
+            let samples = if self.whitener.used[c] { n } else { 0 };
+            vec![vec![0.0; samples]; count]
+        });
+        for i in 0..n {
+            let at = on_run.instant(i, &on_run.measured(i));
+            let own = on_run.forces(&at);
+            let rest = on_run.balances(&at, &own);
+            let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
+                for (c, raw) in raw.iter_mut().enumerate() {
+                    if let Some(to) = raw[k].get_mut(i) {
+                        *to = (rest[c] - values[c]) / step;
+                    }
+                }
+            };
+            for (k, (trial, carried)) in trials.iter().enumerate() {
+                let moved = match carried {
+                    None => on_run.balances_with(i, trial, &at, &own),
+                    Some(x) => {
+                        let mut at = at;
+                        at.seen.carried = x[i];
+                        on_run.balances_with(i, trial, &at, &own)
+                    }
+                };
+                put(first_trial + k, moved, 0.01);
+            }
+            for (k, other) in moved.iter().enumerate() {
+                put(BASE + k, other.balances_beside(i, &at), 0.01);
+            }
+            for b in 0..BASE {
+                put(b, on_run.balances_with_base(&at, b, STEP), STEP);
+            }
+            for (c, raw) in raw.iter_mut().enumerate() {
+                if let Some(to) = raw[count - 1].get_mut(i) {
+                    *to = rest[c];
+                }
+            }
+        }
+        // Low-passed, thinned and whitened, the channels one below the other.
+        let per_channel = frame.row_count();
+        let mut all: Vec<Vec<f64>> = vec![Vec::new(); count];
+        for (c, raw) in raw
+            .iter()
+            .enumerate()
+            .filter(|(c, _)| self.whitener.used[*c])
+        {
+            for (to, x) in all.iter_mut().zip(raw) {
+                to.extend(frame.rows(x).iter().map(|x| x / self.whitener.sd[c]));
+            }
+        }
+        let rows = per_channel * self.whitener.count();
+        let grip: Vec<f64> = (0..rows)
+            .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
+            .collect();
+        let regular = first_trial + self.candidates.len();
+        let order: Vec<&[f64]> = [all[0].as_slice(), grip.as_slice()]
+            .into_iter()
+            .chain(self.free_base.iter().map(|b| all[*b].as_slice()))
+            .chain(all[BASE..regular].iter().map(Vec::as_slice))
+            .chain([all[count - 1].as_slice()])
+            .collect();
+        let gather = |columns: &[&[f64]]| {
+            let mut matrix = DMatrix::zeros(rows, columns.len());
+            for (k, column) in columns.iter().enumerate() {
+                matrix.column_mut(k).copy_from_slice(column);
+            }
+            matrix
+        };
+        let locals: Vec<&[f64]> = all[regular..count - 1].iter().map(Vec::as_slice).collect();
+        (gather(&order), gather(&locals))
+    }
+
+    /// Plain products of the columns of all runs, and of their windows.
+    pub fn products(&self, frames: &[Frame]) -> Vec<Products> {
+        frames
+            .par_iter()
+            .map(|frame| {
+                let (columns, locals) = self.columns_and_locals(frame);
+                let (windows, window_norms) = self.window_products(frame, &columns, &locals);
+                let place = frame.rows(&frame.s);
+                let shares = self
+                    .windows
+                    .iter()
+                    .map(|w| {
+                        let inside = place.iter().filter(|s| (w.from..w.to).contains(*s));
+                        let there = w.track == frame.track;
+                        let count = if there { inside.count() } else { 0 };
+                        (w.local, count as f64 / place.len().max(1) as f64)
+                    })
+                    .collect();
+                Products {
+                    full: columns.tr_mul(&columns),
+                    windows,
+                    window_norms,
+                    shares,
+                }
+            })
+            .collect()
+    }
+
+    /// Products of the windows' directions with all columns: sums over bins, then over each window's bins.
+    fn window_products(
+        &self,
+        frame: &Frame,
+        columns: &DMatrix<f64>,
+        locals: &DMatrix<f64>,
+    ) -> (DMatrix<f64>, Vec<f64>) {
+        let m = columns.ncols();
+        let mut products = DMatrix::zeros(self.windows.len(), m);
+        let mut norms = vec![0.0; self.windows.len()];
+        let own = |w: &&Window| w.track == frame.track;
+        let Some(start) = self.windows.iter().find(own).map(|w| w.from) else {
+            return (products, norms);
+        };
+        let bins = self
+            .windows
+            .iter()
+            .filter(own)
+            .map(|w| ((w.to - start) / BIN_M).round() as usize)
+            .max()
+            .unwrap_or(0);
+        let place = frame.rows(&frame.s);
+        for l in 0..locals.ncols() {
+            let mut sums = vec![0.0; (bins + 1) * m];
+            let mut squares = vec![0.0; bins + 1];
+            for (row, c) in locals.column(l).iter().enumerate() {
+                let bin = ((place[row % place.len()] - start) / BIN_M) as usize;
+                if *c == 0.0 || bin >= bins {
+                    continue;
+                }
+                squares[bin + 1] += c * c;
+                let sum = &mut sums[(bin + 1) * m..(bin + 2) * m];
+                for (k, sum) in sum.iter_mut().enumerate() {
+                    *sum += c * columns[(row, k)];
+                }
+            }
+            for bin in 1..=bins {
+                squares[bin] += squares[bin - 1];
+                for k in 0..m {
+                    sums[bin * m + k] += sums[(bin - 1) * m + k];
+                }
+            }
+            for (w, window) in self.windows.iter().enumerate() {
+                if window.local != l || window.track != frame.track {
+                    continue;
+                }
+                let from = ((window.from - start) / BIN_M).round() as usize;
+                let to = ((window.to - start) / BIN_M).round() as usize;
+                norms[w] = squares[to] - squares[from];
+                for k in 0..m {
+                    products[(w, k)] = sums[to * m + k] - sums[from * m + k];
+                }
+            }
+        }
+        (products, norms)
+    }
+}
+
+/// Products of one run's columns, levels first, and of its windows with them.
+pub struct Products {
+    /// Columns with columns.
+    pub full: DMatrix<f64>,
+    /// Windows with columns, one row a window.
+    pub windows: DMatrix<f64>,
+    /// Windows with themselves.
+    pub window_norms: Vec<f64>,
+    /// Local candidate of each window and its share of the run's rows.
+    pub shares: Vec<(usize, f64)>,
+}
+
+impl Products {
+    /// The run's sums for scores, `share` of what noise adds taken off.
+    ///
+    /// `noise` belongs to the columns with the local candidates behind them; what it adds to a window is taken to be even
+    /// along the run.
+    pub fn corrected(&self, noise: &DMatrix<f64>, share: f64) -> Gram {
+        let m = self.full.ncols();
+        let full = &self.full - noise.view((0, 0), (m, m)) * share;
+        let mut windows = self.windows.clone();
+        let mut norms = self.window_norms.clone();
+        for (w, (local, part)) in self.shares.iter().enumerate() {
+            let part = part * share;
+            if part > 0.0 {
+                norms[w] = (norms[w] - part * noise[(m + local, m + local)]).max(0.0);
+                for k in 0..m {
+                    windows[(w, k)] -= part * noise[(m + local, k)];
+                }
+            }
+        }
+        Gram::new(&full, OWN_LEVELS, &windows, &norms)
+    }
+
+    /// Nothing taken off but the run's own levels.
+    pub fn plain(&self) -> Gram {
+        Gram::new(&self.full, OWN_LEVELS, &self.windows, &self.window_norms)
+    }
+}

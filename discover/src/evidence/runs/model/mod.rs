@@ -1,0 +1,6 @@
+//! Residuals of the one-track model and how they change with its parameters.
+
+pub(crate) mod design;
+pub(crate) mod residual_model;
+pub(crate) mod whiten;
+pub(crate) mod windows;

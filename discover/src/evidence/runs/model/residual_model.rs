@@ -1,0 +1,312 @@
+//! From measured signals to residuals: the balances of the sled ([`Balance`]) over a whole run.
+//!
+//! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
+//! signals is not the smoothed product.
+
+use kufe_friction::MagicFormula;
+use kufe_sled::effects::{self, Active, Conditions, Effects, Forces, Kind, Sensor, Signals};
+use kufe_sled::{Balance, BaseParameter, LawForces, Vehicle, aero, from_sensors};
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// Number of residual channels.
+pub const CHANNELS: usize = 4;
+/// Those of them that the forces enter: the first.
+pub const BALANCES: usize = 3;
+/// Their names and units.
+pub const CHANNEL_NAMES: [(&str, &str); CHANNELS] = [
+    ("along", "N"),
+    ("side", "N"),
+    ("yaw", "N m"),
+    ("track", "m/s2"),
+];
+/// Number of base parameters.
+pub const BASE: usize = 5;
+/// Multipliers of the base model: what they multiply.
+pub const BASE_NAMES: [&str; BASE] = [
+    "longitudinal mu",
+    "front mu_zeta",
+    "front k_n_per_rad",
+    "rear mu_zeta",
+    "rear k_n_per_rad",
+];
+
+/// The base model, its multipliers and the effects that are switched on.
+#[derive(Clone)]
+pub struct ResidualModel {
+    /// The model as it was given.
+    pub vehicle: Vehicle,
+    /// Multipliers of the base parameters.
+    pub base: [f64; BASE],
+    /// Effects.
+    pub effects: Effects,
+    /// Whether the track's slope holds along the sled's way rather than along its axis.
+    pub along_path: bool,
+    /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
+    pub frozen: Vec<String>,
+}
+
+/// Residuals by channel; an unused channel is empty.
+pub type ChannelRows = [Vec<f64>; CHANNELS];
+
+impl ResidualModel {
+    /// The same with one more effect.
+    pub fn with(&self, effect: Active) -> Self {
+        let mut residual_model = self.clone();
+        residual_model.effects.active.push(effect);
+        residual_model
+    }
+
+    /// Residuals of one run, low-passed and thinned to rows.
+    pub fn residuals(&self, frame: &Frame) -> ChannelRows {
+        self.raw(frame).map(|channel| frame.rows(&channel))
+    }
+
+    /// Residuals of one run at every kept sample.
+    pub fn raw(&self, frame: &Frame) -> ChannelRows {
+        let mut rows: ChannelRows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
+        let on_run = ModelOnRun::new(self, frame);
+        for i in 0..frame.len() {
+            let values = on_run.residual(i);
+            for (row, value) in rows.iter_mut().zip(values) {
+                row.push(value);
+            }
+        }
+        if frame.slope.is_empty() {
+            rows[3].clear();
+        }
+        rows
+    }
+
+    /// The lateral laws with the base multipliers applied, front and rear.
+    pub fn laws(&self) -> [MagicFormula; 2] {
+        let vehicle = self.vehicle.scaled(&self.base);
+        [vehicle.front.lateral, vehicle.rear.lateral]
+    }
+
+    /// The unit in which an active amplitude is fitted.
+    pub fn scale(&self, effect: usize, parameter: usize) -> f64 {
+        let active = &self.effects.active[effect];
+        match &active.kind {
+            Kind::Catalogue(kind) => kind.info().parameters[parameter].typical,
+            Kind::Custom(_) => active.values[parameter].abs().max(1e-9),
+        }
+    }
+
+    /// The amplitudes that are fitted: place of the effect, place of the parameter.
+    pub fn free(&self) -> Vec<(usize, usize)> {
+        let mut free = Vec::new();
+        for (e, effect) in self.effects.active.iter().enumerate() {
+            if self.frozen.contains(&effect.name) {
+                continue;
+            }
+            match &effect.kind {
+                Kind::Custom(_) => free.push((e, 0)),
+                Kind::Catalogue(kind) => {
+                    for (p, parameter) in kind.info().parameters.iter().enumerate() {
+                        if parameter.is_amplitude() && effect.values[p] != 0.0 {
+                            free.push((e, p));
+                        }
+                    }
+                }
+            }
+        }
+        free
+    }
+}
+
+/// One sample: its balance, the base laws there and what effects see.
+#[derive(Clone, Copy)]
+pub struct Instant {
+    /// What the effects see.
+    pub seen: effects::State,
+    balance: Balance,
+    laws: LawForces,
+    signals: Signals,
+}
+
+/// A model on one run: the vehicle with the effects that act there, and the weather.
+pub struct ModelOnRun<'a> {
+    residual_model: &'a ResidualModel,
+    frame: &'a Frame,
+    vehicle: Vehicle,
+    air_density: f64,
+    humidity: Option<&'a Vec<f64>>,
+    wear: Option<&'a Vec<f64>>,
+}
+
+impl<'a> ModelOnRun<'a> {
+    /// Prepares a run.
+    pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
+        let mut vehicle = residual_model.vehicle.scaled(&residual_model.base);
+        vehicle.effects = residual_model.effects.on_track(&frame.track);
+        Self {
+            residual_model,
+            frame,
+            vehicle,
+            air_density: aero::air_density(frame.air_pa, frame.air_c),
+            humidity: frame.extra.get("humidity_pct"),
+            wear: frame.extra.get("distance_m"),
+        }
+    }
+
+    /// The signals of a sample, corrected by the active effects.
+    pub fn measured(&self, i: usize) -> Signals {
+        let frame = self.frame;
+        let mut signals = Signals {
+            sled: self.vehicle.sled.constants(),
+            ..Signals::default()
+        };
+        let axes = [Sensor::Ax, Sensor::Ay, Sensor::Az];
+        let turns = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+        for axis in 0..3 {
+            signals[axes[axis]] = frame.acceleration[axis][i];
+            signals.set(turns[axis], frame.rate[axis][i], frame.rate_slope[axis][i]);
+        }
+        signals.set(Sensor::Speed, frame.v[i], frame.v_slope[i]);
+        signals.set(Sensor::Slip, frame.slip[i], frame.slip_rate[i]);
+        signals.set(Sensor::Steering, frame.steer[i], frame.steer_rate[i]);
+        signals[Sensor::RollSplit] = frame.roll_split[i];
+        let effects = &self.vehicle.effects;
+        if !effects.is_empty() {
+            effects.correct(&self.conditions(i, frame.v[i]), &mut signals);
+        }
+        signals
+    }
+
+    /// Time, place and weather of a sample at a speed [m/s].
+    fn conditions(&self, i: usize, v: f64) -> Conditions {
+        let frame = self.frame;
+        Conditions {
+            t: frame.t[i],
+            s: frame.s[i],
+            v,
+            fz: f64::NAN,
+            ice_c: frame.ice_c,
+            air_c: frame.air_c,
+            air_pa: frame.air_pa,
+            humidity_pct: self.humidity.map_or(frame.humidity_pct, |x| x[i]),
+            distance: self.wear.map_or(frame.distance_before, |x| x[i]),
+            air_density: self.air_density,
+            drag_area: self.vehicle.sled.cda_m2,
+        }
+    }
+
+    /// The balance of a sample, from its corrected signals.
+    fn balance(&self, i: usize, signals: &Signals) -> Balance {
+        let mut sled = self.vehicle.sled;
+        sled.set_constants(&signals.sled);
+        // A slip angle needs a speed.
+        let mut moving = *signals;
+        moving[Sensor::Speed] = signals[Sensor::Speed].max(0.5);
+        let at = self.conditions(i, moving[Sensor::Speed]);
+        let (state, motion) = from_sensors(&sled, &moving, &at);
+        Balance::new(&sled, &state, &motion)
+    }
+
+    /// A sample with the base laws asked, from its corrected signals.
+    pub fn instant(&self, i: usize, signals: &Signals) -> Instant {
+        let balance = self.balance(i, signals);
+        let laws = balance.laws(&self.vehicle);
+        Instant {
+            seen: balance.seen(laws.load_n),
+            balance,
+            laws,
+            signals: *signals,
+        }
+    }
+
+    /// The same from the laws of a motion close by, to first order.
+    fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
+        let balance = self.balance(i, signals);
+        let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
+        Instant {
+            seen: balance.seen(laws.load_n),
+            balance,
+            laws,
+            signals: *signals,
+        }
+    }
+
+    /// These forces with the model's effects.
+    fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
+        if !self.vehicle.effects.is_empty() {
+            self.vehicle.effects.act("", &at.seen, &mut forces);
+        }
+        forces
+    }
+
+    /// Forces of the base laws with the model's effects.
+    pub fn forces(&self, at: &Instant) -> Forces {
+        self.with_effects(at, at.laws.forces)
+    }
+
+    /// What the balances along [N], aside [N] and about the vertical [N m] leave of these forces.
+    pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+        at.balance.left(forces).values()
+    }
+
+    /// Balances with base multiplier `b` moved by a small `step`.
+    pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
+        let share = step / self.residual_model.base[b];
+        let moved = at.laws.moved(&self.vehicle, BaseParameter::ALL[b], share);
+        self.balances(at, &self.with_effects(at, moved))
+    }
+
+    /// What the track channel leaves [m/s2]; 0 without a survey.
+    fn track(&self, i: usize, at: &Instant) -> f64 {
+        let Some(slope) = self.frame.slope.get(i) else {
+            return 0.0;
+        };
+        let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
+        if self.residual_model.along_path {
+            at.balance.left_along_way(&at.signals, slope)
+        } else {
+            at.balance.left_along_axis(&at.signals, slope)
+        }
+    }
+
+    /// Residual of a sample.
+    pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
+        let at = self.instant(i, &self.measured(i));
+        let [along, side, yaw] = self.balances(&at, &self.forces(&at));
+        [along, side, yaw, self.track(i, &at)]
+    }
+
+    /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
+    pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
+        let signals = self.measured(i);
+        if signals == at.signals {
+            return self.balances(at, &self.forces(at));
+        }
+        let other = self.instant(i, &signals);
+        self.balances(&other, &self.forces(&other))
+    }
+
+    /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it.
+    pub fn balances_with(
+        &self,
+        i: usize,
+        effect: &Active,
+        at: &Instant,
+        forces: &Forces,
+    ) -> [f64; BALANCES] {
+        if !effect.acts_on(&self.frame.track) {
+            return self.balances(at, forces);
+        }
+        let mut signals = at.signals;
+        if effect.moves_signals() {
+            effect.correct(&at.seen.conditions, &mut signals);
+        }
+        if signals == at.signals {
+            return at.balance.left_with(effect, &at.seen, forces).values();
+        }
+        // Another signal is another motion.
+        let other = self.instant_near(i, &signals, at);
+        let forces = self.forces(&other);
+        other
+            .balance
+            .left_with(effect, &other.seen, &forces)
+            .values()
+    }
+}

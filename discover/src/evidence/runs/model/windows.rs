@@ -1,0 +1,53 @@
+//! Stretches of a track in which an effect may act.
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// Width of the narrowest window that is searched [m].
+pub const BIN_M: f64 = 10.0;
+/// Widths of windows in bins.
+const WIDTHS: [usize; 5] = [1, 2, 4, 8, 16];
+
+/// A stretch of a track, for one of the local candidates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Which local candidate.
+    pub local: usize,
+    /// Track.
+    pub track: String,
+    /// From [m].
+    pub from: f64,
+    /// To [m].
+    pub to: f64,
+}
+
+/// All windows of all widths on all tracks, half overlapping.
+pub fn windows(frames: &[Frame], locals: usize) -> Vec<Window> {
+    let mut tracks: Vec<(&str, f64, f64)> = Vec::new();
+    for frame in frames {
+        let low = frame.s.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = frame.s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        match tracks.iter_mut().find(|t| t.0 == frame.track) {
+            Some(t) => (t.1, t.2) = (t.1.min(low), t.2.max(high)),
+            None => tracks.push((&frame.track, low, high)),
+        }
+    }
+    let mut out = Vec::new();
+    for local in 0..locals {
+        for (track, low, high) in &tracks {
+            // Beyond 100 km a distance is a mistake that must not size anything.
+            let bins = (((high - low) / BIN_M).ceil() as usize).min(10_000);
+            for width in WIDTHS {
+                for first in (0..bins.saturating_sub(width - 1)).step_by(width.div_ceil(2)) {
+                    let from = low + first as f64 * BIN_M;
+                    out.push(Window {
+                        local,
+                        track: (*track).to_owned(),
+                        from,
+                        to: from + width as f64 * BIN_M,
+                    });
+                }
+            }
+        }
+    }
+    out
+}

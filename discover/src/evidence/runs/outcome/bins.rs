@@ -1,0 +1,138 @@
+//! Where it disagrees: bins of every column.
+
+use nalgebra::DMatrix;
+
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::sign_flips::{MaxT, statistics};
+
+/// Bins of every column in which the whitened residual stands out, by sign-flips over runs and max-T over all bins.
+pub fn stand_out(
+    residual_model: &ResidualModel,
+    whitener: &Whitener,
+    frames: &[Frame],
+    limit: f64,
+    seed: u64,
+) -> Vec<crate::finding::Bin> {
+    type ColumnOf = fn(&Frame) -> &[f64];
+    let columns: [(&str, &str, ColumnOf); 9] = [
+        ("v_mps", "m/s", |f| &f.v),
+        ("alpha_rad", "rad", |f| &f.slip),
+        ("delta_rad", "rad", |f| &f.steer),
+        ("gamma_rad", "rad", |f| &f.roll_split),
+        ("az_mps2", "m/s2", |f| &f.acceleration[2]),
+        ("roll_acceleration_radps2", "rad/s2", |f| &f.rate_slope[0]),
+        ("yaw_rate_radps", "rad/s", |f| &f.rate[2]),
+        ("t_s", "s", |f| &f.t),
+        ("s_m", "m", |f| &f.s),
+    ];
+    struct Cell {
+        channel: usize,
+        column: String,
+        from: f64,
+        to: f64,
+        u: Vec<f64>,
+        sums: Vec<(f64, f64)>,
+    }
+    let rows = residuals(residual_model, frames);
+    let white: Vec<Vec<f64>> = rows.iter().map(|r| whitener.apply(r)).collect();
+    let mut cells: Vec<Cell> = Vec::new();
+    for (name, _, of) in &columns {
+        let tracks: Vec<Option<String>> = if *name == "s_m" {
+            let mut t: Vec<String> = frames.iter().map(|f| f.track.clone()).collect();
+            t.sort();
+            t.dedup();
+            t.into_iter().map(Some).collect()
+        } else {
+            vec![None]
+        };
+        for track in tracks {
+            let mine = |f: &Frame| track.as_ref().is_none_or(|t| *t == f.track);
+            let values: Vec<Vec<f64>> = frames.iter().map(|f| f.rows(of(f))).collect();
+            let mut all: Vec<f64> = frames
+                .iter()
+                .zip(&values)
+                .filter(|(f, _)| mine(f))
+                .flat_map(|(_, x)| x.iter().copied())
+                .collect();
+            all.sort_by(f64::total_cmp);
+            let parts = if track.is_some() { 40 } else { 10 };
+            let mut edges: Vec<f64> = (0..=parts)
+                .map(|k| all[(k * (all.len() - 1)) / parts])
+                .collect();
+            edges.dedup();
+            for pair in edges.windows(2) {
+                for k in 0..whitener.count() {
+                    let channel = whitener.channel(k);
+                    let mut u = vec![0.0; frames.len()];
+                    let mut sums = vec![(0.0, 0.0); frames.len()];
+                    for (i, _) in frames.iter().enumerate().filter(|(_, f)| mine(f)) {
+                        let x = &values[i];
+                        let per = white[i].len() / whitener.count();
+                        for j in 0..per {
+                            if x[j] >= pair[0] && x[j] < pair[1] {
+                                u[i] += white[i][k * per + j];
+                                sums[i].0 += rows[i][channel][j];
+                                sums[i].1 += 1.0;
+                            }
+                        }
+                    }
+                    let label = track
+                        .as_ref()
+                        .map_or_else(|| (*name).to_owned(), |t| format!("{name} on {t}"));
+                    cells.push(Cell {
+                        channel,
+                        column: label,
+                        from: pair[0],
+                        to: pair[1],
+                        u,
+                        sums,
+                    });
+                }
+            }
+        }
+    }
+    if cells.is_empty() {
+        return Vec::new();
+    }
+    let u = DMatrix::from_fn(cells.len(), frames.len(), |c, i| cells[c].u[i]);
+    let null = MaxT::by_sign_flips(&u, 999, seed ^ 0xB145);
+    let t = statistics(&u);
+    let mut out: Vec<(f64, crate::finding::Bin)> = cells
+        .iter()
+        .zip(&t)
+        .filter_map(|(cell, t)| {
+            let p_value = null.p_value(*t);
+            let means: Vec<f64> = cell
+                .sums
+                .iter()
+                .filter(|s| s.1 > 0.0)
+                .map(|s| s.0 / s.1)
+                .collect();
+            let n = means.len() as f64;
+            if p_value > limit || n < 2.0 {
+                return None;
+            }
+            let mean = means.iter().sum::<f64>() / n;
+            let error =
+                (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
+            Some((
+                t.abs(),
+                crate::finding::Bin {
+                    channel: CHANNEL_NAMES[cell.channel].0.to_owned(),
+                    column: cell.column.clone(),
+                    from: cell.from,
+                    to: cell.to,
+                    mean,
+                    error,
+                    unit: CHANNEL_NAMES[cell.channel].1.to_owned(),
+                    p_value,
+                },
+            ))
+        })
+        .collect();
+    out.sort_by(|a, b| b.0.total_cmp(&a.0));
+    out.into_iter().map(|(_, bin)| bin).take(40).collect()
+}

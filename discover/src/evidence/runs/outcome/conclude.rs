@@ -1,0 +1,195 @@
+//! The end of a search over runs: parameters, what is closed, what stands out.
+
+use kufe_sled::Model;
+use kufe_sled::effects::{Active, Kind};
+
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::outcome::bins::stand_out;
+use crate::evidence::runs::outcome::explained::explainable_closed;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::track_channel::TrackChannel;
+use crate::finding::report::{Bin, Fitted, Interval, Step};
+use crate::procedure::candidate::Candidate;
+
+impl Campaign<'_> {
+    /// Sizes with their intervals, for the step that each belongs to.
+    pub fn parameters(&self, last: &RunFit, steps: usize) -> Vec<Vec<Fitted>> {
+        let (after, already) = (&last.residual_model, last.already());
+        let estimates = &last.estimates[self.free.len()..];
+        let (edges_m, quantile) = (self.rules().edges_m, self.options.rules.search.interval);
+        let mut parameters = vec![Vec::new(); steps];
+        for ((e, q), est) in after.free().into_iter().zip(estimates) {
+            if e < already {
+                continue;
+            }
+            let (name, unit) = match &after.effects.active[e].kind {
+                Kind::Catalogue(kind) => {
+                    let p = &kind.info().parameters[q];
+                    (p.name.to_owned(), p.unit.to_owned())
+                }
+                Kind::Custom(custom) => ("value".to_owned(), custom.unit.clone()),
+            };
+            let edges = as_candidate(&after.effects.active[e], &self.candidates.local)
+                .and_then(|local| local.window())
+                .map_or(0.0, |(from, to)| edges_m / (to - from).max(edges_m));
+            let wider = |end: f64| {
+                let way = end - est.value;
+                est.value + way.signum() * way.hypot(quantile * edges * est.value)
+            };
+            parameters[last.owners[e - already]].push(Fitted {
+                name,
+                value: est.value,
+                low: wider(est.low),
+                high: wider(est.high),
+                unit,
+            });
+        }
+        parameters
+    }
+
+    /// Base parameters with their intervals.
+    pub fn base_parameters(&self, last: &RunFit) -> Vec<Fitted> {
+        self.free
+            .iter()
+            .zip(&last.estimates)
+            .map(|(b, est)| {
+                let scale = base_value(self.model, *b);
+                Fitted {
+                    name: BASE_NAMES[*b].to_owned(),
+                    value: est.value * scale,
+                    low: est.low * scale,
+                    high: est.high * scale,
+                    unit: if BASE_NAMES[*b].ends_with("rad") {
+                        "N/rad"
+                    } else {
+                        ""
+                    }
+                    .to_owned(),
+                }
+            })
+            .collect()
+    }
+
+    /// How much of what could be explained on the locked-away runs is.
+    pub fn close(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
+        if steps.is_empty() || base.whitener.count() == 0 || self.held.is_empty() {
+            return Vec::new();
+        }
+        let simulator = self.simulator(&last.settled);
+        let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
+            [last.already()..]
+            .iter()
+            .filter_map(|e| as_candidate(e, &self.candidates.local))
+            .collect();
+        let found_levels = self
+            .candidates
+            .levels
+            .iter()
+            .filter(|c| steps.iter().any(|s| s.effect == c.effect));
+        let directions: Vec<Candidate<Amplitude>> = self
+            .candidates
+            .regular
+            .iter()
+            .chain(found_levels)
+            .chain(&locals)
+            .cloned()
+            .collect();
+        let design = Design {
+            residual_model: &base.residual_model,
+            whitener: &base.whitener,
+            free_base: &self.free,
+            candidates: &directions,
+            local: &[],
+            windows: &[],
+        };
+        let closed = explainable_closed(
+            &design,
+            &last.settled,
+            &self.training,
+            &self.held,
+            &simulator,
+            self.options.seed,
+        );
+        let by_track = || track_closed(&base.residual_model, &last.settled, &self.held);
+        let track = CHANNEL_NAMES[3].0;
+        steps
+            .iter()
+            .map(|step| match step.channel == track {
+                // The forces do not show it: what is closed shows in the track's bins, of which these runs have few.
+                true => by_track(),
+                false => closed.clone(),
+            })
+            .collect()
+    }
+
+    /// Whether bins stand out that no twin shows: noisy inputs make bins stand out in every run alike.
+    pub fn stands_out(&self, last: &RunFit, bins: &[Bin]) -> bool {
+        let simulator = self.simulator(&last.settled);
+        let rules = self.rules();
+        let strong =
+            |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.bin_located);
+        strong(bins)
+            && (0..6).all(|k| {
+                let twin: Vec<Frame> = self
+                    .training
+                    .iter()
+                    .enumerate()
+                    .map(|(i, frame)| {
+                        simulator
+                            .pair(frame, &last.residual_model, 5_000_011 + k, i)
+                            .plus
+                    })
+                    .collect();
+                !strong(&stand_out(
+                    &last.residual_model,
+                    &last.whitener,
+                    &twin,
+                    rules.bin_shown,
+                    self.options.seed,
+                ))
+            })
+    }
+}
+
+/// Share of the track channel's mean square, its scatter taken off, that is closed on other runs, without an error of its own.
+fn track_closed(before: &ResidualModel, after: &ResidualModel, frames: &[Frame]) -> Interval {
+    let of = |residual_model: &ResidualModel| {
+        TrackChannel::new(residual_model, frames, &[]).map(|c| c.closure().powi(2))
+    };
+    let value = match (of(before), of(after)) {
+        (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),
+        _ => 0.0,
+    };
+    Interval {
+        value,
+        low: -1.0,
+        high: 1.0,
+    }
+}
+
+fn as_candidate(active: &Active, locals: &[Candidate<Amplitude>]) -> Option<Candidate<Amplitude>> {
+    let local = locals
+        .iter()
+        .find(|l| l.effect == active.effect_name() && active.values[l.act.parameter] != 0.0)?;
+    let mut candidate = local.clone();
+    candidate.act.values = active.values.clone();
+    candidate.act.values[local.act.parameter] = 0.0;
+    candidate.act.track = active.track.clone();
+    Some(candidate)
+}
+
+fn base_value(model: &Model, b: usize) -> f64 {
+    match b {
+        1 => model.friction.front.mu_zeta,
+        2 => model.friction.front.k_n_per_rad,
+        3 => model.friction.rear.mu_zeta,
+        4 => model.friction.rear.k_n_per_rad,
+        _ => match model.friction.longitudinal.model() {
+            Ok(kufe_friction::Longitudinal::Fixed(mu)) => mu,
+            _ => 1.0,
+        },
+    }
+}

@@ -1,0 +1,162 @@
+//! How much of what could be explained was.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use crate::evidence::runs::fit::noise_products::noise_products;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::report::Interval;
+use crate::null::random::{below, stream};
+use crate::regression::inverse::ridge_inverse;
+use crate::regression::scores::studentised;
+
+/// Share of the explainable gap that is closed.
+///
+/// On the training runs what the candidates' directions explain of the residual before is fitted, f ([`explained`]). On other
+/// runs, whose noise is independent of f, `f . r_before` measures what is explainable there and `f . r_after` what of it
+/// is left; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs; it is
+/// -1 to 1 where the runs hold too little that is explainable.
+pub fn explainable_closed(
+    before: &Design,
+    after: &ResidualModel,
+    training: &[Frame],
+    others: &[Frame],
+    simulator: &RunSimulator,
+    seed: u64,
+) -> Interval {
+    let p = before.fitted();
+    let products = before.products(training);
+    let noise = noise_products(before, training, simulator, 3_000_017);
+    let grams: Vec<_> = products
+        .iter()
+        .zip(&noise)
+        .map(|(x, d)| {
+            let m = x.full.ncols() - OWN_LEVELS;
+            (&x.full - d)
+                .view((OWN_LEVELS, OWN_LEVELS), (m, m))
+                .into_owned()
+        })
+        .collect();
+    let m = grams[0].ncols();
+    let coefficients = explained(&grams, p);
+    let pair = |frame: &Frame| -> (f64, f64) {
+        let x = before.columns(frame);
+        let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
+        let r_before = x.column(m + OWN_LEVELS - 1).into_owned();
+        let r_after = DVector::from_vec(before.whitener.apply(&after.residuals(frame)));
+        (f.dot(&r_before), f.dot(&r_after))
+    };
+    let measured: Vec<(f64, f64)> = others
+        .par_iter()
+        .enumerate()
+        .map(|(i, frame)| {
+            let (b, a) = pair(frame);
+            // In a twin of the final model nothing is left to find: both products show bias alone.
+            let twins = simulator.pair(frame, after, 3_000_017, i);
+            let bias = 0.5 * (pair(&twins.plus).1 + pair(&twins.minus).1) - pair(&twins.truth).1;
+            (b - bias, a - bias)
+        })
+        .collect();
+    // No more than all can be closed; less than -1 says no more than "worse". Without anything explainable there: NaN.
+    let closed = |picked: &mut dyn Iterator<Item = usize>| -> f64 {
+        let (b, a) = picked.fold((0.0, 0.0), |(b, a), i| {
+            (b + measured[i].0, a + measured[i].1)
+        });
+        if b > 0.0 {
+            (1.0 - a / b).clamp(-1.0, 1.0)
+        } else {
+            f64::NAN
+        }
+    };
+    let n = measured.len();
+    let value = closed(&mut (0..n));
+    // Percentiles of few runs are too narrow by what Student's t is wider than the normal law, and by the root of n/(n - 1):
+    // T. C. Hesterberg, What teachers should know about the bootstrap, The American Statistician 69 (2015) 371.
+    let tail = match (
+        StudentsT::new(0.0, 1.0, n as f64 - 1.0),
+        Normal::new(0.0, 1.0),
+    ) {
+        (Ok(t), Ok(normal)) => normal
+            .cdf(t.inverse_cdf(0.025) * (n as f64 / (n as f64 - 1.0)).sqrt())
+            .max(0.001),
+        _ => 0.001,
+    };
+    let mut rng = stream(seed, 0xB007, 0);
+    let mut values: Vec<f64> = (0..1999)
+        .map(|_| {
+            let picks: Vec<usize> = (0..n).map(|_| below(&mut rng, n)).collect();
+            closed(&mut picks.into_iter())
+        })
+        .collect();
+    // Where one draw in forty explains nothing the share has no bounds: these runs cannot tell.
+    if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 49 {
+        return Interval {
+            value: if value.is_nan() { 0.0 } else { value },
+            low: -1.0,
+            high: 1.0,
+        };
+    }
+    values.retain(|v| !v.is_nan());
+    values.sort_by(f64::total_cmp);
+    let outside = (tail * values.len() as f64) as usize;
+    Interval {
+        value,
+        low: values[outside],
+        high: values[values.len() - 1 - outside],
+    }
+}
+
+/// Coefficients of all columns, base first, of what the candidates explain beyond the base.
+///
+/// The candidates' products beyond the base, scaled to a unit diagonal, are split into principal directions. A direction takes
+/// part where it is not all but collinear with others, and where its scores stand out by two errors over runs: what the rest
+/// adds to f is noise, which would hide how much of the rest is closed.
+fn explained(grams: &[DMatrix<f64>], p: usize) -> DVector<f64> {
+    const LEAST_SHARE: f64 = 1e-2;
+    const STANDS_OUT: f64 = 2.0;
+    let m = grams[0].ncols();
+    let q = m - 1 - p;
+    let total = grams.iter().fold(DMatrix::zeros(m, m), |sum, g| sum + g);
+    let base = ridge_inverse(total.view((0, 0), (p, p)).into_owned());
+    // The base's part of each candidate, and of the residual.
+    let of_candidates = &base * total.view((0, p), (p, q));
+    let of_residual = (&base * total.view((0, m - 1), (p, 1)))
+        .column(0)
+        .into_owned();
+    let beyond = total.view((p, p), (q, q)) - total.view((p, 0), (q, p)) * &of_candidates;
+    let scale = DVector::from_fn(q, |c, _| {
+        let own = total[(p + c, p + c)];
+        if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }
+    });
+    let scaled = DMatrix::from_fn(q, q, |a, b| scale[a] * beyond[(a, b)] * scale[b]);
+    let scaled = (&scaled + scaled.transpose()) * 0.5;
+    let scores: Vec<DVector<f64>> = grams
+        .iter()
+        .map(|g| {
+            let left = g.view((0, m - 1), (m - 1, 1)).column(0)
+                - g.view((0, 0), (m - 1, p)) * &of_residual;
+            let u = left.rows(p, q) - of_candidates.tr_mul(&left.rows(0, p));
+            u.component_mul(&scale)
+        })
+        .collect();
+    let eigen = scaled.symmetric_eigen();
+    let mut coefficients = DVector::zeros(m - 1);
+    for (k, value) in eigen.eigenvalues.iter().enumerate() {
+        let along = eigen.eigenvectors.column(k);
+        let of_runs = scores.iter().map(|u| along.dot(u));
+        if *value < LEAST_SHARE || studentised(of_runs.clone()).abs() < STANDS_OUT {
+            continue;
+        }
+        let size = of_runs.sum::<f64>() / value;
+        let candidates = along.component_mul(&scale) * size;
+        let mut rows = coefficients.rows_mut(0, p);
+        rows -= &of_candidates * &candidates;
+        let mut rows = coefficients.rows_mut(p, q);
+        rows += candidates;
+    }
+    coefficients
+}

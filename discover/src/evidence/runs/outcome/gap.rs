@@ -1,0 +1,46 @@
+//! The gap by channel, before and after.
+
+use rayon::prelude::*;
+
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::report::ChannelGap;
+
+/// Root mean square by used channel before and after.
+pub fn channels(
+    before: &ResidualModel,
+    after: &ResidualModel,
+    frames: &[Frame],
+    simulator: &RunSimulator,
+    used: [bool; CHANNELS],
+) -> Vec<ChannelGap> {
+    let rms = |residual_model: &ResidualModel, frames: &[Frame], c: usize| -> f64 {
+        let (sum, count) = residuals(residual_model, frames)
+            .iter()
+            .flat_map(|rows| rows[c].clone())
+            .fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
+        if count > 0.0 {
+            f64::sqrt(sum / count)
+        } else {
+            0.0
+        }
+    };
+    let quiet = simulator.sensors_only();
+    let sensors: Vec<Frame> = frames
+        .par_iter()
+        .enumerate()
+        .map(|(i, frame)| quiet.pair(frame, after, 2_000_003, i).plus)
+        .collect();
+    (0..CHANNELS)
+        .filter(|c| used[*c])
+        .map(|c| ChannelGap {
+            channel: CHANNEL_NAMES[c].0.to_owned(),
+            unit: CHANNEL_NAMES[c].1.to_owned(),
+            before: rms(before, frames, c),
+            after: rms(after, frames, c),
+            noise: rms(after, &sensors, c),
+        })
+        .collect()
+}

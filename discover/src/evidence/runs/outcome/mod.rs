@@ -1,0 +1,9 @@
+//! What a search over runs ends with: gaps, bins, intervals and the next model.
+
+pub(crate) mod bins;
+pub(crate) mod by_run;
+pub(crate) mod conclude;
+pub(crate) mod explained;
+pub(crate) mod gap;
+pub(crate) mod next_model;
+pub(crate) mod superfluous;

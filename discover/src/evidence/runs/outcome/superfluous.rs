@@ -1,0 +1,54 @@
+//! Which claims the others have made superfluous.
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::finding::report::Step;
+
+impl Campaign<'_> {
+    /// The first step whose every amplitude has become weak beside the others.
+    pub fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
+        let residual_model = &fit.residual_model;
+        let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
+        if steps.len() < 2 {
+            return None;
+        }
+        let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
+        let (estimates, _) = self.estimates(residual_model, &whitener);
+        let amplitudes = &estimates[self.free.len()..];
+        let least = self.options.rules.search.superfluous_t;
+        let weak = |step: usize| {
+            residual_model
+                .free()
+                .iter()
+                .zip(amplitudes)
+                .filter(|((e, _), _)| *e >= already && fit.owners[*e - already] == step)
+                .all(|(_, est)| (est.value / est.error.max(1e-300)).abs() < least)
+        };
+        (0..steps.len())
+            .find(|step| fit.owners.contains(step) && steps[*step].channel != track && weak(*step))
+    }
+
+    /// The model without the effects of a step, fitted.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn without(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+        let already = fit.already();
+        let mut residual_model = fit.residual_model.clone();
+        let mut place = 0;
+        residual_model.effects.active.retain(|_| {
+            place += 1;
+            place <= already || fit.owners[place - 1 - already] != step
+        });
+        let owners = fit
+            .owners
+            .iter()
+            .filter(|o| **o != step)
+            .map(|o| o - usize::from(*o > step))
+            .collect();
+        self.fitted(&residual_model, owners)
+    }
+}

@@ -1,0 +1,73 @@
+//! Which columns are recorded and vary.
+
+use kufe_sled::Run;
+use kufe_sled::effects::Column;
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// The columns that effects may need; what is missing or constant is told in `remarks`.
+pub fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> Vec<Column> {
+    let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
+    let first = |name: &str| runs[0].columns.get(name).and_then(|x| x.first());
+    let varies = |name: &str| {
+        runs.iter().any(|run| {
+            run.columns
+                .get(name)
+                .is_some_and(|x| x.iter().any(|value| Some(value) != first(name)))
+        })
+    };
+    let mut list = vec![Column::Time];
+    let by_file = [
+        (Column::Speed, "v_mps"),
+        (Column::Slip, "alpha_rad"),
+        (Column::Steering, "delta_rad"),
+        (Column::RollSplit, "gamma_rad"),
+        (Column::RollRate, "roll_rate_radps"),
+        (Column::YawRate, "yaw_rate_radps"),
+        (Column::VerticalAcceleration, "az_mps2"),
+        (Column::LongitudinalAcceleration, "ax_mps2"),
+        (Column::Load, "az_mps2"),
+        (Column::Humidity, "humidity_pct"),
+    ];
+    for (column, name) in by_file {
+        if varies(name) {
+            list.push(column);
+        } else {
+            let why = if recorded(name) {
+                "is constant"
+            } else {
+                "is not recorded"
+            };
+            remarks.push(format!(
+                "column {name} {why}: effects that need it cannot be tested"
+            ));
+        }
+    }
+    let spread = |value: fn(&Frame) -> f64| frames.iter().any(|f| value(f) != value(&frames[0]));
+    for (column, varies) in [
+        (Column::IceTemperature, spread(|f| f.ice_c)),
+        (Column::AirTemperature, spread(|f| f.air_c)),
+        (Column::AirPressure, spread(|f| f.air_pa)),
+        (
+            Column::Humidity,
+            !list.contains(&Column::Humidity)
+                && frames.iter().all(|f| f.humidity_pct.is_finite())
+                && spread(|f| f.humidity_pct),
+        ),
+        (
+            Column::Wear,
+            varies("distance_m") || spread(|f| f.distance_before),
+        ),
+    ] {
+        if varies {
+            list.push(column);
+        }
+    }
+    if runs.len() > 1 || recorded("s_m") {
+        list.push(Column::Distance);
+    }
+    if frames.iter().all(|f| f.slope.len() == f.len()) {
+        list.push(Column::Slope);
+    }
+    list
+}

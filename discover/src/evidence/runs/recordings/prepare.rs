@@ -1,0 +1,115 @@
+//! Runs made ready: smoothed alike, decimated, with derivatives and conditions.
+
+use std::collections::BTreeMap;
+
+use kufe_sled::effects::Column;
+use kufe_sled::{Model, Noise, Run};
+
+use crate::error::Error;
+use crate::evidence::runs::recordings::available::available;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::sensor_noise::{estimate, quieter};
+use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
+use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
+
+/// All runs with what is known of the whole set.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// The runs, or the segments of a single one.
+    pub frames: Vec<Frame>,
+    /// White noise of each sensor at the recorded rate.
+    pub noise: Noise,
+    /// Names of the sensors whose noise was estimated rather than stated.
+    pub noise_estimated: bool,
+    /// Columns that were recorded and vary.
+    pub available: Vec<Column>,
+    /// Whether one run was cut into segments.
+    pub segmented: bool,
+    /// What a reader should know: constant columns, segments, remarks of the reader.
+    pub remarks: Vec<String>,
+}
+
+/// Smooths, decimates and completes runs that are already read.
+///
+/// # Errors
+/// [`Error::TooFew`] where a run is shorter than the smoothing needs.
+pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, Error> {
+    if runs.is_empty() {
+        return Err(Error::TooFew {
+            what: "runs".to_owned(),
+            found: 0,
+            needed: 1,
+        });
+    }
+    let mut remarks: Vec<String> = runs
+        .iter()
+        .flat_map(|run| {
+            run.remarks
+                .iter()
+                .map(|r| format!("run {}: {r}", run.entry.run))
+        })
+        .collect();
+    let segmented = runs.len() == 1;
+    let mut frames = Vec::new();
+    let mut before: BTreeMap<&str, f64> = BTreeMap::new();
+    for run in runs {
+        let own = signal_kernel(run.dt_s);
+        let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
+        let mut frame = frame(run, &own, surveys)?;
+        frame.distance_before = run.entry.conditions.distance_m.unwrap_or(*travelled);
+        *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
+        if segmented {
+            frames = cut(&frame);
+            remarks.push(format!(
+                "one run only: it is cut into {} segments of {:.0} s that stand for runs; what differs from run to run cannot be seen",
+                frames.len(),
+                frames[0].t.last().unwrap_or(&0.0) - frames[0].t[0]
+            ));
+        } else {
+            frames.push(frame);
+        }
+    }
+    let seen = estimate(runs);
+    let (noise, noise_estimated) = match model.noise {
+        Some(stated) => (quieter(&stated, &seen, &mut remarks), false),
+        None => (seen, true),
+    };
+    turn_slopes(&mut frames, &mut remarks);
+    let available = available(runs, &frames, &mut remarks);
+    Ok(Data {
+        frames,
+        noise,
+        noise_estimated,
+        available,
+        segmented,
+        remarks,
+    })
+}
+
+/// Cuts one long run into segments of at least 10 s, about 24 of them, with a second left out between neighbours.
+fn cut(frame: &Frame) -> Vec<Frame> {
+    let n = frame.len();
+    let gap = ((n as f64 / (frame.t[n - 1] - frame.t[0]).max(1e-9)).round() as usize).max(1);
+    let length = (n / 24).max(10 * gap).min(n);
+    let count = (n / length).max(1);
+    (0..count)
+        .map(|k| {
+            let (from, to) = (
+                k * length,
+                if count == 1 {
+                    n
+                } else {
+                    (k + 1) * length - gap
+                },
+            );
+            let mut piece = frame.piece(from, to);
+            piece.name = format!(
+                "{} {:.0}-{:.0} s",
+                frame.name,
+                frame.t[from],
+                frame.t[to - 1]
+            );
+            piece
+        })
+        .collect()
+}

@@ -1,0 +1,56 @@
+//! Runs from their index.
+
+use std::path::Path;
+
+use kufe_sled::{Entry, Model, Run, read_index, read_run};
+
+use crate::error::Error;
+use crate::evidence::runs::recordings::prepare::{Data, prepare};
+use crate::evidence::runs::recordings::survey::surveys;
+
+/// Reads an index and its runs, and makes them ready.
+///
+/// A column beyond the indispensable ones may be missing; effects that need it are then not testable.
+///
+/// # Errors
+/// Those of the sled's readers; [`Error::Duplicate`] where two runs hold the same samples; [`Error::TooFew`].
+pub fn read(index: &Path, model: &Model) -> Result<Data, Error> {
+    const INDISPENSABLE: [&str; 5] = [
+        "ay_mps2",
+        "yaw_rate_radps",
+        "v_mps",
+        "alpha_rad",
+        "delta_rad",
+    ];
+    let entries: Vec<Entry> = read_index(index)?;
+    let mut runs = Vec::with_capacity(entries.len());
+    for entry in entries {
+        runs.push(read_run(entry, &INDISPENSABLE)?);
+    }
+    refuse_copies(index, &runs)?;
+    let folder = index.parent().unwrap_or(Path::new(""));
+    prepare(&runs, model, &surveys(folder, &runs)?)
+}
+
+fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {
+    for (i, run) in runs.iter().enumerate() {
+        if let Some(copy) = runs[..i].iter().find(|other| same_samples(other, run)) {
+            return Err(Error::Duplicate {
+                file: index.display().to_string(),
+                first: format!("run {}", copy.entry.run),
+                second: format!("run {}", run.entry.run),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A renamed or cut copy shares its lateral acceleration sample by sample.
+fn same_samples(a: &Run, b: &Run) -> bool {
+    let (Some(x), Some(y)) = (a.columns.get("ay_mps2"), b.columns.get("ay_mps2")) else {
+        return false;
+    };
+    let n = x.len().min(y.len()).min(400);
+    let lively = x[..n].iter().any(|value| *value != x[0]);
+    lively && x[..n] == y[..n]
+}

@@ -1,0 +1,60 @@
+//! White noise of each sensor: as stated, or as the recordings show it.
+
+use kufe_sled::{Noise, Run};
+
+/// What is stated, where the recordings are not quieter still: white noise shows in full in third differences.
+pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
+    let mut lowered = Vec::new();
+    let mut least = |name: &str, stated: f64, seen: f64| {
+        if seen < 0.9 * stated {
+            lowered.push(format!("{name} {stated:.2e} stated, {seen:.2e} seen"));
+        }
+        stated.min(seen)
+    };
+    let noise = Noise {
+        accel_mps2: least("accelerometer [m/s2]", stated.accel_mps2, seen.accel_mps2),
+        rate_radps: least("rates [rad/s]", stated.rate_radps, seen.rate_radps),
+        speed_mps: least("speed [m/s]", stated.speed_mps, seen.speed_mps),
+        slip_rad: least("slip [rad]", stated.slip_rad, seen.slip_rad),
+        steer_rad: least("steering [rad]", stated.steer_rad, seen.steer_rad),
+        roll_split_rad: least(
+            "roll split [rad]",
+            stated.roll_split_rad,
+            seen.roll_split_rad,
+        ),
+    };
+    if !lowered.is_empty() {
+        remarks.push(format!(
+            "sensors quieter from sample to sample than [noise] states are taken as they are: {}",
+            lowered.join("; ")
+        ));
+    }
+    noise
+}
+
+/// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.
+pub fn estimate(runs: &[Run]) -> Noise {
+    let sd = |name: &str| -> f64 {
+        let mut each: Vec<f64> = runs
+            .iter()
+            .filter_map(|run| run.columns.get(name))
+            .map(|x| {
+                let sum: f64 = x
+                    .windows(4)
+                    .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2))
+                    .sum();
+                (sum / (20.0 * x.len().saturating_sub(3).max(1) as f64)).sqrt()
+            })
+            .collect();
+        each.sort_by(f64::total_cmp);
+        each.get(each.len() / 2).copied().unwrap_or(0.0)
+    };
+    Noise {
+        accel_mps2: sd("ay_mps2"),
+        rate_radps: sd("yaw_rate_radps"),
+        speed_mps: sd("v_mps"),
+        slip_rad: sd("alpha_rad"),
+        steer_rad: sd("delta_rad"),
+        roll_split_rad: sd("gamma_rad"),
+    }
+}

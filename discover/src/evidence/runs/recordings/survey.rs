@@ -1,0 +1,69 @@
+//! The surveyed slope of each track.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use kufe_sled::Run;
+
+use crate::error::Error;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::input::table::Table;
+
+/// Slope over distance, by track.
+pub type Surveys = BTreeMap<String, Vec<(f64, f64)>>;
+
+/// Reads `track_NAME.csv` beside the index, where there is one.
+///
+/// # Errors
+/// Those of the table; [`Error::File`] where s_m does not increase.
+pub fn surveys(folder: &Path, runs: &[Run]) -> Result<Surveys, Error> {
+    let mut surveys = Surveys::new();
+    for run in runs {
+        let name = &run.entry.track;
+        let path = folder.join(format!("track_{name}.csv"));
+        if surveys.contains_key(name) || !path.is_file() {
+            continue;
+        }
+        let table = Table::read(&path)?;
+        let s = table.numbers("s_m", -1e6, 1e6)?;
+        let slope = table.numbers("slope_rad", -1.5, 1.5)?;
+        if s.windows(2).any(|pair| pair[1] <= pair[0]) {
+            return Err(Error::File {
+                file: path.display().to_string(),
+                reason: "column s_m does not increase from row to row".to_owned(),
+            });
+        }
+        surveys.insert(name.clone(), s.into_iter().zip(slope).collect());
+    }
+    Ok(surveys)
+}
+
+/// A track table may count slope uphill: the sign that the speed agrees with is taken, downhill positive from here on.
+pub fn turn_slopes(frames: &mut [Frame], remarks: &mut Vec<String>) {
+    let mut agreement = 0.0;
+    for frame in frames.iter() {
+        for (i, slope) in frame.slope.iter().enumerate() {
+            agreement += (frame.v_slope[i] - frame.acceleration[0][i]) * slope;
+        }
+    }
+    if agreement < 0.0 {
+        remarks.push("the track's slope is counted positive uphill, as the speeds show".to_owned());
+        frames
+            .iter_mut()
+            .flat_map(|f| &mut f.slope)
+            .for_each(|slope| *slope = -*slope);
+    }
+}
+
+/// Linear interpolation, constant beyond the ends.
+pub fn interpolate(profile: &[(f64, f64)], s: f64) -> f64 {
+    let at = profile.partition_point(|(x, _)| *x < s);
+    if at == 0 {
+        return profile.first().map_or(f64::NAN, |p| p.1);
+    }
+    if at == profile.len() {
+        return profile[at - 1].1;
+    }
+    let ((x0, y0), (x1, y1)) = (profile[at - 1], profile[at]);
+    y0 + (y1 - y0) * (s - x0) / (x1 - x0)
+}

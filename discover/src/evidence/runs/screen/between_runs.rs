@@ -1,0 +1,96 @@
+//! Claims from session to session and from run to run.
+
+use kufe_sled::effects::Level;
+
+use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::screen::levels::judge;
+use crate::finding::report::Rival;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::rivals::NamedEffect;
+
+impl Campaign<'_> {
+    /// The claim between sessions or runs, where one stands out.
+    pub fn between_runs(&self, at: &Current, account: &mut Account) -> Option<Claim<Amplitude>> {
+        let list = self.fresh(at.residual_model, &self.candidates.levels);
+        if list.is_empty() || at.whitener.count() == 0 {
+            return None;
+        }
+        let design = at.design(&list);
+        let rules = self.rules();
+        let share = self.share(account);
+        let alpha_of = |candidate: &Candidate<Amplitude>| match candidate.act.level {
+            Level::Run => share * rules.alpha_runs,
+            _ => share * rules.alpha_sessions,
+        };
+        let levels = judge(
+            &design,
+            &self.training,
+            &list,
+            at.simulator,
+            rules.alpha_sessions,
+            self.options.seed,
+        );
+        let best = (0..list.len())
+            .filter(|c| {
+                let s = &levels.seen[*c];
+                s.p_value <= alpha_of(&list[*c]) && list[*c].admits(s.size)
+            })
+            .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
+        let Some(named) = best else {
+            let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
+            let untestable = list
+                .iter()
+                .zip(&levels.seen)
+                .filter(|(_, s)| !s.testable)
+                .count();
+            if differ < rules.sessions_differ && untestable > 0 && account.unexplained.is_none() {
+                account.unexplained = Some(format!(
+                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to say with what: at least 5 at spread temperatures and humidities are needed",
+                    levels.sessions
+                ));
+            }
+            return None;
+        };
+        let others = (0..list.len()).filter(|j| *j != named).map(|j| {
+            let s = &levels.seen[j];
+            Rival {
+                effect: list[j].effect.clone(),
+                parameter: list[j].key.clone(),
+                size: s.size,
+                unit: list[j].unit.clone(),
+                t: s.size / s.error.max(1e-300),
+                gain: s.gain,
+                correlation: s.correlation,
+                t_of_named_beyond: levels.beyond(named, j),
+                in_class: true,
+                decides: list[j].decides.clone(),
+            }
+        });
+        let seen = &levels.seen[named];
+        let (class, rivals) = rules.level_rivals.class(
+            &NamedEffect {
+                effect: &list[named].effect,
+                t: seen.size / seen.error.max(1e-300),
+                gain: seen.gain,
+                units: levels.sessions,
+            },
+            others.collect(),
+        );
+        let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
+        Some(Claim {
+            place: "a level from session to session".to_owned(),
+            channel: CHANNEL_NAMES[channel],
+            candidate: list[named].clone(),
+            size: seen.size,
+            error: seen.error,
+            class,
+            rivals,
+            p_value: seen.p_value,
+            remark: None,
+            parameters: Vec::new(),
+        })
+    }
+}

@@ -1,0 +1,12 @@
+//! Who it could be: every candidate against what chance shows, within runs, between them and on the track.
+
+pub(crate) mod between_runs;
+pub(crate) mod detectable;
+pub(crate) mod levels;
+pub(crate) mod on_track;
+pub(crate) mod place;
+pub(crate) mod refine;
+pub(crate) mod residual_screen;
+pub(crate) mod rivals;
+pub(crate) mod track_channel;
+pub(crate) mod within_runs;

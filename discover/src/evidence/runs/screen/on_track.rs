@@ -1,0 +1,214 @@
+//! Claims in the track channel: slope, profile and the accelerometer's faults that look like them.
+
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::track_channel::TrackChannel;
+use crate::finding::report::{Fitted, Rival};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::rivals::NamedEffect;
+
+/// The track channel of a screen, where it can be used.
+pub struct Surveyed {
+    channel: TrackChannel,
+    /// Slope and the accelerometer's faults that look like it.
+    list: Vec<Candidate<Amplitude>>,
+    /// How well the slope is known \[rad\].
+    sd: f64,
+    /// Standard deviations within which the channel and the forces agree.
+    within: f64,
+}
+
+impl Surveyed {
+    /// Whether the channel and what the forces say of a candidate go together; a candidate that it knows nothing of does.
+    pub fn agrees(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> bool {
+        let same =
+            |c: &Candidate<Amplitude>| c.effect == candidate.effect && c.key == candidate.key;
+        self.list.iter().position(same).is_none_or(|c| {
+            let seen = self.channel.judge(c, self.sd);
+            (seen.size - size).abs() < self.within * seen.error.hypot(error)
+        })
+    }
+}
+
+impl Campaign<'_> {
+    /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
+    pub fn surveyed(
+        &self,
+        residual_model: &ResidualModel,
+        simulator: &RunSimulator,
+        account: &mut Account,
+    ) -> Option<Surveyed> {
+        if !self.used[3] || !residual_model.frozen.is_empty() {
+            return None;
+        }
+        let list: Vec<Candidate<Amplitude>> = self
+            .fresh(residual_model, &self.candidates.track)
+            .into_iter()
+            .filter(|c| !c.is_profile())
+            .collect();
+        let channel = TrackChannel::new(residual_model, &self.training, &list)?;
+        let stated = self.model.survey.map(|s| s.slope_sd_rad);
+        if stated.is_none() && account.steps.is_empty() {
+            account.remarks.push(format!(
+                "no [survey] in the model: a slope deviation of {} rad is assumed",
+                self.rules().slope_sd_rad
+            ));
+        }
+        let quiet = simulator.sensors_only();
+        let twins: Vec<Frame> = self
+            .training
+            .iter()
+            .enumerate()
+            .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
+            .collect();
+        let expected = TrackChannel::new(residual_model, &twins, &[])?.scatter();
+        if channel.scatter() > self.rules().track_agrees * expected {
+            let told = format!(
+                "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
+                channel.scatter()
+            );
+            if account.steps.is_empty() {
+                account.remarks.push(told);
+            }
+            return None;
+        }
+        Some(Surveyed {
+            channel,
+            list,
+            sd: stated.unwrap_or(self.rules().slope_sd_rad),
+            within: self.rules().track_and_forces,
+        })
+    }
+
+    /// The claim in the track channel, where one stands out.
+    pub fn on_the_track(
+        &self,
+        residual_model: &ResidualModel,
+        track: &Surveyed,
+        account: &mut Account,
+    ) -> Option<Claim<Amplitude>> {
+        let rules = self.rules();
+        let Surveyed {
+            channel, list, sd, ..
+        } = track;
+        let sd = *sd;
+        // A sensor's fault also shows in the forces: what they contradict is no candidate.
+        let agrees = |c: usize| {
+            self.by_forces
+                .iter()
+                .find(|(known, ..)| known.effect == list[c].effect && known.key == list[c].key)
+                .is_none_or(|(known, size, error)| track.agrees(known, *size, *error))
+        };
+        let able: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
+        let at = |factor: f64| -> Option<usize> {
+            able.iter()
+                .copied()
+                .filter(|c| channel.judge(*c, sd * factor).p_value <= rules.alpha_track)
+                .max_by(|a, b| {
+                    let z = |c: usize| {
+                        (channel.judge(c, sd * factor).size / channel.judge(c, sd * factor).error)
+                            .abs()
+                    };
+                    z(*a).total_cmp(&z(*b))
+                })
+        };
+        if let Some(named) = at(1.0) {
+            let seen = channel.judge(named, sd);
+            let others = able.iter().copied().filter(|j| *j != named).map(|j| {
+                let seen = channel.judge(j, sd);
+                Rival {
+                    effect: list[j].effect.clone(),
+                    parameter: list[j].key.clone(),
+                    size: seen.size,
+                    unit: list[j].unit.clone(),
+                    t: seen.size / seen.error,
+                    gain: (seen.size / seen.error).powi(2),
+                    correlation: channel.correlation(named, j, sd),
+                    t_of_named_beyond: channel.beyond(named, j, sd),
+                    in_class: true,
+                    decides: list[j].decides.clone(),
+                }
+            });
+            let t = seen.size / seen.error;
+            let (class, rivals) = rules.track_rivals.class(
+                &NamedEffect {
+                    effect: &list[named].effect,
+                    t,
+                    gain: t * t,
+                    units: self.training.len(),
+                },
+                others.collect(),
+            );
+            if at(2.0).is_none() {
+                account.depends.push(format!(
+                    "{} stands out at the stated survey deviation but not at twice it",
+                    list[named].effect
+                ));
+            }
+            return Some(Claim {
+                place: "all runs".to_owned(),
+                channel: CHANNEL_NAMES[3],
+                candidate: list[named].clone(),
+                size: seen.size,
+                error: seen.error,
+                class,
+                rivals,
+                p_value: seen.p_value,
+                remark: None,
+                parameters: self.by_track(&list[named], seen.size, seen.error),
+            });
+        }
+        let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
+        if residual_model
+            .effects
+            .active
+            .iter()
+            .any(|e| e.effect_name() == profile.effect)
+        {
+            return None;
+        }
+        let (p, track, from, to, slope, needed_sd) = channel.profile(sd);
+        if p > rules.alpha_track {
+            if channel.profile(0.5 * sd).0 <= rules.alpha_track && needed_sd > sd {
+                account.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
+            }
+            return None;
+        }
+        if channel.profile(2.0 * sd).0 > rules.alpha_track {
+            account.depends.push(format!(
+                "the track's profile departs from its survey at the stated deviation of {sd:.5} rad, not at twice it; {needed_sd:.5} rad fits it"
+            ));
+        }
+        let candidate = profile.within(&track, from, to);
+        Some(Claim {
+            place: format!(
+                "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
+            ),
+            channel: CHANNEL_NAMES[3],
+            parameters: self.by_track(&candidate, slope, needed_sd),
+            candidate,
+            size: slope,
+            error: needed_sd,
+            class: vec![profile.effect.clone()],
+            rivals: Vec::new(),
+            p_value: p,
+            remark: None,
+        })
+    }
+
+    /// The forces say nothing of a slope: the track channel's own size stands.
+    fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
+        let half = self.options.rules.search.interval * error;
+        vec![Fitted {
+            name: candidate.key.clone(),
+            value: size,
+            low: size - half,
+            high: size + half,
+            unit: candidate.unit.clone(),
+        }]
+    }
+}

@@ -1,0 +1,94 @@
+//! Where a candidate acts, and in which channel it shows most.
+
+use kufe_sled::effects::Kind;
+
+use crate::evidence::runs::campaign::{Campaign, Current, scale_of};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
+use crate::procedure::candidate::Candidate;
+
+impl Campaign<'_> {
+    /// Where a candidate acts, in words.
+    pub fn place_of(&self, candidate: &Candidate<Amplitude>, stand: &Current) -> String {
+        let on = candidate
+            .act
+            .track
+            .as_ref()
+            .map_or(String::new(), |t| format!(" on track {t}"));
+        if let (Some(_), Some((from, to))) = (&candidate.act.track, candidate.window()) {
+            return format!("s {from:.0}-{to:.0} m{on}");
+        }
+        let form = match &candidate.act.kind {
+            Kind::Custom(custom) => {
+                format!("; form {} on {}", custom.text, custom.channel.name()).to_lowercase()
+            }
+            Kind::Catalogue(_) => String::new(),
+        };
+        if candidate.is_column() {
+            return format!("all runs{form}");
+        }
+        // The share of samples that carries half of the effect tells where it acts.
+        let Some(frame) = self.training.first() else {
+            return "all runs".to_owned();
+        };
+        let rest = stand.residual_model.raw(frame);
+        let moved = stand
+            .residual_model
+            .with(candidate.active(candidate.typical))
+            .raw(frame);
+        let mut size: Vec<(f64, usize)> = (0..frame.len())
+            .map(|i| {
+                (
+                    (0..3)
+                        .map(|c| ((rest[c][i] - moved[c][i]) / stand.whitener.sd[c]).powi(2))
+                        .sum::<f64>(),
+                    i,
+                )
+            })
+            .collect();
+        let total: f64 = size.iter().map(|x| x.0).sum();
+        size.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (mut sum, mut count, mut speed, mut load) = (0.0, 0, 0.0, 0.0);
+        for (x, i) in &size {
+            if sum > 0.5 * total {
+                break;
+            }
+            sum += x;
+            count += 1;
+            speed += frame.v[*i];
+            load += frame.acceleration[2][*i];
+        }
+        let count_f = f64::from(count.max(1));
+        format!(
+            "all runs{on}; half of it in {:.0} % of the samples, around v = {:.1} m/s and a_z = {:.1} m/s2",
+            100.0 * count_f / frame.len() as f64,
+            speed / count_f,
+            load / count_f
+        )
+    }
+
+    /// The channel that a candidate changes most, relative to what is left there.
+    pub fn strongest_channel(
+        &self,
+        residual_model: &ResidualModel,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+    ) -> usize {
+        let mut energy = [0.0; CHANNELS];
+        for frame in self.training.iter().take(4) {
+            let rest = residual_model.residuals(frame);
+            let moved = residual_model.with(candidate.active(size)).residuals(frame);
+            for c in (0..CHANNELS).filter(|c| self.used[*c]) {
+                let scale = scale_of(&rest[c]);
+                energy[c] += rest[c]
+                    .iter()
+                    .zip(&moved[c])
+                    .map(|(a, b)| ((a - b) / scale).powi(2))
+                    .sum::<f64>();
+            }
+        }
+        (0..CHANNELS)
+            .max_by(|a, b| energy[*a].total_cmp(&energy[*b]))
+            .unwrap_or(1)
+    }
+}

@@ -1,0 +1,353 @@
+//! One screen of the residuals: every candidate against sign-flips, what noisy inputs add taken off.
+
+use nalgebra::DMatrix;
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::noise_products::mean_noise_products;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::windows::Window;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::sign_flips::MaxT;
+use crate::procedure::candidate::Candidate;
+use crate::regression::scores::{Scores, cross_information, studentised};
+
+/// How a screen is made.
+#[derive(Clone, Copy, Debug)]
+pub struct ScreenOptions {
+    /// Pairs of twins a run.
+    pub pairs: u64,
+    /// Number of sign-flips.
+    pub flips: usize,
+    /// Largest p-value of a claim.
+    pub alpha: f64,
+    /// Largest p-value of a claim about a window of distance.
+    pub alpha_local: f64,
+    /// Largest p-value of a claim beyond the catalogue.
+    pub alpha_beyond: f64,
+    /// Factors of what noise adds between which a claim must hold: how far the sensors' noise is trusted.
+    pub trust: [f64; 2],
+    /// Share of its critical T that a claim must keep over the trusted range: within runs, in windows.
+    pub holds: [f64; 2],
+    /// Shares of a direction: left after a refit of the base, and not noise.
+    pub least: [f64; 2],
+    /// What a size must exceed its critical value by to be claimed nine times in ten, in errors.
+    pub nine_in_ten: f64,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// One candidate, or one window of a local one, after a screen.
+#[derive(Clone, Debug)]
+pub struct CandidateScore {
+    /// Share of its direction that a refit of the base leaves.
+    pub left: f64,
+    /// Size in its own unit.
+    pub size: f64,
+    /// Standard error of the size.
+    pub error: f64,
+    /// T: the sum of its scores over their deviation.
+    pub t: f64,
+    /// T of what was taken off: what noisy inputs alone produce.
+    pub bias_t: f64,
+    /// Whether it stands out over the whole trusted range of the noise, with one sign.
+    pub holds: bool,
+    /// The same for a further place of an effect that is known to act in some.
+    pub holds_again: bool,
+    /// p-value by sign-flips, max-T over its kind.
+    pub p_value: f64,
+    /// What it explains, in units of the noise's variance.
+    pub gain: f64,
+    /// The same by sizes fitted on other runs.
+    pub held_gain: f64,
+    /// Smallest size that would be claimed nine times in ten.
+    pub detectable: f64,
+    /// Whether it can be judged at all.
+    pub usable: bool,
+}
+
+/// A whole screen.
+pub struct RunScreen {
+    /// Regular candidates, then windows.
+    pub seen: Vec<CandidateScore>,
+    /// Scores, candidates by runs.
+    pub u: DMatrix<f64>,
+    /// Products of the regular candidates beyond the base.
+    pub cross: DMatrix<f64>,
+}
+
+/// Judges every candidate.
+pub fn screen_runs(
+    design: &Design,
+    frames: &[Frame],
+    simulator: &RunSimulator,
+    options: &ScreenOptions,
+) -> RunScreen {
+    let base = design.fitted();
+    let products = design.products(frames);
+    let noise = mean_noise_products(design, frames, simulator, 0..options.pairs);
+    let grams: Vec<_> = products
+        .iter()
+        .zip(&noise)
+        .map(|(p, d)| p.corrected(d, 1.0))
+        .collect();
+    let scores = Scores::new(&grams, base);
+    let at = |share: f64| {
+        let grams: Vec<_> = products
+            .iter()
+            .zip(&noise)
+            .map(|(p, d)| p.corrected(d, share))
+            .collect();
+        Scores::new(&grams, base)
+    };
+    let plain = at(0.0);
+    let ends: Vec<Scores> = options.trust.iter().map(|share| at(*share)).collect();
+    let (count, runs) = scores.u.shape();
+    let regular = design.candidates.len();
+    let usable: Vec<bool> = (0..count)
+        .map(|c| {
+            let information = scores.total_information(c);
+            let touched = (0..runs)
+                .filter(|i| scores.information[(c, *i)] > 1e-9)
+                .count();
+            let enough = if c < regular {
+                // A direction that is mostly noise says nothing.
+                touched >= 4 && information > options.least[1] * plain.total_information(c)
+            } else {
+                let window = &design.windows[c - regular];
+                let there = frames.iter().filter(|f| f.track == window.track).count();
+                touched >= 4 && 2 * touched > there
+            };
+            scores.left(c) > options.least[0] && information > 1e-6 && enough
+        })
+        .collect();
+    let u = scores.u.clone();
+    let norms = norms(&scores, &usable, design);
+    let part = |u: &DMatrix<f64>, from: usize, to: usize, seed: u64| {
+        let rows = u.rows(from, to - from).into_owned();
+        MaxT::with_norms(&rows, &norms[from..to], options.flips, seed)
+    };
+    let scattered = scattered(&scores, regular);
+    let named = design.candidates.iter().filter(|c| !c.is_column()).count();
+    assert!(
+        design.candidates[named..].iter().all(Candidate::is_column),
+        "candidates beyond the catalogue come last"
+    );
+    // Three families, each with a chance of a false claim of its own: the catalogue, what lies beyond it, places.
+    let nulls = [
+        (part(&u, 0, named, options.seed), options.alpha),
+        (
+            part(&u, named, regular, options.seed ^ 0xBE40),
+            options.alpha_beyond,
+        ),
+        (
+            part(&scattered, regular, count, options.seed ^ 0x10CA),
+            options.alpha_local,
+        ),
+    ];
+    let criticals = nulls.each_ref().map(|(null, alpha)| null.critical(*alpha));
+    let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
+    let t_all = ts(&u, &norms);
+    let ends: Vec<Vec<f64>> = ends.iter().map(|s| ts(&s.u, &norms)).collect();
+    let seen = (0..count)
+        .map(|c| {
+            let information = scores.total_information(c).max(1e-300);
+            let scale = typical(design, c);
+            let sum: f64 = u.row(c).sum();
+            let t = t_all[c];
+            let size = sum / information;
+            let n = runs as f64;
+            let spread: f64 = (0..runs)
+                .map(|i| (u[(c, i)] - size * scores.information[(c, i)]).powi(2))
+                .sum();
+            let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / information;
+            let robust_t = if ends.iter().all(|e| e[c].signum() == t.signum()) {
+                ends.iter().fold(t.abs(), |m, e| m.min(e[c].abs()))
+            } else {
+                0.0
+            };
+            let (null, critical) = (&nulls[family(c)].0, criticals[family(c)]);
+            CandidateScore {
+                left: scores.left(c),
+                size: size * scale,
+                error: error * scale,
+                t,
+                bias_t: if norms[c] > 0.0 {
+                    (plain.u.row(c).sum() - sum) / norms[c]
+                } else {
+                    0.0
+                },
+                holds: robust_t >= critical * options.holds[usize::from(c >= regular)],
+                holds_again: robust_t >= critical,
+                p_value: if usable[c] { null.p_value(t) } else { 1.0 },
+                gain: sum * sum / information,
+                held_gain: held_gain(&u, &scores.information, c),
+                detectable: (critical + options.nine_in_ten) * error * scale,
+                usable: usable[c],
+            }
+        })
+        .collect();
+    RunScreen {
+        seen,
+        u,
+        cross: cross_information(&grams, base),
+    }
+}
+
+/// Scores with each window's own size taken out, scaled for the freedom that takes.
+///
+/// The few runs on a track have few sign patterns, and the windows' norms are shared: an effect in the data would stand in
+/// its own null, with seven ninths of its T where one of nine signs is turned. What is left after its size scatters as noise does.
+fn scattered(scores: &Scores, regular: usize) -> DMatrix<f64> {
+    let mut u = scores.u.clone();
+    for c in regular..u.nrows() {
+        let information = scores.total_information(c);
+        let touched = scores
+            .information
+            .row(c)
+            .iter()
+            .filter(|i| **i > 1e-9)
+            .count() as f64;
+        if information <= 0.0 || touched < 2.0 {
+            continue;
+        }
+        let size = scores.u.row(c).sum() / information;
+        let freed = (touched / (touched - 1.0)).sqrt();
+        for i in 0..u.ncols() {
+            u[(c, i)] = freed * (u[(c, i)] - size * scores.information[(c, i)]);
+        }
+    }
+    u
+}
+
+fn ts(u: &DMatrix<f64>, norms: &[f64]) -> Vec<f64> {
+    norms
+        .iter()
+        .enumerate()
+        .map(|(c, norm)| {
+            if *norm > 0.0 {
+                u.row(c).sum() / norm
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}
+
+/// What sums of scores are measured in: a regular candidate's own scatter; a window's information times what the windows
+/// of its kind scatter by in the median, because the few runs on one track tell too little of their own.
+fn norms(scores: &Scores, usable: &[bool], design: &Design) -> Vec<f64> {
+    let regular = design.candidates.len();
+    let mut norms: Vec<f64> = (0..scores.u.nrows())
+        .map(|c| {
+            if usable[c] {
+                scores.u.row(c).norm()
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    for l in 0..design.local.len() {
+        let mine: Vec<usize> = (regular..norms.len())
+            .filter(|c| usable[*c] && design.windows[c - regular].local == l)
+            .collect();
+        let mut inflation: Vec<f64> = mine
+            .iter()
+            .map(|c| norms[*c].powi(2) / scores.total_information(*c))
+            .collect();
+        inflation.sort_by(f64::total_cmp);
+        let Some(middle) = inflation.get(inflation.len() / 2) else {
+            continue;
+        };
+        for c in &mine {
+            norms[*c] = (middle * scores.total_information(*c)).sqrt();
+        }
+    }
+    norms
+}
+
+fn typical(design: &Design, c: usize) -> f64 {
+    match design.candidates.get(c) {
+        Some(candidate) => candidate.typical,
+        None => design.local[design.windows[c - design.candidates.len()].local].typical,
+    }
+}
+
+/// What sizes fitted on four fifths of the runs explain on the rest.
+fn held_gain(u: &DMatrix<f64>, information: &DMatrix<f64>, c: usize) -> f64 {
+    let runs = u.ncols();
+    let folds = 5.min(runs);
+    let (all_u, all_i): (f64, f64) = (u.row(c).sum(), information.row(c).sum());
+    (0..folds)
+        .map(|fold| {
+            let (mut u_out, mut i_out) = (0.0, 0.0);
+            for i in (fold..runs).step_by(folds) {
+                u_out += u[(c, i)];
+                i_out += information[(c, i)];
+            }
+            let size = (all_u - u_out) / (all_i - i_out).max(1e-300);
+            2.0 * size * u_out - size * size * i_out
+        })
+        .sum()
+}
+
+impl RunScreen {
+    /// T of regular candidate `a` once `b` has taken its part.
+    pub fn beyond(&self, a: usize, b: usize) -> f64 {
+        let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
+        let left = self.u.row(a) - self.u.row(b) * share;
+        studentised(left.iter().copied())
+    }
+
+    /// Correlation of two regular candidates beyond the base.
+    pub fn correlation(&self, a: usize, b: usize) -> f64 {
+        let norm = (self.cross[(a, a)] * self.cross[(b, b)]).sqrt();
+        if norm > 0.0 {
+            self.cross[(a, b)] / norm
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether a candidate may be claimed.
+    ///
+    /// `again` says that its effect has already been named in another place.
+    pub fn claimable(
+        &self,
+        c: usize,
+        candidate: &Candidate<Amplitude>,
+        alpha: f64,
+        again: bool,
+    ) -> bool {
+        let s = &self.seen[c];
+        s.usable
+            && s.p_value <= alpha
+            && (s.holds || again && s.holds_again)
+            && s.held_gain > 0.0
+            && candidate.admits(s.size)
+    }
+}
+
+/// The best window of each local candidate, as a candidate of its own with its place in the screen.
+pub fn best_windows(
+    screen: &RunScreen,
+    locals: &[Candidate<Amplitude>],
+    windows: &[Window],
+    regular: usize,
+) -> Vec<(Candidate<Amplitude>, usize)> {
+    (0..locals.len())
+        .filter_map(|l| {
+            let best = windows
+                .iter()
+                .enumerate()
+                .filter(|(w, window)| window.local == l && screen.seen[regular + w].usable)
+                .max_by(|a, b| {
+                    screen.seen[regular + a.0]
+                        .gain
+                        .total_cmp(&screen.seen[regular + b.0].gain)
+                })?;
+            let candidate = locals[l].within(&best.1.track, best.1.from, best.1.to);
+            Some((candidate, regular + best.0))
+        })
+        .collect()
+}

@@ -1,0 +1,50 @@
+//! The class of a claim within runs.
+
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::screen::residual_screen::RunScreen;
+use crate::finding::report::Rival;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::rivals::NamedEffect;
+
+impl Campaign<'_> {
+    /// The class: rivals that the named effect does not stand out beside.
+    pub fn rivals(
+        &self,
+        screen: &RunScreen,
+        list: &[Candidate<Amplitude>],
+        named: usize,
+    ) -> (Vec<String>, Vec<Rival>) {
+        let rule = &self.rules().rivals;
+        let name = &list[named].effect;
+        let others = list.iter().enumerate().filter(|(j, candidate)| {
+            let s = &screen.seen[*j];
+            let stranger = candidate.is_column() && !list[named].is_column();
+            candidate.effect != *name && !stranger && s.usable && s.t.abs() >= rule.least_t
+        });
+        let others = others.map(|(j, candidate)| {
+            let s = &screen.seen[j];
+            Rival {
+                effect: candidate.effect.clone(),
+                parameter: candidate.key.clone(),
+                size: s.size,
+                unit: candidate.unit.clone(),
+                t: s.t,
+                gain: s.gain,
+                correlation: screen.correlation(named, j),
+                t_of_named_beyond: screen.beyond(named, j),
+                in_class: candidate.admits(s.size),
+                decides: candidate.decides.clone(),
+            }
+        });
+        rule.class(
+            &NamedEffect {
+                effect: name,
+                t: screen.seen[named].t,
+                gain: screen.seen[named].gain,
+                units: self.training.len(),
+            },
+            others.collect(),
+        )
+    }
+}

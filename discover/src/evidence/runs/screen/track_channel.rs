@@ -1,0 +1,269 @@
+//! The track channel: slope errors against the accelerometer's, with the surveyed profile as a random effect.
+//!
+//! In `d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y` no friction is left. Residuals are averaged over runs in
+//! bins of distance; a bin's mean has the variance of its runs' scatter plus that of the survey, (g sd)^2, which more runs
+//! do not lower. Neighbouring bins are correlated by what their lag-1 correlation says.
+
+use std::collections::BTreeMap;
+
+use kufe_sled::GRAVITY;
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::candidate::Candidate;
+
+/// Width of a bin [m].
+const BIN_M: f64 = 20.0;
+
+/// A candidate of the track channel, judged at one survey deviation.
+#[derive(Clone, Debug)]
+pub struct TrackScore {
+    /// Size in its own unit.
+    pub size: f64,
+    /// Standard error.
+    pub error: f64,
+    /// Two-sided p-value times the number of candidates.
+    pub p_value: f64,
+}
+
+/// The averaged channel.
+pub struct TrackChannel {
+    /// Bin means, by bin: track, from [m], mean [m/s2], variance of the mean.
+    bins: Vec<(String, f64, f64, f64)>,
+    /// Directions by candidate and bin, per typical size.
+    directions: Vec<Vec<f64>>,
+    typical: Vec<f64>,
+    inflation: f64,
+    scatter: f64,
+}
+
+impl TrackChannel {
+    /// Averages residuals and directions; `None` where there is no survey.
+    pub fn new(
+        residual_model: &ResidualModel,
+        frames: &[Frame],
+        candidates: &[Candidate<Amplitude>],
+    ) -> Option<Self> {
+        if frames.iter().any(|f| f.slope.len() != f.len()) {
+            return None;
+        }
+        let directions_of = |frame: &Frame| -> Vec<Vec<f64>> {
+            let rest = &residual_model.residuals(frame)[3];
+            let mut out = vec![rest.clone()];
+            for candidate in candidates {
+                let moved = residual_model
+                    .with(candidate.active(0.01 * candidate.typical))
+                    .residuals(frame);
+                out.push(
+                    rest.iter()
+                        .zip(&moved[3])
+                        .map(|(r, m)| (r - m) / 0.01)
+                        .collect(),
+                );
+            }
+            out
+        };
+        let all: Vec<Vec<Vec<f64>>> = frames.par_iter().map(directions_of).collect();
+        // By track and bin: one mean a run, then the mean and scatter over runs.
+        let mut by_bin: BTreeMap<(String, i64), Vec<Vec<f64>>> = BTreeMap::new();
+        for (frame, columns) in frames.iter().zip(&all) {
+            let mut sums: BTreeMap<i64, (f64, Vec<f64>)> = BTreeMap::new();
+            for (i, s) in frame.rows(&frame.s).iter().enumerate() {
+                let bin = (s / BIN_M).floor() as i64;
+                let entry = sums
+                    .entry(bin)
+                    .or_insert_with(|| (0.0, vec![0.0; columns.len()]));
+                entry.0 += 1.0;
+                for (sum, column) in entry.1.iter_mut().zip(columns) {
+                    *sum += column[i];
+                }
+            }
+            // Where a run begins and ends it crosses a part of a bin: a mean of few samples, noisier than the others.
+            let ends = [sums.keys().next().copied(), sums.keys().last().copied()];
+            for (bin, (count, sum)) in sums {
+                if ends.contains(&Some(bin)) {
+                    continue;
+                }
+                by_bin
+                    .entry((frame.track.clone(), bin))
+                    .or_default()
+                    .push(sum.iter().map(|x| x / count).collect());
+            }
+        }
+        let mut bins = Vec::new();
+        let mut directions = vec![Vec::new(); candidates.len()];
+        let mut scatter = Vec::new();
+        for ((track, bin), runs) in &by_bin {
+            let n = runs.len() as f64;
+            if runs.len() < 3 {
+                continue;
+            }
+            let mean = |k: usize| runs.iter().map(|r| r[k]).sum::<f64>() / n;
+            let m = mean(0);
+            let variance = runs.iter().map(|r| (r[0] - m).powi(2)).sum::<f64>() / (n - 1.0);
+            scatter.push(variance);
+            bins.push((track.clone(), *bin as f64 * BIN_M, m, n));
+            for (c, direction) in directions.iter_mut().enumerate() {
+                direction.push(mean(c + 1));
+            }
+        }
+        if bins.len() < 8 {
+            return None;
+        }
+        let common = scatter.iter().sum::<f64>() / scatter.len() as f64;
+        bins.iter_mut().for_each(|bin| bin.3 = common / bin.3);
+        let mean = bins.iter().map(|b| b.2).sum::<f64>() / bins.len() as f64;
+        let pairs: Vec<(f64, f64)> = bins
+            .windows(2)
+            .filter(|pair| pair[0].0 == pair[1].0)
+            .map(|pair| (pair[0].2 - mean, pair[1].2 - mean))
+            .collect();
+        let square: f64 =
+            bins.iter().map(|b| (b.2 - mean).powi(2)).sum::<f64>() / bins.len() as f64;
+        let lag = pairs.iter().map(|(a, b)| a * b).sum::<f64>() / pairs.len().max(1) as f64;
+        let rho = (lag / square.max(1e-300)).clamp(0.0, 0.9);
+        Some(Self {
+            bins,
+            directions,
+            typical: candidates.iter().map(|c| c.typical).collect(),
+            inflation: (1.0 + rho) / (1.0 - rho),
+            scatter: common.sqrt(),
+        })
+    }
+
+    /// Root mean square of the bins' means as a slope [rad], their own scatter taken off: how well the channel closes.
+    pub fn closure(&self) -> f64 {
+        let n = self.bins.len() as f64;
+        let square = self.bins.iter().map(|b| b.2 * b.2 - b.3).sum::<f64>() / n;
+        square.max(0.0).sqrt() / GRAVITY
+    }
+
+    /// Root mean square scatter of single runs about the bins' means [m/s2].
+    pub fn scatter(&self) -> f64 {
+        self.scatter
+    }
+
+    fn weights(&self, slope_sd: f64) -> Vec<f64> {
+        let survey = (GRAVITY * slope_sd).powi(2);
+        self.bins
+            .iter()
+            .map(|b| 1.0 / (b.3 + survey).max(1e-30))
+            .collect()
+    }
+
+    /// Judges candidate `c` at a survey deviation [rad].
+    pub fn judge(&self, c: usize, slope_sd: f64) -> TrackScore {
+        let w = self.weights(slope_sd);
+        let d = &self.directions[c];
+        let information: f64 = d.iter().zip(&w).map(|(d, w)| d * d * w).sum();
+        let score: f64 = d
+            .iter()
+            .zip(&w)
+            .zip(&self.bins)
+            .map(|((d, w), b)| d * w * b.2)
+            .sum();
+        let error = (self.inflation / information.max(1e-300)).sqrt();
+        let size = score / information.max(1e-300);
+        TrackScore {
+            size: size * self.typical[c],
+            error: error * self.typical[c],
+            p_value: (two_sided(size / error) * self.directions.len() as f64).min(1.0),
+        }
+    }
+
+    /// z of candidate `a` once `b` has taken its part.
+    pub fn beyond(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
+        let w = self.weights(slope_sd);
+        let dot = |x: &[f64], y: &[f64]| -> f64 {
+            x.iter().zip(y).zip(&w).map(|((x, y), w)| x * y * w).sum()
+        };
+        let y: Vec<f64> = self.bins.iter().map(|bin| bin.2).collect();
+        let (x, z) = (&self.directions[a], &self.directions[b]);
+        let zz = dot(z, z).max(1e-300);
+        let information = dot(x, x) - dot(x, z).powi(2) / zz;
+        if information < 1e-6 * dot(x, x) {
+            return 0.0;
+        }
+        (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * self.inflation).sqrt()
+    }
+
+    /// Correlation of two candidates over the bins.
+    pub fn correlation(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
+        let w = self.weights(slope_sd);
+        let dot = |x: &[f64], y: &[f64]| -> f64 {
+            x.iter().zip(y).zip(&w).map(|((x, y), w)| x * y * w).sum()
+        };
+        let (x, z) = (&self.directions[a], &self.directions[b]);
+        dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
+    }
+
+    /// Whether the profile departs by more than the survey allows, beyond a common slope, as a whole or in one stretch (Bonferroni over
+    /// all): p-value, the stretch with the
+    /// largest mean departure (track, from, to [m], slope error [rad]) and the deviation that would explain it [rad].
+    pub fn profile(&self, slope_sd: f64) -> (f64, String, f64, f64, f64, f64) {
+        let w = self.weights(slope_sd);
+        let total: f64 = w.iter().sum();
+        let mean = self.bins.iter().zip(&w).map(|(b, w)| b.2 * w).sum::<f64>() / total;
+        let chi2: f64 = self
+            .bins
+            .iter()
+            .zip(&w)
+            .map(|(b, w)| (b.2 - mean).powi(2) * w)
+            .sum();
+        // Correlated bins count for fewer: the statistic and its freedom shrink alike.
+        let n = self.bins.len() as f64;
+        let freedom = ((n - 1.0) / self.inflation).max(2.0);
+        let p =
+            ChiSquared::new(freedom).map_or(1.0, |law| 1.0 - law.cdf(chi2 * freedom / (n - 1.0)));
+        let mut best = (String::new(), 0.0, 0.0, 0.0, 0.0_f64);
+        let survey = (GRAVITY * slope_sd).powi(2);
+        let (mut largest, mut count) = (0.0_f64, 0.0);
+        for width in [1, 2, 4, 8] {
+            for window in self.bins.windows(width) {
+                if window[0].0 != window[width - 1].0 {
+                    continue;
+                }
+                let m = window.iter().map(|b| b.2 - mean).sum::<f64>() / width as f64;
+                // A survey may err alike all along a stretch; of runs, only neighbouring bins go together.
+                let own = window.iter().map(|b| b.3).sum::<f64>() / (width * width) as f64;
+                let reach = (width as f64).min(self.inflation);
+                largest = largest.max(m.abs() / (survey + own * reach).sqrt());
+                count += 1.0;
+                let strength = m.abs() * (width as f64).sqrt();
+                if strength > best.4 {
+                    best = (
+                        window[0].0.clone(),
+                        window[0].1,
+                        window[width - 1].1 + BIN_M,
+                        m / -GRAVITY,
+                        strength,
+                    );
+                }
+            }
+        }
+        let excess = self
+            .bins
+            .iter()
+            .map(|b| (b.2 - mean).powi(2) - b.3)
+            .sum::<f64>()
+            / n;
+        // A single stretch hardly moves the sum over all bins: the largest departure counts by itself.
+        let p = p.min(two_sided(largest) * count);
+        // The residual is dv/dt - g slope: a residual of +1 is a slope stated too small.
+        (
+            p,
+            best.0,
+            best.1,
+            best.2,
+            -best.3,
+            excess.max(0.0).sqrt() / GRAVITY,
+        )
+    }
+}
+
+fn two_sided(z: f64) -> f64 {
+    Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
+}

@@ -1,0 +1,212 @@
+//! Claims within runs: the candidate that explains most, and its best window where it acts on a stretch.
+
+use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::candidates::columns::unknown;
+use crate::evidence::runs::fit::noise_products::noise_products;
+use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::model::windows::windows;
+use crate::evidence::runs::screen::detectable::detectable;
+use crate::evidence::runs::screen::on_track::Surveyed;
+use crate::evidence::runs::screen::residual_screen::{
+    RunScreen, ScreenOptions, best_windows, screen_runs,
+};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Claim, Screen};
+use crate::regression::scores::{Scores, cross_information};
+
+impl Campaign<'_> {
+    /// The claim within runs, where one stands out, and what could have been seen.
+    pub fn within_runs(
+        &mut self,
+        at: &Current,
+        track: Option<&Surveyed>,
+        account: &Account,
+    ) -> Screen<Amplitude> {
+        if at.whitener.count() == 0 {
+            return Screen {
+                claim: None,
+                detectable: Vec::new(),
+            };
+        }
+        let mut regular = self.fresh(at.residual_model, &self.candidates.regular);
+        regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
+        // A person's own effect may bear such a name, too.
+        regular.sort_by_key(Candidate::is_column);
+        let all_windows = windows(&self.training, self.candidates.local.len());
+        let design = Design {
+            local: &self.candidates.local,
+            windows: &all_windows,
+            ..at.design(&regular)
+        };
+        let options = self.screen_options(account);
+        let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
+        let named = regular.iter().filter(|c| !c.is_column()).count();
+        let detectable = detectable(&screen, &regular[..named]);
+        self.by_forces = regular
+            .iter()
+            .zip(&screen.seen)
+            .filter(|(_, seen)| seen.usable && seen.left > 0.05)
+            .map(|(c, seen)| (c.clone(), seen.size, seen.error))
+            .collect();
+        // An accelerometer's fault shows in the track channel, too: what that contradicts is neither claimed nor a rival.
+        for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
+            seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
+        }
+        let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
+        Screen {
+            claim: self.choose(at, &screen, &regular, &places, account),
+            detectable,
+        }
+    }
+
+    fn screen_options(&self, account: &Account) -> ScreenOptions {
+        let (rules, share) = (self.rules(), self.share(account));
+        ScreenOptions {
+            pairs: self.options.twins.div_ceil(40).max(1),
+            flips: self.options.flips,
+            alpha: share * rules.alpha,
+            alpha_local: share * rules.alpha_window,
+            alpha_beyond: share * rules.alpha_beyond,
+            trust: match self.data.noise_estimated {
+                true => rules.estimated_noise_trust,
+                false => rules.noise_trust,
+            },
+            holds: [rules.holds, rules.window_holds],
+            least: [rules.least_left, rules.least_signal],
+            nine_in_ten: self.options.rules.search.nine_in_ten,
+            seed: self.options.seed,
+        }
+    }
+
+    fn choose(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        regular: &[Candidate<Amplitude>],
+        places: &[(Candidate<Amplitude>, usize)],
+        account: &Account,
+    ) -> Option<Claim<Amplitude>> {
+        let options = self.screen_options(account);
+        let rules = self.rules();
+        let gain = |c: usize| screen.seen[c].gain;
+        let alpha_of = |candidate: &Candidate<Amplitude>| match (
+            &candidate.act.track,
+            candidate.is_column(),
+        ) {
+            (_, true) => options.alpha_beyond,
+            (Some(_), _) => options.alpha_local,
+            _ => options.alpha,
+        };
+        let again = |candidate: &Candidate<Amplitude>| {
+            candidate.window().is_some()
+                && account.steps.iter().any(|s| s.effect == candidate.effect)
+        };
+        let most = (0..regular.len())
+            .map(|c| (&regular[c], c))
+            .chain(places.iter().map(|(candidate, c)| (candidate, *c)))
+            .filter(|(candidate, c)| {
+                screen.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+            })
+            .map(|(_, c)| gain(c))
+            .fold(0.0, f64::max);
+        // Windows that compete, with edges found to a few metres, are judged as ordinary candidates beside all others.
+        let close: Vec<(Candidate<Amplitude>, usize)> = places
+            .iter()
+            .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
+            .map(|(candidate, c)| (self.refined(at, candidate), *c))
+            .collect();
+        let list: Vec<Candidate<Amplitude>> = regular
+            .iter()
+            .chain(close.iter().map(|(candidate, _)| candidate))
+            .cloned()
+            .collect();
+        let mut together = RunScreen {
+            seen: screen.seen[..regular.len()].to_vec(),
+            u: screen.u.rows(0, regular.len()).into_owned(),
+            cross: screen.cross.clone(),
+        };
+        if !close.is_empty() {
+            let design = at.design(&list);
+            let noise = noise_products(&design, &self.training, at.simulator, 0);
+            let grams: Vec<_> = design
+                .products(&self.training)
+                .iter()
+                .zip(&noise)
+                .map(|(p, d)| p.corrected(d, 1.0))
+                .collect();
+            let scores = Scores::new(&grams, design.fitted());
+            together.cross = cross_information(&grams, design.fitted());
+            let rows = together.u.nrows();
+            together.u = together.u.insert_rows(rows, close.len(), 0.0);
+            for (k, (candidate, c)) in close.iter().enumerate() {
+                together
+                    .u
+                    .row_mut(rows + k)
+                    .copy_from(&scores.u.row(rows + k));
+                let information = scores.total_information(rows + k).max(1e-300);
+                let sum: f64 = scores.u.row(rows + k).sum();
+                let mut seen = screen.seen[*c].clone();
+                seen.size = sum / information * candidate.typical;
+                seen.gain = sum * sum / information;
+                together.seen.push(seen);
+            }
+        }
+        let best = |wanted: bool| {
+            (0..list.len())
+                .filter(|c| list[*c].is_column() == wanted)
+                .filter(|c| {
+                    let candidate = &list[*c];
+                    together.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                })
+                .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
+        };
+        // What the catalogue knows comes first, unless a column beyond it takes all that the name explains and more.
+        let mut named = match (best(false), best(true)) {
+            (Some(known), Some(other)) => {
+                let more = together.seen[other].gain > together.seen[known].gain;
+                let t = |a: usize, b: usize| together.beyond(a, b) * together.seen[a].t.signum();
+                let [lost, kept] = rules.column_wins;
+                if more && t(known, other) < lost && t(other, known) > kept {
+                    other
+                } else {
+                    known
+                }
+            }
+            (known, other) => known.or(other)?,
+        };
+        let (mut class, mut rivals) = self.rivals(&together, &list, named);
+        // Of a class of places, the effect that already acts elsewhere is the simpler account.
+        let known = (regular.len()..list.len()).find(|c| {
+            list[named].act.track.is_some()
+                && *c != named
+                && class.contains(&list[*c].effect)
+                && account.steps.iter().any(|s| s.effect == list[*c].effect)
+        });
+        if let Some(known) = known {
+            named = known;
+            (class, rivals) = self.rivals(&together, &list, named);
+        }
+        let seen = &together.seen[named];
+        let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
+        let bias = seen.bias_t;
+        Some(Claim {
+            place: self.place_of(&list[named], at),
+            channel: CHANNEL_NAMES[channel],
+            candidate: list[named].clone(),
+            size: seen.size,
+            error: seen.error,
+            class,
+            rivals,
+            p_value: seen.p_value,
+            remark: (bias.abs() > 1.0).then(|| {
+                format!(
+                    "{}: noisy inputs alone would show T = {bias:.1}; it was taken off",
+                    list[named].effect
+                )
+            }),
+            parameters: Vec::new(),
+        })
+    }
+}

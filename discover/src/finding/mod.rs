@@ -1,0 +1,10 @@
+//! What a search tells: its report and the pictures beside it.
+
+pub(crate) mod picture;
+pub(crate) mod report;
+
+pub use picture::{Curve, Picture, Plot, Series};
+pub use report::{
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, RunMean, Step,
+    Verdict,
+};

@@ -1,0 +1,77 @@
+//! Pictures of a report, as data.
+
+use serde::Serialize;
+
+/// A picture for the page.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Picture {
+    /// What it shows.
+    pub title: String,
+    /// What is drawn.
+    pub plot: Plot,
+}
+
+/// What a picture draws.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Plot {
+    /// Points over one column.
+    Scatter {
+        /// What it is called for those who do not see it.
+        label: String,
+        /// Column of `x`, whose suffix tells the unit.
+        x_name: String,
+        /// What the points are, with unit.
+        y_name: String,
+        /// Places along the column.
+        x: Vec<f64>,
+        /// Points at all places.
+        series: Vec<Series>,
+        /// A curve through them; a line at 0 where there is none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        curve: Option<Curve>,
+    },
+    /// A measured map and the simulated ones on its pixels, row by row from the lower left.
+    Maps {
+        /// Pixels along x.
+        nx: usize,
+        /// Pixels along y.
+        ny: usize,
+        /// Centre of the first pixel [m].
+        x0: f64,
+        /// Centre of the first pixel [m].
+        y0: f64,
+        /// Pixel length [m].
+        dx: f64,
+        /// Pixel width [m].
+        dy: f64,
+        /// Measured pressure [Pa].
+        measured: Vec<f64>,
+        /// Simulated before any effect was added [Pa].
+        before: Vec<f64>,
+        /// Simulated after [Pa]; empty where nothing was added.
+        after: Vec<f64>,
+    },
+}
+
+/// One set of points.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    /// Name.
+    pub name: String,
+    /// Values.
+    pub y: Vec<f64>,
+    /// Their standard deviations; empty where they are not drawn.
+    pub sd: Vec<f64>,
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Name.
+    pub name: String,
+    /// Places.
+    pub x: Vec<f64>,
+    /// Values.
+    pub y: Vec<f64>,
+}

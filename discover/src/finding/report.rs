@@ -1,0 +1,267 @@
+//! What is written: the verdict, the steps, the gap before and after, and what the data could have shown.
+
+use serde::Serialize;
+
+use crate::finding::picture::Picture;
+
+/// The outcome in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// One effect, told apart from all others.
+    Named,
+    /// One of a class that these data cannot split.
+    OneOf,
+    /// The conclusion changes with the stated survey deviation.
+    DependsOn,
+    /// A place or a bin, no name.
+    Located,
+    /// Nothing stands out.
+    None,
+    /// Something differs, but these data cannot say what.
+    NotIdentifiable,
+}
+
+/// A value with its 95 % interval.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Interval {
+    /// Value.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// A fitted parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fitted {
+    /// Key, as in `[effects.NAME]`.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Unit.
+    pub unit: String,
+}
+
+/// A rival and why it is in the class or not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rival {
+    /// Name of the effect.
+    pub effect: String,
+    /// Parameter.
+    pub parameter: String,
+    /// Size that would fit, in its unit.
+    pub size: f64,
+    /// Unit.
+    pub unit: String,
+    /// T of the rival alone.
+    pub t: f64,
+    /// What it explains, in units of the noise's variance.
+    pub gain: f64,
+    /// Correlation with the named effect beyond the base.
+    pub correlation: f64,
+    /// T of the named effect once the rival has taken its part; small: the data cannot tell them apart.
+    pub t_of_named_beyond: f64,
+    /// Whether it is in the class.
+    pub in_class: bool,
+    /// What would decide.
+    pub decides: String,
+}
+
+/// One effect found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Step {
+    /// Name.
+    pub effect: String,
+    /// Every effect that the data cannot tell from it, itself included.
+    pub class: Vec<String>,
+    /// Channel in which it shows most.
+    pub channel: String,
+    /// Where.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// The larger of the p-values by randomisation and against twins.
+    pub p_value: f64,
+    /// Parameters.
+    pub parameters: Vec<Fitted>,
+    /// Root mean square of the channel's residual before.
+    pub gap_before: f64,
+    /// After.
+    pub gap_after: f64,
+    /// Unit of the two.
+    pub unit: String,
+    /// Share of the explainable gap that is closed on the held-out runs, by all steps of the channel; on the fitted ones where
+    /// there are too few to hold any out.
+    pub explainable_gap_closed: Interval,
+    /// The rivals, best first.
+    pub rivals: Vec<Rival>,
+}
+
+impl Step {
+    /// Another stretch or another amplitude of the same effect.
+    pub(crate) fn join(&mut self, place: &str, gap_after: f64) {
+        if !place.is_empty() {
+            self.place = format!("{}; {place}", self.place);
+        }
+        self.gap_after = gap_after;
+    }
+}
+
+/// The gap on runs that were locked away.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct HeldOut {
+    /// Their names.
+    pub runs: Vec<String>,
+    /// Root mean square before.
+    pub gap_before: f64,
+    /// After.
+    pub gap_after: f64,
+    /// Unit.
+    pub unit: String,
+    /// By channel: name, unit, before, after.
+    pub channels: Vec<ChannelGap>,
+}
+
+/// The gap of one channel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChannelGap {
+    /// Channel.
+    pub channel: String,
+    /// Unit.
+    pub unit: String,
+    /// Root mean square before.
+    pub before: f64,
+    /// After.
+    pub after: f64,
+    /// What the stated or estimated sensor noise alone would give.
+    pub noise: f64,
+}
+
+/// What would have been seen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Detectable {
+    /// Effect.
+    pub effect: String,
+    /// Parameter.
+    pub parameter: String,
+    /// Smallest size that would be claimed nine times in ten.
+    pub size: f64,
+    /// Unit.
+    pub unit: String,
+    /// Share of the effect that a refit of the base leaves.
+    pub left_after_refit: f64,
+    /// The candidate that looks most like it, and their correlation.
+    pub most_like: String,
+    /// Correlation with it beyond the base.
+    pub correlation: f64,
+}
+
+/// A bin in which the residual stands out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bin {
+    /// Channel.
+    pub channel: String,
+    /// Column.
+    pub column: String,
+    /// From, in the column's unit.
+    pub from: f64,
+    /// To.
+    pub to: f64,
+    /// Mean residual there.
+    pub mean: f64,
+    /// Its standard error over runs.
+    pub error: f64,
+    /// Unit of the two.
+    pub unit: String,
+    /// p-value over all bins.
+    pub p_value: f64,
+}
+
+/// The means of one channel's residual, run by run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ByRun {
+    /// Channel.
+    pub channel: String,
+    /// Unit of the means.
+    pub unit: String,
+    /// Probability that sessions differ this much by chance, before any effect was added; 1 where it cannot be told.
+    pub sessions_differ_before: f64,
+    /// The same after.
+    pub sessions_differ_after: f64,
+    /// Runs, session by session.
+    pub runs: Vec<RunMean>,
+}
+
+/// A run's mean residual.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunMean {
+    /// Run.
+    pub run: String,
+    /// Its session.
+    pub session: String,
+    /// Its track.
+    pub track: String,
+    /// Mean before any effect was added.
+    pub before: f64,
+    /// Mean after.
+    pub after: f64,
+}
+
+/// The whole report.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The outcome.
+    pub verdict: Verdict,
+    /// The outcome in a sentence.
+    pub sentence: String,
+    /// The effects found, in order.
+    pub steps: Vec<Step>,
+    /// Locked-away data.
+    pub held_out: HeldOut,
+    /// What would have been seen.
+    pub minimum_detectable: Vec<Detectable>,
+    /// What to measure next.
+    pub next_experiment: String,
+    /// Base parameters: before is 1 or the file's value.
+    pub base: Vec<Fitted>,
+    /// Bins that stand out before any effect was added.
+    pub bins: Vec<Bin>,
+    /// Bins that stand out after.
+    pub bins_after: Vec<Bin>,
+    /// Mean residuals by run and session; empty where the data are no runs.
+    pub by_run: Vec<ByRun>,
+    /// Whether the residual is clean after the last step.
+    pub clean: bool,
+    /// Pictures of the report's page.
+    #[serde(skip)]
+    pub pictures: Vec<Picture>,
+    /// Training gap by channel.
+    pub training: Vec<ChannelGap>,
+    /// Effects that could not be tested, and why.
+    pub untestable: Vec<(String, String)>,
+    /// What the reader should know.
+    pub remarks: Vec<String>,
+    /// Kind of data.
+    pub data: String,
+    /// Seed.
+    pub seed: u64,
+    /// Version of the program.
+    pub version: String,
+}
+
+impl Report {
+    /// The report with its pictures, as the report's page takes it.
+    ///
+    /// # Errors
+    /// Those of the JSON writer.
+    pub fn page_data(&self) -> Result<serde_json::Value, serde_json::Error> {
+        let mut data = serde_json::to_value(self)?;
+        data["pictures"] = serde_json::to_value(&self.pictures)?;
+        Ok(data)
+    }
+}

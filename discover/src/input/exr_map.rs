@@ -1,0 +1,56 @@
+//! Pressure maps from EXR files: channel `p` [Pa] with its place in metres.
+
+use std::path::Path;
+
+use kufe_case::effects::Map;
+use kufe_mesh::{ExrImage, MeshError};
+
+use crate::error::Error;
+
+/// Reads channel `p` of a map.
+///
+/// # Errors
+/// [`Error::File`] where the file is no EXR image with a place in metres, is too large, lacks the channel, or holds values
+/// that are no pressures.
+pub fn read_map(path: &Path) -> Result<Map, Error> {
+    let file = path.display().to_string();
+    let image = ExrImage::load(path).map_err(|error| match error {
+        MeshError::Io { source, .. } => told(&file, &source),
+        MeshError::File { source, .. } => told(&file, &source),
+        other => told(&file, &other),
+    })?;
+    map(&image, &file)
+}
+
+/// Reads a map as [`read_map`] does; `file` names it in errors.
+///
+/// # Errors
+/// As [`read_map`].
+pub fn read_map_bytes(bytes: &[u8], file: &str) -> Result<Map, Error> {
+    let image = ExrImage::read(bytes).map_err(|error| told(file, &error))?;
+    map(&image, file)
+}
+
+fn told(file: &str, what: &dyn std::fmt::Display) -> Error {
+    Error::File {
+        file: file.to_owned(),
+        reason: what.to_string(),
+    }
+}
+
+fn map(image: &ExrImage, file: &str) -> Result<Map, Error> {
+    let pressure = image.channel("p").map_err(|error| told(file, &error))?;
+    if let Some(bad) = pressure.iter().position(|p| !p.is_finite()) {
+        let what = format!("pixel {bad} of channel p is infinite; expected a pressure in Pa");
+        return Err(told(file, &what));
+    }
+    Ok(Map {
+        nx: image.size[0],
+        ny: image.size[1],
+        x0: image.origin_m[0],
+        y0: image.origin_m[1],
+        dx: image.pixel_m[0],
+        dy: image.pixel_m[1],
+        pressure: pressure.to_vec(),
+    })
+}

@@ -1,0 +1,6 @@
+//! Reading: tables of text and numbers, and pressure maps.
+
+pub(crate) mod exr_map;
+pub(crate) mod table;
+
+pub use exr_map::{read_map, read_map_bytes};

@@ -1,0 +1,105 @@
+//! Small tables of numbers and names, read with their place in every complaint.
+
+use std::path::Path;
+
+use crate::error::Error;
+
+/// A CSV table as text, with its file's name.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The file, for messages.
+    pub file: String,
+    /// Column names.
+    pub header: Vec<String>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads a CSV file with a header.
+    ///
+    /// # Errors
+    /// [`Error::File`] where it cannot be read or is ragged.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let file = path.display().to_string();
+        let told = |reason: String| Error::File {
+            file: file.clone(),
+            reason,
+        };
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_path(path)
+            .map_err(|error| told(error.to_string()))?;
+        let header: Vec<String> = reader
+            .headers()
+            .map_err(|error| told(error.to_string()))?
+            .iter()
+            .map(str::to_owned)
+            .collect();
+        if let Some(twice) = (0..header.len()).find(|k| header[..*k].contains(&header[*k])) {
+            return Err(told(format!(
+                "column `{}` is given twice; expected once",
+                header[twice]
+            )));
+        }
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|error| told(error.to_string()))?;
+            rows.push(record.iter().map(str::to_owned).collect());
+        }
+        if rows.is_empty() {
+            return Err(told("no rows; expected at least one".to_owned()));
+        }
+        Ok(Self { file, header, rows })
+    }
+
+    /// Where a column stands.
+    pub fn place(&self, column: &str) -> Option<usize> {
+        self.header.iter().position(|name| name == column)
+    }
+
+    /// A column's cells.
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`].
+    pub fn texts(&self, column: &str) -> Result<Vec<String>, Error> {
+        let at = self.place(column).ok_or_else(|| Error::MissingColumn {
+            file: self.file.clone(),
+            column: column.to_owned(),
+            found: self.header.join(", "),
+        })?;
+        Ok(self.rows.iter().map(|row| row[at].clone()).collect())
+    }
+
+    /// A column of numbers within bounds.
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`], [`Error::Cell`] with row, column, value and bounds.
+    pub fn numbers(&self, column: &str, low: f64, high: f64) -> Result<Vec<f64>, Error> {
+        self.texts(column)?
+            .into_iter()
+            .enumerate()
+            .map(|(index, text)| match text.parse::<f64>() {
+                Ok(value) if value >= low && value <= high => Ok(value),
+                _ => Err(Error::Cell {
+                    file: self.file.clone(),
+                    row: index as u64 + 2,
+                    column: column.to_owned(),
+                    found: text,
+                    expected: format!("a number from {low} to {high}"),
+                }),
+            })
+            .collect()
+    }
+
+    /// A column of numbers that may be absent.
+    ///
+    /// # Errors
+    /// [`Error::Cell`].
+    pub fn optional(&self, column: &str, low: f64, high: f64) -> Result<Option<Vec<f64>>, Error> {
+        match self.place(column) {
+            None => Ok(None),
+            Some(_) => self.numbers(column, low, high).map(Some),
+        }
+    }
+}

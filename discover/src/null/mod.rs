@@ -1,0 +1,10 @@
+//! What chance alone shows: randomisations, their largest statistics and the tail beyond them.
+
+pub(crate) mod gumbel;
+pub(crate) mod permutations;
+pub(crate) mod random;
+pub(crate) mod sign_flips;
+
+pub use gumbel::gumbel_tail;
+pub use permutations::by_session_permutation;
+pub use sign_flips::MaxT;

@@ -1,0 +1,127 @@
+//! How much of the gap that can be explained is closed, seen along the direction in which it can.
+
+use crate::finding::report::Interval;
+
+/// What the rows hold to judge by; all entries in units of their standard deviations.
+pub struct ClosedGap<'a> {
+    /// Change of the simulation by all that the training rows explain, what was found and the best of the rest.
+    pub direction: &'a [f64],
+    /// Residual before.
+    pub before: &'a [f64],
+    /// Residual after.
+    pub after: &'a [f64],
+    /// The same direction on the training rows, which its length was fitted to.
+    pub fitted: &'a [f64],
+    /// Deviation of a residual where no effect is left, 1 where the noise is as stated.
+    pub spread: f64,
+}
+
+impl ClosedGap<'_> {
+    /// 1 - |f . r_after| / f . r_before, too much counting as too little, with 95 % for the noise on these rows and for
+    /// that of the fit; -1 to 1 where nothing explainable stands out of the noise here.
+    ///
+    /// f is independent of these rows' noise where they took no part in the fit, so that r_before needs no noise taken off;
+    /// from the value, not from the interval, the noise of f . r_after is taken off in squares.
+    pub fn closed(&self) -> Interval {
+        let along = |r: &[f64]| -> f64 { self.direction.iter().zip(r).map(|(f, r)| f * r).sum() };
+        let (before, after) = (along(self.before), along(self.after));
+        let noise = self.spread * norm(self.direction);
+        if before.is_nan() || before <= 0.0 {
+            return Interval {
+                value: 0.0,
+                low: -1.0,
+                high: 1.0,
+            };
+        }
+        let left = after.abs() / before;
+        let beyond_noise = (after * after - noise * noise).max(0.0).sqrt() / before;
+        let value = (1.0 - beyond_noise).max(-1.0);
+        if before <= 1.96 * noise {
+            return Interval {
+                value,
+                low: -1.0,
+                high: 1.0,
+            };
+        }
+        let error = 1.96 * (noise / before).hypot(self.spread / norm(self.fitted));
+        Interval {
+            value,
+            low: (1.0 - left - error).max(-1.0),
+            high: (1.0 - left + error).min(1.0).max(value),
+        }
+    }
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::normal;
+    use crate::null::random::stream;
+
+    /// A fitted size is off by its own error; the truth is what that size leaves of the true change.
+    #[test]
+    fn intervals_hold_what_the_fitted_size_closes() {
+        let change: Vec<f64> = (0..200).map(|i| 0.5 * (0.2 * i as f64).sin()).collect();
+        let (fit, locked) = change.split_at(150);
+        let (mut held, mut full, cases) = (0, 0, 400);
+        for k in 0..cases {
+            let mut rng = stream(5, k, 0);
+            let noisy = |part: &[f64], rng: &mut _| -> Vec<f64> {
+                part.iter().map(|c| c + normal(rng)).collect()
+            };
+            let own = noisy(fit, &mut rng);
+            let size = own.iter().zip(fit).map(|(r, c)| r * c).sum::<f64>() / norm(fit).powi(2);
+            let before = noisy(locked, &mut rng);
+            let by_size = |part: &[f64]| -> Vec<f64> { part.iter().map(|c| size * c).collect() };
+            let scaled = by_size(locked);
+            let after: Vec<f64> = before.iter().zip(&scaled).map(|(r, s)| r - s).collect();
+            let seen = ClosedGap {
+                direction: &scaled,
+                before: &before,
+                after: &after,
+                fitted: &by_size(fit),
+                spread: 1.0,
+            };
+            let closed = seen.closed();
+            let truth = 1.0 - (1.0 - size).abs();
+            held += usize::from(closed.low <= truth && truth <= closed.high);
+            full += usize::from(closed.low <= 1.0 && 1.0 <= closed.high);
+        }
+        assert!(held * 100 >= 94 * cases as usize, "{held} of {cases}");
+        assert!(full * 100 >= 94 * cases as usize, "{full} of {cases}");
+    }
+
+    #[test]
+    fn where_nothing_explainable_is_seen_nothing_is_told() {
+        let seen = ClosedGap {
+            direction: &[0.1, -0.1],
+            before: &[0.5, 0.4],
+            after: &[0.4, 0.5],
+            fitted: &[3.0],
+            spread: 1.0,
+        };
+        let closed = seen.closed();
+        assert_eq!((closed.low, closed.high), (-1.0, 1.0));
+    }
+
+    #[test]
+    fn half_a_change_is_half_closed_and_twice_the_change_closes_nothing() {
+        let f = [30.0, -40.0];
+        // A change of 50 standard deviations: noise takes off 2e-4 of a half.
+        for (left, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
+            let after = f.map(|f| left * f);
+            let seen = ClosedGap {
+                direction: &f,
+                before: &f,
+                after: &after,
+                fitted: &[50.0],
+                spread: 1.0,
+            };
+            assert!((seen.closed().value - closed).abs() < 5e-4);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! What a search asks of data, whatever their kind.
+
+use crate::error::Error;
+use crate::finding::picture::Picture;
+use crate::finding::report::{
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step,
+};
+use crate::procedure::candidate::Candidate;
+
+/// Data of one kind, a part of them locked away, and the model that is judged by them.
+pub trait Evidence {
+    /// How a candidate acts on these data.
+    type Act;
+    /// The model so far, fitted to what is not locked away.
+    type Fit: Clone;
+
+    /// The base model, fitted.
+    ///
+    /// # Errors
+    /// Where it cannot be fitted.
+    fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit, Error>;
+
+    /// Who it could be: every candidate beside the fit, judged against what chance shows.
+    ///
+    /// # Errors
+    /// Those of the simulations it needs.
+    fn screen(
+        &mut self,
+        fit: &Self::Fit,
+        account: &mut Account,
+    ) -> Result<Screen<Self::Act>, Error>;
+
+    /// Base, earlier claims and this one fitted together; it belongs to the account's step `step`.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    fn add(
+        &mut self,
+        fit: &Self::Fit,
+        claim: &Claim<Self::Act>,
+        step: usize,
+    ) -> Result<Added<Self::Fit>, Error>;
+
+    /// Leaves out of fit and account what later claims have made superfluous, and fits what remains once more.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit, Error>;
+
+    /// Opens the locked-away data, once, and says what the two fits leave and close there.
+    ///
+    /// # Errors
+    /// Those of the simulations it needs.
+    fn open(
+        &mut self,
+        base: &Self::Fit,
+        last: &Self::Fit,
+        account: &mut Account,
+    ) -> Result<Opened, Error>;
+
+    /// Everything else that a report tells, and the next model.
+    ///
+    /// # Errors
+    /// Those of the simulations it needs.
+    fn describe(
+        &mut self,
+        base: &Self::Fit,
+        last: &Self::Fit,
+        account: &mut Account,
+    ) -> Result<Description, Error>;
+}
+
+/// What a search has to tell so far.
+#[derive(Clone, Debug, Default)]
+pub struct Account {
+    /// The claims that stand.
+    pub steps: Vec<Step>,
+    /// What the reader should know.
+    pub remarks: Vec<String>,
+    /// Assumptions without which a claim would not stand.
+    pub depends: Vec<String>,
+    /// What differs although nothing can be named.
+    pub unexplained: Option<String>,
+}
+
+impl Account {
+    /// Takes back a claim that later ones have made superfluous.
+    pub fn leave_out(&mut self, step: usize) {
+        let gone = self.steps.remove(step);
+        self.remarks.push(format!(
+            "{} became superfluous once the others were there and was removed",
+            gone.effect
+        ));
+    }
+}
+
+/// What one screen of all candidates shows.
+pub struct Screen<A> {
+    /// The claim that stands out, where one does.
+    pub claim: Option<Claim<A>>,
+    /// The smallest size of each effect that would be claimed.
+    pub detectable: Vec<Detectable>,
+}
+
+/// One effect that stands out.
+pub struct Claim<A> {
+    /// The effect.
+    pub candidate: Candidate<A>,
+    /// Size in its unit.
+    pub size: f64,
+    /// Standard error of the size.
+    pub error: f64,
+    /// Every effect that the data cannot tell from it, itself first.
+    pub class: Vec<String>,
+    /// The rivals, best first.
+    pub rivals: Vec<Rival>,
+    /// p-value over all candidates of its kind.
+    pub p_value: f64,
+    /// Where.
+    pub place: String,
+    /// Channel in which it shows most, and that channel's unit.
+    pub channel: (&'static str, &'static str),
+    /// What the reader should know of it, once it is added.
+    pub remark: Option<String>,
+    /// Size with its interval where the fit of the forces does not set it.
+    pub parameters: Vec<Fitted>,
+}
+
+/// A model with one more effect.
+pub struct Added<F> {
+    /// The fit; `None` where no model could be told the effect, which ends the search.
+    pub fit: Option<F>,
+    /// Root mean square of the claim's channel before and after.
+    pub gap: [f64; 2],
+    /// Where it acts, if that is known only now; beside the places of an effect that acts elsewhere already.
+    pub place: Option<String>,
+}
+
+/// What the locked-away data say.
+pub struct Opened {
+    /// The gap before and after.
+    pub held_out: HeldOut,
+    /// Share of the explainable gap that is closed, by step.
+    pub closed: Vec<Interval>,
+}
+
+/// The rest of a report.
+#[derive(Default)]
+pub struct Description {
+    /// Kind of data.
+    pub data: String,
+    /// Gap on the data that were learned from.
+    pub training: Vec<ChannelGap>,
+    /// Parameters of each step.
+    pub parameters: Vec<Vec<Fitted>>,
+    /// Base parameters.
+    pub base: Vec<Fitted>,
+    /// Bins that stand out before.
+    pub bins: Vec<Bin>,
+    /// Bins that stand out after.
+    pub bins_after: Vec<Bin>,
+    /// Means by run.
+    pub by_run: Vec<ByRun>,
+    /// Pictures of the page.
+    pub pictures: Vec<Picture>,
+    /// Whether the residual is clean.
+    pub clean: bool,
+    /// Whether places stand out although nothing is named.
+    pub located: bool,
+    /// Effects that could not be tested, and why.
+    pub untestable: Vec<(String, String)>,
+    /// What would tell each effect from its rivals.
+    pub decides: Vec<(String, String)>,
+    /// Sentences of this kind of data.
+    pub words: Words,
+    /// The next model, as its file's text.
+    pub next_model: String,
+}
+
+/// Sentences of one kind of data.
+#[derive(Clone, Debug, Default)]
+pub struct Words {
+    /// The verdict where nothing is found; a general sentence where it is empty.
+    pub nothing: String,
+    /// What to measure next where nothing is found.
+    pub next_after_nothing: String,
+    /// What to measure next where one effect is named; what decides on it where this is empty.
+    pub next_after_name: String,
+}

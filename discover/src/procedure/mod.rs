@@ -1,0 +1,16 @@
+//! The one search: fit, screen, claim, add, refit; at the end, once, the locked-away data.
+
+pub(crate) mod candidate;
+pub(crate) mod closed;
+pub(crate) mod evidence;
+pub(crate) mod lock;
+pub(crate) mod rivals;
+pub(crate) mod rules;
+pub(crate) mod search;
+pub(crate) mod sentence;
+pub(crate) mod verdict;
+
+pub use lock::LockRules;
+pub use rivals::RivalRule;
+pub use rules::{ExperimentRules, MapRules, Rules, RunRules, SearchRules};
+pub use search::Found;

@@ -1,0 +1,126 @@
+//! The class of a claim: rivals beside which it does not stand out.
+
+use serde::{Deserialize, Serialize};
+
+use crate::finding::report::Rival;
+
+/// When a rival belongs to the class.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RivalRule {
+    /// t that the named effect must keep once the rival has taken its part, to be told from it. Chosen.
+    pub needed_t: f64,
+    /// What is added to it, over the root of the number of independent runs: t of few runs has wider tails. Chosen.
+    pub needed_t_few: f64,
+    /// Share of the named effect's gain that a rival must explain; 0: none. Chosen.
+    pub least_gain: f64,
+    /// Correlation beyond which two effects are the same in all but name. Chosen.
+    pub alike: f64,
+    /// |t| of its own below which an effect is no rival. Chosen.
+    pub least_t: f64,
+    /// Most rivals that are told.
+    pub shown: usize,
+}
+
+impl Default for RivalRule {
+    fn default() -> Self {
+        Self {
+            needed_t: 2.0,
+            needed_t_few: 0.0,
+            least_gain: 0.0,
+            alike: 1.0,
+            least_t: 0.0,
+            shown: 12,
+        }
+    }
+}
+
+/// What is named.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedEffect<'a> {
+    /// Effect.
+    pub effect: &'a str,
+    /// Its t: the sign counts.
+    pub t: f64,
+    /// What it explains.
+    pub gain: f64,
+    /// Number of independent runs or rows that it is judged by.
+    pub units: usize,
+}
+
+impl RivalRule {
+    /// The class, the named effect first, and the rivals with their place in it, best first.
+    ///
+    /// `others` holds every other candidate, `in_class` telling whether its size would be admissible. One is of the class where
+    /// it is admissible and either all but the same as the named effect, or explains enough and leaves the named effect
+    /// less than the t that it needs.
+    pub fn class(&self, named: &NamedEffect, others: Vec<Rival>) -> (Vec<String>, Vec<Rival>) {
+        let needed = self.needed_t + self.needed_t_few / (named.units.max(1) as f64).sqrt();
+        let mut rivals = others;
+        rivals.retain(|r| r.t.abs() >= self.least_t);
+        for rival in &mut rivals {
+            let enough = self.least_gain == 0.0 || rival.gain > self.least_gain * named.gain;
+            let hidden = rival.t_of_named_beyond * named.t.signum() < needed;
+            let same = rival.correlation.abs() > self.alike;
+            rival.in_class &= same || hidden && enough;
+        }
+        rivals.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let mut class = vec![named.effect.to_owned()];
+        for rival in rivals.iter().filter(|r| r.in_class) {
+            if !class.contains(&rival.effect) {
+                class.push(rival.effect.clone());
+            }
+        }
+        rivals.truncate(self.shown);
+        (class, rivals)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rival(effect: &str, gain: f64, beyond: f64, correlation: f64) -> Rival {
+        Rival {
+            effect: effect.to_owned(),
+            parameter: String::new(),
+            size: 1.0,
+            unit: String::new(),
+            t: 5.0,
+            gain,
+            correlation,
+            t_of_named_beyond: beyond,
+            in_class: true,
+            decides: String::new(),
+        }
+    }
+
+    #[test]
+    fn a_rival_is_of_the_class_where_it_hides_the_named_effect_or_is_the_same() {
+        let rule = RivalRule {
+            least_gain: 0.3,
+            alike: 0.99,
+            ..RivalRule::default()
+        };
+        let named = NamedEffect {
+            effect: "named",
+            t: -8.0,
+            gain: 100.0,
+            units: 9,
+        };
+        let others = vec![
+            rival("hides", 80.0, -1.0, 0.9),
+            rival("stands-beside", 90.0, -6.0, 0.9),
+            rival("too-weak", 20.0, 0.0, 0.9),
+            rival("the-same", 20.0, -6.0, -0.995),
+            Rival {
+                in_class: false,
+                ..rival("inadmissible", 99.0, 0.0, 0.9)
+            },
+        ];
+        let (class, rivals) = rule.class(&named, others);
+        assert_eq!(class, ["named", "hides", "the-same"]);
+        assert_eq!(rivals[0].effect, "inadmissible");
+        assert_eq!(rivals.iter().filter(|r| r.in_class).count(), 2);
+    }
+}

@@ -1,0 +1,277 @@
+//! Every constant of judgement, with what it does and whether it is derived or chosen.
+//!
+//! *Derived* constants follow from statistics or from the data's own kind; *chosen* ones could be others, and
+//! `blind constants` scores searches at half and at twice each of them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::procedure::lock::LockRules;
+use crate::procedure::rivals::RivalRule;
+
+/// The constants of a search. [`Rules::default`] is what the command uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rules {
+    /// What holds for every kind of data.
+    pub search: SearchRules,
+    /// Which data are locked away.
+    pub lock: LockRules,
+    /// Runs on a track.
+    pub runs: RunRules,
+    /// Friction experiments.
+    pub experiments: ExperimentRules,
+    /// Pressure maps.
+    pub maps: MapRules,
+}
+
+/// What holds for every kind of data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SearchRules {
+    /// Most effects that are named. Chosen: what comes fifth is explained by its betters' errors as well.
+    pub most_claims: usize,
+    /// Most screens: several amplitudes or places of one effect belong to one claim. Chosen.
+    pub most_screens: usize,
+    /// |t| beside all others below which a claim has become superfluous. Chosen.
+    pub superfluous_t: f64,
+    /// Standard deviations by which a size must exceed its critical value to be claimed nine times in ten. Derived: the
+    /// normal law's 90 % quantile.
+    pub nine_in_ten: f64,
+    /// Standard deviations of a 95 % interval. Derived: the normal law's 97.5 % quantile.
+    pub interval: f64,
+}
+
+impl Default for SearchRules {
+    fn default() -> Self {
+        Self {
+            most_claims: 4,
+            most_screens: 8,
+            superfluous_t: 1.5,
+            nine_in_ten: 1.28,
+            interval: 1.96,
+        }
+    }
+}
+
+/// Runs on a track.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunRules {
+    /// Largest p-value of a claim within runs. Chosen with the five below, so that together they leave a null a chance of
+    /// about 0.02 of being claimed: what a model lacks usually stands far beyond these, and chance does not.
+    pub alpha: f64,
+    /// The same in a window of distance. Chosen.
+    pub alpha_window: f64,
+    /// The same between sessions, tested twice: friction and grip. Chosen.
+    pub alpha_sessions: f64,
+    /// The same between the runs of a session. Chosen.
+    pub alpha_runs: f64,
+    /// The same for a column beyond the catalogue. Chosen.
+    pub alpha_beyond: f64,
+    /// The same in the track channel. Chosen.
+    pub alpha_track: f64,
+    /// Share of these p-values that is left after the first claim. Chosen.
+    pub alpha_again: f64,
+    /// Factors of what the sensors' noise adds between which a claim must hold, the noise being stated. Chosen.
+    pub noise_trust: [f64; 2],
+    /// The same where the noise is estimated from the recordings. Chosen.
+    pub estimated_noise_trust: [f64; 2],
+    /// Share of its critical T that a claim must keep at both ends of the trusted noise. Chosen.
+    pub holds: f64,
+    /// The same for a window: runs repeat the same manoeuvre at the same place, and a small error of the model with it.
+    /// Chosen.
+    pub window_holds: f64,
+    /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
+    pub least_left: f64,
+    /// Share of a direction's products that must not be noise. Chosen.
+    pub least_signal: f64,
+    /// Share of the strongest claim's gain from which a window competes with it. Chosen.
+    pub window_competes: f64,
+    /// t that a catalogue effect must lose, and a column beyond the catalogue keep, for the column to be named instead.
+    /// Chosen.
+    pub column_wins: [f64; 2],
+    /// Rivals of a claim within runs.
+    pub rivals: RivalRule,
+    /// Rivals of a claim between sessions or runs.
+    pub level_rivals: RivalRule,
+    /// Rivals of a claim in the track channel.
+    pub track_rivals: RivalRule,
+    /// The track channel is used where its runs agree within this many times what the sensors' noise scatters. Chosen.
+    pub track_agrees: f64,
+    /// Standard deviations within which track channel and forces agree on a size. Derived: three of their joint error.
+    pub track_and_forces: f64,
+    /// Standard deviation of the surveyed slope where none is stated \[rad\]. Chosen: a levelling over 5 m to 1 cm.
+    pub slope_sd_rad: f64,
+    /// Relative standard error of what stated noise is known by, which a parameter's interval takes in. Chosen.
+    pub stated_noise_error: f64,
+    /// The same for noise estimated from the recordings. Chosen.
+    pub estimated_noise_error: f64,
+    /// How far the two edges of a stretch may be off together, a standard deviation \[m\]. Chosen.
+    pub edges_m: f64,
+    /// Largest p-value of a bin that is shown. Chosen.
+    pub bin_shown: f64,
+    /// p-value of a bin below which a residual is not clean. Chosen.
+    pub bin_unclean: f64,
+    /// p-value of a bin below which a place is told although no effect is named. Chosen.
+    pub bin_located: f64,
+    /// p-value below which sessions differ although nothing can be named. Chosen.
+    pub sessions_differ: f64,
+}
+
+impl Default for RunRules {
+    fn default() -> Self {
+        Self {
+            alpha: 0.005,
+            alpha_window: 0.005,
+            alpha_sessions: 0.002,
+            alpha_runs: 0.002,
+            alpha_beyond: 0.001,
+            alpha_track: 0.0005,
+            alpha_again: 0.5,
+            noise_trust: [0.75, 1.3],
+            estimated_noise_trust: [0.5, 1.6],
+            holds: 0.85,
+            window_holds: 1.5,
+            least_left: 2e-3,
+            least_signal: 0.2,
+            window_competes: 0.3,
+            column_wins: [2.0, 3.0],
+            rivals: RivalRule {
+                needed_t: 2.0,
+                needed_t_few: 2.0,
+                least_gain: 0.3,
+                alike: 0.995,
+                least_t: 1.5,
+                shown: 12,
+            },
+            level_rivals: RivalRule {
+                needed_t: 2.5,
+                least_gain: 0.5,
+                ..RivalRule::default()
+            },
+            track_rivals: RivalRule {
+                needed_t: 2.0,
+                ..RivalRule::default()
+            },
+            track_agrees: 3.0,
+            track_and_forces: 3.0,
+            slope_sd_rad: 0.002,
+            stated_noise_error: 0.1,
+            estimated_noise_error: 0.5,
+            edges_m: 1.5,
+            bin_shown: 0.05,
+            bin_unclean: 0.01,
+            bin_located: 0.002,
+            sessions_differ: 0.001,
+        }
+    }
+}
+
+/// Friction experiments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExperimentRules {
+    /// Largest p-value of a claim, by permutation and against simulated tables alike. Chosen.
+    pub alpha: f64,
+    /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
+    pub least_left: f64,
+    /// Share of the largest |t| from which a candidate is fitted in full. Chosen.
+    pub near_largest: f64,
+    /// Rivals of a claim, and t that a named effect must keep beside a mere column.
+    pub rivals: RivalRule,
+    /// What is added to the normal quantile of intervals, over the degrees of freedom. Derived: Student's t to first order.
+    pub interval_few: f64,
+    /// Mean square in units of the noise beyond which the residual is not clean. Chosen.
+    pub unclean: f64,
+    /// Largest p-value of a bin that is shown. Chosen.
+    pub bin_shown: f64,
+}
+
+impl Default for ExperimentRules {
+    fn default() -> Self {
+        Self {
+            alpha: 0.03,
+            least_left: 0.02,
+            near_largest: 0.6,
+            rivals: RivalRule {
+                needed_t: 2.2,
+                alike: 0.9999,
+                least_t: 1.5,
+                ..RivalRule::default()
+            },
+            interval_few: 2.5,
+            unclean: 3.0,
+            bin_shown: 0.05,
+        }
+    }
+}
+
+/// Pressure maps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MapRules {
+    /// Drop of chi2 below which nothing is claimed. Chosen: chance has e^-15 for each effect tried.
+    pub least_drop: f64,
+    /// Share of chi2 by which a claim must lower it. Chosen.
+    pub least_share: f64,
+    /// Standard errors that a size must be away from 0. Derived: three.
+    pub size_in_errors: f64,
+    /// Rivals of a claim: t is the root of what their chi2 is worse by, in units of the best fit's mean square.
+    pub rivals: RivalRule,
+    /// Mean square in units of the noise beyond which a residual is not clean. Chosen.
+    pub unclean: f64,
+    /// Mean square, and share of what is beyond the noise, above both of which a name is in doubt. Chosen.
+    pub doubtful: [f64; 2],
+    /// Largest p-value of a bin that is shown. Chosen.
+    pub bin_shown: f64,
+}
+
+impl Default for MapRules {
+    fn default() -> Self {
+        Self {
+            least_drop: 30.0,
+            least_share: 0.2,
+            size_in_errors: 3.0,
+            rivals: RivalRule {
+                needed_t: 3.0,
+                ..RivalRule::default()
+            },
+            unclean: 2.0,
+            doubtful: [10.0, 0.1],
+            bin_shown: 0.05,
+        }
+    }
+}
+
+impl Rules {
+    /// Rules from TOML text; what it leaves out stays as it is by default.
+    ///
+    /// # Errors
+    /// Those of the TOML reader: unknown keys and wrong types.
+    pub fn from_toml(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
+    }
+
+    /// The rules as TOML text.
+    ///
+    /// # Errors
+    /// Those of the TOML writer.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_go_through_toml_unchanged_and_unknown_ones_are_refused() {
+        let rules = Rules::default();
+        let text = rules.to_toml().expect("plain data");
+        assert_eq!(Rules::from_toml(&text), Ok(rules));
+        let one = Rules::from_toml("[maps]\nleast_drop = 15.0\n").expect("a rule");
+        assert_eq!((one.maps.least_drop, one.runs), (15.0, rules.runs));
+        assert!(Rules::from_toml("[maps]\nleast_drops = 15.0\n").is_err());
+    }
+}

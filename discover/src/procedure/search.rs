@@ -1,0 +1,149 @@
+//! The search: fit, screen, claim, add, refit, screen again; at the end, once, the locked-away data.
+
+use crate::error::Error;
+use crate::finding::report::{Interval, Report, Step};
+use crate::options::Options;
+use crate::procedure::evidence::{Account, Claim, Evidence};
+use crate::procedure::sentence::sentence;
+use crate::procedure::verdict::{next_experiment, verdict};
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The report.
+    pub report: Report,
+    /// The model with the effects switched on and everything refitted, as its file's text.
+    pub next_model: String,
+}
+
+/// Searches data of any kind for what the model lacks.
+///
+/// # Errors
+/// Those of the evidence.
+pub fn search_evidence<E: Evidence>(
+    evidence: &mut E,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    let mut account = Account::default();
+    progress("fitting the base model");
+    let base = evidence.fit_base(&mut account)?;
+    let rules = &options.rules.search;
+    let mut fit = base.clone();
+    let mut detectable = None;
+    for number in 0..=rules.most_screens {
+        progress(&format!("screen {}", number + 1));
+        let screen = evidence.screen(&fit, &mut account)?;
+        detectable.get_or_insert(screen.detectable);
+        let Some(claim) = screen.claim else { break };
+        let effect = &claim.candidate.effect;
+        let known = account.steps.iter().position(|s| s.effect == *effect);
+        let full = known.is_none() && account.steps.len() == rules.most_claims;
+        if number == rules.most_screens || full {
+            let told = format!(
+                "after {} effects {effect} still stands out",
+                account.steps.len()
+            );
+            account.remarks.push(told);
+            break;
+        }
+        progress(&format!("adding {}", claim.candidate.label()));
+        let at = known.unwrap_or(account.steps.len());
+        let added = evidence.add(&fit, &claim, at)?;
+        match known {
+            // Another stretch or another amplitude of an effect belongs to the same step.
+            Some(known) => {
+                let place = added.place.unwrap_or_default();
+                account.steps[known].join(&place, added.gap[1]);
+                account.remarks.extend(claim.remark);
+            }
+            None => {
+                let remark = claim.remark.clone();
+                account.steps.push(step(claim, added.place, added.gap));
+                account
+                    .remarks
+                    .extend(remark.filter(|_| added.fit.is_some()));
+            }
+        }
+        match added.fit {
+            Some(next) => fit = next,
+            None => {
+                let effect = &account.steps[at].effect;
+                let told = format!(
+                    "{effect}: the model has no such column, so that nothing was switched on"
+                );
+                account.remarks.push(told);
+                break;
+            }
+        }
+    }
+    let last = evidence.settle(fit, &mut account)?;
+    progress("opening the locked-away data");
+    let opened = evidence.open(&base, &last, &mut account)?;
+    progress("writing the report");
+    let described = evidence.describe(&base, &last, &mut account)?;
+    for (step, closed) in account.steps.iter_mut().zip(opened.closed) {
+        step.explainable_gap_closed = closed;
+    }
+    for (step, parameters) in account.steps.iter_mut().zip(described.parameters.clone()) {
+        step.parameters.extend(parameters);
+    }
+    let verdict = verdict(&account, described.located);
+    let next_experiment = next_experiment(verdict, &account, &described);
+    let sentence = sentence(
+        verdict,
+        &account,
+        &opened.held_out,
+        &next_experiment,
+        &described.words,
+    );
+    let Account {
+        steps,
+        mut remarks,
+        depends,
+        ..
+    } = account;
+    remarks.extend(depends);
+    let report = Report {
+        verdict,
+        sentence,
+        steps,
+        held_out: opened.held_out,
+        minimum_detectable: detectable.unwrap_or_default(),
+        next_experiment,
+        base: described.base,
+        bins: described.bins,
+        bins_after: described.bins_after,
+        by_run: described.by_run,
+        clean: described.clean,
+        pictures: described.pictures,
+        training: described.training,
+        untestable: described.untestable,
+        remarks,
+        data: described.data,
+        seed: options.seed,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
+    Ok(Found {
+        report,
+        next_model: described.next_model,
+    })
+}
+
+/// What a claim adds to the report; how much of the gap it closes is told once the locked-away data are open.
+fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64; 2]) -> Step {
+    let (channel, unit) = claim.channel;
+    Step {
+        effect: claim.candidate.effect,
+        class: claim.class,
+        channel: channel.to_owned(),
+        place: place.unwrap_or(claim.place),
+        p_value: claim.p_value,
+        parameters: claim.parameters,
+        gap_before,
+        gap_after,
+        unit: unit.to_owned(),
+        explainable_gap_closed: Interval::default(),
+        rivals: claim.rivals,
+    }
+}

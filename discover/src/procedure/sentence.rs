@@ -1,0 +1,64 @@
+//! The verdict in words.
+
+use kufe_plot::{number4, quantity};
+
+use crate::finding::report::{HeldOut, Verdict};
+use crate::procedure::evidence::{Account, Words};
+
+/// One sentence for the top of the report.
+pub fn sentence(
+    verdict: Verdict,
+    account: &Account,
+    held: &HeldOut,
+    next: &str,
+    words: &Words,
+) -> String {
+    let (steps, depends) = (&account.steps, &account.depends);
+    let names: Vec<String> = steps
+        .iter()
+        .map(|step| {
+            let sizes: Vec<String> = step
+                .parameters
+                .iter()
+                .map(|p| {
+                    format!(
+                        "{} = {} {} ({} to {})",
+                        p.name,
+                        number4(p.value),
+                        p.unit,
+                        number4(p.low),
+                        number4(p.high)
+                    )
+                })
+                .collect();
+            let class = if step.class.len() > 1 {
+                format!(", or one of {}", step.class[1..].join(", "))
+            } else {
+                String::new()
+            };
+            format!("{} [{}]{class}", step.effect, sizes.join("; "))
+        })
+        .collect();
+    let gap = if held.runs.is_empty() {
+        String::new()
+    } else {
+        format!(
+            " On locked-away data ({} in number) the gap went from {} to {}.",
+            held.runs.len(),
+            quantity(held.gap_before, &held.unit),
+            quantity(held.gap_after, &held.unit)
+        )
+    };
+    match verdict {
+        Verdict::Named => format!("Missing from the model: {}.{gap}", names.join(", then ")),
+        Verdict::OneOf => format!(
+            "Missing from the model: {}. These data cannot tell the members of a class apart; what would: {next}.{gap}",
+            names.join(", then ")
+        ),
+        Verdict::DependsOn => format!("{}; {}.{gap}", names.join(", then "), depends.join("; ")),
+        Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
+        Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
+        Verdict::None => "Nothing to be found: no effect stands out from chance and from the noise of the inputs.".to_owned(),
+        Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
+    }
+}

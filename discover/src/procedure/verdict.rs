@@ -1,0 +1,43 @@
+//! The outcome: its verdict and what to measure next.
+
+use crate::finding::report::Verdict;
+use crate::procedure::evidence::{Account, Description};
+
+/// The outcome in one word.
+pub fn verdict(account: &Account, located: bool) -> Verdict {
+    match account.steps.first() {
+        Some(_) if !account.depends.is_empty() && account.steps.len() == 1 => Verdict::DependsOn,
+        Some(step) if step.class.len() == 1 => Verdict::Named,
+        Some(_) => Verdict::OneOf,
+        None if account.unexplained.is_some() => Verdict::NotIdentifiable,
+        None if located => Verdict::Located,
+        None => Verdict::None,
+    }
+}
+
+/// What to measure next.
+pub fn next_experiment(verdict: Verdict, account: &Account, described: &Description) -> String {
+    let words = &described.words;
+    match verdict {
+        Verdict::NotIdentifiable => account.unexplained.clone().unwrap_or_default(),
+        Verdict::DependsOn => "a survey of the track's slope with a stated deviation".to_owned(),
+        Verdict::Located => {
+            "runs in which the bins listed are visited with other variables changed".to_owned()
+        }
+        Verdict::None => words.next_after_nothing.clone(),
+        Verdict::Named if !words.next_after_name.is_empty() => words.next_after_name.clone(),
+        Verdict::Named | Verdict::OneOf => {
+            let split = |class: &[String]| verdict == Verdict::Named || class.len() > 1;
+            let mut what: Vec<String> = account
+                .steps
+                .iter()
+                .filter(|s| split(&s.class))
+                .flat_map(|s| &s.class)
+                .filter_map(|name| described.decides.iter().find(|(effect, _)| effect == name))
+                .map(|(effect, decides)| format!("{effect}: {decides}"))
+                .collect();
+            what.dedup();
+            what.join("; ")
+        }
+    }
+}

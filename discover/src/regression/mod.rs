@@ -1,0 +1,8 @@
+//! Least squares over runs: products of columns, scores beyond a base, inverses.
+
+pub(crate) mod gram;
+pub(crate) mod inverse;
+pub(crate) mod scores;
+
+pub use gram::Gram;
+pub use scores::Scores;

@@ -1,0 +1,186 @@
+//! What each candidate would explain, run by run, beyond a refit of the base.
+//!
+//! With J the base's columns, c a candidate's, r the residual (all whitened, and free of each run's own level), and the
+//! sums over runs G = sum_i G_i:
+//!
+//! ```text
+//! c' = c - J (J'J)^-1 J'c        r' = r - J (J'J)^-1 J'r        U_i = c'_i . r'_i        I_i = c'_i . c'_i
+//! ```
+//!
+//! sum U / sum I is the candidate's size, (sum U)^2 / sum I what it explains, T = sum U / sqrt(sum U^2) what is tested.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::regression::gram::Gram;
+use crate::regression::inverse::ridge_inverse;
+
+/// Scores of all candidates, the windows after the regular ones.
+#[derive(Clone, Debug)]
+pub struct Scores {
+    /// U by candidate and run.
+    pub u: DMatrix<f64>,
+    /// I by candidate and run.
+    pub information: DMatrix<f64>,
+    /// c.c by candidate, before the base is projected out.
+    pub raw: Vec<f64>,
+}
+
+impl Scores {
+    /// Scores with `base` leading base columns.
+    pub fn new(grams: &[Gram], base: usize) -> Self {
+        let m = grams[0].g.ncols();
+        let regular = m - base - 1;
+        let windows = grams[0].windows.nrows();
+        let count = regular + windows;
+        let mut total = DMatrix::zeros(base, m);
+        let mut to_windows = DMatrix::zeros(base, windows);
+        for gram in grams {
+            total += gram.g.rows(0, base);
+            to_windows += gram.windows.columns(0, base).transpose();
+        }
+        let inverse = ridge_inverse(total.columns(0, base).into_owned());
+        let by_residual: DVector<f64> = &inverse * total.column(m - 1);
+        let mut betas = DMatrix::zeros(base, count);
+        betas
+            .columns_mut(0, regular)
+            .copy_from(&(&inverse * total.columns(base, regular)));
+        betas
+            .columns_mut(regular, windows)
+            .copy_from(&(&inverse * &to_windows));
+
+        let runs = grams.len();
+        let mut u = DMatrix::zeros(count, runs);
+        let mut information = DMatrix::zeros(count, runs);
+        let mut raw = vec![0.0; count];
+        for (i, gram) in grams.iter().enumerate() {
+            let jj = gram.g.view((0, 0), (base, base));
+            let jr = gram.g.view((0, m - 1), (base, 1)).into_owned();
+            // J'r' of this run.
+            let jr_left = jr - jj * &by_residual;
+            for c in 0..count {
+                let (jc, cr, cc): (DVector<f64>, f64, f64) = if c < regular {
+                    (
+                        gram.g.view((0, base + c), (base, 1)).column(0).into_owned(),
+                        gram.g[(base + c, m - 1)],
+                        gram.g[(base + c, base + c)],
+                    )
+                } else {
+                    let w = c - regular;
+                    (
+                        gram.windows
+                            .view((w, 0), (1, base))
+                            .transpose()
+                            .column(0)
+                            .into_owned(),
+                        gram.windows[(w, m - 1)],
+                        gram.window_norms[w],
+                    )
+                };
+                let beta = betas.column(c);
+                u[(c, i)] = cr - jc.dot(&by_residual) - beta.dot(&jr_left.column(0));
+                information[(c, i)] = cc - 2.0 * beta.dot(&jc) + beta.dot(&(jj * beta));
+                raw[c] += cc;
+            }
+        }
+        Self {
+            u,
+            information,
+            raw,
+        }
+    }
+
+    /// Total information of a candidate.
+    pub fn total_information(&self, candidate: usize) -> f64 {
+        self.information.row(candidate).sum().max(0.0)
+    }
+
+    /// Share of a candidate that is left after the base is refitted.
+    pub fn left(&self, candidate: usize) -> f64 {
+        if self.raw[candidate] > 0.0 {
+            self.total_information(candidate) / self.raw[candidate]
+        } else {
+            0.0
+        }
+    }
+}
+
+/// T = sum U / sqrt(sum U^2) of one candidate.
+pub fn studentised(u: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut square) = (0.0, 0.0);
+    for value in u {
+        sum += value;
+        square += value * value;
+    }
+    if square > 0.0 {
+        sum / square.sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// Products of two candidates after the base is projected out, summed over runs; regular candidates only.
+pub fn cross_information(grams: &[Gram], base: usize) -> DMatrix<f64> {
+    let m = grams[0].g.ncols();
+    let mut total = DMatrix::zeros(m, m);
+    for gram in grams {
+        total += &gram.g;
+    }
+    let q = m - base - 1;
+    let inverse = ridge_inverse(total.view((0, 0), (base, base)).into_owned());
+    let jc = total.view((0, base), (base, q)).into_owned();
+    total.view((base, base), (q, q)) - jc.tr_mul(&(inverse * &jc))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::normal;
+    use crate::null::random::stream;
+
+    #[test]
+    fn scores_equal_those_of_explicit_projection() {
+        let mut rng = stream(1, 2, 3);
+        let (levels, base, q, runs) = (1, 2, 3, 4);
+        let m = levels + base + q + 1;
+        let all: Vec<DMatrix<f64>> = (0..runs)
+            .map(|_| DMatrix::from_fn(30, m, |_, _| normal(&mut rng)))
+            .collect();
+        let grams: Vec<Gram> = all
+            .iter()
+            .map(|x| {
+                // A window that is the first candidate itself must score like it.
+                let w = DMatrix::from_fn(1, m, |_, k| x.column(levels + base).dot(&x.column(k)));
+                let norm = x.column(levels + base).norm_squared();
+                Gram::new(&x.tr_mul(x), levels, &w, &[norm])
+            })
+            .collect();
+        let scores = Scores::new(&grams, base);
+        // Explicitly: take each run's level out, stack, project on the base.
+        let free: Vec<DMatrix<f64>> = all
+            .iter()
+            .map(|x| {
+                let n = x.column(0).normalize();
+                let rest = x.columns(1, m - 1).into_owned();
+                &rest - &n * (n.transpose() * &rest)
+            })
+            .collect();
+        let stacked = DMatrix::from_fn(30 * runs, m - 1, |i, j| free[i / 30][(i % 30, j)]);
+        let j = stacked.columns(0, base).into_owned();
+        let hat = &j * (j.tr_mul(&j)).try_inverse().unwrap() * j.transpose();
+        let r = stacked.column(m - 2) - &hat * stacked.column(m - 2);
+        for c in 0..q {
+            let column = stacked.column(base + c);
+            let left = column - &hat * column;
+            for i in 0..runs {
+                let u: f64 = (0..30).map(|k| left[30 * i + k] * r[30 * i + k]).sum();
+                let info: f64 = (0..30).map(|k| left[30 * i + k].powi(2)).sum();
+                assert!((u - scores.u[(c, i)]).abs() < 1e-9);
+                assert!((info - scores.information[(c, i)]).abs() < 1e-9);
+            }
+        }
+        for i in 0..runs {
+            assert!((scores.u[(q, i)] - scores.u[(0, i)]).abs() < 1e-9);
+            assert!((scores.information[(q, i)] - scores.information[(0, i)]).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! What a search finds and what it does not.
+
+mod hidden_effects;
+mod real_data;

@@ -1,0 +1,3 @@
+//! Forces of the air.
+
+include!(concat!(env!("OUT_DIR"), "/air.rs"));

@@ -1,0 +1,3 @@
+//! The friction coefficient, and what brakes along the runners.
+
+include!(concat!(env!("OUT_DIR"), "/friction.rs"));

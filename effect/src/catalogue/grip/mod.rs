@@ -1,0 +1,3 @@
+//! Side forces of the runners.
+
+include!(concat!(env!("OUT_DIR"), "/grip.rs"));

@@ -1,0 +1,3 @@
+//! Faults of sensors.
+
+include!(concat!(env!("OUT_DIR"), "/sensors.rs"));

@@ -1,0 +1,27 @@
+//! The slip angle is late; a relaxation length goes with 1/v and acts on steering too.
+
+use crate::law::prelude::*;
+
+pub static EFFECT: Effect = Effect {
+    info: Info {
+        name: "slip-lag",
+        summary: "the slip angle is late",
+        formula: "alpha - tau dalpha/dt",
+        signature: "the slip rate",
+        acts_on: &[ActsOn::Sensor],
+        parameters: &[Parameter::amplitude("time_s", "s", -0.2, 0.5, 0.002)],
+        needs: &[Column::Slip],
+        form: Form::FirstOrder,
+        looks_like: &["relaxation-length"],
+        decides: "the sensor's clock against the gyroscope's on a shaken sled",
+        source: "first-order sensor dynamics",
+        ..Info::NEW
+    },
+    on_sensors: &[Fault::lag(Sensor::Slip, 0)],
+    example: Example {
+        parameters: &[0.02],
+        given: &[("alpha_rad", 0.01), ("alpha_rad_rate", 0.1)],
+        gives: ("alpha_rad", 0.008),
+    },
+    ..Effect::NEW
+};

@@ -1,0 +1,27 @@
+//! The steering angle is late.
+
+use crate::law::prelude::*;
+
+pub static EFFECT: Effect = Effect {
+    info: Info {
+        name: "steer-lag",
+        summary: "the steering angle is late",
+        formula: "delta - tau ddelta/dt",
+        signature: "the rate of the steering angle, at the front alone",
+        acts_on: &[ActsOn::Sensor],
+        parameters: &[Parameter::amplitude("time_s", "s", -0.2, 0.5, 0.002)],
+        needs: &[Column::Steering],
+        form: Form::FirstOrder,
+        looks_like: &["relaxation-length", "slip-lag"],
+        decides: "the sensor's clock against the gyroscope's on a steered stand",
+        source: "first-order sensor dynamics",
+        ..Info::NEW
+    },
+    on_sensors: &[Fault::lag(Sensor::Steering, 0)],
+    example: Example {
+        parameters: &[0.02],
+        given: &[("delta_rad", 0.03), ("delta_rad_rate", 0.5)],
+        gives: ("delta_rad", 0.02),
+    },
+    ..Effect::NEW
+};

@@ -1,0 +1,3 @@
+//! The track's shape, and what happens at one place of it.
+
+include!(concat!(env!("OUT_DIR"), "/track.rs"));

@@ -1,0 +1,11 @@
+//! What effects see of a sled and what they may change.
+
+mod conditions;
+mod constants;
+mod signals;
+mod state;
+
+pub use conditions::Conditions;
+pub use constants::Constants;
+pub use signals::{SENSORS, Sensor, Signals};
+pub use state::{Forces, State};

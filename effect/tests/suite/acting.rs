@@ -1,0 +1,40 @@
+//! Effects that a model switches on, acting.
+
+use crate::state::{forces, state};
+use crate::tables::effects;
+
+#[test]
+fn local_effects_act_in_their_window_on_their_track() {
+    let text =
+        "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\ntrack = \"a\"";
+    let effects = effects(text).unwrap();
+    assert_eq!(effects.active[0].effect_name(), "wall-contact");
+    let mut f = forces();
+    effects.act("a", &state(), &mut f);
+    assert_eq!(f.body_across, 500.0);
+    effects.act("b", &state(), &mut f);
+    assert_eq!(f.body_across, 500.0);
+    let mut later = state();
+    later.conditions.s = 31.0;
+    effects.act("a", &later, &mut f);
+    assert_eq!(f.body_across, 500.0);
+    assert!(effects.on_track("b").is_empty());
+    assert_eq!(effects.on_track("a").active[0].track, None);
+}
+
+#[test]
+fn an_effect_on_the_coefficient_acts_on_both_runners() {
+    let effects = effects("[effects.warm-up]\nexcess = 1.0\ntime_s = 3.0").unwrap();
+    let mut f = forces();
+    effects.act("a", &state(), &mut f);
+    let factor = 1.0 + (-1.0_f64).exp();
+    for (with, without) in f.along.iter().zip(forces().along) {
+        assert!((with - factor * without).abs() < 1e-12, "{with}");
+    }
+    // A slope is none of the forces: the speed feels it.
+    let slope = crate::tables::effects("[effects.slope]\noffset_rad = 0.01").unwrap();
+    let mut f = forces();
+    slope.act("a", &state(), &mut f);
+    assert_eq!(f, forces());
+    assert_eq!(slope.slope("a", 3.0), 0.01);
+}

@@ -1,0 +1,148 @@
+//! One gliding run: energies over distance and the resistance that they show.
+
+use crate::error::Error;
+use crate::icehouse::glides::{GlideEntry, GlideTrace, integrate};
+use crate::icehouse::line_fit::{LineFit, fit_line};
+
+/// Specific gas constant of dry air [J/(kg K)].
+pub const GAS_CONSTANT_OF_AIR: f64 = 287.05;
+/// Standard gravity as the examples use it [m/s2].
+pub const GRAVITY: f64 = 9.81;
+/// Share of the glided distance at either end that is not used, in which the athlete lies down and sits up.
+pub const SHARE_LEFT_OUT: f64 = 0.2;
+
+/// Air density [kg/m3]: `rho = p / (R T)` with the specific gas constant of air and T in kelvin.
+///
+/// ```
+/// assert!((kufe_friction::air_density(94_700.0, 2.0) - 1.199).abs() < 1e-3);
+/// ```
+pub fn air_density(air_pa: f64, air_c: f64) -> f64 {
+    air_pa / (GAS_CONSTANT_OF_AIR * (air_c + 273.15))
+}
+
+/// One evaluated run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlideRun {
+    /// What the index says of it.
+    pub entry: GlideEntry,
+    /// Distance from the start of the glide [m].
+    pub s: Vec<f64>,
+    /// Kinetic energy [J].
+    pub kinetic: Vec<f64>,
+    /// Energy given to the air since the start of the glide [J].
+    pub aero: Vec<f64>,
+    /// First and past-the-last sample of the middle section.
+    pub section: std::ops::Range<usize>,
+    /// Line through kinetic energy plus energy given to the air over distance, in the middle section.
+    pub line: LineFit,
+    /// Mean speed in the middle section [m/s].
+    pub v_mean: f64,
+    /// Air density [kg/m3].
+    pub air_density: f64,
+}
+
+impl GlideRun {
+    /// Ice friction plus the slope's share of the weight, over the weight: `mu cos(kappa) +- sin(kappa)`.
+    pub fn resistance(&self) -> f64 {
+        -self.line.slope / (self.entry.mass_kg * GRAVITY)
+    }
+
+    /// Standard error of [`GlideRun::resistance`].
+    pub fn resistance_se(&self) -> f64 {
+        self.line.slope_se / (self.entry.mass_kg * GRAVITY)
+    }
+}
+
+/// Evaluates one run.
+///
+/// ```text
+/// E_kin = m v^2 / 2,   W_aero(s) = integral of c_d A rho v^2 / 2 ds,   F = -d(E_kin + W_aero)/ds
+/// ```
+///
+/// What kinetic energy loses and the air does not take goes to the ice and, on a slope, into height. The line is fitted over
+/// the middle section: the glide starts at the greatest speed (mean over half a second), and of the distance from there to
+/// the end the central 60 % is used.
+///
+/// # Errors
+/// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter than 1 m.
+pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun, Error> {
+    const FEWEST: usize = 30;
+    let start = fastest(trace);
+    let (t, v) = (&trace.t[start..], &trace.v[start..]);
+    let s: Vec<f64> = trace.s[start..]
+        .iter()
+        .map(|s| s - trace.s[start])
+        .collect();
+    let whole = s.iter().copied().fold(0.0, f64::max);
+    if whole.is_nan() || whole < 1.0 {
+        return Err(Error::OutOfRange {
+            name: "distance glided [m]",
+            value: whole,
+            expected: "at least 1 m",
+        });
+    }
+    let density = air_density(entry.air_pa, entry.air_c);
+    let kinetic: Vec<f64> = v.iter().map(|v| 0.5 * entry.mass_kg * v * v).collect();
+    let drag: Vec<f64> = v
+        .iter()
+        .map(|v| 0.5 * entry.cda_m2 * density * v * v)
+        .collect();
+    let aero = if trace.s_measured {
+        integrate(&s, &drag)
+    } else {
+        let power: Vec<f64> = drag.iter().zip(v).map(|(f, v)| f * v).collect();
+        integrate(t, &power)
+    };
+    let reaches = |share: f64| {
+        s.iter()
+            .position(|s| *s >= share * whole)
+            .unwrap_or(s.len())
+    };
+    let section = reaches(SHARE_LEFT_OUT)..reaches(1.0 - SHARE_LEFT_OUT);
+    if section.len() < FEWEST {
+        return Err(Error::TooFew {
+            what: format!("run {}: samples in the middle section", entry.run),
+            have: section.len(),
+            need: FEWEST,
+        });
+    }
+    let energy: Vec<f64> = section.clone().map(|i| kinetic[i] + aero[i]).collect();
+    let Some(line) = fit_line(&s[section.clone()], &energy) else {
+        return Err(Error::OutOfRange {
+            name: "distance glided in the middle section [m]",
+            value: 0.0,
+            expected: "a positive distance",
+        });
+    };
+    Ok(GlideRun {
+        entry: entry.clone(),
+        v_mean: v[section.clone()].iter().sum::<f64>() / section.len() as f64,
+        s,
+        kinetic,
+        aero,
+        section,
+        line,
+        air_density: density,
+    })
+}
+
+/// Sample of the greatest speed, averaged over half a second.
+fn fastest(trace: &GlideTrace) -> usize {
+    let distance = integrate(&trace.t, &trace.v);
+    let mut best = (0, f64::NEG_INFINITY);
+    let mut end = 0;
+    for start in 0..trace.t.len() {
+        while end + 1 < trace.t.len() && trace.t[end] - trace.t[start] < 0.5 {
+            end += 1;
+        }
+        let span = trace.t[end] - trace.t[start];
+        if span < 0.5 {
+            break;
+        }
+        let speed = (distance[end] - distance[start]) / span;
+        if speed > best.1 {
+            best = (start, speed);
+        }
+    }
+    best.0
+}

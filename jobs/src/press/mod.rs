@@ -1,0 +1,6 @@
+//! One contact problem, from its case to its solution and `result.json`.
+
+mod pressed;
+mod result;
+
+pub use pressed::{Pressed, press, press_with};

@@ -1,0 +1,88 @@
+//! One contact problem, from its case to its solution.
+
+use std::time::Instant;
+
+use kufe_case::{FittedHull, StatedProblem};
+use kufe_contact::{Options, Problem, Solution, Watcher, solve};
+
+use crate::case_file::LoadedCase;
+use crate::failure::Failure;
+use crate::watch::Watch;
+
+/// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
+const ICE_GIVES_WAY: f64 = 10e6;
+
+/// A solved case with what there is to say about it.
+pub struct Pressed {
+    /// The case.
+    pub loaded: LoadedCase,
+    /// The problem that it stated.
+    pub problem: Problem,
+    /// The hull, where the case names one.
+    pub hull: Option<FittedHull>,
+    /// Its solution.
+    pub solution: Solution,
+    /// Wall time of the solve [s].
+    pub seconds: f64,
+    /// What the reader of the result should know.
+    pub warnings: Vec<String>,
+}
+
+/// Solves a case; `watcher` is told of every update of the contact set.
+///
+/// # Errors
+/// [`Failure::BadInput`] for the case and a hull that is too coarse for its load, [`Failure::NotConverged`] where the
+/// solver stops short of the accuracy asked.
+pub fn press(
+    loaded: LoadedCase,
+    watch: &Watch,
+    watcher: Option<Watcher>,
+) -> Result<Pressed, Failure> {
+    let options = Options {
+        progress: watcher,
+        ..Options::default()
+    };
+    press_with(loaded, watch, options)
+}
+
+/// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's.
+///
+/// # Errors
+/// As [`press`]; [`Failure::Partial`] where it was stopped.
+pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+    let StatedProblem { problem, hull } = loaded.stated()?;
+    let mut warnings = loaded.hull_warnings(hull.as_ref());
+    warnings.iter().for_each(|warning| watch.warn(warning));
+    let started = Instant::now();
+    let options = Options {
+        p_max_tolerance: loaded.case.accuracy.p_max,
+        stiffness: loaded.case.solver.stiffness.into(),
+        ..options
+    };
+    let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;
+    let seconds = started.elapsed().as_secs_f64();
+    loaded.fine_enough(hull.as_ref(), &solution)?;
+    if let Some(warning) = beyond_ice(&problem, &solution) {
+        watch.warn(&warning);
+        warnings.push(warning);
+    }
+    Ok(Pressed {
+        loaded,
+        problem,
+        hull,
+        solution,
+        seconds,
+        warnings,
+    })
+}
+
+/// A warning where the elastic answer is beyond what ice bears.
+fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
+    (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
+        format!(
+            "the peak of {:.1} MPa is beyond the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
+             as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
+            solution.p_max / 1e6
+        )
+    })
+}

@@ -1,0 +1,11 @@
+//! Lookup tables: the file that asks for one, and the contacts that fill it.
+
+mod fill;
+mod read;
+mod solver;
+mod wanted;
+
+pub use fill::{Filled, fill};
+pub use read::read_table;
+pub use solver::{SolveError, Solver};
+pub use wanted::{Wanted, schema};

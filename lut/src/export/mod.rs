@@ -1,0 +1,9 @@
+//! The forms that other programs read: CSV, MAT, C headers, FMUs and pictures.
+
+pub(crate) mod csv;
+pub(crate) mod fmu;
+pub(crate) mod header;
+pub(crate) mod mat;
+pub(crate) mod picture;
+
+pub use picture::draw;

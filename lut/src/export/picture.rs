@@ -1,0 +1,279 @@
+//! A table drawn: filled cells of the smooth mode, contour lines, and the nodes.
+
+use std::path::Path;
+
+use kufe_plot::{axis_ticks, viridis};
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::error::Error;
+use crate::table::lookup::Lookup;
+use crate::table::mode::Mode;
+use crate::table::nodes::Table;
+use crate::table::quantity::Quantity;
+
+/// Cells of the map along each axis.
+const CELLS: usize = 240;
+
+/// Draws a quantity over curvature and (logarithmic) force as a PNG: colours and contour lines of the smooth mode, dots at
+/// the nodes, crosses at the checks.
+///
+/// `rocker_radius` where the table has that axis [m].
+///
+/// # Errors
+/// As [`Lookup::with_rocker`], and [`Error::Picture`] where the file cannot be made.
+pub fn draw(
+    table: &Table,
+    quantity: Quantity,
+    rocker_radius: Option<f64>,
+    path: &Path,
+) -> Result<(), Error> {
+    let lookup = Lookup::with_rocker(table, quantity, Mode::Smooth, rocker_radius)?;
+    let map = Map::new(table, &lookup, quantity);
+    kufe_plot::png(path, 1100, 760, &|root| {
+        let (left, right) = root.split_horizontally(940);
+        draw_map(&left, table, &map, quantity, rocker_radius)?;
+        draw_colour_bar(&right, &map)
+    })?;
+    Ok(())
+}
+
+/// Values on a regular raster, force logarithmic, in the unit shown.
+struct Map {
+    fz: (f64, f64),
+    curvature: (f64, f64),
+    /// Rows of constant force; one more than cells each way.
+    values: Vec<f64>,
+    range: (f64, f64),
+    unit: &'static str,
+}
+
+impl Map {
+    fn new(table: &Table, lookup: &Lookup, quantity: Quantity) -> Self {
+        let (factor, unit) = match quantity {
+            Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
+            Quantity::Area => (1e6, "mm2"),
+            Quantity::Length | Quantity::Width => (1e3, "mm"),
+            Quantity::Approach => (1e6, "um"),
+        };
+        // One breakpoint has no extent: a little room around it keeps the axes drawable.
+        let widened = |values: &[f64], room: f64| {
+            let (low, high) = (values[0], values[values.len() - 1]);
+            if low < high {
+                (low, high)
+            } else {
+                (low - room, low + room)
+            }
+        };
+        let fz = table.axes().fz();
+        let fz = widened(fz, 0.1 * fz[0]);
+        let curvature = widened(&table.axes().curvature_range(fz.0), 1e-3);
+        let mut values = Vec::with_capacity((CELLS + 1) * (CELLS + 1));
+        for i in 0..=CELLS {
+            let force = fz.0 * (fz.1 / fz.0).powf(i as f64 / CELLS as f64);
+            for j in 0..=CELLS {
+                let k = curvature.0 + (curvature.1 - curvature.0) * j as f64 / CELLS as f64;
+                values.push(factor * lookup.at(force, k).value);
+            }
+        }
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Map {
+            fz,
+            curvature,
+            values,
+            range: (low, if high > low { high } else { low + 1.0 }),
+            unit,
+        }
+    }
+
+    fn force(&self, i: f64) -> f64 {
+        self.fz.0 * (self.fz.1 / self.fz.0).powf(i / CELLS as f64)
+    }
+
+    fn k(&self, j: f64) -> f64 {
+        self.curvature.0 + (self.curvature.1 - self.curvature.0) * j / CELLS as f64
+    }
+
+    fn value(&self, i: usize, j: usize) -> f64 {
+        self.values[i * (CELLS + 1) + j]
+    }
+
+    fn colour(&self, value: f64) -> RGBColor {
+        viridis((value - self.range.0) / (self.range.1 - self.range.0))
+    }
+
+    fn levels(&self) -> Vec<f64> {
+        axis_ticks(self.range.0, self.range.1, 8)
+    }
+
+    /// Pieces of the contour line of a level: marching squares.
+    fn contour(&self, level: f64) -> Vec<[(f64, f64); 2]> {
+        let mut pieces = Vec::new();
+        for i in 0..CELLS {
+            for j in 0..CELLS {
+                let corners = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)];
+                let mut crossings = Vec::with_capacity(4);
+                for n in 0..4 {
+                    let (p, q) = (corners[n], corners[(n + 1) % 4]);
+                    let (a, b) = (self.value(p.0, p.1), self.value(q.0, q.1));
+                    if (a < level) != (b < level) {
+                        let t = (level - a) / (b - a);
+                        let along = |p: usize, q: usize| p as f64 + t * (q as f64 - p as f64);
+                        crossings.push((self.k(along(p.1, q.1)), self.force(along(p.0, q.0))));
+                    }
+                }
+                pieces.extend(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
+            }
+        }
+        pieces
+    }
+}
+
+fn draw_map<DB: DrawingBackend>(
+    area: &DrawingArea<DB, plotters::coord::Shift>,
+    table: &Table,
+    map: &Map,
+    quantity: Quantity,
+    rocker_radius: Option<f64>,
+) -> Result<(), kufe_plot::Error>
+where
+    DB::ErrorType: 'static,
+{
+    let rocker = rocker_radius.map_or(String::new(), |r| format!(", rocker radius {r} m"));
+    let title = format!(
+        "{} [{}]{rocker}: {} x {} nodes, {} checks",
+        title(quantity),
+        map.unit,
+        table.axes().fz().len(),
+        table.axes().curvature().len(),
+        table.checks().len()
+    );
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 20))
+        .margin(12)
+        .x_label_area_size(54)
+        .y_label_area_size(74)
+        .build_cartesian_2d(
+            map.curvature.0..map.curvature.1,
+            (map.fz.0..map.fz.1).log_scale(),
+        )?;
+    chart.draw_series((0..CELLS).flat_map(|i| {
+        (0..CELLS).map(move |j| {
+            let middle = 0.25
+                * (map.value(i, j)
+                    + map.value(i + 1, j)
+                    + map.value(i, j + 1)
+                    + map.value(i + 1, j + 1));
+            let (i, j) = (i as f64, j as f64);
+            Rectangle::new(
+                [
+                    (map.k(j), map.force(i)),
+                    (map.k(j + 1.0), map.force(i + 1.0)),
+                ],
+                map.colour(middle).filled(),
+            )
+        })
+    }))?;
+    for level in map.levels() {
+        let pieces = map.contour(level);
+        let middle = pieces.get(pieces.len() / 2).map(|piece| piece[0]);
+        chart.draw_series(
+            pieces
+                .into_iter()
+                .map(|piece| PathElement::new(piece.to_vec(), WHITE.mix(0.8).stroke_width(1))),
+        )?;
+        let style = ("sans-serif", 13)
+            .into_text_style(area)
+            .color(&WHITE)
+            .pos(Pos::new(HPos::Center, VPos::Bottom));
+        chart.draw_series(
+            middle
+                .into_iter()
+                .map(|at| Text::new(short(level), at, style.clone())),
+        )?;
+    }
+    chart.draw_series(table.checks().iter().map(|check| {
+        Cross::new(
+            (check.point.curvature, check.point.fz),
+            2,
+            WHITE.mix(0.45).stroke_width(1),
+        )
+    }))?;
+    let nodes = table.axes().points().into_iter();
+    chart
+        .draw_series(nodes.map(|node| Circle::new((node.curvature, node.fz), 2, BLACK.filled())))?;
+    if map.curvature.0 < 0.0 && map.curvature.1 > 0.0 {
+        let straight = [(0.0, map.fz.0), (0.0, map.fz.1)];
+        let line = DashedPathElement::new(straight, 6, 6, WHITE.mix(0.9));
+        chart.draw_series(std::iter::once(line))?;
+    }
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc("track curvature [1/m]  (crest < 0 < valley; 0: straight)")
+        .y_desc("normal force [N]")
+        .label_style(("sans-serif", 15))
+        .y_label_formatter(&|fz| short(*fz))
+        .draw()?;
+    Ok(())
+}
+
+fn draw_colour_bar<DB: DrawingBackend>(
+    area: &DrawingArea<DB, plotters::coord::Shift>,
+    map: &Map,
+) -> Result<(), kufe_plot::Error>
+where
+    DB::ErrorType: 'static,
+{
+    let (low, high) = map.range;
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(44)
+        .margin_bottom(66)
+        .margin_right(50)
+        .margin_left(10)
+        .y_label_area_size(70)
+        .build_cartesian_2d(0.0..1.0, low..high)?;
+    let steps = 128;
+    chart.draw_series((0..steps).map(|n| {
+        let at = |n: usize| low + (high - low) * n as f64 / steps as f64;
+        Rectangle::new(
+            [(0.0, at(n)), (1.0, at(n + 1))],
+            map.colour(0.5 * (at(n) + at(n + 1))).filled(),
+        )
+    }))?;
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .disable_x_axis()
+        .y_desc(map.unit)
+        .label_style(("sans-serif", 15))
+        .y_label_formatter(&|value| short(*value))
+        .draw()?;
+    Ok(())
+}
+
+fn title(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::PMax => "Peak pressure",
+        Quantity::PMean => "Mean pressure",
+        Quantity::Area => "Contact area",
+        Quantity::Length => "Contact length",
+        Quantity::Width => "Contact width",
+        Quantity::Approach => "Approach",
+    }
+}
+
+/// Four significant figures, without trailing zeros.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{value:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').into(),
+        false => text,
+    }
+}

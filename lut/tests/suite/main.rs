@@ -1,0 +1,13 @@
+//! Tables from outside the crate, each chapter a module.
+
+mod c_header;
+mod fmu;
+mod hertz;
+mod lookup;
+mod lut_files;
+mod picture;
+mod python;
+mod python_reads;
+mod shards;
+mod sweep;
+mod tables;

@@ -1,0 +1,173 @@
+//! How well a fitted surface follows its hull, and what that is fine enough for.
+
+use crate::fit::bicubic::{Bicubic, Sample};
+use crate::fit::surface::Surface;
+
+/// Heights over the keel within which the fit is judged [m].
+const JUDGED_HEIGHT: f64 = 50e-6;
+/// Largest error against the approach with which a hull is fine enough for its load.
+const LARGEST_ERROR: f64 = 0.05;
+
+/// How well a fitted underside follows its hull near the keel (up to 50 um above it).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitQuality {
+    /// Root mean square distance of the vertices [m].
+    pub residual_rms: f64,
+    /// Largest distance of a vertex [m].
+    pub residual_max: f64,
+    /// Vertices that the figures come from.
+    pub vertices: usize,
+    /// Estimated error between the vertices [m]: what halving the number of knots changes.
+    pub resolution_error: f64,
+    /// Knot intervals along x and across.
+    pub intervals: [usize; 2],
+}
+
+/// A hull too coarse for its load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coarse {
+    /// Estimated error of the fitted height where the hull touches [m].
+    pub error: f64,
+    /// The approach that it was judged against [m].
+    pub approach: f64,
+    /// Largest error allowed [m].
+    pub allowed: f64,
+}
+
+/// The fit's estimated error at a place on the keel.
+#[derive(Clone, Copy, Debug)]
+struct Check {
+    x: f64,
+    y: f64,
+    height: f64,
+    error: f64,
+}
+
+/// The fit's quality, and its error along the keel.
+#[derive(Clone, Debug)]
+pub(crate) struct Judgement {
+    /// Figures near the keel.
+    pub quality: FitQuality,
+    checks: Vec<Check>,
+}
+
+impl Judgement {
+    /// Finds the keel of `surface`, moves its lowest point to height 0 and measures the fit near the keel; `coarser`
+    /// is the fit with half the knots.
+    pub fn of(surface: &mut Surface, samples: &[Sample], coarser: &Bicubic, noise: f64) -> Self {
+        const STATIONS: usize = 400;
+        let [x0, x1, y0, y1] = surface.extent;
+        let mut checks = Vec::new();
+        let mut quality = FitQuality {
+            residual_rms: 0.0,
+            residual_max: 0.0,
+            vertices: 0,
+            resolution_error: 0.0,
+            intervals: [0, 1].map(|axis| surface.spline.axes[axis].breaks().len() - 1),
+        };
+        let mut ys: Vec<f64> = (0..=STATIONS)
+            .map(|i| y0 + (y1 - y0) * i as f64 / STATIONS as f64)
+            .collect();
+        // Four places in each interval across as well; intervals may be short.
+        let breaks = surface.spline.axes[1].breaks().to_vec();
+        ys.extend(
+            breaks
+                .windows(2)
+                .flat_map(|b| [0.0, 0.25, 0.5, 0.75].map(|p| b[0] + p * (b[1] - b[0])))
+                .map(|t| {
+                    let (mut low, mut high) = (y0, y1);
+                    for _ in 0..50 {
+                        let middle = 0.5 * (low + high);
+                        if surface.arc_length.value(middle) < t {
+                            low = middle
+                        } else {
+                            high = middle
+                        }
+                    }
+                    0.5 * (low + high)
+                }),
+        );
+        ys.sort_by(f64::total_cmp);
+        let mut keel = vec![f64::INFINITY; STATIONS + 1];
+        let station = |i: usize| x0 + (x1 - x0) * i as f64 / STATIONS as f64;
+        for (i, keel) in keel.iter_mut().enumerate() {
+            *keel = ys
+                .iter()
+                .map(|&y| surface.height(station(i), y))
+                .fold(f64::INFINITY, f64::min);
+        }
+        surface.level = keel.iter().copied().fold(f64::INFINITY, f64::min);
+        for (i, keel) in keel.iter().enumerate() {
+            let x = station(i);
+            for &y in &ys {
+                let height = surface.height(x, y);
+                if height.is_finite() && height + surface.level <= keel + JUDGED_HEIGHT {
+                    let change = surface.spline_height(x, y)
+                        - coarser.value([x, surface.arc_length.value(y)]);
+                    checks.push(Check {
+                        x,
+                        y,
+                        height,
+                        error: change.abs(),
+                    });
+                }
+            }
+        }
+        quality.resolution_error = checks.iter().map(|c| c.error).fold(0.0, f64::max);
+        let (mut sum, mut count) = (0.0, 0usize);
+        for sample in samples {
+            let place = (sample.at[0] - x0) / (x1 - x0) * STATIONS as f64;
+            let i = (place.round() as usize).min(STATIONS);
+            if sample.height <= keel[i] + JUDGED_HEIGHT + 3.0 * noise {
+                let residual = sample.weight * (surface.spline.value(sample.at) - sample.height);
+                sum += residual * residual;
+                count += 1;
+                quality.residual_max = quality.residual_max.max(residual.abs());
+            }
+        }
+        quality.vertices = count;
+        quality.residual_rms = (sum / count.max(1) as f64).sqrt();
+        // Noise leaves its standard error in the fit; what exceeds the stated noise is misfit.
+        let unknowns = surface.spline.coefficients.len() as f64;
+        let standard_error = noise * (unknowns / samples.len() as f64).min(1.0).sqrt();
+        let misfit = (quality.residual_rms.powi(2) - noise * noise)
+            .max(0.0)
+            .sqrt();
+        let scatter = standard_error.hypot(if noise > 0.0 {
+            misfit
+        } else {
+            quality.residual_max
+        });
+        checks
+            .iter_mut()
+            .for_each(|c| c.error = c.error.hypot(scatter));
+        Self { quality, checks }
+    }
+
+    /// Whether the fit is too coarse for `approach` [m] where the height is at most `height` [m].
+    pub fn coarse_below(&self, approach: f64, height: f64) -> Option<Coarse> {
+        self.worst(approach, |check| check.height <= height)
+    }
+
+    /// Whether the fit is too coarse for `approach` [m] within `[x_min, x_max, y_min, y_max]` [m].
+    pub fn coarse_within(&self, approach: f64, [x0, x1, y0, y1]: [f64; 4]) -> Option<Coarse> {
+        self.worst(approach, |check| {
+            (x0..=x1).contains(&check.x) && (y0..=y1).contains(&check.y)
+        })
+    }
+
+    fn worst(&self, approach: f64, counts: impl Fn(&Check) -> bool) -> Option<Coarse> {
+        let error = self
+            .checks
+            .iter()
+            .filter(|c| counts(c))
+            .map(|c| c.error)
+            .fold(0.0, f64::max);
+        let allowed = LARGEST_ERROR * approach;
+        (error > allowed).then_some(Coarse {
+            error,
+            approach,
+            allowed,
+        })
+    }
+}

@@ -1,0 +1,39 @@
+//! A fitted surface over the contact plane.
+
+use crate::fit::bicubic::Bicubic;
+use crate::fit::downward::Outline;
+use crate::shapes::profile::Profile;
+
+/// The heights z = s(x, t(y)) - level within an outline.
+#[derive(Clone, Debug)]
+pub(crate) struct Surface {
+    /// s over x and the arc length.
+    pub spline: Bicubic,
+    /// t, the arc length along the mean section, over y.
+    pub arc_length: Profile,
+    /// Where there is a hull.
+    pub outline: Outline,
+    /// `[x_min, x_max, y_min, y_max]` [m].
+    pub extent: [f64; 4],
+    /// What is taken off all heights [m].
+    pub level: f64,
+    /// Whether it is even in x and in y.
+    pub symmetric: [bool; 2],
+}
+
+impl Surface {
+    /// Height over the level at (`x`, `y`) [m]; infinite where there is no hull.
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        match self.outline.sides(x) {
+            Some([from, to]) if (from..=to).contains(&y) => self.spline_height(x, y) - self.level,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Height of the spline [m], hull or not.
+    pub fn spline_height(&self, x: f64, y: f64) -> f64 {
+        let x = if self.symmetric[0] { x.abs() } else { x };
+        let y = if self.symmetric[1] { y.abs() } else { y };
+        self.spline.value([x, self.arc_length.value(y)])
+    }
+}

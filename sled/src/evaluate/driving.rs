@@ -1,0 +1,221 @@
+//! A driver's score: energy lost beyond what a straight glide would lose.
+
+use kufe_effect::Forces;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::model::vehicle::Vehicle;
+use crate::motion::aero::{along_driving_direction, drag};
+use crate::motion::balance::{Balance, Left};
+use crate::motion::one_track::forces_at;
+use crate::motion::state::{AxleForces, Motion};
+use crate::signals::prepare::Prepared;
+
+/// One run's energies, relative increases and angles.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunEvaluation {
+    /// Name of the run.
+    pub run: String,
+    /// Track.
+    pub track: String,
+    /// Driver.
+    pub driver: String,
+    /// Driver's class.
+    pub driver_class: String,
+    /// Session.
+    pub session: String,
+    /// Run time [s].
+    pub time_s: f64,
+    /// Least loss, `E_tot_loss` of a straight glide [J]; negative, as energy is taken from the sled.
+    pub e_tot_loss_j: f64,
+    /// Relative increase at the front runner.
+    pub increase_front: f64,
+    /// Relative increase at the rear runner.
+    pub increase_rear: f64,
+    /// Relative increase of the air's drag.
+    pub increase_aero: f64,
+    /// Sum of the three: the score, smaller is better.
+    pub increase_total: f64,
+    /// Root mean square of what the balances leave: how well the model explains the run that it judges.
+    pub left_rms: Left,
+    /// Steering angle.
+    pub steering: Angles,
+    /// Slip angle at the front runner.
+    pub slip_front: Angles,
+    /// Slip angle at the rear runner.
+    pub slip_rear: Angles,
+    /// Chassis slip angle.
+    pub chassis_slip: Angles,
+    /// Forces over the run; not part of the report.
+    #[serde(skip)]
+    pub series: Vec<DrivingForce>,
+}
+
+/// Distribution of an angle over one run.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Angles {
+    /// Root mean square [rad].
+    pub rms_rad: f64,
+    /// Median magnitude [rad].
+    pub median_rad: f64,
+    /// Largest magnitude [rad].
+    pub largest_rad: f64,
+    /// Share of samples whose magnitude is above 2 degrees.
+    pub share_above_2deg: f64,
+    /// Share of samples whose magnitude is above 4 degrees.
+    pub share_above_4deg: f64,
+}
+
+/// Forces against the motion at one sample [N], all negative.
+#[derive(Clone, Copy, Debug)]
+pub struct DrivingForce {
+    /// Time [s].
+    pub t_s: f64,
+    /// Distance [m].
+    pub s_m: f64,
+    /// `F_x~`: along the driving direction, slips as driven.
+    pub actual_n: f64,
+    /// `F_x`: the least possible, without slip.
+    pub ideal_n: f64,
+    /// Slip angle at the front runner [rad].
+    pub alpha_f_rad: f64,
+    /// Slip angle at the rear runner [rad].
+    pub alpha_r_rad: f64,
+    /// Steering angle [rad].
+    pub delta_rad: f64,
+    /// Chassis slip angle [rad].
+    pub beta_rad: f64,
+}
+
+/// Evaluates every run, in parallel and in order.
+///
+/// ```text
+/// E_tot_loss    = int F_x,f + F_x,r + F_x,aero ds
+/// Delta E_f     = int F_x~,f0 - F_x,f ds / E_tot_loss,     F_x~ = F_x cos(alpha) - F_y sin(alpha)
+/// Delta E_r     = int F_x~,r - F_x,r ds / E_tot_loss
+/// Delta E_aero  = int F_x~,aero - F_x,aero ds / E_tot_loss
+/// ```
+///
+/// What effects put on the body counts with the air. Forces are those of the friction laws at the measured slips and normal forces; `alpha` is the slip at the centre of
+/// gravity for both axles, as in the paper. `ds = v dt` by the trapezoidal rule.
+pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
+    runs.par_iter()
+        .map(|run| evaluate_run(run, vehicle))
+        .collect()
+}
+
+fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
+    let vehicle = &vehicle.on_track(&run.entry.track);
+    let sled = &vehicle.sled;
+    let mut series = Vec::with_capacity(run.states.len());
+    // Ideal loss, and what front, rear and air take beyond it.
+    let mut energies = [0.0; 4];
+    let mut before: Option<[f64; 4]> = None;
+    for state in &run.states {
+        let at = Balance::new(sled, state, &Motion::default());
+        let forces = forces_at(vehicle, &at);
+        let straight = straight_glide(vehicle, &at, &forces);
+        let alpha = state.alpha_cog_rad;
+        let along = |force: &[f64; 3]| along_driving_direction(force[0], force[1], alpha);
+        let air = |beta: f64| drag(sled, state.v_mps, state.air_density_kgpm3, beta);
+        let [ideal_front, ideal_rear] = straight.along;
+        let ideal = [ideal_front, ideal_rear, air(0.0) + straight.body_along];
+        let body = along(&[forces.body[0], forces.body[1], 0.0]);
+        let actual = [
+            along(&forces.front_body),
+            along(&forces.rear),
+            air(-alpha) + body,
+        ];
+        let ideal_n: f64 = ideal.iter().sum();
+        series.push(DrivingForce {
+            t_s: state.t_s,
+            s_m: state.s_m,
+            actual_n: actual.iter().sum(),
+            ideal_n,
+            alpha_f_rad: state.alpha_f_rad,
+            alpha_r_rad: state.alpha_r_rad,
+            delta_rad: state.delta_rad,
+            beta_rad: -alpha,
+        });
+        let power = [
+            ideal_n * state.v_mps,
+            (actual[0] - ideal[0]) * state.v_mps,
+            (actual[1] - ideal[1]) * state.v_mps,
+            (actual[2] - ideal[2]) * state.v_mps,
+        ];
+        if let Some(before) = before {
+            for i in 0..4 {
+                energies[i] += 0.5 * run.dt_s * (before[i] + power[i]);
+            }
+        }
+        before = Some(power);
+    }
+    let [least, front, rear, aero] = energies;
+    let angles = |pick: &dyn Fn(&DrivingForce) -> f64| distribution(series.iter().map(pick));
+    let (steering, slip_front) = (angles(&|f| f.delta_rad), angles(&|f| f.alpha_f_rad));
+    let (slip_rear, chassis_slip) = (angles(&|f| f.alpha_r_rad), angles(&|f| f.beta_rad));
+    RunEvaluation {
+        run: run.entry.run.clone(),
+        track: run.entry.track.clone(),
+        driver: run.entry.driver.clone(),
+        driver_class: run.entry.driver_class.clone(),
+        session: run.entry.session.clone(),
+        time_s: run.states.len() as f64 * run.dt_s,
+        e_tot_loss_j: least,
+        increase_front: front / least,
+        increase_rear: rear / least,
+        increase_aero: aero / least,
+        increase_total: (front + rear + aero) / least,
+        left_rms: root_mean_square(&residuals(run, vehicle)),
+        steering,
+        slip_front,
+        slip_rear,
+        chassis_slip,
+        series,
+    }
+}
+
+/// What the effects leave of the forces along the sled where it glides straight, without slip, steering and roll-split.
+///
+/// Without effects these are the base laws' forces along the runners at the slips as driven, as in the paper.
+fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Forces {
+    if vehicle.effects.is_empty() {
+        return Forces {
+            along: [forces.front[0], forces.rear[0]],
+            ..Forces::default()
+        };
+    }
+    let laws = at.laws(vehicle);
+    let mut straight = Forces {
+        across: [0.0; 2],
+        ..laws.forces
+    };
+    let seen = kufe_effect::State {
+        slip: [0.0; 2],
+        slip_rate: [0.0; 2],
+        chassis_slip: 0.0,
+        steering: 0.0,
+        roll_split: 0.0,
+        ..at.seen(laws.load_n)
+    };
+    vehicle.effects.act("", &seen, &mut straight);
+    straight
+}
+
+fn distribution(values: impl Iterator<Item = f64>) -> Angles {
+    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    let n = sizes.len() as f64;
+    let above = |degrees: f64| {
+        let limit = degrees.to_radians();
+        (sizes.len() - sizes.partition_point(|v| *v <= limit)) as f64 / n
+    };
+    Angles {
+        rms_rad: (sizes.iter().map(|v| v * v).sum::<f64>() / n).sqrt(),
+        median_rad: sizes[sizes.len() / 2],
+        largest_rad: sizes[sizes.len() - 1],
+        share_above_2deg: above(2.0),
+        share_above_4deg: above(4.0),
+    }
+}

@@ -1,0 +1,188 @@
+//! The friction model against measured runs: the lateral force at the centre of gravity.
+
+use kufe_friction::Braghin;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::model::vehicle::Vehicle;
+use crate::motion::balance::Left;
+use crate::motion::one_track::{forward, forward_braghin, resultant};
+use crate::signals::prepare::Prepared;
+
+/// One run's lateral force, measured and modelled.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunValidation {
+    /// Name of the run.
+    pub run: String,
+    /// Track.
+    pub track: String,
+    /// Driver.
+    pub driver: String,
+    /// Session.
+    pub session: String,
+    /// Root mean square difference of the model [N].
+    pub rmse_n: f64,
+    /// The same for Braghin's law with its published parameters [N].
+    pub rmse_braghin_n: f64,
+    /// Root mean square of what all balances leave.
+    pub left_rms: Left,
+    /// Where model and measurement differ most, worst first.
+    pub largest: Vec<Disagreement>,
+    /// The lateral force over time; not part of the report.
+    #[serde(skip)]
+    pub series: Vec<LateralForce>,
+}
+
+/// A stretch where model and measurement differ.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Disagreement {
+    /// Time [s].
+    pub t_s: f64,
+    /// Distance [m].
+    pub s_m: f64,
+    /// Root mean square difference over half a second [N].
+    pub rms_n: f64,
+    /// Times the run's own root mean square difference.
+    pub times_rmse: f64,
+}
+
+/// Lateral force at the centre of gravity at one sample [N].
+#[derive(Clone, Copy, Debug)]
+pub struct LateralForce {
+    /// Time [s].
+    pub t_s: f64,
+    /// Distance [m].
+    pub s_m: f64,
+    /// From the measured acceleration.
+    pub measured_n: f64,
+    /// From the friction model.
+    pub model_n: f64,
+    /// From Braghin's law.
+    pub braghin_n: f64,
+}
+
+/// Root mean square errors of the runs of one track.
+#[derive(Clone, Debug, Serialize)]
+pub struct TrackValidation {
+    /// Track.
+    pub track: String,
+    /// Number of runs.
+    pub runs: usize,
+    /// Over all samples of all runs [N].
+    pub rmse_n: f64,
+    /// The same for Braghin's law [N].
+    pub rmse_braghin_n: f64,
+}
+
+/// Compares every run, in parallel and in order.
+///
+/// Measured is `m a_y` at the centre of gravity, modelled the sum of both runners' forces in the body frame and the air's
+/// side force, from slips and normal forces alone.
+pub fn validate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunValidation> {
+    runs.par_iter()
+        .map(|run| validate_run(run, vehicle))
+        .collect()
+}
+
+fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
+    let vehicle = &vehicle.on_track(&run.entry.track);
+    let sled = &vehicle.sled;
+    let series: Vec<LateralForce> = run
+        .states
+        .iter()
+        .zip(&run.motions)
+        .map(|(state, motion)| LateralForce {
+            t_s: state.t_s,
+            s_m: state.s_m,
+            measured_n: sled.mass_kg * motion.accel_mps2[1],
+            model_n: resultant(sled, state, &forward(vehicle, state)).fy_n,
+            braghin_n: resultant(
+                sled,
+                state,
+                &forward_braghin(vehicle, &Braghin::PUBLISHED, state),
+            )
+            .fy_n,
+        })
+        .collect();
+    let rms = |error: &dyn Fn(&LateralForce) -> f64| {
+        (series.iter().map(|f| error(f).powi(2)).sum::<f64>() / series.len() as f64).sqrt()
+    };
+    let rmse_n = rms(&|f| f.model_n - f.measured_n);
+    RunValidation {
+        run: run.entry.run.clone(),
+        track: run.entry.track.clone(),
+        driver: run.entry.driver.clone(),
+        session: run.entry.session.clone(),
+        rmse_n,
+        rmse_braghin_n: rms(&|f| f.braghin_n - f.measured_n),
+        left_rms: root_mean_square(&residuals(run, vehicle)),
+        largest: largest_disagreements(&series, run.dt_s, rmse_n),
+        series,
+    }
+}
+
+/// Up to five stretches of half a second, at least two seconds apart, whose difference is twice the run's or more.
+fn largest_disagreements(series: &[LateralForce], dt: f64, rmse: f64) -> Vec<Disagreement> {
+    let window = ((0.5 / dt) as usize).clamp(1, series.len());
+    let mut sums = vec![0.0];
+    for f in series {
+        sums.push(sums[sums.len() - 1] + (f.model_n - f.measured_n).powi(2));
+    }
+    let mut candidates: Vec<Disagreement> = (0..=series.len() - window)
+        .map(|start| {
+            let rms_n = ((sums[start + window] - sums[start]) / window as f64)
+                .max(0.0)
+                .sqrt();
+            let middle = &series[start + window / 2];
+            Disagreement {
+                t_s: middle.t_s,
+                s_m: middle.s_m,
+                rms_n,
+                times_rmse: rms_n / rmse,
+            }
+        })
+        .filter(|d| d.times_rmse >= 2.0)
+        .collect();
+    candidates.sort_by(|a, b| b.rms_n.total_cmp(&a.rms_n));
+    let mut largest: Vec<Disagreement> = Vec::new();
+    for candidate in candidates {
+        if largest.len() == 5 {
+            break;
+        }
+        if largest.iter().all(|d| (d.t_s - candidate.t_s).abs() >= 2.0) {
+            largest.push(candidate);
+        }
+    }
+    largest
+}
+
+/// Errors over all samples, track by track in the order of their first run.
+pub fn by_track(runs: &[RunValidation]) -> Vec<TrackValidation> {
+    let mut tracks: Vec<&str> = Vec::new();
+    for run in runs {
+        if !tracks.contains(&run.track.as_str()) {
+            tracks.push(&run.track);
+        }
+    }
+    tracks
+        .into_iter()
+        .map(|track| {
+            let of: Vec<&RunValidation> = runs.iter().filter(|run| run.track == track).collect();
+            let samples: f64 = of.iter().map(|run| run.series.len() as f64).sum();
+            let pooled = |rmse: &dyn Fn(&RunValidation) -> f64| {
+                let squares: f64 = of
+                    .iter()
+                    .map(|run| run.series.len() as f64 * rmse(run).powi(2))
+                    .sum();
+                (squares / samples).sqrt()
+            };
+            TrackValidation {
+                track: track.to_string(),
+                runs: of.len(),
+                rmse_n: pooled(&|run| run.rmse_n),
+                rmse_braghin_n: pooled(&|run| run.rmse_braghin_n),
+            }
+        })
+        .collect()
+}

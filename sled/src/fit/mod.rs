@@ -1,0 +1,5 @@
+//! Lateral friction of both runners from measured runs.
+
+pub(crate) mod contacts;
+pub(crate) mod runners;
+pub(crate) mod samples;

@@ -1,0 +1,7 @@
+//! The sled and its friction: `model.toml`, and the same made ready to compute with.
+
+pub(crate) mod model_toml;
+pub(crate) mod refuse;
+pub(crate) mod runner;
+pub(crate) mod sled;
+pub(crate) mod vehicle;

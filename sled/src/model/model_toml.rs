@@ -1,0 +1,282 @@
+//! The sled and its friction as they stand in `model.toml`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use kufe_friction::{LongitudinalKeys, MagicFormula};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::model::sled::{ModelConditions, Noise, Sled, Survey, published_yaw_drag};
+
+/// A whole model file: what simulations, fits and evaluations are made with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "model.toml")]
+pub struct Model {
+    /// Masses, lengths, sensor places and drag.
+    pub sled: Sled,
+    /// Ice friction of both runners.
+    pub friction: Friction,
+    /// How well the track is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub survey: Option<Survey>,
+    /// Conditions that effects ask for, where neither a run's file nor `runs.csv` states them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<ModelConditions>,
+    /// Standard deviations of the sensors; estimated from the data where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
+    /// Effects beyond the base model, by name; an absent one is off.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(schema_with = "kufe_effect::schema")]
+    pub effects: BTreeMap<String, toml::Table>,
+    /// Folder that paths in the file are relative to.
+    #[serde(skip)]
+    pub folder: PathBuf,
+    /// The file, as errors name it; empty for a model that was made in memory.
+    #[serde(skip)]
+    pub file: String,
+}
+
+/// `[friction]`: longitudinal for both runners, lateral for each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Fixed coefficient, or a quadratic in the pressure with its tables.
+    pub longitudinal: LongitudinalKeys,
+    /// Front runner, lateral.
+    pub front: MagicFormula,
+    /// Rear runner, lateral.
+    pub rear: MagicFormula,
+}
+
+impl Model {
+    /// Reads a model file and checks every number.
+    ///
+    /// # Errors
+    /// [`Error::File`], [`Error::Keys`] (unknown or missing keys), [`Error::KeyRange`].
+    pub fn load(path: &Path) -> Result<Model, Error> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| Error::file(&file, error))?;
+        let mut model = Model::from_toml(&text, &file)?;
+        model.folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        model.file = file;
+        Ok(model)
+    }
+
+    /// What errors call the model: its file, or `model`.
+    pub(crate) fn name(&self) -> String {
+        if self.file.is_empty() {
+            return "model".to_string();
+        }
+        self.file.clone()
+    }
+
+    /// Parses the text of a model file; `file` names it in errors.
+    ///
+    /// # Errors
+    /// [`Error::Keys`], [`Error::KeyRange`], [`Error::Friction`].
+    pub fn from_toml(text: &str, file: &str) -> Result<Model, Error> {
+        let model: Model = toml::from_str(text).map_err(|error| Error::Keys {
+            file: file.to_string(),
+            reason: error.to_string().trim_end().to_string(),
+        })?;
+        model.check(file)?;
+        Ok(model)
+    }
+
+    /// The model as TOML, with every effect it carries.
+    pub fn to_toml(&self) -> String {
+        // Plain tables of numbers and strings: the serializer has nothing to refuse.
+        toml::to_string_pretty(self).expect("a model is plain tables")
+    }
+
+    /// Checks that every number is one that a sled can have; `file` names the source in errors.
+    ///
+    /// # Errors
+    /// [`Error::KeyRange`] with the key, [`Error::Friction`] from the friction laws.
+    pub fn check(&self, file: &str) -> Result<(), Error> {
+        let s = &self.sled;
+        let positive = [
+            ("sled.mass_kg", s.mass_kg),
+            ("sled.j_yy_kgm2", s.j_yy_kgm2),
+            ("sled.j_zz_kgm2", s.j_zz_kgm2),
+            ("sled.l_f_m", s.l_f_m),
+            ("sled.l_r_m", s.l_r_m),
+        ];
+        for (key, value) in positive {
+            require(file, key, value, value > 0.0, "a positive number")?;
+        }
+        let places = [
+            ("sled.accel_x_m", s.accel_x_m),
+            ("sled.accel_y_m", s.accel_y_m),
+            ("sled.accel_z_m", s.accel_z_m),
+            ("sled.slip_x_m", s.slip_x_m),
+        ];
+        for (key, value) in places {
+            require(file, key, value, value.abs() <= 10.0, "metres, within 10 m")?;
+        }
+        let mut zero_or_more = vec![
+            ("sled.cda_m2", s.cda_m2),
+            ("sled.yaw_drag_per_deg", s.yaw_drag_per_deg),
+        ];
+        if let Some(survey) = &self.survey {
+            zero_or_more.push(("survey.slope_sd_rad", survey.slope_sd_rad));
+        }
+        if let Some(noise) = &self.noise {
+            zero_or_more.extend([
+                ("noise.accel_mps2", noise.accel_mps2),
+                ("noise.rate_radps", noise.rate_radps),
+                ("noise.speed_mps", noise.speed_mps),
+                ("noise.slip_rad", noise.slip_rad),
+                ("noise.steer_rad", noise.steer_rad),
+                ("noise.roll_split_rad", noise.roll_split_rad),
+            ]);
+        }
+        for (key, value) in zero_or_more {
+            require(file, key, value, value >= 0.0, "0 or more")?;
+        }
+        if let Some(conditions) = &self.conditions {
+            let ranges = [
+                (
+                    "conditions.humidity_pct",
+                    conditions.humidity_pct,
+                    100.0,
+                    "0 to 100",
+                ),
+                (
+                    "conditions.distance_m",
+                    conditions.distance_m,
+                    1e8,
+                    "0 to 1e8",
+                ),
+            ];
+            for (key, value, most, expected) in ranges {
+                let value = value.unwrap_or(0.0);
+                require(file, key, value, (0.0..=most).contains(&value), expected)?;
+            }
+        }
+        let in_friction = |table: &str, error: kufe_friction::Error| Error::Keys {
+            file: file.to_string(),
+            reason: format!("[friction.{table}] {error}"),
+        };
+        self.friction
+            .longitudinal
+            .model()
+            .map_err(|error| in_friction("longitudinal", error))?;
+        self.friction
+            .front
+            .check()
+            .map_err(|error| in_friction("front", error))?;
+        self.friction
+            .rear
+            .check()
+            .map_err(|error| in_friction("rear", error))
+    }
+
+    /// The model of the published sled: parameters of the paper, a two-man sled's masses and lengths.
+    ///
+    /// ```
+    /// let model = kufe_sled::Model::published();
+    /// assert_eq!(model.friction.rear.k_n_per_rad, 49776.0);
+    /// let again = kufe_sled::Model::from_toml(&model.to_toml(), "model.toml").unwrap();
+    /// assert_eq!(again, model);
+    /// ```
+    pub fn published() -> Model {
+        Model {
+            sled: Sled {
+                mass_kg: 390.0,
+                j_yy_kgm2: 145.0,
+                j_zz_kgm2: 150.0,
+                l_f_m: 0.82,
+                l_r_m: 0.88,
+                accel_x_m: -0.35,
+                accel_y_m: 0.0,
+                accel_z_m: 0.12,
+                slip_x_m: -0.60,
+                cda_m2: 0.28,
+                yaw_drag_per_deg: published_yaw_drag(),
+            },
+            friction: Friction {
+                longitudinal: kufe_friction::Longitudinal::PUBLISHED_FIXED.into(),
+                front: MagicFormula::PUBLISHED_FRONT,
+                rear: MagicFormula::PUBLISHED_REAR,
+            },
+            survey: Some(Survey {
+                slope_sd_rad: 0.002,
+            }),
+            noise: Some(Noise {
+                accel_mps2: 0.2,
+                rate_radps: 0.0015,
+                speed_mps: 0.03,
+                slip_rad: 0.0005,
+                steer_rad: 0.0004,
+                roll_split_rad: 0.0004,
+            }),
+            conditions: None,
+            effects: BTreeMap::new(),
+            folder: PathBuf::new(),
+            file: String::new(),
+        }
+    }
+}
+
+fn require(
+    file: &str,
+    key: &str,
+    value: f64,
+    holds: bool,
+    expected: &'static str,
+) -> Result<(), Error> {
+    if value.is_finite() && holds {
+        return Ok(());
+    }
+    Err(Error::KeyRange {
+        file: file.to_string(),
+        key: key.to_string(),
+        value,
+        expected,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(change: impl Fn(String) -> String) -> String {
+        let text = change(Model::published().to_toml());
+        match Model::from_toml(&text, "m.toml") {
+            Ok(_) => panic!("accepted:\n{text}"),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn unknown_keys_are_refused_by_name_except_effects() {
+        let message = refused(|text| text.replace("mass_kg", "mass_lb"));
+        assert!(
+            message.contains("m.toml") && message.contains("mass_lb"),
+            "{message}"
+        );
+        let text =
+            Model::published().to_toml() + "\n[effects.temperature-grip]\nslope_per_k = -0.01\n";
+        let model = Model::from_toml(&text, "m.toml").unwrap();
+        assert_eq!(
+            model.effects["temperature-grip"]["slope_per_k"].as_float(),
+            Some(-0.01)
+        );
+        assert_eq!(Model::from_toml(&model.to_toml(), "again").unwrap(), model);
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused_with_key_and_value() {
+        let message = refused(|text| text.replace("mass_kg = 390.0", "mass_kg = -390.0"));
+        assert!(message.contains("sled.mass_kg = -390"), "{message}");
+        let message = refused(|text| text.replace("cda_m2 = 0.28", "cda_m2 = nan"));
+        assert!(message.contains("sled.cda_m2"), "{message}");
+        let message = refused(|text| text.replace("mu = 0.004", "mu = 4.0"));
+        assert!(message.contains("friction.longitudinal"), "{message}");
+    }
+}

@@ -1,0 +1,109 @@
+//! Masses, lengths, sensors and what is known of the track, as they stand in `model.toml`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[sled]`: a rigid one-track sled in vehicle axes (x forward, y left, z up).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sled {
+    /// Mass with crew [kg].
+    pub mass_kg: f64,
+    /// Pitch moment of inertia [kg m2].
+    pub j_yy_kgm2: f64,
+    /// Yaw moment of inertia [kg m2].
+    pub j_zz_kgm2: f64,
+    /// Front axle before the centre of gravity [m].
+    pub l_f_m: f64,
+    /// Rear axle behind the centre of gravity [m].
+    pub l_r_m: f64,
+    /// Accelerometer from the centre of gravity, forward [m].
+    #[serde(default)]
+    pub accel_x_m: f64,
+    /// Accelerometer from the centre of gravity, left [m].
+    #[serde(default)]
+    pub accel_y_m: f64,
+    /// Accelerometer from the centre of gravity, up [m].
+    #[serde(default)]
+    pub accel_z_m: f64,
+    /// Slip sensor from the centre of gravity, forward [m].
+    #[serde(default)]
+    pub slip_x_m: f64,
+    /// Drag area [m2].
+    pub cda_m2: f64,
+    /// Relative growth of the drag area per degree of chassis slip [1/deg].
+    #[serde(default = "published_yaw_drag")]
+    pub yaw_drag_per_deg: f64,
+}
+
+/// The paper's yaw sensitivity: 6.94 % a degree.
+pub(crate) fn published_yaw_drag() -> f64 {
+    0.0694
+}
+
+impl Sled {
+    /// What effects may find to be another than stated.
+    pub fn constants(&self) -> kufe_effect::Constants {
+        kufe_effect::Constants {
+            mass: self.mass_kg,
+            pitch_inertia: self.j_yy_kgm2,
+            yaw_inertia: self.j_zz_kgm2,
+            axles: [self.l_f_m, self.l_r_m],
+            accelerometer: [self.accel_x_m, self.accel_y_m, self.accel_z_m],
+            slip_sensor: self.slip_x_m,
+        }
+    }
+
+    /// Takes them over.
+    pub fn set_constants(&mut self, to: &kufe_effect::Constants) {
+        self.mass_kg = to.mass;
+        self.j_yy_kgm2 = to.pitch_inertia;
+        self.j_zz_kgm2 = to.yaw_inertia;
+        [self.l_f_m, self.l_r_m] = to.axles;
+        [self.accel_x_m, self.accel_y_m, self.accel_z_m] = to.accelerometer;
+        self.slip_x_m = to.slip_sensor;
+    }
+
+    /// Distance between the axles [m].
+    pub fn wheelbase_m(&self) -> f64 {
+        self.l_f_m + self.l_r_m
+    }
+}
+
+/// `[survey]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Survey {
+    /// Standard deviation of the track's slope [rad].
+    pub slope_sd_rad: f64,
+}
+
+/// `[noise]`: standard deviation of each sensor, a sample, white; 0 where absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Noise {
+    /// Accelerometer, each axis [m/s2].
+    pub accel_mps2: f64,
+    /// Gyroscope, each axis [rad/s].
+    pub rate_radps: f64,
+    /// Speed [m/s].
+    pub speed_mps: f64,
+    /// Slip angle [rad].
+    pub slip_rad: f64,
+    /// Steering angle [rad].
+    pub steer_rad: f64,
+    /// Roll-split angle [rad].
+    pub roll_split_rad: f64,
+}
+
+/// `[conditions]`: what only effects ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelConditions {
+    /// Relative humidity of the air [%].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub humidity_pct: Option<f64>,
+    /// Distance run on this finish of the runners before the run [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_m: Option<f64>,
+}

@@ -1,0 +1,173 @@
+//! A model made ready to drive: friction laws with their pressure tables opened.
+
+use kufe_effect::Effects;
+use kufe_friction::MagicFormula;
+
+use crate::error::Error;
+use crate::model::model_toml::Model;
+use crate::model::runner::{PressureLookup, RunnerFriction, open_table};
+use crate::model::sled::{ModelConditions, Sled};
+
+/// A parameter of the base laws that a fit may move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaseParameter {
+    /// The longitudinal coefficient of both runners.
+    Longitudinal,
+    /// `mu_zeta` of the front runner.
+    FrontGrip,
+    /// `k_n_per_rad` of the front runner.
+    FrontStiffness,
+    /// `mu_zeta` of the rear runner.
+    RearGrip,
+    /// `k_n_per_rad` of the rear runner.
+    RearStiffness,
+}
+
+impl BaseParameter {
+    /// All of them.
+    pub const ALL: [BaseParameter; 5] = [
+        BaseParameter::Longitudinal,
+        BaseParameter::FrontGrip,
+        BaseParameter::FrontStiffness,
+        BaseParameter::RearGrip,
+        BaseParameter::RearStiffness,
+    ];
+}
+
+/// A sled with the friction of both runners.
+#[derive(Clone)]
+pub struct Vehicle {
+    /// Masses, lengths, sensor places and drag.
+    pub sled: Sled,
+    /// Front runner.
+    pub front: RunnerFriction,
+    /// Rear runner.
+    pub rear: RunnerFriction,
+    /// Effects beyond the base model that act on forces, sensors and track; none from [`Vehicle::new`].
+    pub effects: Effects,
+    /// What the model states for all runs that do not state it themselves.
+    pub conditions: ModelConditions,
+}
+
+impl std::fmt::Debug for Vehicle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let effects: Vec<&str> = self
+            .effects
+            .active
+            .iter()
+            .map(|e| e.name.as_str())
+            .collect();
+        f.debug_struct("Vehicle")
+            .field("sled", &self.sled)
+            .field("front", &self.front)
+            .field("rear", &self.rear)
+            .field("effects", &effects)
+            .finish()
+    }
+}
+
+impl Vehicle {
+    /// The base model: opens the pressure tables that the model names, relative to the model's folder.
+    ///
+    /// # Errors
+    /// [`Error::Keys`] where the friction law needs a pressure and the model names no table, [`Error::File`] where a
+    /// table cannot be read.
+    pub fn new(model: &Model) -> Result<Vehicle, Error> {
+        let keys = &model.friction.longitudinal;
+        let longitudinal = keys.model()?;
+        let open = |key: &str, path: &Option<String>| -> Result<Option<PressureLookup>, Error> {
+            if !longitudinal.needs_pressure() {
+                return Ok(None);
+            }
+            let path = path.as_ref().ok_or_else(|| Error::Keys {
+                file: model.name(),
+                reason: format!(
+                    "[friction.longitudinal] {key} is missing: friction over pressure needs the runner's table"
+                ),
+            })?;
+            open_table(&model.folder.join(path)).map(Some)
+        };
+        Ok(Vehicle {
+            sled: model.sled,
+            front: RunnerFriction {
+                longitudinal,
+                pressure: open("front_table", &keys.front_table)?,
+                lateral: model.friction.front,
+                mu_scale: 1.0,
+            },
+            rear: RunnerFriction {
+                longitudinal,
+                pressure: open("rear_table", &keys.rear_table)?,
+                lateral: model.friction.rear,
+                mu_scale: 1.0,
+            },
+            effects: Effects::default(),
+            conditions: model.conditions.unwrap_or_default(),
+        })
+    }
+
+    /// [`Vehicle::new`] with the effects that the model switches on.
+    ///
+    /// What is constant about the sensors, the accelerometer's true place and the true mass, is put into `sled`.
+    ///
+    /// # Errors
+    /// Those of [`Vehicle::new`], and [`Error::Keys`] for an effect that does not exist or whose parameters are wrong.
+    pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
+        let mut vehicle = Vehicle::new(model)?;
+        vehicle.effects = Effects::from_tables(&model.effects).map_err(|error| Error::Keys {
+            file: model.name(),
+            reason: error.to_string(),
+        })?;
+        let mut constants = model.sled.constants();
+        vehicle.effects.find_constants(&mut constants);
+        vehicle.sled.set_constants(&constants);
+        let sled = &vehicle.sled;
+        for (key, value) in [
+            ("sled.mass_kg", sled.mass_kg),
+            ("sled.j_yy_kgm2", sled.j_yy_kgm2),
+            ("sled.j_zz_kgm2", sled.j_zz_kgm2),
+        ] {
+            if value.is_nan() || value <= 0.0 {
+                return Err(Error::KeyRange {
+                    file: model.name(),
+                    key: format!("{key} with [effects]"),
+                    value,
+                    expected: "a positive number",
+                });
+            }
+        }
+        Ok(vehicle)
+    }
+
+    /// The vehicle with only the effects that act on this track, freed of its name.
+    pub fn on_track(&self, track: &str) -> Vehicle {
+        Vehicle {
+            effects: self.effects.on_track(track),
+            ..self.clone()
+        }
+    }
+
+    /// The vehicle with its base parameters times these multipliers, in the order of [`BaseParameter::ALL`].
+    pub fn scaled(&self, by: &[f64; 5]) -> Vehicle {
+        let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
+            mu_zeta: law.mu_zeta * grip,
+            k_n_per_rad: law.k_n_per_rad * stiffness,
+            ..*law
+        };
+        let mut vehicle = self.with_lateral(
+            law(&self.front.lateral, by[1], by[2]),
+            law(&self.rear.lateral, by[3], by[4]),
+        );
+        vehicle.front.mu_scale *= by[0];
+        vehicle.rear.mu_scale *= by[0];
+        vehicle
+    }
+
+    /// The vehicle with other lateral laws, for fits.
+    pub fn with_lateral(&self, front: MagicFormula, rear: MagicFormula) -> Vehicle {
+        let mut vehicle = self.clone();
+        vehicle.front.lateral = front;
+        vehicle.rear.lateral = rear;
+        vehicle
+    }
+}

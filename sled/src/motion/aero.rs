@@ -1,0 +1,67 @@
+//! Air: density and the drag of a sled that flies a little sideways.
+
+use crate::model::sled::Sled;
+
+/// Specific gas constant of dry air [J/(kg K)].
+pub const GAS_CONSTANT_AIR: f64 = 287.05;
+
+/// Density of dry air [kg/m3], `rho = p / (R T)`, from pressure [Pa] and temperature [degrees Celsius].
+///
+/// ```
+/// // ICAO standard atmosphere at sea level.
+/// assert!((kufe_sled::aero::air_density(101_325.0, 15.0) - 1.225).abs() < 1e-3);
+/// ```
+pub fn air_density(pressure_pa: f64, temperature_c: f64) -> f64 {
+    pressure_pa / (GAS_CONSTANT_AIR * (temperature_c + 273.15))
+}
+
+/// Drag area [m2] at the chassis slip angle `beta` [rad]: `c_d A (1 + k |beta in degrees|)`.
+///
+/// k is the sled's `yaw_drag_per_deg`, 0.0694 in the paper.
+pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
+    sled.cda_m2 * (1.0 + sled.yaw_drag_per_deg * beta.to_degrees().abs())
+}
+
+/// Drag [N] against the driving direction: `F = -1/2 rho (c_d A)(beta) v^2`, never positive.
+///
+/// Speed in m/s, density in kg/m3, `beta` in rad. With `beta = 0` it is the paper's ideal case.
+pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
+    -0.5 * density * drag_area(sled, beta) * speed * speed
+}
+
+/// Component of a body-frame force along the driving direction [N].
+///
+/// ```text
+/// F_x~ = F_x cos(alpha) - F_y sin(alpha),   driving direction = (cos(alpha), -sin(alpha))
+/// ```
+///
+/// `alpha = -beta` is the slip angle at the centre of gravity [rad]; the paper's rotation with the one sign convention.
+pub fn along_driving_direction(fx: f64, fy: f64, alpha: f64) -> f64 {
+    let (sine, cosine) = alpha.sin_cos();
+    fx * cosine - fy * sine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::model_toml::Model;
+
+    #[test]
+    fn drag_grows_by_the_published_share_a_degree_on_either_side() {
+        let sled = Model::published().sled;
+        let straight = drag(&sled, 30.0, 1.2, 0.0);
+        assert!((straight + 0.5 * 1.2 * 0.28 * 900.0).abs() < 1e-9);
+        for beta in [2.0_f64, -2.0] {
+            let ratio = drag(&sled, 30.0, 1.2, beta.to_radians()) / straight;
+            assert!((ratio - 1.1388).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn lateral_force_at_slip_takes_energy_on_either_side() {
+        for alpha in [0.05, -0.05] {
+            // Positive slip has positive lateral force: it must brake.
+            assert!(along_driving_direction(0.0, 100.0 * alpha, alpha) < 0.0);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The balances of a one-track sled at one instant: forces of laws and effects, and what they leave of the motion.
+//!
+//! ```text
+//! along:  m a_x - (F_x,f0 + F_x,r + F_air,x + F_x,body)          [N]      specific force; gravity does not enter
+//! side:   m a_y - (F_y,f0 + F_y,r + F_air,y + F_y,body)          [N]
+//! yaw:    J_zz dyaw/dt - (l_f F_y,f0 - l_r F_y,r + M_z,body)     [N m]
+//! track:  d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y        [m/s2]   slope positive downhill; free of friction
+//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)   [m/s2]   where the slope holds along the sled's way
+//! ```
+//!
+//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta = atan(v_y/v_x) to the centre of
+//! gravity. Fits, validation, evaluation, simulation and discovery all take their forces and balances from here.
+
+use kufe_effect::{self as effects, Active, Conditions, Forces, Sensor, Signals};
+
+use crate::model::sled::Sled;
+use crate::model::vehicle::Vehicle;
+use crate::motion::aero;
+use crate::motion::axles::turned;
+use crate::motion::law_forces::LawForces;
+use crate::motion::state::{AxleForces, GRAVITY, Motion, Resultant, State};
+
+/// One instant of a sled, with the angles and the air that its forces need again and again.
+#[derive(Clone, Copy, Debug)]
+pub struct Balance {
+    /// Masses, lengths and drag, as they are at this instant.
+    pub sled: Sled,
+    /// Slips, loads and conditions.
+    pub state: State,
+    /// What the sensors say of the motion; zero where it is not known yet.
+    pub motion: Motion,
+    /// Sine and cosine of the steering angle.
+    pub(crate) steer: (f64, f64),
+    /// Sine and cosine of the roll-split angle.
+    pub(crate) split: (f64, f64),
+    /// Sine and cosine of the slip angle at the centre of gravity.
+    chassis: (f64, f64),
+    /// Drag of the base model, never positive [N].
+    drag: f64,
+}
+
+/// What the three balances of the sled in its plane leave: measured less modelled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Left {
+    /// Along the sled [N].
+    pub along_n: f64,
+    /// Across the sled, positive to the left [N].
+    pub side_n: f64,
+    /// About the vertical [N m].
+    pub yaw_nm: f64,
+}
+
+impl Left {
+    /// Along [N], side [N], yaw [N m].
+    pub fn values(&self) -> [f64; 3] {
+        [self.along_n, self.side_n, self.yaw_nm]
+    }
+}
+
+impl Balance {
+    /// The balance of a sled in a state with the motion measured there.
+    pub fn new(sled: &Sled, state: &State, motion: &Motion) -> Self {
+        let density = state.air_density_kgpm3;
+        Self {
+            sled: *sled,
+            state: *state,
+            motion: *motion,
+            steer: state.delta_rad.sin_cos(),
+            split: state.gamma_rad.sin_cos(),
+            chassis: state.alpha_cog_rad.sin_cos(),
+            drag: aero::drag(sled, state.v_mps, density, -state.alpha_cog_rad),
+        }
+    }
+
+    /// Forces of the base laws as the vehicle's effects on this track change them.
+    ///
+    /// The vehicle's effects must be those of the track ([`Vehicle::on_track`]).
+    pub fn forces(&self, vehicle: &Vehicle, laws: &LawForces) -> Forces {
+        let mut forces = laws.forces;
+        if !vehicle.effects.is_empty() {
+            let seen = self.seen(laws.load_n);
+            vehicle.effects.act("", &seen, &mut forces);
+        }
+        forces
+    }
+
+    /// The instant as effects see it, with the normal forces of the runners in their own frames [N].
+    pub fn seen(&self, load_n: [f64; 2]) -> effects::State {
+        let state = &self.state;
+        effects::State {
+            conditions: self.conditions(),
+            slip: [state.alpha_f_rad, state.alpha_r_rad],
+            slip_rate: state.slip_rate_radps,
+            load: load_n,
+            chassis_slip: state.alpha_cog_rad,
+            steering: state.delta_rad,
+            roll_split: state.gamma_rad,
+            roll_rate: state.roll_rate_radps,
+            roll_acceleration: state.roll_accel_radps2,
+            pitch_rate: state.pitch_rate_radps,
+            yaw_rate: state.yaw_rate_radps,
+            acceleration: state.accel_mps2,
+            mass: self.sled.mass_kg,
+            carried: f64::NAN,
+        }
+    }
+
+    /// Time, place, speed and weather, as effects see them.
+    pub fn conditions(&self) -> Conditions {
+        Conditions {
+            drag_area: self.sled.cda_m2,
+            ..self.state.conditions()
+        }
+    }
+
+    /// Normal force on the front runner in its own frame [N], which its force along and across leave of the axle's.
+    ///
+    /// ```text
+    /// F_z,f = (F_z,f0 - sin(gamma) (sin(delta) F_x,f + cos(delta) F_y,f)) / cos(gamma)
+    /// ```
+    pub fn front_load(&self, forces: &Forces) -> f64 {
+        let ((sd, cd), (sg, cg)) = (self.steer, self.split);
+        (self.state.fz_f0_n - sg * (sd * forces.along[0] + cd * forces.across[0])) / cg
+    }
+
+    /// Forces on both runners and the body, the front runner's normal force `front_load` [N] in its own frame.
+    pub fn axle_forces(&self, forces: &Forces, front_load: f64) -> AxleForces {
+        let front = [forces.along[0], forces.across[0], front_load];
+        AxleForces {
+            front,
+            front_body: turned(front, self.steer, self.split),
+            rear: [forces.along[1], forces.across[1], self.state.fz_r_n],
+            body: [forces.body_along, forces.body_across, forces.body_yaw],
+        }
+    }
+
+    /// Air of the base model at the centre of gravity in the body frame (x, y) [N].
+    pub fn air(&self) -> [f64; 2] {
+        let (sine, cosine) = self.chassis;
+        [self.drag * cosine, -self.drag * sine]
+    }
+
+    /// What runners, air and effects together do at the centre of gravity.
+    pub fn resultant(&self, forces: &AxleForces) -> Resultant {
+        let (air, f, r) = (self.air(), &forces.front_body, &forces.rear);
+        Resultant {
+            fx_n: f[0] + r[0] + air[0] + forces.body[0],
+            fy_n: f[1] + r[1] + air[1] + forces.body[1],
+            mz_nm: self.sled.l_f_m * f[1] - self.sled.l_r_m * r[1] + forces.body[2],
+        }
+    }
+
+    /// What the balances along, aside and about the vertical leave of these forces.
+    pub fn left(&self, forces: &Forces) -> Left {
+        let sum = self.resultant(&self.axle_forces(forces, self.front_load(forces)));
+        let (m, a) = (self.sled.mass_kg, &self.motion.accel_mps2);
+        Left {
+            along_n: m * a[0] - sum.fx_n,
+            side_n: m * a[1] - sum.fy_n,
+            yaw_nm: self.sled.j_zz_kgm2 * self.motion.yaw_accel_radps2 - sum.mz_nm,
+        }
+    }
+
+    /// What the balances leave with one more effect, `seen` being this instant and `forces` those without it.
+    pub fn left_with(&self, effect: &Active, seen: &effects::State, forces: &Forces) -> Left {
+        let mut forces = *forces;
+        effect.act(seen, &mut forces);
+        self.left(&forces)
+    }
+
+    /// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive downhill.
+    ///
+    /// `signals` are those of the instant, faults taken out; speed and slip with their rates.
+    pub fn left_along_axis(&self, signals: &Signals, slope: f64) -> f64 {
+        let (v, v_rate) = (signals[Sensor::Speed], signals.rate(Sensor::Speed));
+        let (slip, slip_rate) = (signals[Sensor::Slip], signals.rate(Sensor::Slip));
+        let (sine, cosine) = slip.sin_cos();
+        let forward = v_rate * cosine - v * sine * slip_rate;
+        let across = -v * sine - self.sled.slip_x_m * self.state.yaw_rate_radps;
+        let a = &self.motion.accel_mps2;
+        forward - GRAVITY * slope.sin() - a[0] - self.state.yaw_rate_radps * across
+    }
+
+    /// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive downhill.
+    pub fn left_along_way(&self, signals: &Signals, slope: f64) -> f64 {
+        let (a, (sine, cosine)) = (&self.motion.accel_mps2, self.chassis);
+        signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
+    }
+}

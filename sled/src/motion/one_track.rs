@@ -1,0 +1,187 @@
+//! The one-track sled, read both ways: forces from motion (inverse) and forces from friction (forward).
+//!
+//! One right-handed frame throughout: x forward, y left, z up, body = rear part. The front runner's frame is turned by
+//! `R = R_x(gamma) R_z(delta)`, so that `F_f0 = R F_f`. With the aerodynamic force at the centre of gravity:
+//!
+//! ```text
+//! m a_x = F_x,r + F_x,f0 + F_x,aero         J_zz dyaw/dt   =  l_f F_y,f0 - l_r F_y,r
+//! m a_y = F_y,r + F_y,f0 + F_y,aero         J_yy dpitch/dt = -l_f F_z,f0 + l_r F_z,r
+//! m a_z = F_z,r + F_z,f0
+//! ```
+//!
+//! a is the specific force at the centre of gravity, which gravity does not enter. Forces and moments that effects put on
+//! the body stand beside the aerodynamic one.
+
+use kufe_effect::Forces;
+use kufe_friction::Braghin;
+
+use crate::model::sled::Sled;
+use crate::model::vehicle::Vehicle;
+use crate::motion::balance::Balance;
+use crate::motion::laws::longitudinal;
+
+pub use crate::motion::axles::{body_to_front, front_to_body, normal_forces};
+pub use crate::motion::state::{AxleForces, Motion, Resultant, State};
+
+/// Aerodynamic force at the centre of gravity in the body frame (x, y) [N]: the drag against the driving direction.
+pub fn aero_force(sled: &Sled, state: &State) -> [f64; 2] {
+    Balance::new(sled, state, &Motion::default()).air()
+}
+
+/// Forces on the runners as the motion demands them.
+///
+/// Momentum along y and z and both moments give `F_y` and `F_z` at the axles in the body frame. `F_x,f0` cannot be
+/// measured; it follows from the longitudinal friction of the front runner in its own frame:
+///
+/// ```text
+/// F_z,f  = cos(gamma) F_z,f0 - sin(gamma) F_y,f0
+/// F_x,f  = -mu F_z,f cos(alpha_f)
+/// F_x,f0 = (F_x,f - cos(gamma) sin(delta) F_y,f0 - sin(gamma) sin(delta) F_z,f0) / cos(delta)
+/// ```
+///
+/// The rear runner's `F_x` is that of its friction, too. Forces in N. A lifted runner's normal force comes out negative
+/// and is left so. What the vehicle's effects put on the body is taken off the motion first, and their friction acts in
+/// `F_x`; they must be those of the track ([`Vehicle::on_track`]).
+pub fn inverse(vehicle: &Vehicle, state: &State, motion: &Motion) -> AxleForces {
+    let at = Balance::new(&vehicle.sled, state, motion);
+    let base = demanded(vehicle, &at, &Forces::default(), None);
+    if vehicle.effects.is_empty() {
+        return base;
+    }
+    // Effects depend on loads and forces that depend on what they put on the body: a second round settles it.
+    (0..2).fold(base, |known, _| {
+        let forces = changed(vehicle, &at, &known, None);
+        demanded(vehicle, &at, &forces, Some(forces.along))
+    })
+}
+
+/// Forces that balance the motion, `body` being what effects put on the body and `along` the runners' friction where it
+/// is not the base law's.
+fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 2]>) -> AxleForces {
+    let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
+    let lateral = sled.mass_kg * motion.accel_mps2[1] - at.air()[1] - body.body_across;
+    let moment = sled.j_zz_kgm2 * motion.yaw_accel_radps2 - body.body_yaw;
+    let wheelbase = sled.wheelbase_m();
+    let fy_f0 = (sled.l_r_m * lateral + moment) / wheelbase;
+    let fy_r = (sled.l_f_m * lateral - moment) / wheelbase;
+    let (fz_f0, fz_r) = normal_forces(sled, motion.accel_mps2[2], motion.pitch_accel_radps2);
+
+    let ((sd, cd), (sg, cg)) = (at.steer, at.split);
+    let fz_f = cg * fz_f0 - sg * fy_f0;
+    let curvature = state.curvature_1pm;
+    let [fx_f, fx_r] = along.unwrap_or_else(|| {
+        [
+            longitudinal(&vehicle.front, fz_f, state.alpha_f_rad, curvature),
+            longitudinal(&vehicle.rear, fz_r, state.alpha_r_rad, curvature),
+        ]
+    });
+    let fx_f0 = (fx_f - cg * sd * fy_f0 - sg * sd * fz_f0) / cd;
+    let front_body = [fx_f0, fy_f0, fz_f0];
+    AxleForces {
+        front: body_to_front(front_body, state.delta_rad, state.gamma_rad),
+        front_body,
+        rear: [fx_r, fy_r, fz_r],
+        body: [body.body_along, body.body_across, body.body_yaw],
+    }
+}
+
+/// What the effects make of the base laws' forces at the loads of `known`; across the runners from `across` [N], or the
+/// forces known.
+fn changed(
+    vehicle: &Vehicle,
+    at: &Balance,
+    known: &AxleForces,
+    across: Option<[f64; 2]>,
+) -> Forces {
+    let (state, curvature) = (&at.state, at.state.curvature_1pm);
+    let load = [known.front[2], known.rear[2]];
+    let slip = [state.alpha_f_rad, state.alpha_r_rad];
+    let runners = [&vehicle.front, &vehicle.rear];
+    let mut forces = Forces {
+        along: std::array::from_fn(|i| longitudinal(runners[i], load[i], slip[i], curvature)),
+        across: across.unwrap_or([known.front[1], known.rear[1]]),
+        stiffness: std::array::from_fn(|i| runners[i].lateral.derivatives(slip[i], load[i]).alpha),
+        ..Forces::default()
+    };
+    vehicle.effects.act("", &at.seen(load), &mut forces);
+    forces
+}
+
+/// The part of measured lateral forces (front in its own frame, rear) [N] that the base laws have to give, the effects
+/// doing the rest.
+///
+/// The forces across that the effects turn into the measured ones, by Newton's method; those measured where there are no
+/// effects. NaN where the effects leave no such force.
+pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) -> [f64; 2] {
+    let wanted = [measured.front[1], measured.rear[1]];
+    if vehicle.effects.is_empty() {
+        return wanted;
+    }
+    let at = Balance::new(&vehicle.sled, state, &Motion::default());
+    let mut across = wanted;
+    for _ in 0..6 {
+        let step: [f64; 2] = across.map(|force| 1.0 + 1e-4 * force.abs());
+        let here = changed(vehicle, &at, measured, Some(across)).across;
+        let moved = [across[0] + step[0], across[1] + step[1]];
+        let there = changed(vehicle, &at, measured, Some(moved)).across;
+        for i in 0..2 {
+            let slope = (there[i] - here[i]) / step[i];
+            across[i] += if slope > 1e-3 {
+                (wanted[i] - here[i]) / slope
+            } else {
+                f64::NAN
+            };
+        }
+    }
+    across
+}
+
+/// Forces on the runners as the friction laws give them at the state's slip angles and normal forces, with the vehicle's
+/// effects ([`Balance::laws`], [`Balance::forces`]).
+pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
+    forces_at(
+        vehicle,
+        &Balance::new(&vehicle.sled, state, &Motion::default()),
+    )
+}
+
+/// [`forward`] at an instant that is known.
+pub(crate) fn forces_at(vehicle: &Vehicle, at: &Balance) -> AxleForces {
+    let laws = at.laws(vehicle);
+    if vehicle.effects.is_empty() {
+        return at.axle_forces(&laws.forces, laws.load_n[0]);
+    }
+    // The front runner's normal force follows its changed force.
+    let forces = at.forces(vehicle, &laws);
+    at.axle_forces(&forces, at.front_load(&forces))
+}
+
+/// [`forward`] with Braghin's lateral law on both runners and no effects, the paper's comparison.
+pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleForces {
+    let at = Balance::new(&vehicle.sled, state, &Motion::default());
+    let curvature = state.curvature_1pm;
+    let along = |load: [f64; 2]| {
+        [
+            longitudinal(&vehicle.front, load[0], state.alpha_f_rad, curvature),
+            longitudinal(&vehicle.rear, load[1], state.alpha_r_rad, curvature),
+        ]
+    };
+    let mut load = [state.fz_f0_n / at.split.1, state.fz_r_n];
+    let (mut forces, mut front_load) = (Forces::default(), load[0]);
+    // The force is proportional to the load: two rounds settle the roll-split's coupling.
+    for _ in 0..3 {
+        forces.along = along(load);
+        forces.across = [
+            law.force(state.alpha_f_rad, load[0]),
+            law.force(state.alpha_r_rad, load[1]),
+        ];
+        front_load = load[0];
+        load[0] = at.front_load(&forces);
+    }
+    at.axle_forces(&forces, front_load)
+}
+
+/// What runners and air together do at the centre of gravity.
+pub fn resultant(sled: &Sled, state: &State, forces: &AxleForces) -> Resultant {
+    Balance::new(sled, state, &Motion::default()).resultant(forces)
+}

@@ -1,0 +1,88 @@
+//! What effects may ask of a run beyond its sensors: humidity, and the distance run on this finish.
+
+use kufe_effect::{Conditions, Effects};
+
+use crate::error::Error;
+use crate::model::refuse::refuse;
+use crate::model::vehicle::Vehicle;
+use crate::record::index::MORE_INDEX_COLUMNS;
+use crate::record::run::Run;
+
+/// Columns that no run states: the slope of the track enters no balance of forces.
+const NEVER: [&str; 1] = ["slope_rad"];
+
+/// Values of [`MORE_INDEX_COLUMNS`]: from the run's file, else from `runs.csv`, else from the model's `[conditions]`.
+pub struct Further {
+    values: [Stated; 2],
+}
+
+enum Stated {
+    Nowhere,
+    Once(f64),
+    BySample(Vec<f64>),
+}
+
+impl Stated {
+    fn at(&self, i: usize) -> f64 {
+        match self {
+            Stated::Nowhere => f64::NAN,
+            Stated::Once(value) => *value,
+            Stated::BySample(values) => values[i],
+        }
+    }
+}
+
+impl Further {
+    /// Looks the values up and refuses effects that need what is stated nowhere; `resampled` brings a column of the file
+    /// to the rate of the states.
+    ///
+    /// # Errors
+    /// [`Error::Keys`] with the run's file, the effect and the column.
+    pub fn of(
+        run: &Run,
+        vehicle: &Vehicle,
+        effects: &Effects,
+        resampled: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Result<Further, Error> {
+        let (own, model) = (&run.entry.conditions, &vehicle.conditions);
+        let once = [
+            own.humidity_pct.or(model.humidity_pct),
+            own.distance_m.or(model.distance_m),
+        ];
+        let mut values = once.map(|value| value.map_or(Stated::Nowhere, Stated::Once));
+        for (name, value) in MORE_INDEX_COLUMNS.iter().zip(&mut values) {
+            if let Some(column) = run.columns.get(*name)
+                && column.iter().all(|x| x.is_finite())
+            {
+                *value = Stated::BySample(resampled(column));
+            }
+        }
+        let further = Further { values };
+        let nowhere = MORE_INDEX_COLUMNS
+            .iter()
+            .zip(&further.values)
+            .filter(|(_, value)| matches!(value, Stated::Nowhere))
+            .map(|(name, _)| *name);
+        let absent: Vec<&str> = nowhere.chain(NEVER).collect();
+        refuse(effects, &absent, &run.entry.file.display().to_string())?;
+        Ok(further)
+    }
+
+    /// Time [s], place [m], speed [m/s] and weather of sample `i`.
+    pub fn conditions(&self, run: &Run, i: usize, t: f64, s: f64, v: f64) -> Conditions {
+        let weather = &run.entry.conditions;
+        Conditions {
+            t,
+            s,
+            v,
+            fz: f64::NAN,
+            ice_c: weather.ice_c,
+            air_c: weather.air_c,
+            air_pa: weather.air_pa,
+            humidity_pct: self.values[0].at(i),
+            distance: self.values[1].at(i),
+            air_density: weather.air_density(),
+            drag_area: f64::NAN,
+        }
+    }
+}

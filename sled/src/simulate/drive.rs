@@ -1,0 +1,174 @@
+//! Driving a track: fixed steps of fourth order.
+
+use crate::error::Error;
+use crate::model::refuse::refuse;
+use crate::model::vehicle::Vehicle;
+use crate::simulate::driver::Driver;
+use crate::simulate::dynamics::{Before, COUNT, Instant, Unknowns, World};
+use crate::simulate::options::{SimulateOptions, steps_an_interval};
+use crate::track::shape::TrackShape;
+
+/// Work and energy over a simulation [J].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// Kinetic energy at the start.
+    pub kinetic_start_j: f64,
+    /// Kinetic energy at the end.
+    pub kinetic_end_j: f64,
+    /// Work of gravity.
+    pub gravity_j: f64,
+    /// Work of the ice, negative.
+    pub ice_j: f64,
+    /// Work of the air, negative.
+    pub air_j: f64,
+    /// Work of wall contacts.
+    pub wall_j: f64,
+}
+
+impl EnergyBalance {
+    /// What does not add up, relative to the largest term.
+    pub fn relative_error(&self) -> f64 {
+        let work = self.gravity_j + self.ice_j + self.air_j + self.wall_j;
+        let scale = self
+            .kinetic_end_j
+            .max(self.kinetic_start_j)
+            .max(self.gravity_j.abs());
+        (self.kinetic_end_j - self.kinetic_start_j - work).abs() / scale
+    }
+}
+
+/// A simulated run without its sensors.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// One instant an output sample.
+    pub instants: Vec<Instant>,
+    /// Left of the ideal line at each sample [m].
+    pub offset_m: Vec<f64>,
+    /// Time between samples [s].
+    pub dt_s: f64,
+    /// Whether the finish was reached, and not just the time spent.
+    pub finished: bool,
+    /// Work and energy.
+    pub energy: EnergyBalance,
+    /// Steps taken.
+    pub steps: usize,
+}
+
+/// Drives a sled down a track.
+///
+/// Fixed steps of fourth order (Adams-Bashforth, started by Runge-Kutta) on the equations of motion in `dynamics.rs`, from
+/// the track's start to its finish: one evaluation of the forces a step, as a simulator in real time can afford.
+/// Deterministic: the same arguments give the same bits. Steps above about 10 ms are unstable at low speed.
+///
+/// # Errors
+/// [`Error::KeyRange`] for options out of range, [`Error::Stopped`] where the sled comes to rest or leaves the track.
+pub fn simulate(
+    vehicle: &Vehicle,
+    track: &TrackShape,
+    driver: &Driver,
+    options: &SimulateOptions,
+) -> Result<Simulated, Error> {
+    let every = steps_an_interval(options)?;
+    let vehicle = &vehicle.on_track(&track.name);
+    let conditions = options.conditions.or(&vehicle.conditions);
+    refuse(&vehicle.effects, &conditions.absent(), "simulation")?;
+    let dt_s = 1.0 / options.rate_hz;
+    let h = dt_s / every as f64;
+    let world = World {
+        vehicle,
+        shape: track,
+        conditions,
+        density: options.conditions.air_density(),
+        driver,
+        mood: driver.mood(track.start_m, track.finish_m, options.seed),
+        contacts: &options.contacts,
+        cross_curvature: options.cross_curvature_1pm,
+    };
+    let mut y: Unknowns = [0.0; COUNT];
+    y[0] = track.start_m;
+    y[3] = options.start_speed_mps;
+    let kinetic_start_j = world.kinetic_energy(&y);
+    let mut before = Before::default();
+    // The first instant's growth of speed is not known yet; a few rounds settle it.
+    for _ in 0..4 {
+        before = World::before(&world.rates(&y, &before).1, &before);
+    }
+    let mut growth_then = before.growth;
+    let expected = ((track.finish_m - track.start_m) / options.start_speed_mps / dt_s) as usize;
+    let mut instants = Vec::with_capacity(expected.min(1 << 16));
+    let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
+    // Rates of the last steps, newest first.
+    let mut past = [[0.0; COUNT]; 4];
+    let mut steps = 0;
+    let most = (options.most_s / h).ceil() as usize;
+    let finished = loop {
+        let growth_now = before.growth;
+        before.growth = 2.0 * growth_now - growth_then;
+        growth_then = growth_now;
+        let (rates, mut instant) = world.rates(&y, &before);
+        before = World::before(&instant, &before);
+        past.rotate_right(1);
+        past[0] = rates;
+        if steps % every == 0 {
+            if let Some(what) = world.trouble(&y) {
+                return Err(Error::Stopped {
+                    s_m: y[0],
+                    t_s: steps as f64 * h,
+                    what,
+                });
+            }
+            instant.state.t_s = (steps / every) as f64 / options.rate_hz;
+            instants.push(instant);
+            offset_m.push(y[1]);
+        }
+        if y[0] >= track.finish_m {
+            break true;
+        }
+        if steps >= most {
+            break false;
+        }
+        y = if steps < 3 {
+            runge_kutta(&world, &y, &rates, &before, h)
+        } else {
+            adams_bashforth(&y, &past, h)
+        };
+        steps += 1;
+    };
+    Ok(Simulated {
+        instants,
+        offset_m,
+        dt_s,
+        finished,
+        energy: EnergyBalance {
+            kinetic_start_j,
+            kinetic_end_j: world.kinetic_energy(&y),
+            gravity_j: y[7],
+            ice_j: y[8],
+            air_j: y[9],
+            wall_j: y[10],
+        },
+        steps,
+    })
+}
+
+/// Adams and Bashforth's step of fourth order: one evaluation of the forces a step.
+///
+/// `y + h/24 (55 f_0 - 59 f_-1 + 37 f_-2 - 9 f_-3)`
+fn adams_bashforth(y: &Unknowns, past: &[Unknowns; 4], h: f64) -> Unknowns {
+    std::array::from_fn(|i| {
+        let mean = 55.0 * past[0][i] - 59.0 * past[1][i] + 37.0 * past[2][i] - 9.0 * past[3][i];
+        y[i] + h / 24.0 * mean
+    })
+}
+
+/// The classical Runge-Kutta step of fourth order, which starts the multistep method.
+fn runge_kutta(world: &World, y: &Unknowns, k1: &Unknowns, before: &Before, h: f64) -> Unknowns {
+    let k2 = world.rates(&ahead(y, k1, 0.5 * h), before).0;
+    let k3 = world.rates(&ahead(y, &k2, 0.5 * h), before).0;
+    let k4 = world.rates(&ahead(y, &k3, h), before).0;
+    std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+}
+
+fn ahead(y: &Unknowns, rates: &Unknowns, h: f64) -> Unknowns {
+    std::array::from_fn(|i| y[i] + h * rates[i])
+}

@@ -1,0 +1,92 @@
+//! A driver: a steering law that holds a line, with noise that skill keeps small.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::track::spline::Spline;
+
+/// How somebody steers.
+///
+/// ```text
+/// delta_wanted = feedforward L w / v - line_gain (n - n_wanted) - course_gain dn/dt / v + noise
+/// d(delta)/dt  = ( most tanh(delta_wanted / most) - delta ) / lag
+/// ```
+///
+/// n is the distance left of the ideal line [m], w the yaw rate at which the line is driven without lateral force
+/// `preview` seconds ahead [rad/s], L the wheelbase [m], v the speed [m/s]. `n_wanted` and the noise are smooth random functions of the
+/// distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driver {
+    /// Share of the curve's own steering angle that is steered ahead.
+    pub feedforward: f64,
+    /// How far ahead the curve is seen [s].
+    pub preview_s: f64,
+    /// Steering for being off the line [rad/m].
+    pub line_gain: f64,
+    /// Steering against the course angle.
+    pub course_gain: f64,
+    /// Time constant of arms and steering [s].
+    pub lag_s: f64,
+    /// Largest steering angle [rad].
+    pub most_rad: f64,
+    /// Standard deviation of steering noise [rad].
+    pub noise_rad: f64,
+    /// Standard deviation of the wanted line about the ideal one [m].
+    pub wander_m: f64,
+    /// Length over which noise and wanted line vary [m].
+    pub length_m: f64,
+}
+
+impl Driver {
+    /// A driver of a skill from 0 (a beginner) to 1 (steady, no noise, on the line).
+    ///
+    /// ```
+    /// use kufe_sled::Driver;
+    /// assert_eq!(Driver::of_skill(1.0).noise_rad, 0.0);
+    /// assert!(Driver::of_skill(0.2).wander_m > Driver::of_skill(0.8).wander_m);
+    /// ```
+    pub fn of_skill(skill: f64) -> Driver {
+        let clumsiness = 1.0 - skill.clamp(0.0, 1.0);
+        Driver {
+            feedforward: 1.0 - 0.5 * clumsiness,
+            preview_s: 0.1,
+            line_gain: 0.05 - 0.02 * clumsiness,
+            course_gain: 0.5 - 0.2 * clumsiness,
+            lag_s: 0.08 + 0.08 * clumsiness,
+            most_rad: 0.12,
+            noise_rad: 0.03 * clumsiness,
+            wander_m: 0.4 * clumsiness,
+            length_m: 18.0,
+        }
+    }
+
+    /// The driver's random functions over a track from `start` to `finish` [m].
+    pub(crate) fn mood(&self, start: f64, finish: f64, seed: u64) -> Mood {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        Mood {
+            noise: smooth_noise(start, finish, self.length_m, self.noise_rad, &mut random),
+            line: smooth_noise(start, finish, self.length_m, self.wander_m, &mut random),
+        }
+    }
+}
+
+/// A driver's steering noise [rad] and wanted line [m] on one run, over distance.
+#[derive(Clone, Debug)]
+pub(crate) struct Mood {
+    pub noise: Spline,
+    pub line: Spline,
+}
+
+/// Independent normal values every `length` metres, joined by a spline; 0 at the start.
+fn smooth_noise(start: f64, finish: f64, length: f64, sd: f64, random: &mut ChaCha8Rng) -> Spline {
+    let count = ((finish - start) / length).ceil().clamp(2.0, 1e6) as usize + 2;
+    let knots: Vec<f64> = (0..count).map(|i| start + i as f64 * length).collect();
+    let values: Vec<f64> = (0..count)
+        .map(|i| {
+            let normal: f64 = StandardNormal.sample(random);
+            if i == 0 { 0.0 } else { sd * normal }
+        })
+        .collect();
+    Spline::natural(&knots, &values)
+}

@@ -1,0 +1,139 @@
+//! What the sensors of a simulated sled record.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use kufe_effect::{Sensor, Signals};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::model::sled::{Noise, Sled};
+use crate::model::vehicle::Vehicle;
+use crate::motion::transfer::lever_acceleration;
+use crate::record::index::{Conditions, Entry};
+use crate::record::run::Run;
+use crate::signals::derivative::{HALF_WIDTH, derivative};
+use crate::simulate::drive::Simulated;
+use crate::simulate::dynamics::Instant;
+use crate::track::table::Track;
+
+/// What the sensors of the sled record of a simulated run, in the format of a measured one.
+///
+/// The accelerometer at its place feels `f + dw/dt x r + w x (w x r)`, f being the specific force at the centre of
+/// gravity; the slip sensor sees speed and slip angle at its own place. Effects of the vehicle that stand between the
+/// truth and its sensors act. White noise of the stated deviations is added to each channel with `seed`; none where
+/// `noise` is absent. `s_m` is the true distance along the track.
+pub fn record(
+    simulated: &Simulated,
+    vehicle: &Vehicle,
+    noise: Option<&Noise>,
+    entry: Entry,
+    seed: u64,
+) -> Run {
+    let vehicle = vehicle.on_track(&entry.track);
+    let sled = &vehicle.sled;
+    let mut read: Vec<Signals> = simulated
+        .instants
+        .iter()
+        .map(|instant| true_signals(sled, instant))
+        .collect();
+    if !vehicle.effects.is_empty() {
+        if read.len() > 2 * HALF_WIDTH {
+            complete_rates(&mut read, simulated.dt_s);
+        }
+        for (signals, instant) in read.iter_mut().zip(&simulated.instants) {
+            vehicle
+                .effects
+                .disturb(&instant.state.conditions(), signals);
+        }
+    }
+    let silent = Noise::default();
+    let noise = noise.unwrap_or(&silent);
+    let deviation = |sensor: Sensor| match sensor {
+        Sensor::Ax | Sensor::Ay | Sensor::Az => noise.accel_mps2,
+        Sensor::RollRate | Sensor::PitchRate | Sensor::YawRate => noise.rate_radps,
+        Sensor::Speed => noise.speed_mps,
+        Sensor::Slip => noise.slip_rad,
+        Sensor::Steering => noise.steer_rad,
+        Sensor::RollSplit => noise.roll_split_rad,
+    };
+    let mut channels: Vec<(&str, Vec<f64>, f64)> = Sensor::ALL
+        .into_iter()
+        .map(|sensor| {
+            let values = read.iter().map(|signals| signals[sensor]).collect();
+            (sensor.name(), values, deviation(sensor))
+        })
+        .collect();
+    let distance = simulated.instants.iter().map(|i| i.state.s_m).collect();
+    channels.push(("s_m", distance, 0.0));
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x5e50_25ed);
+    for (_, values, sd) in &mut channels {
+        if *sd > 0.0 {
+            for value in values.iter_mut() {
+                let normal: f64 = StandardNormal.sample(&mut random);
+                *value += *sd * normal;
+            }
+        }
+    }
+    let columns: BTreeMap<String, Vec<f64>> = channels
+        .into_iter()
+        .map(|(name, values, _)| (name.to_string(), values))
+        .collect();
+    Run {
+        entry,
+        t0_s: 0.0,
+        dt_s: simulated.dt_s,
+        columns,
+        remarks: Vec::new(),
+    }
+}
+
+/// What faultless sensors of this sled would say, with the rates that the motion tells.
+fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
+    let s = &instant.state;
+    let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
+    let rates = [s.roll_rate_radps, s.pitch_rate_radps, s.yaw_rate_radps];
+    let angular = instant.angular_accel_radps2;
+    let lever = lever_acceleration(rates, angular, place);
+    let mut signals = Signals {
+        sled: sled.constants(),
+        ..Signals::default()
+    };
+    for (i, sensor) in [Sensor::Ax, Sensor::Ay, Sensor::Az].into_iter().enumerate() {
+        signals[sensor] = instant.motion.accel_mps2[i] + lever[i];
+    }
+    let gyroscopes = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+    for (i, sensor) in gyroscopes.into_iter().enumerate() {
+        signals.set(sensor, rates[i], angular[i]);
+    }
+    signals.set(Sensor::Speed, s.v_mps, instant.speed_growth);
+    let slip_rate = instant.alpha_sensor_rate_radps;
+    signals.set(Sensor::Slip, instant.alpha_sensor_rad, slip_rate);
+    signals.set(Sensor::Steering, s.delta_rad, instant.steering_rate_radps);
+    signals[Sensor::RollSplit] = s.gamma_rad;
+    signals
+}
+
+/// The rates that the motion does not tell: of the accelerations and of the roll split, from the samples.
+fn complete_rates(signals: &mut [Signals], dt_s: f64) {
+    for sensor in [Sensor::Ax, Sensor::Ay, Sensor::Az, Sensor::RollSplit] {
+        let values: Vec<f64> = signals.iter().map(|s| s[sensor]).collect();
+        for (signals, rate) in signals.iter_mut().zip(derivative(&values, dt_s)) {
+            signals.rate[sensor as usize] = rate;
+        }
+    }
+}
+
+/// An index row for a simulated run.
+pub fn simulated_entry(run: &str, track: &Track, driver: &str, conditions: Conditions) -> Entry {
+    Entry {
+        run: run.to_string(),
+        file: PathBuf::from(format!("{run}.csv")),
+        track: track.name.clone(),
+        driver: driver.to_string(),
+        driver_class: "simulated".to_string(),
+        session: "1".to_string(),
+        conditions,
+    }
+}

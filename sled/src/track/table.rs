@@ -1,0 +1,177 @@
+//! The track as a sled feels it: slope, vertical curvature and bank over distance.
+
+use std::path::Path;
+
+use crate::error::Error;
+use crate::record::csv::{read_csv, write_csv};
+
+/// A track table, `track_NAME.csv`.
+///
+/// The line is the one the sled takes: `curvature_1pm` is `1/r_y` about the sled's own pitch axis (in a banked curve most
+/// of the turn is in it), `bank_rad` the roll of the ice under the sled, positive with the left side up, and
+/// `slope_rad` the pitch of the ice, positive downhill.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Name, as runs refer to it.
+    pub name: String,
+    /// Distance [m], strictly increasing.
+    pub s_m: Vec<f64>,
+    /// Slope, positive downhill [rad].
+    pub slope_rad: Vec<f64>,
+    /// Curvature in the vertical plane, positive in a valley [1/m].
+    pub curvature_1pm: Vec<f64>,
+    /// Bank, positive with the left side up [rad].
+    pub bank_rad: Vec<f64>,
+}
+
+const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
+
+impl Track {
+    /// Reads a track; its name is the file's without `track_` and extension.
+    ///
+    /// # Errors
+    /// Those of [`Track::from_csv`] and [`Error::File`].
+    pub fn load(path: &Path) -> Result<Track, Error> {
+        let file = path.display().to_string();
+        let stem = path
+            .file_stem()
+            .and_then(|stem| stem.to_str())
+            .unwrap_or("track");
+        let name = stem.strip_prefix("track_").unwrap_or(stem);
+        let reader = std::fs::File::open(path).map_err(|error| Error::file(&file, error))?;
+        Track::from_csv(reader, name, &file)
+    }
+
+    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may stand for `curvature_1pm`.
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`], [`Error::Column`] for unknown ones, [`Error::Cell`] with the row, [`Error::TooFew`].
+    pub fn from_csv(reader: impl std::io::Read, name: &str, file: &str) -> Result<Track, Error> {
+        let required = ["s_m", "slope_rad", "curvature_1pm", "radius_m", "bank_rad"];
+        let mut columns = read_csv(reader, &required, file)?;
+        let expected = || format!("{} (or radius_m for curvature_1pm)", COLUMNS.join(", "));
+        if let Some(unknown) = columns
+            .keys()
+            .find(|name| !required.contains(&name.as_str()))
+        {
+            return Err(Error::Column {
+                file: file.to_string(),
+                column: unknown.clone(),
+                what: "unknown",
+                expected: expected(),
+            });
+        }
+        if let Some(radius) = columns.remove("radius_m") {
+            let curvature = radius.iter().map(|r| 1.0 / r).collect();
+            if columns
+                .insert("curvature_1pm".to_string(), curvature)
+                .is_some()
+            {
+                return Err(Error::Column {
+                    file: file.to_string(),
+                    column: "radius_m".to_string(),
+                    what: "given beside curvature_1pm",
+                    expected: expected(),
+                });
+            }
+        }
+        let mut take = |column: &str| {
+            columns.remove(column).ok_or_else(|| Error::MissingColumn {
+                file: file.to_string(),
+                column: column.to_string(),
+                found: columns.keys().cloned().collect::<Vec<_>>().join(", "),
+            })
+        };
+        let track = Track {
+            name: name.to_string(),
+            s_m: take("s_m")?,
+            slope_rad: take("slope_rad")?,
+            curvature_1pm: take("curvature_1pm")?,
+            bank_rad: take("bank_rad")?,
+        };
+        track.check(file)?;
+        Ok(track)
+    }
+
+    /// Checks lengths and ranges; `file` names the source in errors.
+    ///
+    /// # Errors
+    /// [`Error::Cell`] with row and column, [`Error::TooFew`].
+    pub fn check(&self, file: &str) -> Result<(), Error> {
+        if self.s_m.len() < 4 {
+            return Err(Error::TooFew {
+                what: format!("{file}: rows"),
+                found: self.s_m.len(),
+                needed: 4,
+            });
+        }
+        let ranges: [(&str, &[f64], f64, &str); 4] = [
+            ("s_m", &self.s_m, 1e6, "a distance [m]"),
+            (
+                "slope_rad",
+                &self.slope_rad,
+                1.2,
+                "radians, magnitudes below 1.2",
+            ),
+            (
+                "curvature_1pm",
+                &self.curvature_1pm,
+                1.0,
+                "1/m, magnitudes below 1",
+            ),
+            (
+                "bank_rad",
+                &self.bank_rad,
+                3.2,
+                "radians, magnitudes below 3.2",
+            ),
+        ];
+        for (column, values, most, expected) in ranges {
+            if let Some(row) = values.iter().position(|v| v.is_nan() || v.abs() >= most) {
+                return Err(cell(file, row, column, values[row], expected));
+            }
+        }
+        if let Some(row) = self.s_m.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let expected = "more than in the row before";
+            return Err(cell(file, row + 1, "s_m", self.s_m[row + 1], expected));
+        }
+        Ok(())
+    }
+
+    /// Writes the table as CSV.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn write_csv(&self, writer: impl std::io::Write) -> std::io::Result<()> {
+        write_csv(
+            writer,
+            &[
+                ("s_m", &self.s_m),
+                ("slope_rad", &self.slope_rad),
+                ("curvature_1pm", &self.curvature_1pm),
+                ("bank_rad", &self.bank_rad),
+            ],
+        )
+    }
+
+    /// Altitude lost from the start to each row [m]: the integral of `sin(slope)` along the line.
+    pub fn drop_m(&self) -> Vec<f64> {
+        let mut drop = vec![0.0; self.s_m.len()];
+        for i in 1..drop.len() {
+            let ds = self.s_m[i] - self.s_m[i - 1];
+            drop[i] =
+                drop[i - 1] + 0.5 * ds * (self.slope_rad[i - 1].sin() + self.slope_rad[i].sin());
+        }
+        drop
+    }
+}
+
+fn cell(file: &str, row: usize, column: &str, found: f64, expected: &str) -> Error {
+    Error::Cell {
+        file: file.to_string(),
+        row: row as u64 + 2,
+        column: column.to_string(),
+        found: found.to_string(),
+        expected: expected.to_string(),
+    }
+}

@@ -1,0 +1,155 @@
+//! Every effect of the catalogue acts in simulation, fit, validation and evaluation, or is refused there by its name.
+
+use std::path::Path;
+
+use kufe_sled::effects::{ActsOn, CATALOGUE, Effect};
+use kufe_sled::sample_data::sample_track;
+use kufe_sled::{
+    Driver, FitOptions, Model, Prepared, Run, SimulateOptions, Track, TrackShape, Vehicle,
+    evaluate, fit, prepare_all, record, simulate, simulated_entry, validate,
+};
+
+/// The first part of a sample track: some seconds are enough to see whether anything changes.
+fn track() -> Track {
+    let mut track = sample_track("west");
+    let rows = track.s_m.iter().filter(|s| **s < 350.0).count();
+    for column in [
+        &mut track.s_m,
+        &mut track.slope_rad,
+        &mut track.curvature_1pm,
+        &mut track.bank_rad,
+    ] {
+        column.truncate(rows);
+    }
+    track
+}
+
+fn model(effect: &Effect, conditions: &str) -> Model {
+    let keys: Vec<String> = effect
+        .info
+        .parameters
+        .iter()
+        .filter(|p| p.is_amplitude())
+        .map(|p| format!("{} = {:?}", p.name, p.default + p.typical))
+        .collect();
+    let text = format!(
+        "{}\n{conditions}\n[effects.{}]\n{}\n",
+        Model::published().to_toml(),
+        effect.info.name,
+        keys.join("\n")
+    );
+    Model::from_toml(&text, "model.toml").unwrap()
+}
+
+fn driven(vehicle: &Vehicle) -> Result<Run, kufe_sled::Error> {
+    let track = track();
+    let options = SimulateOptions::default();
+    let shape = TrackShape::new(&track);
+    let simulated = simulate(vehicle, &shape, &Driver::of_skill(0.4), &options)?;
+    let entry = simulated_entry("r", &track, "d", options.conditions);
+    Ok(record(&simulated, vehicle, None, entry, 1))
+}
+
+fn prepared(
+    run: &Run,
+    vehicle: &Vehicle,
+    model: &Model,
+) -> Result<Vec<Prepared>, kufe_sled::Error> {
+    let runs = std::slice::from_ref(run);
+    prepare_all(runs, vehicle, model.noise.as_ref(), &Default::default())
+}
+
+fn on_runs() -> impl Iterator<Item = &'static &'static Effect> {
+    CATALOGUE.iter().filter(|effect| {
+        let acts_on = effect.info.acts_on;
+        !acts_on
+            .iter()
+            .all(|on| matches!(on, ActsOn::Contact | ActsOn::Map))
+    })
+}
+
+const STATED: &str = "[conditions]\nhumidity_pct = 40.0\ndistance_m = 5000.0\n";
+
+#[test]
+fn every_effect_changes_what_a_simulated_run_records() {
+    let plain = driven(&Vehicle::new(&Model::published()).unwrap()).unwrap();
+    for effect in on_runs() {
+        let vehicle = Vehicle::with_effects(&model(effect, STATED)).unwrap();
+        let run = driven(&vehicle).unwrap();
+        assert!(run.len() > 64, "{}", effect.info.name);
+        assert_ne!(
+            run.columns, plain.columns,
+            "{} does nothing",
+            effect.info.name
+        );
+    }
+}
+
+#[test]
+fn every_effect_changes_fit_validation_and_evaluation_or_is_refused_by_name() {
+    let base = Model::published();
+    let plain = Vehicle::new(&base).unwrap();
+    let run = driven(&plain).unwrap();
+    let answers = |runs: &[Prepared], vehicle: &Vehicle| {
+        let fitted = fit(runs, vehicle, &FitOptions::default()).unwrap();
+        let series = |text: String| text;
+        [
+            series(fitted.to_json().to_string()),
+            serde_json::to_string(&validate(runs, vehicle)).unwrap(),
+            serde_json::to_string(&evaluate(runs, vehicle)).unwrap(),
+        ]
+    };
+    let without = answers(&prepared(&run, &plain, &base).unwrap(), &plain);
+    for effect in on_runs() {
+        let (name, model) = (effect.info.name, model(effect, STATED));
+        let vehicle = Vehicle::with_effects(&model).unwrap();
+        match prepared(&run, &vehicle, &model) {
+            Err(error) => {
+                let message = error.to_string();
+                assert!(message.contains(name), "{name} is not named: {message}");
+                assert!(message.contains("slope_rad"), "{name}: {message}");
+                assert!(
+                    effect.info.acts_on.contains(&ActsOn::Track),
+                    "{name} is refused"
+                );
+            }
+            Ok(runs) => {
+                let with = answers(&runs, &vehicle);
+                for (k, command) in ["fit", "validate", "evaluate"].iter().enumerate() {
+                    assert_ne!(with[k], without[k], "{name} does nothing in {command}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_effect_without_its_column_is_refused_with_effect_column_and_file() {
+    for (name, column) in [("humidity", "humidity_pct"), ("wear", "distance_m")] {
+        let effect = kufe_sled::effects::find(name).unwrap();
+        let bare = model(effect, "");
+        let vehicle = Vehicle::with_effects(&bare).unwrap();
+        let message = driven(&vehicle).unwrap_err().to_string();
+        assert!(
+            message.contains(name) && message.contains(column),
+            "{message}"
+        );
+
+        let base = Model::published();
+        let mut run = driven(&Vehicle::new(&base).unwrap()).unwrap();
+        run.entry.file = Path::new("somewhere/r.csv").to_path_buf();
+        let message = prepared(&run, &vehicle, &bare).unwrap_err().to_string();
+        for part in [name, column, "somewhere/r.csv"] {
+            assert!(message.contains(part), "{message}");
+        }
+
+        // Stated by the index, or sample by sample in the run's file: both act, and differently.
+        run.entry.conditions.humidity_pct = Some(30.0);
+        run.entry.conditions.distance_m = Some(3000.0);
+        let by_index = evaluate(&prepared(&run, &vehicle, &bare).unwrap(), &vehicle);
+        let rising = (0..run.len()).map(|i| 50.0 + i as f64 / run.len() as f64);
+        run.columns.insert(column.to_string(), rising.collect());
+        let by_sample = evaluate(&prepared(&run, &vehicle, &bare).unwrap(), &vehicle);
+        assert_ne!(by_index[0].e_tot_loss_j, by_sample[0].e_tot_loss_j);
+    }
+}

@@ -1,0 +1,240 @@
+//! The list of cases: families, what each hides, and how large.
+
+use crate::cases::answer::{Case, CaseError};
+use crate::cases::label::Label;
+use crate::cases::{experiments, pressure_case, run_case};
+use crate::other_worlds::{self, EFFECTS, WORLDS};
+use crate::world::hidden::{ENTRIES, Kind};
+
+/// Shares of the residual's noise variance for effects in runs.
+pub const RUN_SHARES: [f64; 3] = [0.007, 0.02, 0.06];
+/// Shares for friction experiments, which have tens of rows instead of tens of thousands.
+pub const EXPERIMENT_SHARES: [f64; 3] = [0.5, 1.5, 4.0];
+
+/// One case, before its seed is chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spec {
+    /// What it is called.
+    pub label: Label,
+    /// How it is built.
+    pub recipe: Recipe,
+}
+
+/// Ways to build a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Recipe {
+    /// A campaign of runs.
+    Runs(run_case::Recipe),
+    /// A campaign of another world, with what it hides.
+    World(other_worlds::World, Option<other_worlds::Effect>),
+    /// A table of friction experiments.
+    Experiments(experiments::Recipe),
+    /// Pressure measurements.
+    Pressures(pressure_case::Recipe),
+}
+
+impl Spec {
+    /// `family/name@share`.
+    pub fn id(&self) -> String {
+        self.label.id()
+    }
+
+    /// Its name as a folder.
+    pub fn folder(&self, seed: u64) -> String {
+        self.label.folder(seed)
+    }
+
+    /// Builds the case for a seed.
+    pub fn build(&self, seed: u64) -> Result<Case, CaseError> {
+        match self.recipe {
+            Recipe::Runs(recipe) => Ok(run_case::build(&self.label, recipe, seed)),
+            Recipe::World(world, effect) => {
+                Ok(other_worlds::build(world, effect, &self.label, seed))
+            }
+            Recipe::Experiments(recipe) => Ok(experiments::build(&self.label, recipe, seed)),
+            Recipe::Pressures(recipe) => pressure_case::build(&self.label, recipe, seed),
+        }
+    }
+}
+
+/// Every case there is.
+pub fn all() -> Vec<Spec> {
+    use run_case::Recipe as R;
+    let mut specs = Vec::new();
+    let mut add = |family, name: &str, share, recipe| {
+        let label = Label {
+            family,
+            name: name.to_owned(),
+            share,
+        };
+        specs.push(Spec { label, recipe });
+    };
+    for (name, recipe) in [
+        ("white", R::White),
+        ("ar1", R::Coloured),
+        ("unstated-noise", R::UnstatedNoise),
+        ("quiet", R::Quiet),
+        ("session-drift", R::SessionDrift),
+        ("survey", R::Survey),
+        ("mistuned", R::Mistuned),
+    ] {
+        add("null", name, None, Recipe::Runs(recipe));
+    }
+    add(
+        "null",
+        "seven-points",
+        None,
+        Recipe::Experiments(experiments::Recipe::SevenPoints),
+    );
+    add(
+        "null",
+        "experiments",
+        None,
+        Recipe::Experiments(experiments::Recipe::Null),
+    );
+    add(
+        "null",
+        "pressures",
+        None,
+        Recipe::Pressures(pressure_case::Recipe::Null),
+    );
+    add(
+        "wrong-survey",
+        "five-times-too-small",
+        None,
+        Recipe::Runs(R::WrongSurvey),
+    );
+
+    for entry in ENTRIES {
+        let family = match entry.kind {
+            Kind::BeyondRollRate | Kind::BeyondExtra | Kind::BeyondPitchGrip => "beyond",
+            Kind::LeverArm
+            | Kind::SlipOffset
+            | Kind::SlipScale
+            | Kind::SlipLag
+            | Kind::SteerOffset
+            | Kind::YawRateScale
+            | Kind::YawRateBias
+            | Kind::SteerLag
+            | Kind::SpeedScale
+            | Kind::AccelerometerBiasX
+            | Kind::AccelerometerBiasY
+            | Kind::AccelerometerTiltPitch
+            | Kind::AccelerometerTiltRoll => "fault",
+            _ if entry.longitudinal => "longitudinal",
+            _ => "lateral",
+        };
+        let name = match entry.kind {
+            Kind::AccelerometerBiasX | Kind::AccelerometerTiltPitch => format!("{}-x", entry.name),
+            Kind::AccelerometerBiasY | Kind::AccelerometerTiltRoll => format!("{}-y", entry.name),
+            _ => entry.name.replace("unknown:", "").replace("_radps", ""),
+        };
+        for share in RUN_SHARES {
+            add(
+                family,
+                &name,
+                Some(share),
+                Recipe::Runs(R::Single(entry.kind)),
+            );
+        }
+    }
+    for (name, recipe) in [
+        ("temperature~humidity", R::TiedHumidity),
+        ("drag-area~air-density", R::Single(Kind::DragArea)),
+        ("load~plowing", R::Single(Kind::Load)),
+        ("slope~accelerometer-tilt", R::Single(Kind::Slope)),
+    ] {
+        add("twin", name, Some(0.02), Recipe::Runs(recipe));
+    }
+    for (name, a, b) in [
+        ("temperature+slip-drag", Kind::Temperature, Kind::SlipDrag),
+        (
+            "camber-thrust+temperature-grip",
+            Kind::CamberThrust,
+            Kind::TemperatureGrip,
+        ),
+        ("speed-grip+lever-arm", Kind::SpeedGrip, Kind::LeverArm),
+        (
+            "steer-drag+temperature-grip",
+            Kind::SteerDrag,
+            Kind::TemperatureGrip,
+        ),
+    ] {
+        add("two", name, Some(0.02), Recipe::Runs(R::Pair(a, b)));
+    }
+    add(
+        "few-sessions",
+        "temperature",
+        Some(0.02),
+        Recipe::Runs(R::TwoSessions(Kind::Temperature)),
+    );
+    add(
+        "few-sessions",
+        "temperature-grip",
+        Some(0.02),
+        Recipe::Runs(R::TwoSessions(Kind::TemperatureGrip)),
+    );
+    add(
+        "new-track",
+        "temperature-grip",
+        Some(0.02),
+        Recipe::Runs(R::NewTrack(Kind::TemperatureGrip)),
+    );
+    add(
+        "new-track",
+        "camber-thrust",
+        Some(0.02),
+        Recipe::Runs(R::NewTrack(Kind::CamberThrust)),
+    );
+    for world in WORLDS {
+        let [null, effects] = world.families();
+        add(null, "none", None, Recipe::World(world, None));
+        for effect in EFFECTS {
+            add(
+                effects,
+                effect.name,
+                None,
+                Recipe::World(world, Some(*effect)),
+            );
+        }
+    }
+    for cause in experiments::CAUSES {
+        for share in EXPERIMENT_SHARES {
+            add(
+                "experiment",
+                cause.name,
+                Some(share),
+                Recipe::Experiments(experiments::Recipe::Single(cause.cause)),
+            );
+        }
+    }
+    for (name, recipe) in pressure_case::HIDDEN {
+        add("pressure", name, None, Recipe::Pressures(*recipe));
+    }
+    specs
+}
+
+/// The cases whose id starts with one of the comma-separated prefixes; `all` for every case.
+pub fn chosen(prefixes: &str) -> Result<Vec<Spec>, CaseError> {
+    let mut found: Vec<Spec> = Vec::new();
+    for prefix in prefixes.split(',').map(str::trim) {
+        let hits: Vec<Spec> = all()
+            .into_iter()
+            .filter(|spec| {
+                prefix == "all"
+                    || spec.id() == prefix
+                    || spec.id().starts_with(prefix)
+                    || spec.id().ends_with(prefix) && prefix.starts_with('@')
+            })
+            .collect();
+        if hits.is_empty() {
+            return Err(CaseError::Unknown(prefix.to_owned()));
+        }
+        for hit in hits {
+            if !found.contains(&hit) {
+                found.push(hit);
+            }
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,9 @@
+//! Blind cases: data that hide something, and what they hide.
+
+pub mod answer;
+pub mod catalogue;
+pub mod experiments;
+mod film;
+pub mod label;
+pub mod pressure_case;
+pub mod run_case;

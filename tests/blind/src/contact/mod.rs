@@ -1,0 +1,4 @@
+//! Contact pressures by boundary elements.
+
+pub mod fourier;
+pub mod half_space;

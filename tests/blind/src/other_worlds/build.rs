@@ -1,0 +1,287 @@
+//! A campaign of a world, as files.
+
+use std::fmt::Write as _;
+
+use super::hidden::{Acts, Effect, Hidden};
+use super::recorder::{NOISE, record};
+use super::ride::{Plan, ride};
+use super::road::Road;
+use super::runners::Sled;
+use super::wrong::{CHANNELS, Fault, World, Wrong};
+use crate::cases::answer::{Answer, Case, Hides};
+use crate::cases::label::Label;
+use crate::world::noise::Source;
+
+/// Longest run [s].
+const SECONDS: f64 = 20.0;
+
+/// Columns of a run.
+const COLUMNS: &str = "ax_mps2,ay_mps2,az_mps2,roll_rate_radps,pitch_rate_radps,yaw_rate_radps,v_mps,alpha_rad,delta_rad,gamma_rad";
+
+/// Builds the campaign of a world, with an effect hidden in it or none.
+pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> Case {
+    let source = &mut Source::new(seed, &label.id());
+    let wrong = Wrong::draw(world, source);
+    let stated = stated_sled(source);
+    let mut truth = stated;
+    truth.inertia_kgm2 = [0, 1].map(|i| stated.inertia_kgm2[i] * wrong.inertia[i]);
+    truth.axle_m = [
+        stated.axle_m[0] - wrong.centre_m,
+        stated.axle_m[1] + wrong.centre_m,
+    ];
+    truth.accel_m[0] -= wrong.centre_m;
+    truth.slip_m -= wrong.centre_m;
+    let roads = ["eibe", "fichte"].map(|name| Road::draw(name, source));
+    let hidden = effect.map(|effect| {
+        let sign = if effect.both { source.sign() } else { 1.0 };
+        let from = source.uniform(0.4, 0.7) * roads[0].length_m;
+        let size = sign * effect.size;
+        Hidden {
+            effect,
+            size,
+            place_m: [from.round(), (from + 15.0).round()],
+        }
+    });
+    let fault = hidden.as_ref().and_then(|h| match h.effect.acts {
+        Acts::Recorder(fault) => Some((fault, h.size)),
+        _ => None,
+    });
+    match hidden.as_ref().map(|h| (h.effect.acts, h.size)) {
+        Some((Acts::Mass, size)) => truth.mass_kg += size,
+        Some((Acts::YawInertia, size)) => truth.inertia_kgm2[1] *= 1.0 + size,
+        _ => {}
+    }
+    let mut files = Vec::new();
+    let mut index = String::from("run,file,track,driver,driver_class,session,ice_c,air_c,air_pa\n");
+    let campaign = Campaign {
+        wrong: &wrong,
+        truth: &truth,
+        roads: &roads,
+        hidden: hidden.as_ref(),
+        fault,
+    };
+    campaign.runs(source, &mut index, &mut files);
+    if !wrong.bare {
+        files.extend(roads.iter().map(|road| track_file(road, &wrong)));
+    }
+    files.push(("runs.csv".to_owned(), index.into_bytes()));
+    files.push((
+        "model.toml".to_owned(),
+        model_file(&stated, &wrong, source).into_bytes(),
+    ));
+    let base = [
+        ("friction.longitudinal.mu", truth.mu),
+        ("friction.front.mu_zeta", truth.grip[0][0]),
+        ("friction.front.k_n_per_rad", truth.grip[0][3]),
+        ("friction.rear.mu_zeta", truth.grip[1][0]),
+        ("friction.rear.k_n_per_rad", truth.grip[1][3]),
+    ];
+    Case {
+        files,
+        answer: Answer {
+            family: label.family.to_owned(),
+            name: label.name.clone(),
+            wanted_share: None,
+            seed,
+            data: "runs.csv".to_owned(),
+            model: "model.toml".to_owned(),
+            hides: hidden.iter().map(|h| hides(h, roads[0].name)).collect(),
+            tolerated: Vec::new(),
+            too_little_to_name: false,
+            base: base.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
+        },
+    }
+}
+
+/// What every run of a campaign shares.
+struct Campaign<'a> {
+    wrong: &'a Wrong,
+    truth: &'a Sled,
+    roads: &'a [Road; 2],
+    hidden: Option<&'a Hidden>,
+    fault: Option<(Fault, f64)>,
+}
+
+impl Campaign<'_> {
+    /// Rides and records every run: a file each and a line in the index.
+    fn runs(&self, source: &mut Source, index: &mut String, files: &mut Vec<(String, Vec<u8>)>) {
+        let [sessions, a_session] = self.wrong.runs;
+        for session in 0..sessions {
+            let track = session % 2;
+            let ice_c = (10.0 * source.uniform(-14.0, -3.0)).round() / 10.0;
+            let air_c = (10.0 * source.uniform(-6.0, 6.0)).round() / 10.0;
+            let air_pa = source.uniform(91_000.0, 96_000.0).round();
+            let factors = [(); 2].map(|()| 1.0 + self.wrong.session * source.normal());
+            for run in 0..a_session {
+                let driver = ["north", "south", "west"][(session + run) % 3];
+                let own = &mut Source::new(9, &format!("{driver}{track}"));
+                let mut plan = Plan::draw(self.wrong.line_m, own, source);
+                plan.factors = factors;
+                plan.ice_c = ice_c;
+                plan.air = air_pa / (287.05 * (air_c + 273.15));
+                let road = &self.roads[track];
+                if source.uniform(0.0, 1.0) < self.wrong.wall {
+                    let from = source.uniform(0.2, 0.8) * road.length_m;
+                    let force = source.sign() * source.uniform(300.0, 1500.0);
+                    plan.wall = Some([from, from + source.uniform(3.0, 10.0), force]);
+                }
+                let hidden = self
+                    .hidden
+                    .filter(|h| h.effect.acts != Acts::Wall || track == 0);
+                let truths = ride(self.truth, road, &plan, hidden, SECONDS);
+                let rows = record(self.truth, &truths, self.wrong, self.fault, source);
+                let name = format!("r{:02}", session * a_session + run + 1);
+                let _ = writeln!(
+                    index,
+                    "{name},{name}.csv,{},{driver},all,{},{ice_c},{air_c},{air_pa}",
+                    road.name,
+                    session + 1
+                );
+                files.push((format!("{name}.csv"), run_file(&rows).into_bytes()));
+            }
+        }
+    }
+}
+
+fn hides(hidden: &Hidden, track: &str) -> Hides {
+    let effect = &hidden.effect;
+    let places = match effect.acts {
+        Acts::Wall => vec![(track.to_owned(), hidden.place_m[0], hidden.place_m[1])],
+        _ => Vec::new(),
+    };
+    Hides {
+        effect: effect.name.to_owned(),
+        class: effect.class.iter().map(|name| (*name).to_owned()).collect(),
+        key: effect.key.to_owned(),
+        size: hidden.size,
+        unit: effect.unit.to_owned(),
+        share: 0.0,
+        places,
+    }
+}
+
+fn stated_sled(source: &mut Source) -> Sled {
+    let mut about = |value: f64, spread: f64| value * (1.0 + source.uniform(-spread, spread));
+    Sled {
+        mass_kg: about(390.0, 0.03).round(),
+        inertia_kgm2: [145.0, 150.0],
+        axle_m: [0.82, 0.88],
+        accel_m: [-0.35, 0.0, 0.12],
+        slip_m: -0.60,
+        drag: [0.28, 0.0694],
+        mu: about(0.004, 0.1),
+        grip: [
+            [about(2.577, 0.1), 0.024, 0.99, about(10_522.0, 0.1)],
+            [about(3.288, 0.1), 0.076, 0.99, about(49_776.0, 0.1)],
+        ],
+    }
+}
+
+fn run_file(rows: &[[f64; CHANNELS]]) -> String {
+    let mut text = format!("t_s,{COLUMNS}\n");
+    for (k, row) in rows.iter().enumerate() {
+        let _ = write!(text, "{:.2}", k as f64 / 100.0);
+        for value in row {
+            let _ = write!(text, ",{value:.6}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn track_file(road: &Road, wrong: &Wrong) -> (String, Vec<u8>) {
+    let mut text = String::from("s_m,slope_rad,curvature_1pm,bank_rad\n");
+    let sign = if wrong.uphill { -1.0 } else { 1.0 };
+    for s in 0..=road.length_m as usize {
+        let here = road.at(s as f64);
+        let curvature = -here.turn[1] * wrong.curvature;
+        let _ = writeln!(
+            text,
+            "{s},{:.6},{curvature:.6},{:.5}",
+            sign * here.fall,
+            here.bank
+        );
+    }
+    (format!("track_{}.csv", road.name), text.into_bytes())
+}
+
+/// The model as its owner states it: the sled as it was weighed, friction three per cent off.
+fn model_file(sled: &Sled, wrong: &Wrong, source: &mut Source) -> String {
+    let mut off = |value: f64| value * (1.0 + (0.03 * source.normal()).clamp(-0.06, 0.06));
+    let mut text = format!(
+        "[sled]\nmass_kg = {:?}\nj_yy_kgm2 = {:?}\nj_zz_kgm2 = {:?}\nl_f_m = {:?}\nl_r_m = {:?}\naccel_x_m = {:?}\n\
+         accel_y_m = {:?}\naccel_z_m = {:?}\nslip_x_m = {:?}\ncda_m2 = {:?}\nyaw_drag_per_deg = {:?}\n\n\
+         [friction.longitudinal]\nmu = {:.6}\n\n",
+        sled.mass_kg,
+        sled.inertia_kgm2[0],
+        sled.inertia_kgm2[1],
+        sled.axle_m[0],
+        sled.axle_m[1],
+        sled.accel_m[0],
+        sled.accel_m[1],
+        sled.accel_m[2],
+        sled.slip_m,
+        sled.drag[0],
+        sled.drag[1],
+        off(sled.mu)
+    );
+    for (name, [peak, shape, bend, stiffness]) in [("front", sled.grip[0]), ("rear", sled.grip[1])]
+    {
+        let _ = write!(
+            text,
+            "[friction.{name}]\nmu_zeta = {:.5}\nc = {shape:?}\ne = {bend:?}\nk_n_per_rad = {:.2}\n\n",
+            off(peak),
+            off(stiffness)
+        );
+    }
+    let said = |channel: usize| NOISE[channel] * wrong.stated;
+    let _ = write!(
+        text,
+        "[survey]\nslope_sd_rad = 0.0008\n\n[noise]\naccel_mps2 = {:?}\nrate_radps = {:?}\nspeed_mps = {:?}\n\
+         slip_rad = {:?}\nsteer_rad = {:?}\nroll_split_rad = {:?}\n",
+        said(0),
+        said(3),
+        said(6),
+        said(7),
+        said(8),
+        said(9)
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{EFFECTS, WORLDS};
+    use super::*;
+
+    #[test]
+    fn the_same_seed_gives_the_same_files_and_none_says_what_is_hidden() {
+        let label = Label {
+            family: "few-effect",
+            name: "speed-grip".to_owned(),
+            share: None,
+        };
+        let [a, b] = [(); 2].map(|()| build(World::Few, Some(EFFECTS[5]), &label, 3));
+        assert_eq!(a.files, b.files);
+        for (name, bytes) in &a.files {
+            let text = String::from_utf8_lossy(bytes);
+            assert!(
+                !text.contains("speed-grip") && !text.contains("few"),
+                "{name}"
+            );
+        }
+        assert_eq!(a.answer.hides[0].effect, "speed-grip");
+    }
+
+    #[test]
+    fn worlds_are_wrong_in_their_own_way_only() {
+        let clean = Wrong::draw(World::Clean, &mut Source::new(1, "w"));
+        for world in WORLDS {
+            let wrong = Wrong::draw(world, &mut Source::new(1, "w"));
+            assert_eq!(wrong.delay_s != clean.delay_s, world == World::Delays);
+            assert_eq!(wrong.gyro_scale != clean.gyro_scale, world == World::Gyros);
+            assert_eq!(wrong.bare, world == World::Bare);
+            assert_eq!(wrong.wall > 0.0, world == World::Walls);
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! What a case of another world hides.
+
+use super::wrong::Fault;
+
+/// A hidden force, by the size that stands in its law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Force {
+    Temperature,
+    Speed,
+    SlipDrag,
+    DragArea,
+    AeroYaw,
+    SpeedGrip,
+    TemperatureGrip,
+    LoadGrip,
+    Camber,
+    Relaxation,
+    PitchGrip,
+    HumpGrip,
+}
+
+/// What an effect changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Acts {
+    /// Ice or air.
+    Force(Force),
+    /// A channel of the recorder.
+    Recorder(Fault),
+    /// The mass that the model states is too small by so much [kg].
+    Mass,
+    /// The yaw inertia of the model is too small by this factor.
+    YawInertia,
+    /// A wall that pushes at one place in every run [N].
+    Wall,
+}
+
+/// An effect that a world may hide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effect {
+    /// Its name in reports.
+    pub name: &'static str,
+    /// What it changes.
+    pub acts: Acts,
+    /// Key and unit of its parameter.
+    pub key: &'static str,
+    /// Unit of its parameter.
+    pub unit: &'static str,
+    /// A size that somebody who looks for it would meet.
+    pub size: f64,
+    /// Whether both signs occur.
+    pub both: bool,
+    /// Names that nobody could tell from it on such runs.
+    pub class: &'static [&'static str],
+}
+
+const fn effect(
+    name: &'static str,
+    acts: Acts,
+    key: &'static str,
+    unit: &'static str,
+    size: f64,
+) -> Effect {
+    Effect {
+        name,
+        acts,
+        key,
+        unit,
+        size,
+        both: true,
+        class: &[],
+    }
+}
+
+impl Effect {
+    const fn positive(mut self) -> Effect {
+        self.both = false;
+        self
+    }
+
+    const fn like(mut self, class: &'static [&'static str]) -> Effect {
+        self.class = class;
+        self
+    }
+}
+
+/// Everything that a world may hide.
+pub const EFFECTS: &[Effect] = &[
+    effect(
+        "temperature",
+        Acts::Force(Force::Temperature),
+        "slope_per_k",
+        "1/K",
+        0.04,
+    ),
+    effect("speed", Acts::Force(Force::Speed), "exponent", "", 0.6).like(&[
+        "drag-area",
+        "air-density",
+        "headwind",
+    ]),
+    effect("slip-drag", Acts::Force(Force::SlipDrag), "factor", "", 1.5).positive(),
+    effect(
+        "drag-area",
+        Acts::Force(Force::DragArea),
+        "cda_m2",
+        "m2",
+        0.05,
+    )
+    .like(&["air-density", "headwind", "speed"]),
+    effect(
+        "aero-yaw",
+        Acts::Force(Force::AeroYaw),
+        "per_deg",
+        "1/deg",
+        0.15,
+    )
+    .positive(),
+    effect(
+        "speed-grip",
+        Acts::Force(Force::SpeedGrip),
+        "slope_s_per_m",
+        "s/m",
+        0.008,
+    ),
+    effect(
+        "temperature-grip",
+        Acts::Force(Force::TemperatureGrip),
+        "slope_per_k",
+        "1/K",
+        0.012,
+    ),
+    effect(
+        "load-sensitivity",
+        Acts::Force(Force::LoadGrip),
+        "exponent",
+        "",
+        0.12,
+    ),
+    effect(
+        "camber-thrust",
+        Acts::Force(Force::Camber),
+        "coefficient_per_rad",
+        "1/rad",
+        0.6,
+    ),
+    effect(
+        "relaxation-length",
+        Acts::Force(Force::Relaxation),
+        "length_m",
+        "m",
+        0.25,
+    )
+    .positive()
+    .like(&["slip-lag"]),
+    effect(
+        "slip-offset",
+        Acts::Recorder(Fault::Bias(7)),
+        "offset_rad",
+        "rad",
+        0.004,
+    ),
+    effect(
+        "slip-scale",
+        Acts::Recorder(Fault::Scale(7)),
+        "factor",
+        "",
+        0.05,
+    ),
+    effect(
+        "slip-lag",
+        Acts::Recorder(Fault::Delay(7)),
+        "time_s",
+        "s",
+        0.012,
+    )
+    .positive()
+    .like(&["relaxation-length"]),
+    effect(
+        "steer-offset",
+        Acts::Recorder(Fault::Bias(8)),
+        "offset_rad",
+        "rad",
+        0.004,
+    )
+    .like(&["slip-offset"]),
+    effect(
+        "yaw-rate-scale",
+        Acts::Recorder(Fault::Scale(5)),
+        "factor",
+        "",
+        0.05,
+    )
+    .like(&["yaw-inertia"]),
+    effect(
+        "yaw-rate-bias",
+        Acts::Recorder(Fault::Bias(5)),
+        "bias_radps",
+        "rad/s",
+        0.02,
+    ),
+    effect(
+        "speed-scale",
+        Acts::Recorder(Fault::Scale(6)),
+        "factor",
+        "",
+        0.02,
+    ),
+    effect(
+        "accelerometer-bias",
+        Acts::Recorder(Fault::Bias(1)),
+        "y_mps2",
+        "m/s2",
+        0.15,
+    )
+    .like(&["accelerometer-tilt", "slip-offset"]),
+    effect("mass", Acts::Mass, "excess_kg", "kg", 12.0),
+    effect("yaw-inertia", Acts::YawInertia, "factor", "", 0.15),
+    effect("wall-contact", Acts::Wall, "force_n", "N", 400.0).like(&["asperities"]),
+    effect(
+        "unknown:pitch_rate_radps",
+        Acts::Force(Force::PitchGrip),
+        "",
+        "s/rad",
+        0.25,
+    ),
+    effect("unknown:v_mps", Acts::Force(Force::HumpGrip), "", "", 0.12).like(&["speed-grip"]),
+];
+
+/// An effect with the size it has in a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hidden {
+    /// The effect.
+    pub effect: Effect,
+    /// Its size.
+    pub size: f64,
+    /// Where a wall pushes [m].
+    pub place_m: [f64; 2],
+}
+
+impl Hidden {
+    /// The size of this force; 0 where another one is hidden.
+    pub fn force(&self, force: Force) -> f64 {
+        match self.effect.acts {
+            Acts::Force(hidden) if hidden == force => self.size,
+            _ => 0.0,
+        }
+    }
+}

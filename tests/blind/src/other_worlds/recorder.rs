@@ -1,0 +1,152 @@
+//! The recorder: sensors at their places, late, filtered, off by scale and bias, and noisy.
+
+use std::f64::consts::{PI, SQRT_2};
+
+use super::ride::{RATE_HZ, Truth};
+use super::runners::Sled;
+use super::wrong::{CHANNELS, Fault, Wrong};
+use crate::world::noise::Source;
+
+/// Rows a second in the files.
+pub const ROWS_HZ: f64 = 100.0;
+
+/// True standard deviations of the channels' noise.
+pub const NOISE: [f64; CHANNELS] = [
+    0.06, 0.06, 0.06, 0.0012, 0.0012, 0.0012, 0.025, 0.0006, 0.0003, 0.0003,
+];
+
+/// Records a ride: one row of all channels every hundredth of a second.
+pub fn record(
+    sled: &Sled,
+    truths: &[Truth],
+    wrong: &Wrong,
+    fault: Option<(Fault, f64)>,
+    source: &mut Source,
+) -> Vec<[f64; CHANNELS]> {
+    let stride = (RATE_HZ / ROWS_HZ) as usize;
+    let clean: Vec<[f64; CHANNELS]> = truths.iter().map(|truth| readings(sled, truth)).collect();
+    let columns: [Vec<f64>; CHANNELS] = std::array::from_fn(|c| {
+        let (mut delay, mut scale, mut bias) = (wrong.delay_s[c], 1.0, 0.0);
+        if (3..6).contains(&c) {
+            scale += wrong.gyro_scale[c - 3];
+            bias += wrong.gyro_bias_radps[c - 3];
+        }
+        match fault {
+            Some((Fault::Bias(at), size)) if at == c => bias += size,
+            Some((Fault::Scale(at), size)) if at == c => scale += size,
+            Some((Fault::Delay(at), size)) if at == c => delay += size,
+            _ => {}
+        }
+        let values: Vec<f64> = clean.iter().map(|row| row[c]).collect();
+        let late = filtered(&later(&values, delay * RATE_HZ), wrong.filter_hz);
+        let noise = noise(late.len(), NOISE[c], wrong, source);
+        late.iter()
+            .zip(&noise)
+            .step_by(stride)
+            .map(|(v, n)| scale * v + bias + n)
+            .collect()
+    });
+    (0..columns[0].len())
+        .map(|k| std::array::from_fn(|c| columns[c][k]))
+        .collect()
+}
+
+/// What perfect sensors read at their places: `f = f_c + dw/dt x l + w x (w x l)`.
+fn readings(sled: &Sled, truth: &Truth) -> [f64; CHANNELS] {
+    let (w, l) = (truth.rate, sled.accel_m);
+    let swing = cross(truth.rate_slope, l);
+    let spin = cross(w, cross(w, l));
+    let f = truth.felt;
+    let (vx, vy) = (truth.v * truth.beta.cos(), truth.v * truth.beta.sin());
+    [
+        f[0] + swing[0] + spin[0],
+        f[1] + swing[1] + spin[1],
+        f[2] + swing[2] + spin[2],
+        w[0],
+        w[1],
+        w[2],
+        truth.v,
+        -(vy + w[2] * sled.slip_m).atan2(vx),
+        truth.steer,
+        truth.split,
+    ]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The series `by` samples later, linear in between.
+fn later(values: &[f64], by: f64) -> Vec<f64> {
+    if by == 0.0 {
+        return values.to_vec();
+    }
+    (0..values.len())
+        .map(|k| {
+            let x = (k as f64 - by).max(0.0);
+            let i = (x as usize).min(values.len().saturating_sub(2));
+            let f = x - i as f64;
+            values[i] * (1.0 - f) + values[(i + 1).min(values.len() - 1)] * f
+        })
+        .collect()
+}
+
+/// A Butterworth low-pass of second order by the bilinear transform, started at rest on the first value.
+fn filtered(values: &[f64], corner_hz: f64) -> Vec<f64> {
+    if corner_hz.is_infinite() {
+        return values.to_vec();
+    }
+    let k = (PI * corner_hz / RATE_HZ).tan();
+    let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
+    let gain = k * k * norm;
+    let (a1, a2) = (
+        2.0 * (k * k - 1.0) * norm,
+        (1.0 - SQRT_2 * k + k * k) * norm,
+    );
+    let first = values.first().copied().unwrap_or(0.0);
+    let (mut x1, mut x2, mut y1, mut y2) = (first, first, first, first);
+    values
+        .iter()
+        .map(|&x| {
+            let y = gain * (x + 2.0 * x1 + x2) - a1 * y1 - a2 * y2;
+            (x2, x1, y2, y1) = (x1, x, y1, y);
+            y
+        })
+        .collect()
+}
+
+/// Noise with this standard deviation, as coloured and filtered as the world's.
+fn noise(count: usize, sd: f64, wrong: &Wrong, source: &mut Source) -> Vec<f64> {
+    let keep = wrong.colour;
+    let mut state = source.normal();
+    let raw: Vec<f64> = (0..count)
+        .map(|_| {
+            state = keep * state + (1.0 - keep * keep).sqrt() * source.normal();
+            state
+        })
+        .collect();
+    let shaped = filtered(&raw, wrong.filter_hz);
+    let spread = (shaped.iter().map(|x| x * x).sum::<f64>() / count.max(1) as f64).sqrt();
+    shaped.iter().map(|x| sd * x / spread.max(1e-300)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_filtered_and_delayed_wave_is_late_and_weaker_as_the_textbook_says() {
+        let wave: Vec<f64> = (0..4000)
+            .map(|k| (2.0 * PI * 30.0 * k as f64 / RATE_HZ).sin())
+            .collect();
+        let largest = |values: &[f64]| values[2000..].iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        // A Butterworth filter halves the power at its corner.
+        assert!((largest(&filtered(&wave, 30.0)) - 0.5f64.sqrt()).abs() < 2e-3);
+        let shifted = later(&wave, 7.0);
+        assert!((shifted[1007] - wave[1000]).abs() < 1e-12);
+    }
+}

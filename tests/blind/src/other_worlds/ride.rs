@@ -1,0 +1,313 @@
+//! The ride: speed, course and yaw down a road, stepped once a millisecond.
+
+use super::hidden::{Acts, Hidden};
+use super::road::{Here, Road};
+use super::runners::{Now, Push, Sled, push};
+use crate::world::noise::{Smooth, Source};
+
+/// Steps a second.
+pub const RATE_HZ: f64 = 1000.0;
+
+/// What is drawn for one run before it starts.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Speed at the start [m/s].
+    pub start_mps: f64,
+    /// Steering besides the line's [rad] over time.
+    pub steer: Smooth,
+    /// The driver's own line, left positive [m] over distance.
+    pub line: Smooth,
+    /// Roll split besides the road's twist [rad] over time.
+    pub split: Smooth,
+    /// Roll and pitch rate of a rough surface [rad/s] over time.
+    pub rough: [Smooth; 2],
+    /// Factors on friction and grip.
+    pub factors: [f64; 2],
+    /// A wall of this run: from, to [m], force [N].
+    pub wall: Option<[f64; 3]>,
+    /// Ice temperature [deg C].
+    pub ice_c: f64,
+    /// Air density [kg/m3].
+    pub air: f64,
+    /// Whether a way up the bank costs height.
+    pub climbs: bool,
+}
+
+impl Plan {
+    /// Draws the run's own steering and roughness; the rest is the campaign's.
+    pub fn draw(line_m: f64, driver: &mut Source, source: &mut Source) -> Plan {
+        Plan {
+            start_mps: 12.0 + 0.5 * source.normal(),
+            steer: Smooth::new(0.006, 0.2, 1.5, source),
+            line: Smooth::new(line_m, 0.004, 0.012, driver),
+            split: Smooth::new(0.010, 0.2, 2.0, source),
+            rough: [
+                Smooth::new(0.05, 0.3, 2.0, source),
+                Smooth::new(0.02, 0.3, 2.5, source),
+            ],
+            factors: [1.0; 2],
+            wall: None,
+            ice_c: -6.0,
+            air: 1.25,
+            climbs: line_m > 0.0,
+        }
+    }
+}
+
+/// One millisecond of truth.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Truth {
+    /// Specific force at the centre of gravity [m/s2].
+    pub felt: [f64; 3],
+    /// Roll, pitch and yaw rate [rad/s].
+    pub rate: [f64; 3],
+    /// Their derivatives [rad/s2].
+    pub rate_slope: [f64; 3],
+    /// Speed [m/s].
+    pub v: f64,
+    /// Course against the sled's axis [rad].
+    pub beta: f64,
+    /// Steering [rad].
+    pub steer: f64,
+    /// Roll split [rad].
+    pub split: f64,
+}
+
+/// Distance, offset from the line, heading from the line, speed, course, yaw rate, steering.
+type State = [f64; 7];
+
+struct Ride<'a> {
+    sled: &'a Sled,
+    road: &'a Road,
+    plan: &'a Plan,
+    hidden: Option<&'a Hidden>,
+}
+
+impl Ride<'_> {
+    /// How the state changes, given how fast speed and course change now.
+    fn slopes(&self, t: f64, x: &State, v_slope: f64, course_slope: f64) -> (State, Truth) {
+        let [s, _, heading, v, beta, r, steer] = *x;
+        let here = self.road.at(s);
+        let way = v * (heading + beta).cos();
+        let [p, q] = self.rates(&here, way, heading, t);
+        let heading_slope = r - way * here.turn[2];
+        // A metre further on, for how the frame's turning changes.
+        let next = self.road.at(s + 0.5);
+        let last = self.road.at(s - 0.5);
+        let turn_s = [0, 1].map(|a| next.turn[a] - last.turn[a]);
+        let (sin_h, cos_h) = heading.sin_cos();
+        let turned = [
+            here.turn[0] * cos_h + here.turn[1] * sin_h,
+            -here.turn[0] * sin_h + here.turn[1] * cos_h,
+        ];
+        let way_slope = v_slope * (heading + beta).cos();
+        let p_slope = way_slope * turned[0]
+            + way * way * (turn_s[0] * cos_h + turn_s[1] * sin_h)
+            + way * heading_slope * turned[1]
+            + self.plan.rough[0].slope_at(t);
+        let q_slope = way_slope * turned[1] + way * way * (-turn_s[0] * sin_h + turn_s[1] * cos_h)
+            - way * heading_slope * turned[0]
+            + self.plan.rough[1].slope_at(t);
+        let gravity = self.gravity(&here, heading, beta);
+        let (vx, vy) = (v * beta.cos(), v * beta.sin());
+        let up = p * vy - q * vx - gravity[2];
+        let sled = self.sled;
+        let base = sled.axle_m[0] + sled.axle_m[1];
+        let front = (sled.axle_m[1] * sled.mass_kg * up - sled.inertia_kgm2[0] * q_slope) / base;
+        let split = here.turn[0] * base + self.plan.split.at(t);
+        let slip = |place: f64| -(vy + r * place).atan2(vx);
+        let steer_slope = (self.wish(t, x, &here) - steer) / 0.05;
+        let now = Now {
+            v,
+            beta,
+            slip: [slip(sled.axle_m[0]) + steer, slip(-sled.axle_m[1])],
+            slip_rate: [steer_slope - course_slope, -course_slope],
+            steer,
+            split,
+            load: [front, sled.mass_kg * up - front],
+            pitch: q,
+            ice_c: self.plan.ice_c,
+            air: self.plan.air,
+            wall: self.wall(s),
+        };
+        let Push { x: fx, y: fy, turn } = push(sled, &now, self.plan.factors, self.hidden);
+        let (ax, ay) = (
+            fx / sled.mass_kg + gravity[0],
+            fy / sled.mass_kg + gravity[1],
+        );
+        let r_slope = turn / sled.inertia_kgm2[1];
+        let slopes = [
+            way,
+            v * (heading + beta).sin(),
+            heading_slope,
+            ax * beta.cos() + ay * beta.sin(),
+            (ay * beta.cos() - ax * beta.sin()) / v - r,
+            r_slope,
+            steer_slope,
+        ];
+        let truth = Truth {
+            felt: [fx / sled.mass_kg, fy / sled.mass_kg, up],
+            rate: [p, q, r],
+            rate_slope: [p_slope, q_slope, r_slope],
+            v,
+            beta,
+            steer,
+            split,
+        };
+        (slopes, truth)
+    }
+
+    fn rates(&self, here: &Here, way: f64, heading: f64, t: f64) -> [f64; 2] {
+        let (sine, cosine) = heading.sin_cos();
+        [
+            way * (here.turn[0] * cosine + here.turn[1] * sine) + self.plan.rough[0].at(t),
+            way * (-here.turn[0] * sine + here.turn[1] * cosine) + self.plan.rough[1].at(t),
+        ]
+    }
+
+    /// Gravity in the body's frame: where a way up the bank costs height the body's own heading decides, else slope and
+    /// bank are those along the course.
+    fn gravity(&self, here: &Here, heading: f64, beta: f64) -> [f64; 3] {
+        let angle = if self.plan.climbs { heading } else { -beta };
+        Road::gravity(here, angle)
+    }
+
+    fn wall(&self, s: f64) -> f64 {
+        let own = self
+            .plan
+            .wall
+            .filter(|[from, to, _]| (*from..*to).contains(&s));
+        let hidden = self
+            .hidden
+            .filter(|h| h.effect.acts == Acts::Wall && (h.place_m[0]..h.place_m[1]).contains(&s));
+        own.map_or(0.0, |[.., force]| force) + hidden.map_or(0.0, |h| h.size)
+    }
+
+    /// What the driver steers for: the road's turn, the side force, his line, and something of his own.
+    fn wish(&self, t: f64, x: &State, here: &Here) -> f64 {
+        let sled = self.sled;
+        let way = x[3];
+        let yaw = way * here.turn[2];
+        let side =
+            sled.mass_kg * (way * yaw + super::road::GRAVITY * here.bank.sin() * here.fall.cos());
+        let base = sled.axle_m[0] + sled.axle_m[1];
+        let bend =
+            side / base * (sled.axle_m[1] / sled.grip[0][3] - sled.axle_m[0] / sled.grip[1][3]);
+        let course = x[2] + x[4];
+        let line = self.plan.line.at(x[0]);
+        let aim = base * yaw / way + bend - 0.3 * course - 0.006 * (x[1] - line);
+        (aim + self.plan.steer.at(t)).clamp(-0.12, 0.12)
+    }
+}
+
+/// Rides down a road for `seconds` at most: Heun's predictor and corrector, with the slopes of speed and course of the step before.
+pub fn ride(
+    sled: &Sled,
+    road: &Road,
+    plan: &Plan,
+    hidden: Option<&Hidden>,
+    seconds: f64,
+) -> Vec<Truth> {
+    let ride = Ride {
+        sled,
+        road,
+        plan,
+        hidden,
+    };
+    let h = 1.0 / RATE_HZ;
+    let mut x: State = [0.0, 0.0, 0.0, plan.start_mps, 0.0, 0.0, 0.0];
+    let (mut v_slope, mut course_slope) = (0.8, 0.0);
+    let mut truths = Vec::new();
+    for k in 0..(seconds * RATE_HZ) as usize {
+        let t = k as f64 * h;
+        let (first, truth) = ride.slopes(t, &x, v_slope, course_slope);
+        truths.push(truth);
+        let guess: State = std::array::from_fn(|i| x[i] + h * first[i]);
+        let (second, _) = ride.slopes(t + h, &guess, first[3], first[4]);
+        x = std::array::from_fn(|i| x[i] + 0.5 * h * (first[i] + second[i]));
+        (v_slope, course_slope) = (second[3], second[4]);
+        if x[0] > road.length_m - 10.0 || x[3] < 2.0 {
+            break;
+        }
+    }
+    truths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::road::GRAVITY;
+    use super::super::runners::Sled;
+    use super::*;
+
+    fn sled() -> Sled {
+        Sled {
+            mass_kg: 390.0,
+            inertia_kgm2: [145.0, 150.0],
+            axle_m: [0.82, 0.88],
+            accel_m: [-0.35, 0.0, 0.12],
+            slip_m: -0.60,
+            drag: [0.28, 0.0694],
+            mu: 0.004,
+            grip: [
+                [2.577, 0.024, 0.99, 10_522.0],
+                [3.288, 0.076, 0.99, 49_776.0],
+            ],
+        }
+    }
+
+    #[test]
+    fn speed_comes_from_height_and_from_what_is_felt() {
+        let source = &mut Source::new(5, "ride");
+        let road = Road::draw("birke", source);
+        let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
+        let truths = ride(&sled(), &road, &plan, None, 15.0);
+        let h = 1.0 / RATE_HZ;
+        let (mut height, mut work, mut s) = (0.0, 0.0, 0.0);
+        for truth in &truths[..truths.len() - 1] {
+            let (sine, cosine) = truth.beta.sin_cos();
+            work += h * truth.v * (truth.felt[0] * cosine + truth.felt[1] * sine);
+            height += h * truth.v * GRAVITY * road.at(s).fall.sin();
+            s += h * truth.v;
+        }
+        let energy = |truth: &Truth| 0.5 * truth.v * truth.v;
+        let gained = energy(&truths[truths.len() - 1]) - energy(&truths[0]);
+        // The sums are of first order in a step of 1 ms, and the way is a little shorter than the distance driven.
+        assert!(
+            (gained - height - work).abs() < 2e-3 * height,
+            "{gained} {height} {work}"
+        );
+        assert!(work < 0.0 && height > 100.0);
+    }
+
+    #[test]
+    fn a_sled_that_steers_left_turns_left_and_is_pushed_there() {
+        let source = &mut Source::new(5, "ride");
+        let now = Now {
+            v: 20.0,
+            slip: [0.01, 0.01],
+            load: [1900.0, 1900.0],
+            air: 1.2,
+            ..Now::default()
+        };
+        let push = push(&sled(), &now, [1.0; 2], None);
+        assert!(push.y > 0.0 && push.x < 0.0);
+        let front = Now {
+            slip: [0.01, 0.0],
+            steer: 0.01,
+            ..now
+        };
+        assert!(super::push(&sled(), &front, [1.0; 2], None).turn > 0.0);
+        let road = Road::draw("birke", source);
+        let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
+        let truths = ride(&sled(), &road, &plan, None, 10.0);
+        // Where the road turns left the sled does.
+        let turns = |truth: &Truth, place: f64| truth.rate[2] * road.at(place).turn[2];
+        let mut s = 0.0;
+        let mut agree = 0.0;
+        for truth in &truths {
+            agree += turns(truth, s);
+            s += truth.v / RATE_HZ;
+        }
+        assert!(agree > 0.0);
+    }
+}

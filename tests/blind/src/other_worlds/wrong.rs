@@ -1,0 +1,154 @@
+//! What is wrong in a world besides noise.
+
+use crate::world::noise::Source;
+
+/// The worlds by name.
+pub const WORLDS: [World; 12] = [
+    World::Clean,
+    World::Delays,
+    World::Gyros,
+    World::Body,
+    World::Curvature,
+    World::Lines,
+    World::Sessions,
+    World::Filters,
+    World::Bare,
+    World::Few,
+    World::Walls,
+    World::Uphill,
+];
+
+/// A way in which data are wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum World {
+    Clean,
+    Delays,
+    Gyros,
+    Body,
+    Curvature,
+    Lines,
+    Sessions,
+    Filters,
+    Bare,
+    Few,
+    Walls,
+    Uphill,
+}
+
+impl World {
+    /// Families of its cases without and with a hidden effect.
+    pub fn families(self) -> [&'static str; 2] {
+        match self {
+            World::Clean => ["clean-null", "clean-effect"],
+            World::Delays => ["delays-null", "delays-effect"],
+            World::Gyros => ["gyros-null", "gyros-effect"],
+            World::Body => ["body-null", "body-effect"],
+            World::Curvature => ["curvature-null", "curvature-effect"],
+            World::Lines => ["lines-null", "lines-effect"],
+            World::Sessions => ["sessions-null", "sessions-effect"],
+            World::Filters => ["filters-null", "filters-effect"],
+            World::Bare => ["bare-null", "bare-effect"],
+            World::Few => ["few-null", "few-effect"],
+            World::Walls => ["walls-null", "walls-effect"],
+            World::Uphill => ["uphill-null", "uphill-effect"],
+        }
+    }
+}
+
+/// Channels of a record in the order of its columns: ax, ay, az, roll, pitch and yaw rate, speed, slip, steering, roll split.
+pub const CHANNELS: usize = 10;
+
+/// A fault of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// Reads so much too high.
+    Bias(usize),
+    /// Reads this share too high.
+    Scale(usize),
+    /// Is late by so much [s].
+    Delay(usize),
+}
+
+/// What is wrong, drawn for one campaign.
+#[derive(Debug, Clone)]
+pub struct Wrong {
+    /// How late each channel is [s].
+    pub delay_s: [f64; CHANNELS],
+    /// Scale errors of the gyroscopes.
+    pub gyro_scale: [f64; 3],
+    /// Biases of the gyroscopes [rad/s].
+    pub gyro_bias_radps: [f64; 3],
+    /// True pitch and yaw inertia over those of the model.
+    pub inertia: [f64; 2],
+    /// The true centre of gravity ahead of the model's [m].
+    pub centre_m: f64,
+    /// The table's curvature over the true one.
+    pub curvature: f64,
+    /// How far drivers differ from the line, a standard deviation [m].
+    pub line_m: f64,
+    /// Relative scatter of friction and grip from session to session.
+    pub session: f64,
+    /// Correlation of the noise from one millisecond to the next.
+    pub colour: f64,
+    /// Corner of the anti-alias filters [Hz]; none where infinite.
+    pub filter_hz: f64,
+    /// Stated over true noise.
+    pub stated: f64,
+    /// Whether nothing but the required columns is recorded and no track table is there.
+    pub bare: bool,
+    /// Sessions and runs in each.
+    pub runs: [usize; 2],
+    /// Probability that a run hits a wall.
+    pub wall: f64,
+    /// Whether track tables count slope uphill.
+    pub uphill: bool,
+}
+
+impl Wrong {
+    /// Draws what is wrong in a world.
+    pub fn draw(world: World, source: &mut Source) -> Wrong {
+        let mut wrong = Wrong {
+            delay_s: [0.0; CHANNELS],
+            gyro_scale: [0.0; 3],
+            gyro_bias_radps: [0.0; 3],
+            inertia: [1.0; 2],
+            centre_m: 0.0,
+            curvature: 1.0,
+            line_m: 0.0,
+            session: 0.0,
+            colour: 0.0,
+            filter_hz: f64::INFINITY,
+            stated: 1.0,
+            bare: false,
+            runs: [8, 3],
+            wall: 0.0,
+            uphill: false,
+        };
+        match world {
+            World::Clean => {}
+            World::Delays => wrong.delay_s = [(); CHANNELS].map(|()| source.uniform(0.0, 0.02)),
+            World::Gyros => {
+                wrong.gyro_scale = [(); 3].map(|()| 0.01 * source.normal());
+                wrong.gyro_bias_radps = [(); 3].map(|()| 0.002 * source.normal());
+            }
+            World::Body => {
+                wrong.inertia = [(); 2].map(|()| 1.0 + 0.1 * source.sign());
+                wrong.centre_m = 0.03 * source.sign();
+            }
+            World::Curvature => wrong.curvature = 1.0 + 0.1 * source.sign(),
+            World::Lines => wrong.line_m = 0.15,
+            World::Sessions => wrong.session = 0.05,
+            World::Filters => {
+                wrong.colour = 0.97;
+                wrong.filter_hz = source.uniform(25.0, 40.0);
+                wrong.stated = if source.sign() > 0.0 { 2.0 } else { 0.5 };
+            }
+            World::Bare => wrong.bare = true,
+            World::Few => wrong.runs = [2, 3 + source.uniform(0.0, 3.0) as usize],
+            World::Walls => wrong.wall = 0.4,
+            World::Uphill => wrong.uphill = true,
+        }
+        wrong
+    }
+}

@@ -1,0 +1,5 @@
+//! What an inversion leaves: size and likeness of effects in it.
+
+pub mod inverse;
+pub mod least_squares;
+pub mod signature;

@@ -1,0 +1,64 @@
+//! What came of a case.
+
+use serde::{Deserialize, Serialize};
+
+/// One step of a report.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Claim {
+    /// Name.
+    pub effect: String,
+    /// The class, the name included.
+    pub class: Vec<String>,
+    /// Explainable gap closed: value, low, high.
+    pub closed: Option<[f64; 3]>,
+}
+
+/// What came of one hidden effect.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Found {
+    /// Hidden effect.
+    pub effect: String,
+    /// Named itself.
+    pub exact: bool,
+    /// Named, or in the class of a named one.
+    pub in_class: bool,
+    /// Size of that class.
+    pub class_size: Option<usize>,
+    /// Explainable gap closed by that step: value, low, high.
+    pub closed: Option<[f64; 3]>,
+    /// Whether the parameter's interval holds the truth, where it could be compared.
+    pub parameter_inside: Option<bool>,
+    /// Overlap of the reported with the true stretches (intersection over union).
+    pub overlap: Option<f64>,
+}
+
+/// What came of one case.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Case.
+    pub id: String,
+    /// Family.
+    pub family: String,
+    /// Share asked for.
+    pub share: Option<f64>,
+    /// Seed.
+    pub seed: u64,
+    /// Why there is no report, if there is none.
+    pub failure: Option<String>,
+    /// Verdict.
+    pub verdict: String,
+    /// Claims in the report's order.
+    pub claims: Vec<Claim>,
+    /// A claim where nothing was hidden, or of something that is neither hidden nor tolerated.
+    pub false_claim: bool,
+    /// A single name, not of a class, that is not hidden.
+    pub wrong_firm: bool,
+    /// A single name where the data cannot carry one.
+    pub overconfident: bool,
+    /// Hidden effects.
+    pub found: Vec<Found>,
+    /// Relative errors of the base parameters in `model.next.toml`.
+    pub base_errors: Vec<(String, f64)>,
+    /// Time of the finder's run.
+    pub seconds: f64,
+}

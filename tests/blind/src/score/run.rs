@@ -1,0 +1,182 @@
+//! Runs the finder on cases.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::cases::answer::{Answer, CaseError};
+use crate::cases::catalogue::Spec;
+use crate::score::judge::{base_errors, judge};
+use crate::score::outcome::Outcome;
+
+/// How the finder is run.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The `kufe` command.
+    pub kufe: PathBuf,
+    /// First seed.
+    pub first_seed: u64,
+    /// Seeds a case.
+    pub seeds: u64,
+    /// Cases at a time.
+    pub jobs: usize,
+    /// Limit for one run of the finder.
+    pub limit: Duration,
+    /// Folder that keeps data and reports; a temporary one where absent.
+    pub keep: Option<PathBuf>,
+    /// Rules of judgement for the finder; its own where absent.
+    pub rules: Option<PathBuf>,
+}
+
+/// Runs every case for every seed; `done` is called with each outcome as it comes.
+pub fn score(
+    specs: &[Spec],
+    options: &Options,
+    done: &(dyn Fn(&Outcome) + Sync),
+) -> Result<Vec<Outcome>, CaseError> {
+    let temporary = tempfile::tempdir().map_err(|source| CaseError::File {
+        path: "temporary folder".into(),
+        source,
+    })?;
+    let root = options
+        .keep
+        .clone()
+        .unwrap_or_else(|| temporary.path().to_path_buf());
+    // seeds outermost, so that an interrupted run has seen every case
+    let tasks: Vec<(&Spec, u64)> = (0..options.seeds)
+        .flat_map(|k| specs.iter().map(move |spec| (spec, options.first_seed + k)))
+        .collect();
+    let next = AtomicUsize::new(0);
+    let outcomes = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..options.jobs.max(1) {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    let Some((spec, seed)) = tasks.get(k) else {
+                        break;
+                    };
+                    let outcome = one(spec, *seed, options, &root);
+                    done(&outcome);
+                    outcomes
+                        .lock()
+                        .expect("no holder panics")
+                        .push((k, outcome));
+                }
+            });
+        }
+    });
+    let mut outcomes = outcomes.into_inner().expect("no holder panics");
+    outcomes.sort_by_key(|(k, _)| *k);
+    Ok(outcomes.into_iter().map(|(_, outcome)| outcome).collect())
+}
+
+/// Writes a case, runs the finder on it, and judges its report.
+fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
+    let id = spec.id();
+    let folder = spec.folder(seed);
+    let data = root.join("data").join(&folder);
+    let out = root.join("out").join(&folder);
+    let mut outcome = Outcome {
+        id,
+        family: spec.label.family.to_owned(),
+        share: spec.label.share,
+        seed,
+        failure: None,
+        verdict: String::new(),
+        claims: Vec::new(),
+        false_claim: false,
+        wrong_firm: false,
+        overconfident: false,
+        found: Vec::new(),
+        base_errors: Vec::new(),
+        seconds: 0.0,
+    };
+    let case = match spec.build(seed).and_then(|case| {
+        case.write(&data, &root.join("answers").join(format!("{folder}.json")))?;
+        Ok(case)
+    }) {
+        Ok(case) => case,
+        Err(error) => {
+            outcome.failure = Some(error.to_string());
+            return outcome;
+        }
+    };
+    let start = Instant::now();
+    let threads = if options.jobs > 1 { 1 } else { 2 };
+    match discover(options, &data, &case.answer, &out, threads) {
+        Ok(report) => judge(&report, &case.answer, &mut outcome),
+        Err(message) => outcome.failure = Some(message),
+    }
+    outcome.seconds = start.elapsed().as_secs_f64();
+    if let Ok(text) = std::fs::read_to_string(out.join("model.next.toml")) {
+        outcome.base_errors = base_errors(&text, &case.answer);
+    }
+    if options.keep.is_none() {
+        // a folder that cannot be removed goes with the temporary root
+        let _ = std::fs::remove_dir_all(&data);
+        let _ = std::fs::remove_dir_all(&out);
+    }
+    outcome
+}
+
+/// Runs `kufe discover` inside the data folder and reads `report.json`.
+fn discover(
+    options: &Options,
+    data: &Path,
+    answer: &Answer,
+    out: &Path,
+    threads: usize,
+) -> Result<Value, String> {
+    let (kufe, limit) = (&options.kufe, options.limit);
+    let log = data.with_extension("log");
+    let file =
+        std::fs::File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
+    let rules = options.rules.iter();
+    let mut child = Command::new(kufe)
+        .arg("discover")
+        .args(rules.flat_map(|path| [Path::new("--rules"), path.as_path()]))
+        .arg(&answer.data)
+        .arg("--model")
+        .arg(&answer.model)
+        .arg("-o")
+        .arg(out)
+        // several cases at a time fill the cores already
+        .arg("--threads")
+        .arg(threads.to_string())
+        .current_dir(data)
+        .stdout(Stdio::null())
+        .stderr(file)
+        .spawn()
+        .map_err(|error| format!("{}: {error}", kufe.display()))?;
+    let start = Instant::now();
+    let status = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if start.elapsed() > limit => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(format!("no answer within {} s", limit.as_secs()));
+            }
+            Ok(None) => std::thread::sleep(Duration::from_millis(20)),
+            Err(error) => return Err(error.to_string()),
+        }
+    };
+    let said = std::fs::read_to_string(&log).unwrap_or_default();
+    let _ = std::fs::remove_file(&log);
+    let report = out.join("report.json");
+    let Ok(text) = std::fs::read_to_string(&report) else {
+        let last = said
+            .lines()
+            .rev()
+            .find(|line| !line.trim().is_empty())
+            .unwrap_or("")
+            .to_owned();
+        return Err(format!("{status}, no report.json: {last}"));
+    };
+    serde_json::from_str(&text).map_err(|error| format!("report.json: {error}"))
+}
