@@ -97,6 +97,21 @@ pub enum Error {
         /// The solution of the finest mesh, with that error.
         best: Box<Solution>,
     },
+    /// The assembled stiffness does not fit into the memory that it may take.
+    #[error(
+        "the assembled stiffness of a body of {dofs} displacements needs {:.2} GB, {:.2} GB are left of what it may take; expected \
+         a matrix-free one or a coarser mesh",
+        *needed as f64 / 1e9,
+        *limit as f64 / 1e9
+    )]
+    StiffnessTooLarge {
+        /// Displacements of the body.
+        dofs: usize,
+        /// Memory that its matrix needs while it is made [bytes].
+        needed: u64,
+        /// Memory that the bodies before it left [bytes].
+        limit: u64,
+    },
     /// The graphics processor does not solve problems of this kind.
     #[cfg(feature = "gpu")]
     #[error(

@@ -57,7 +57,7 @@ pub use error::Error;
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;
-pub use options::{Method, Options, Watcher};
+pub use options::{Method, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::{
     Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,
 };
@@ -69,5 +69,7 @@ pub use problem::mount::{LoadedPlace, Mount, Place};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
-pub use result::solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
+pub use result::solution::{
+    AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,
+};
 pub use solve::solve;

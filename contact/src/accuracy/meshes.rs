@@ -9,6 +9,7 @@ use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::scout::scout;
 use crate::active_set::progress::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
+use crate::grid::assembled::assemble;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
 use crate::grid::patch::Patch;
@@ -17,7 +18,7 @@ use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
 use crate::result::pressure::{Field, Pressure};
-use crate::{Error, Iterate, Options, Problem, Solution};
+use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
 /// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew, with as many cells: two
 /// meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
@@ -109,7 +110,12 @@ impl<'a> Meshes<'a> {
 
     /// Solves the next mesh.
     pub fn solve_next(&mut self) -> Result<Contact, Error> {
-        let mesh = self.next_mesh()?;
+        let mut mesh = self.next_mesh()?;
+        if self.options.stiffness == StiffnessForm::Assembled {
+            let elastic = self.problem.runner.elastic.as_ref();
+            let element = elastic.map(|e| e.element_kind());
+            assemble(&mut mesh, element, self.options.max_stiffness_bytes)?;
+        }
         let dofs = dofs(&mesh);
         let told = RefCell::new(Vec::new());
         let field = Field::new(&mesh, self.problem, &self.patch);

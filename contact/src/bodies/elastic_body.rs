@@ -1,7 +1,9 @@
 //! An elastic body under or over the contact plane: what it weighs against displacements, and what it answers to forces.
 
+use std::sync::Arc;
+
 use faer::Mat;
-use kufe_fem::{Body as Hexahedra, End, Material, MatrixFree, TensorOperator};
+use kufe_fem::{Body as Hexahedra, End, Material, MatrixFree, SparseStiffness, TensorOperator};
 
 use crate::bodies::columns::{Columns, Side};
 use crate::bodies::stiffness::{Stiffness, StiffnessWork};
@@ -17,6 +19,8 @@ use crate::precondition::work::InverseWork;
 /// component.
 pub(crate) struct ElasticBody {
     pub stiffness: Stiffness,
+    /// K of all displacements assembled: what is multiplied with where it is there.
+    pub assembled: Option<Arc<SparseStiffness>>,
     pub inverse: Inverse,
     pub trace: Trace,
     /// Young's modulus and Poisson's ratio; of the ice where a bed lies under it.
@@ -50,6 +54,7 @@ impl ElasticBody {
             inverse: Inverse::Planewise(Box::new(inverse)),
             trace: trace_on_grid(&operator, side, columns),
             stiffness: Stiffness::Tensor(operator),
+            assembled: None,
             material,
             held: Vec::new(),
             load: Vec::new(),
@@ -69,6 +74,7 @@ impl ElasticBody {
             inverse: Inverse::Mounted(Box::new(inverse)),
             trace: trace_on_grid(&operator, Side::Above, columns),
             stiffness: Stiffness::Tensor(operator),
+            assembled: None,
             material,
             held,
             load,
@@ -112,7 +118,13 @@ impl ElasticBody {
 
     /// `out` = K `u`, with 0 on held entries.
     pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut BodyWork) {
-        self.stiffness.apply(u, out, &mut work.stiffness);
+        match &self.assembled {
+            Some(assembled) => {
+                assembled.apply(u, out);
+                self.stiffness.mask(out);
+            }
+            None => self.stiffness.apply(u, out, &mut work.stiffness),
+        }
         self.held.iter().for_each(|&entry| out[entry] = 0.0);
     }
 
@@ -138,6 +150,16 @@ impl ElasticBody {
         self.stiffness.grid()?.mask(&mut ones);
         self.held.iter().for_each(|&entry| ones[entry] = 0.0);
         Some(ones.iter().map(|&one| one > 0.0).collect())
+    }
+
+    /// Entries that faces, clamps or the mount hold, ascending.
+    pub fn held_entries(&self) -> Vec<usize> {
+        let mut ones = vec![1.0; self.len()];
+        self.stiffness.mask(&mut ones);
+        self.held.iter().for_each(|&entry| ones[entry] = 0.0);
+        (0..ones.len())
+            .filter(|&entry| ones[entry] == 0.0)
+            .collect()
     }
 
     /// The operator and the preconditioner of a body on its tensor grid that nothing but faces hold and no forces load.

@@ -3,6 +3,7 @@
 pub(crate) mod columns;
 pub(crate) mod elastic_body;
 pub(crate) mod far_field;
+pub(crate) mod hexahedra;
 pub(crate) mod mortar;
 pub(crate) mod mounting;
 pub(crate) mod runner_body;

@@ -30,6 +30,7 @@ pub(crate) fn solid_body(solid: &Arc<RunnerSolid>, grid: &TensorGrid) -> Elastic
     });
     ElasticBody {
         stiffness: Stiffness::Solid(solid.clone()),
+        assembled: None,
         inverse: Inverse::Factored(FactoredInverse::new(solid.clone(), mortar.clone())),
         trace: Trace::Means(mortar),
         material: solid.material(),

@@ -65,6 +65,25 @@ impl Stiffness {
         }
     }
 
+    /// Sets the entries that faces or a solid's own clamps hold to 0.
+    pub fn mask(&self, u: &mut [f64]) {
+        match self {
+            Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.mask(u),
+            Stiffness::Solid(solid) => {
+                let nodes = solid.mesh().points.len();
+                for (entry, u) in u.iter_mut().enumerate() {
+                    if solid
+                        .map
+                        .index(3 * (entry % nodes) + entry / nodes)
+                        .is_none()
+                    {
+                        *u = 0.0;
+                    }
+                }
+            }
+        }
+    }
+
     /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps hold.
     pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut StiffnessWork) {
         match self {

@@ -2,6 +2,8 @@
 
 use kufe_fem::Material;
 
+#[cfg(feature = "gpu")]
+use crate::StiffnessForm;
 use crate::{
     Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Method, Mount, Options, Problem,
     Tilt,
@@ -117,6 +119,7 @@ fn check_method(elastic: Option<&ElasticRunner>, options: &Options) -> Result<()
     #[cfg(feature = "gpu")]
     if options.device.is_some() {
         let found = match (elastic, options.method) {
+            _ if options.stiffness == StiffnessForm::Assembled => Some("an assembled stiffness"),
             (Some(_), _) => Some("an elastic runner"),
             (None, Method::Accelerated) => None,
             (None, _) => Some("a checking method"),

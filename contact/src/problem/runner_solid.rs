@@ -95,6 +95,11 @@ impl RunnerSolid {
         self.body.mesh()
     }
 
+    /// The hexahedra.
+    pub(crate) fn body(&self) -> &Body {
+        &self.body
+    }
+
     /// Young's modulus and Poisson's ratio.
     pub(crate) fn material(&self) -> Material {
         self.body.sections()[0].material

@@ -2,14 +2,12 @@
 //! exact surface responses by sparse Cholesky.
 
 use faer::Mat;
-use kufe_fem::{
-    BlockMatrix, Body, Constraints, ElementKind, Factor, LowerLayer, Material, Section, assemble,
-    to_components,
-};
+use kufe_fem::{BlockMatrix, Constraints, ElementKind, Factor, Material, assemble, to_components};
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::motion::dot;
 use crate::active_set::plane_problem::PlaneState;
+use crate::bodies::hexahedra::hexahedra;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::reference::plain_runner::PlainRunner;
@@ -30,11 +28,9 @@ fn assembled(
     material: Material,
     held: &[f64],
 ) -> Option<Assembled> {
-    let mesh = grid.hex_mesh();
-    let points = mesh.points.clone();
+    let body = hexahedra(contact.bodies[0].stiffness.grid()?, material).ok()?;
+    let points = body.mesh().points.clone();
     let nodes = points.len();
-    let sections = sections(grid, contact, material)?;
-    let body = Body::new(mesh, sections).ok()?;
     let stiffness = assemble(&body);
     let free = contact.bodies[0].free()?;
     let mut constraints = Constraints::new(nodes);
@@ -54,29 +50,6 @@ fn assembled(
         points,
         top: (nz - 1) * nx * ny,
     })
-}
-
-/// The cells' materials: those of the bed first, where there is one.
-fn sections(grid: &TensorGrid, contact: &ContactMesh, material: Material) -> Option<Vec<Section>> {
-    let [nx, ny, nz] = grid.shape().map(|nodes| nodes - 1);
-    let of = |material| Section {
-        material,
-        kind: ElementKind::Hex8,
-    };
-    let mut sections = vec![of(material); nx * ny * nz];
-    if let Some(layer) = layer_of(contact) {
-        let (lambda, mu) = (layer.lambda, layer.mu);
-        let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
-        let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu)).ok()?;
-        sections[..nx * ny * layer.cells].fill(of(bed));
-    }
-    Some(sections)
-}
-
-/// The bed under the ice.
-fn layer_of(contact: &ContactMesh) -> Option<LowerLayer> {
-    let operator = contact.bodies[0].stiffness.grid()?;
-    operator.lower_layer()
 }
 
 /// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.

@@ -4,6 +4,7 @@ use kufe_fem::TensorOperator;
 
 use crate::accuracy::extrapolation::Extrapolation;
 use crate::active_set::progress::Progress;
+use crate::grid::assembled::assembled_bodies;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::problem::gap::Gap;
@@ -101,6 +102,7 @@ impl Answer<'_> {
                 mesh,
             }),
             symmetry: mesh.symmetry,
+            assembled: assembled_bodies(&mesh.contact),
         }
     }
 }

@@ -1,5 +1,8 @@
 //! What a solve returns.
 
+use std::sync::Arc;
+
+use kufe_fem::SparseStiffness;
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::Bed;
@@ -45,6 +48,19 @@ pub struct Solution {
     pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.
     pub symmetry: [bool; 2],
+    /// The stiffness that the finest mesh was solved with, where it was assembled: first the ice, then a runner that bends.
+    pub assembled: Vec<AssembledBody>,
+}
+
+/// The assembled stiffness of one body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssembledBody {
+    /// `"ice"` or `"runner"`.
+    pub name: &'static str,
+    /// K of all displacements of the body, component after component, nodes as in [`VolumeField`] or [`RunnerField`] [N/m].
+    pub stiffness: Arc<SparseStiffness>,
+    /// Displacements that mirror planes, outer faces or a mount hold, ascending.
+    pub held: Vec<usize>,
 }
 
 /// One update of the contact set.

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::element::hex8_incompatible::{inner_factor, invert};
-use crate::matrix_free::hex8_lanes::{BatchMaterial, CornerField, InnerInverse, apply};
+use crate::matrix_free::derivatives::CornerField;
+use crate::matrix_free::hex8_lanes::{BatchMaterial, InnerInverse, apply};
 use crate::matrix_free::lanes::{LANES, Lanes};
 use crate::section::ElementKind;
 use crate::sparse::node_graph::NodeGraph;

@@ -48,6 +48,7 @@ impl Pressed {
             "roll_rad": solution.roll,
             "fz_n": solution.fz,
             "kkt_residual": solution.kkt_residual,
+            "stiffness": if solution.assembled.is_empty() { "matrix-free" } else { "assembled" },
             "dofs": solution.dofs,
             "iterations": solution.iterations,
             "seconds": self.seconds,

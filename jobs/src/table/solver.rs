@@ -126,7 +126,7 @@ impl Solver {
         }
         let options = Options {
             p_max_tolerance: self.tolerance,
-            ..Options::default()
+            ..self.loaded.case.options()
         };
         let solution = best(&problem, &options)?;
         self.loaded

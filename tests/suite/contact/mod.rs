@@ -1,5 +1,6 @@
 //! Contacts against closed forms, textbooks and other programs.
 
+mod assembled;
 mod energy;
 mod hertz;
 mod ice;
