@@ -81,7 +81,6 @@ impl ContactMesh {
                 Some(last) if !falls => self.on_the_way(last, state),
                 _ => None,
             };
-            let refused = !falls && clipped.is_none();
             if falls {
                 accepted = Some(trial.not_above(accepted.as_ref()));
             } else if clipped.is_some() {
@@ -100,7 +99,7 @@ impl ContactMesh {
                 break;
             }
             sets = match &accepted {
-                Some(last) if refused || !falls => last.released(&bound),
+                Some(last) if !falls => last.released(&bound),
                 _ => {
                     let found = self.predict(state, &greens[1]);
                     counts = found.counts;

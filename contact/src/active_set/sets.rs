@@ -73,3 +73,17 @@ pub(crate) fn clip(from: &[f64], to: &[f64], bound: &[f64]) -> (f64, Vec<f64>) {
     });
     (part, force.collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clipped_way_ends_exactly_where_the_first_force_meets_its_bound() {
+        let bound = [4.0, 4.0, 4.0, f64::INFINITY];
+        let (part, force) = clip(&[1.0, 2.0, 3.0, 0.0], &[-1.0, -1.0, 5.0, 8.0], &bound);
+        assert_eq!((part, force), (0.5, vec![0.0, 0.5, 4.0, 4.0]));
+        let (part, force) = clip(&[1.0, 2.0, 3.0, 0.0], &[0.0, 4.0, 1.0, 8.0], &bound);
+        assert_eq!((part, force), (1.0, vec![0.0, 4.0, 1.0, 8.0]));
+    }
+}
