@@ -13,18 +13,18 @@
 
 use std::path::Path;
 
-use kufe_case::Case;
 use kufe_case::effects::{CATALOGUE, Effect};
 
 use crate::error::Error;
 use crate::evidence::maps::bins::bins;
 use crate::evidence::maps::claim::{claimed, place};
 use crate::evidence::maps::line::LineSearch;
+use crate::evidence::maps::measured::file::{Measured, told};
+use crate::evidence::maps::measured::remarks::{remarks_on, typical_noise, untestable};
+use crate::evidence::maps::measured::rows::Row;
 use crate::evidence::maps::next_case::next_case;
 use crate::evidence::maps::pictures::pictures;
 use crate::evidence::maps::polish::polish;
-use crate::evidence::maps::remarks::{remarks_on, typical_noise, untestable};
-use crate::evidence::maps::rows::{Row, read};
 use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
 use crate::evidence::maps::simulate::{Misfit, REPORTING, SEARCHING, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
@@ -60,37 +60,6 @@ pub struct MapFit {
     active: SizedEffects,
     errors: Vec<f64>,
     misfit: Misfit,
-}
-
-/// What a search is given: the case's text, and its rows as they are read.
-pub struct Measured {
-    text: String,
-    rows: Vec<Row>,
-    remarks: Vec<String>,
-}
-
-impl Measured {
-    /// Reads a `pressures.csv`; `model` is the case file that is to be improved.
-    ///
-    /// # Errors
-    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
-    pub fn read(path: &Path, model: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(model).map_err(|error| told(model, &error))?;
-        let case = Case::parse(&text).map_err(|error| told(model, &error))?;
-        let (rows, remarks) = read(path, model, &case)?;
-        Ok(Self {
-            text,
-            rows,
-            remarks,
-        })
-    }
-}
-
-fn told(model: &Path, what: &dyn std::fmt::Display) -> Error {
-    Error::File {
-        file: model.display().to_string(),
-        reason: what.to_string(),
-    }
 }
 
 impl<'a> Maps<'a> {

@@ -9,7 +9,7 @@ use kufe_contact::solve;
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::maps::rows::Row;
+use crate::evidence::maps::measured::rows::Row;
 use crate::evidence::maps::sample::sample;
 use crate::evidence::maps::sized::SizedEffects;
 

@@ -2,7 +2,7 @@
 
 use kufe_case::effects::CATALOGUE;
 
-use crate::evidence::maps::rows::Row;
+use crate::evidence::maps::measured::rows::Row;
 
 /// Effects that these rows say next to nothing of, and why.
 pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {

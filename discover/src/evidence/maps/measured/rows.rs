@@ -7,7 +7,7 @@ use kufe_case::{Case, CaseError};
 use kufe_contact::{Load, Problem};
 
 use crate::error::Error;
-use crate::evidence::maps::noise::deviations;
+use crate::evidence::maps::measured::noise::deviations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::input::exr_map::read_map;
 use crate::input::table::Table;

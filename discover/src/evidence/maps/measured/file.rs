@@ -1,0 +1,43 @@
+//! A table of pressure measurements with the case that it is held against.
+
+use std::path::Path;
+
+use kufe_case::Case;
+
+use crate::error::Error;
+use crate::evidence::maps::measured::rows::{Row, read};
+
+/// What a search is given: the case's text, and its rows as they are read.
+pub struct Measured {
+    /// The case's text.
+    pub text: String,
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// What the reader should know of them.
+    pub remarks: Vec<String>,
+}
+
+impl Measured {
+    /// Reads a `pressures.csv`; `model` is the case file that is to be improved.
+    ///
+    /// # Errors
+    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
+    pub fn read(path: &Path, model: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(model).map_err(|error| told(model, &error))?;
+        let case = Case::parse(&text).map_err(|error| told(model, &error))?;
+        let (rows, remarks) = read(path, model, &case)?;
+        Ok(Self {
+            text,
+            rows,
+            remarks,
+        })
+    }
+}
+
+/// What is wrong with the case's file.
+pub fn told(model: &Path, what: &dyn std::fmt::Display) -> Error {
+    Error::File {
+        file: model.display().to_string(),
+        reason: what.to_string(),
+    }
+}

@@ -1,0 +1,6 @@
+//! Pressure measurements as they are read, with the errors of their pixels.
+
+pub(crate) mod file;
+pub(crate) mod noise;
+pub(crate) mod remarks;
+pub(crate) mod rows;
