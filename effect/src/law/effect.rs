@@ -5,6 +5,9 @@ use crate::law::example::Example;
 use crate::law::fault::Fault;
 use crate::motion::{Conditions, Constants, Forces, Signals, State};
 
+/// The friction coefficient from an effect's parameters, the coefficient without it, and the conditions.
+pub type FrictionLaw = fn(&[f64], f64, &Conditions) -> f64;
+
 /// A switchable part of the model; parameters come in the order of [`Info::parameters`].
 ///
 /// At default parameters it changes nothing. A law that an effect does not have is `None`.
@@ -14,7 +17,7 @@ pub struct Effect {
     /// The friction coefficient with the effect, from parameters, the coefficient without it, and the conditions.
     ///
     /// On a sled it acts on both runners, unless the effect has a law for forces or for the slope.
-    pub on_friction: Option<fn(&[f64], f64, &Conditions) -> f64>,
+    pub on_friction: Option<FrictionLaw>,
     /// Changes the forces of the base law.
     pub on_forces: Option<fn(&[f64], &State, &mut Forces)>,
     /// What sensors read.

@@ -11,8 +11,11 @@ pub(super) struct Seen<'a> {
     pub(super) signals: &'a Signals,
 }
 
+/// A column's name and where its value stands.
+type NamedColumn<T> = (&'static str, fn(&T) -> f64);
+
 /// Columns of a sled, for forces; the last one stands for a column that the model has no name for.
-const OF_SLED: [(&str, fn(&State) -> f64); 24] = [
+const OF_SLED: [NamedColumn<State>; 24] = [
     ("t_s", |at| at.conditions.t),
     ("s_m", |at| at.conditions.s),
     ("v_mps", |at| at.conditions.v),
@@ -40,7 +43,7 @@ const OF_SLED: [(&str, fn(&State) -> f64); 24] = [
 ];
 
 /// Columns that a friction coefficient may depend on without a sled around it.
-const OF_CONDITIONS: [(&str, fn(&Conditions) -> f64); 9] = [
+const OF_CONDITIONS: [NamedColumn<Conditions>; 9] = [
     ("t_s", |at| at.t),
     ("s_m", |at| at.s),
     ("v_mps", |at| at.v),

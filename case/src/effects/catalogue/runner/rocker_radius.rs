@@ -36,7 +36,7 @@ pub static EFFECT: Effect = Effect {
         size: 0.02,
         of: "height of the underside at x = 0.1 m [m]",
         measure: Measure::OfProblem(|problem| problem.runner.underside.height(0.1, 0.0)),
-        gives: 2.6666666666666666e-4,
+        gives: 0.8e-3 / 3.0,
     },
     ..Effect::NEW
 };
