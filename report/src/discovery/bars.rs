@@ -140,7 +140,10 @@ pub fn runs(of: Data) -> String {
         .chunk_by(|a, b| a.text("session") == b.text("session"))
         .collect();
     // Names that would run into each other are left out, every second or third.
-    let longest = sessions.iter().map(|s| s[0].text("session").chars().count()).max();
+    let longest = sessions
+        .iter()
+        .map(|s| s[0].text("session").chars().count())
+        .max();
     let room = WIDE / sessions.len().max(1) as f64;
     let every = (7.0 * (longest.unwrap_or(0) + 1) as f64 / room)
         .ceil()

@@ -191,7 +191,7 @@ fn summed(key: String, value: f64, kind: &'static str, outcomes: &[Outcome]) -> 
 
 fn save(path: &Path, rules: &toml::Table) -> Result<(), CaseError> {
     std::fs::write(path, rules.to_string()).map_err(|source| CaseError::File {
-        path: path.to_path_buf(),
+        path: path.display().to_string(),
         source,
     })
 }
