@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use kufe_contact::Options;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::CaseError;
-use crate::table::{AccuracyTable, IceTable, LoadTable, RunnerTable, TrackTable};
+use crate::table::{AccuracyTable, IceTable, LoadTable, RunnerTable, SolverTable, TrackTable};
 
 /// One contact problem as a file states it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -26,6 +27,9 @@ pub struct Case {
     /// The accuracy asked; one per cent of the peak pressure where the table is absent.
     #[serde(default)]
     pub accuracy: AccuracyTable,
+    /// How the equations are solved; without a stored stiffness where the table is absent.
+    #[serde(default, skip_serializing_if = "SolverTable::is_default")]
+    pub solver: SolverTable,
     /// Effects that are switched on, by name ([`crate::effects`]); an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(schema_with = "crate::effects::schema::schema")]
@@ -42,6 +46,15 @@ impl Case {
             toml::from_str(text).map_err(|error| CaseError::from_toml(text, &error))?;
         case.check().map_err(|error| error.locate(text))?;
         Ok(case)
+    }
+
+    /// The accuracy and the form of the stiffness that the case asks for; all else as [`Options::default`].
+    pub fn options(&self) -> Options {
+        Options {
+            p_max_tolerance: self.accuracy.p_max,
+            stiffness: self.solver.stiffness.into(),
+            ..Options::default()
+        }
     }
 
     /// The files that the case names, as it names them: hull, section, ice surface.

@@ -1,5 +1,7 @@
 //! What can go wrong in a contact solve.
 
+use crate::{Method, Solution};
+
 /// Errors of the contact solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -13,6 +15,17 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
+    /// A checking method was asked for a runner that it does not take.
+    #[error(
+        "{method:?} does not take this elastic runner: expected a rigid one, or the active set for one on the ice's columns"
+    )]
+    MethodNotForRunner {
+        /// The method.
+        method: Method,
+    },
+    /// A runner that nothing but loads hold was given an approach, or tilts.
+    #[error("a runner without a mount needs a normal force and free tilt")]
+    LoadsNeedFreeTilt,
     /// The runner cannot rest on the track under this load.
     #[error(
         "the load's line of action at x = {x} m, y = {y} m misses the hull, which spans x {x_min} to {x_max} m and y {y_min} to {y_max} m"
@@ -81,6 +94,23 @@ pub enum Error {
         estimate: f64,
         /// Relative error asked.
         tolerance: f64,
+        /// The solution of the finest mesh, with that error.
+        best: Box<Solution>,
+    },
+    /// The assembled stiffness does not fit into the memory that it may take.
+    #[error(
+        "the assembled stiffness of a body of {dofs} displacements needs {:.2} GB, {:.2} GB are left of what it may take; expected \
+         a matrix-free one or a coarser mesh",
+        *needed as f64 / 1e9,
+        *limit as f64 / 1e9
+    )]
+    StiffnessTooLarge {
+        /// Displacements of the body.
+        dofs: usize,
+        /// Memory that its matrix needs while it is made [bytes].
+        needed: u64,
+        /// Memory that the bodies before it left [bytes].
+        limit: u64,
     },
     /// The graphics processor does not solve problems of this kind.
     #[cfg(feature = "gpu")]

@@ -14,16 +14,26 @@
 //! 2. `grid`: `first_guess` guesses the patch from that gap, `discretise` grades a tensor grid of hexahedra to it.
 //! 3. `bodies`, `precondition`: the ice and the runner, with cheap inverses of their stiffness; on a half-space the outer
 //!    faces carry the half-space's own displacements (`far_field`).
-//! 4. `active_set`: `contact_set` predicts which nodes touch by projected SOR on the contact forces (`plane_problem`);
-//!    `constrained_cg` solves in the subspace that keeps them closed, with a preconditioner that keeps the constraint and
-//!    balances the load (after L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x). With the
-//!    feature `gpu` the corrections within a contact set may come from a graphics processor (`device_cg`).
+//! 4. `active_set`: accelerated projective SOR (after L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi
+//!    10.1007/s40314-024-03066-x). Sweeps over the contact forces find which nodes touch (`plane_problem`, with the Green's
+//!    matrix of the preconditioner); an acceleration solves on that set (`constrained_cg`: conjugate gradients that keep the
+//!    nodes closed and the load balanced). With the feature `gpu` the corrections within a set may come from a graphics
+//!    processor (`device_cg`).
 //! 5. `accuracy`: `scout` finds the patch with contact problems on the contact plane alone, whose matrix is the Green's
 //!    matrix of the preconditioner (`plane_basis`); `extrapolation` makes two or three similar meshes into a peak pressure
 //!    with an error.
 //! 6. `result`: `pressure` turns nodal forces into pressures and figures, `answer` puts the solution together.
 //! 7. `map`: the solution on the pixels of a regular grid, as files and pages show it.
 //! 8. `reference`: closed forms and plain methods to compare with.
+//!
+//! What falls is the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T f with S the bodies' response and g
+//! the gap without forces, over forces between 0 and what the ice bears that balance the load and its moments; its least
+//! value is minus the total potential energy, the load's work in it. Sweeps are projected onto bounds and balance together
+//! (`balance`) and go as far as D falls; an acceleration is accepted where D falls, and otherwise ends where the first
+//! force meets its bound, or sweeps go on. On the contact plane no set's minimiser can be met twice, so it ends from wherever
+//! it begins. On the bodies themselves the same holds where the equations of each set are solved exactly; they are left
+//! as soon as signs contradict the set, with D known to the residual. [`Solution::history`] tells sweeps, accelerations
+//! and energies.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -57,7 +67,7 @@ pub use error::Error;
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;
-pub use options::{Method, Options, Watcher};
+pub use options::{Method, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::{
     Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,
 };
@@ -69,5 +79,7 @@ pub use problem::mount::{LoadedPlace, Mount, Place};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
-pub use result::solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
+pub use result::solution::{
+    AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,
+};
 pub use solve::solve;

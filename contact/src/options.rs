@@ -18,6 +18,17 @@ pub enum Method {
     PlainSor,
 }
 
+/// The form in which the stiffness of the bodies is multiplied with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StiffnessForm {
+    /// Applied cell by cell, without being stored.
+    #[default]
+    MatrixFree,
+    /// Assembled into faer's sparse matrices, one a body: some twenty times the memory and several times the time of a product,
+    /// the same answer to rounding. The preconditioners are the same.
+    Assembled,
+}
+
 /// Someone who is told of every update of the contact set.
 pub type Watcher = Arc<dyn Fn(&Iterate) + Send + Sync>;
 
@@ -35,10 +46,14 @@ pub struct Options {
     pub cells: Option<usize>,
     /// How the equations are solved.
     pub method: Method,
+    /// The form of the stiffness.
+    pub stiffness: StiffnessForm,
+    /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together [bytes].
+    pub max_stiffness_bytes: u64,
     /// Where given, the equations of a rigid runner's contact are solved on this graphics processor, to the same residual.
     #[cfg(feature = "gpu")]
     pub device: Option<Arc<kufe_fem::gpu::Device>>,
-    /// Called after every update of the contact set.
+    /// Called after every update of the contact set, as it happens and in order, with the values of that moment.
     pub progress: Option<Watcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an iteration.
     pub stop: Option<Arc<AtomicBool>>,
@@ -54,7 +69,8 @@ impl Options {
 }
 
 impl Default for Options {
-    /// One per cent of peak pressure, residual 1e-9, at most 4 million unknowns, silent.
+    /// One per cent of peak pressure, residual 1e-9, at most 4 million unknowns, matrix-free, assembled
+    /// in at most 4 GB where asked, silent.
     fn default() -> Self {
         Options {
             p_max_tolerance: 0.01,
@@ -62,6 +78,8 @@ impl Default for Options {
             max_dofs: 4_000_000,
             cells: None,
             method: Method::Accelerated,
+            stiffness: StiffnessForm::MatrixFree,
+            max_stiffness_bytes: 4_000_000_000,
             #[cfg(feature = "gpu")]
             device: None,
             progress: None,

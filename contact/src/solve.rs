@@ -1,31 +1,7 @@
 //! From a problem to a pressure field of the accuracy asked.
 
-use crate::accuracy::extrapolation::{Extrapolation, Raw, Sequence, first_resolution};
-use crate::accuracy::mesh_solve::{lumped_forces, solve_mesh};
-use crate::accuracy::scout::scout;
-use crate::active_set::progress::Progress;
-use crate::bodies::elastic_body::ElasticBody;
-use crate::grid::discretise::{Reach, Resolution, discretise};
-use crate::problem::check::check;
-use crate::problem::gap::Gap;
-use crate::result::answer::solution;
-use crate::result::pressure::field;
-use crate::{Error, Iterate, Options, Problem, Solution};
-
-/// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
-fn growth(cells: f64) -> f64 {
-    3.0 / cells
-}
-
-/// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew, with as many cells: two
-/// meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
-const COARSE: f64 = 0.6;
-
-/// How often a mesh is graded anew; each time its cells may become three times smaller.
-const REGRADINGS: usize = 6;
-
-/// Ratio of the resolutions of successive meshes.
-const REFINEMENT: f64 = 1.5;
+use crate::accuracy::meshes::{Meshes, Verdict};
+use crate::{Error, Options, Problem, Solution};
 
 /// Solves a contact problem.
 ///
@@ -35,106 +11,21 @@ const REFINEMENT: f64 = 1.5;
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and [`Error::BeyondHardness`] for
-/// problems without an answer; [`Error::NotConverged`] and [`Error::AccuracyNotReached`] where limits stop the
-/// solve.
+/// problems without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
+/// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to wake up.
-    rayon::scope(|_| refine(problem, options))
-}
-
-/// Solves on finer and finer meshes.
-fn refine(problem: &Problem, options: &Options) -> Result<Solution, Error> {
-    let material = check(problem, options)?;
-    let gap = Gap::new(problem)?;
-    let (mut patch, mut forces) = scout(problem, &gap, material, options)?;
-    let mut cells = options.cells.map_or_else(
-        || first_resolution(options.p_max_tolerance, patch.is_even()),
-        |c| c as f64,
-    );
-    let mut history = Vec::new();
-    let mut meshes = Sequence::new();
-    // Whether this mesh has the cells of the previous one, graded anew, and how often that was so.
-    let (mut graded_anew, mut regraded) = (false, 0);
-    for level in 0.. {
-        let resolution = Resolution {
-            cells,
-            growth: growth(cells),
-        };
-        let mesh = discretise(problem, &gap, material, &patch, resolution, Reach::Patch)?;
-        let dofs = mesh.contact.members().map(ElasticBody::free_dofs).sum();
-        let (state, progress) = solve_mesh(problem, material, &mesh, &patch, &forces, options)?;
-        let pressure = field(&mesh, problem, &patch).of(&state);
-        let raw = Raw {
-            cells: resolution.real_cells(mesh.symmetry),
-            p_max: pressure.figures.p_max,
-            approach: mesh.contact.depth(&state),
-        };
-        report(level, dofs, &progress, raw.p_max, &mut history, options);
-        if options.cells.is_some() {
-            let limit = Extrapolation {
-                p_max: raw.p_max,
-                error: f64::INFINITY,
-                approach: raw.approach,
-            };
-            return Ok(solution(
-                problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
-            ));
+    rayon::scope(|_| {
+        let mut meshes = Meshes::guess(problem, options)?;
+        loop {
+            let contact = meshes.solve_next()?;
+            match meshes.judge(&contact) {
+                Verdict::Reached(limit) => return Ok(meshes.solution(contact, limit)),
+                Verdict::Refine(plan) => meshes.refine(contact, plan),
+                Verdict::OutOfReach(limit) => return Err(meshes.out_of_reach(contact, limit)),
+            }
         }
-        meshes.push(raw, graded_anew);
-        let limit = meshes.limit(patch.is_even());
-        let wants_finer = regraded < REGRADINGS && pressure.patch.wants_finer_than(&patch, COARSE);
-        let reached = |l: &Extrapolation| l.error <= options.p_max_tolerance * l.p_max;
-        // That a finer grading changes nothing is as good as that no finer one is wanted.
-        let graded = !wants_finer || graded_anew;
-        if let Some(limit) = limit.filter(|l| graded && reached(l)) {
-            return Ok(solution(
-                problem, &gap, mesh, state, progress, pressure, limit, dofs, history,
-            ));
-        }
-        graded_anew = wants_finer;
-        let refinement = if wants_finer { 1.0 } else { REFINEMENT };
-        if dofs as f64 * REFINEMENT.max(refinement.powi(3)) > options.max_dofs as f64 {
-            let estimate = limit.map_or(f64::INFINITY, |l| l.error / l.p_max);
-            return Err(Error::AccuracyNotReached {
-                dofs,
-                estimate,
-                tolerance: options.p_max_tolerance,
-            });
-        }
-        forces = lumped_forces(&mesh, &state);
-        patch = if wants_finer {
-            regraded += 1;
-            pressure.patch
-        } else {
-            pressure.patch.with_sizes_of(&patch)
-        };
-        cells = (cells * refinement).round();
-    }
-    unreachable!("the loop ends by accuracy or by its limit of unknowns")
-}
-
-fn report(
-    level: usize,
-    dofs: usize,
-    progress: &Progress,
-    p_max: f64,
-    history: &mut Vec<Iterate>,
-    options: &Options,
-) {
-    for update in &progress.updates {
-        let iterate = Iterate {
-            level,
-            dofs,
-            contact_nodes: update.contact_nodes,
-            iterations: update.iterations,
-            residual: update.residual,
-            p_max,
-        };
-        if let Some(callback) = &options.progress {
-            callback(&iterate);
-        }
-        history.push(iterate);
-    }
+    })
 }
 
 #[cfg(test)]

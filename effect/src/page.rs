@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::known::{ActsOn, Info};
+use crate::known::{ActsOn, Info, Judged};
 use crate::law::Effect;
 
 /// Headings of the page by what effects act on first.
@@ -30,14 +30,14 @@ impl Row {
     pub fn of(effect: &'static Effect) -> Self {
         let known = effect.info.parameters.iter().zip(effect.example.parameters);
         let parameters = known.filter(|(p, value)| **value != p.default);
-        let parameters = parameters.map(|(p, value)| format!("{} = {value}", p.name));
+        let parameters = parameters.map(|(p, value)| format!("{} = {}", p.name, number(*value)));
         let given = effect.example.given.iter();
-        let given = given.map(|(name, value)| format!("{name} = {value}"));
+        let given = given.map(|(name, value)| format!("{name} = {}", number(*value)));
         let all: Vec<String> = parameters.chain(given).collect();
         let (name, value) = effect.example.gives;
         Self {
             info: &effect.info,
-            example: format!("{} give {name} = {value}", all.join(", ")),
+            example: format!("{} give {name} = {}", all.join(", "), number(value)),
         }
     }
 }
@@ -85,7 +85,10 @@ fn line(Row { info, example }: &Row) -> String {
         format!("`{}`", info.name),
         info.formula.to_owned(),
         parameters.join(", "),
-        info.level().name().to_owned(),
+        match info.judged {
+            Judged::ByPressure => "-".to_owned(),
+            judged => judged.level().name().to_owned(),
+        },
         info.signature.to_owned(),
         info.looks_like.join(", "),
         example.clone(),
@@ -93,6 +96,19 @@ fn line(Row { info, example }: &Row) -> String {
     ];
     let cells = cells.map(|text| text.replace('|', "\\|"));
     format!("| {} |\n", cells.join(" | "))
+}
+
+/// A number as a page shows it: with a power of ten where it is very large or very small.
+///
+/// ```
+/// assert_eq!(kufe_effect::page::number(9.9e9), "9.9e9");
+/// assert_eq!(kufe_effect::page::number(0.0048), "0.0048");
+/// ```
+pub fn number(value: f64) -> String {
+    match value.abs() {
+        size if size == 0.0 || (1e-4..1e6).contains(&size) => format!("{value}"),
+        _ => format!("{value:e}"),
+    }
 }
 
 /// The page with what stands between the marks `<!-- NAME -->` and `<!-- end of NAME -->` replaced by `text`.

@@ -101,6 +101,20 @@ pub enum Error {
         /// What the factorisation reported.
         reason: String,
     },
+    /// The assembled stiffness does not fit into the memory that it may take.
+    #[error(
+        "the assembled stiffness of {dofs} displacements needs {:.2} GB; expected at most {:.2} GB",
+        *needed as f64 / 1e9,
+        *limit as f64 / 1e9
+    )]
+    MatrixTooLarge {
+        /// Number of displacements.
+        dofs: usize,
+        /// Memory that it would need while it is made [bytes].
+        needed: u64,
+        /// Memory that it may take [bytes].
+        limit: u64,
+    },
     /// Conjugate gradients did not reach the tolerance.
     #[error(
         "conjugate gradients stopped after {iterations} iterations at {residual}; expected {tolerance}"

@@ -8,6 +8,7 @@
 //! | [`equilibrium`] | loads in, displacements and reactions out |
 //! | [`nodal_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
 //! | [`assemble`], [`BlockMatrix`], [`MatrixFree`] | the stiffness, stored and not |
+//! | [`SparseStiffness`], [`write_matrix_market`] | the stored one as faer's sparse matrix, by component, and as text |
 //! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
 //! | [`TensorOperator`], [`LayeredDiagonal`] | stiffness and preconditioner on a tensor grid ([`FastDiagonal`]: the plain one) |
 //! | [`MappedPreconditioner`], [`BeamModes`] | the same for bent grids and slender bodies |
@@ -80,7 +81,9 @@ pub use sparse::assembly::{assemble, assemble_on};
 pub use sparse::block_matrix::BlockMatrix;
 pub use sparse::cholesky::Factor;
 pub use sparse::dissection::nested_dissection;
+pub use sparse::matrix_market::write_matrix_market;
 pub use sparse::node_graph::NodeGraph;
+pub use sparse::stiffness::SparseStiffness;
 pub use statics::{Equilibrium, Solver, add_body_force, equilibrium};
 pub use stress::field::{
     extrapolate_to_corners, gauss_point_stresses, nodal_stresses, strain_at, stress_at,

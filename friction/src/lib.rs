@@ -7,6 +7,7 @@
 //! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
 //! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
 //! | [`evaluate_glide`], [`evaluate_ice_house`] | mu by specimen from gliding runs |
+//! | [`film`] | the melt film under a runner, from heat and water balance |
 //!
 //! ```
 //! use kufe_friction::{Longitudinal, MagicFormula, longitudinal_force};
@@ -18,6 +19,7 @@
 
 mod error;
 mod estimate;
+pub mod film;
 mod icehouse;
 mod lateral;
 mod longitudinal;

@@ -34,6 +34,7 @@ mod simulate;
 mod track;
 
 pub use kufe_effect as effects;
+pub use kufe_friction::GRAVITY;
 
 pub use error::Error;
 pub use evaluate::bootstrap::{Summary, quantile, summarise};
@@ -47,13 +48,14 @@ pub use fit::contacts::find_contacts;
 pub use fit::runners::{SledFit, fit};
 pub use fit::samples::{FitOptions, lateral_samples};
 pub use model::model_toml::{Friction, Model};
+pub use model::refuse::refuse_effects;
 pub use model::runner::{PressureLookup, RunnerFriction};
 pub use model::sled::{ModelConditions, Noise, Sled, Survey};
 pub use model::vehicle::{BaseParameter, Vehicle};
 pub use motion::balance::{Balance, Left};
 pub use motion::law_forces::LawForces;
 pub use motion::measured::from_sensors;
-pub use motion::state::{AxleForces, GRAVITY, Motion, State};
+pub use motion::state::{AxleForces, Motion, State};
 pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use kufe_case::Case;
 
-const PAGE: &str = include_str!("../../docs/case.md");
+const PAGE: &str = include_str!("../../../docs/case.md");
 
 /// Tables of a case, each as a text in which the key `nowhere` is the first thing wrong.
-const TABLES: [(&str, &str); 12] = [
+const TABLES: [(&str, &str); 13] = [
     ("", "nowhere = 1"),
     ("runner", "[runner]\nnowhere = 1"),
     (
@@ -29,6 +29,7 @@ const TABLES: [(&str, &str); 12] = [
     ("track", "[track]\nnowhere = 1"),
     ("load", "[load]\nnowhere = 1"),
     ("accuracy", "[accuracy]\nnowhere = 1"),
+    ("solver", "[solver]\nnowhere = 1"),
 ];
 
 /// The keys that the reader itself names when it meets an unknown one.

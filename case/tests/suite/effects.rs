@@ -18,7 +18,7 @@ fn problem() -> Problem {
          [load]\n\
          fz_n = 1000.0\n",
     );
-    case.unwrap().problem(Path::new("")).unwrap().problem
+    case.unwrap().problem(Path::new("")).unwrap()
 }
 
 /// The map of the examples.

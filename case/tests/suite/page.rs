@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_case::effects::CATALOGUE;
-use kufe_effect::page::{Row, tables, with_section};
+use kufe_effect::page::{Row, number, tables, with_section};
 
 #[test]
 fn the_page_holds_the_catalogue() {
@@ -14,9 +14,9 @@ fn the_page_holds_the_catalogue() {
         example: format!(
             "{} = {} gives {} = {}",
             effect.parameter().name,
-            effect.example.size,
+            number(effect.example.size),
             effect.example.of,
-            effect.example.gives
+            number(effect.example.gives)
         ),
     });
     let wanted = with_section(&stands, "effects on pressures", &tables(rows));

@@ -1,6 +1,6 @@
 //! `kufe export`: a contact problem for another solver.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use kufe_case::StatedProblem;
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, solve};
@@ -8,6 +8,7 @@ use kufe_jobs::{Failure, case_file::LoadedCase};
 use serde_json::json;
 
 use crate::bodies::calculix::{Deck, write_deck};
+use crate::bodies::stiffness::write_stiffness;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
@@ -15,9 +16,19 @@ use crate::output::staging::Staging;
 /// Arguments of `kufe export`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
+    /// The case whose stiffness is written
+    #[arg(
+        value_name = "CASE",
+        requires = "stiffness",
+        conflicts_with = "calculix"
+    )]
+    pub case: Option<PathBuf>,
+    /// The assembled stiffness of its bodies on the mesh that it is solved on, in Matrix Market form
+    #[arg(long, value_name = "FILE", requires = "case")]
+    pub stiffness: Option<PathBuf>,
     /// The case, for CalculiX: an elastic runner held by its top or at places, level, on ice on a rigid bed
-    #[arg(long, value_name = "CASE")]
-    pub calculix: PathBuf,
+    #[arg(long, value_name = "CASE", required_unless_present = "case")]
+    pub calculix: Option<PathBuf>,
     /// The input deck
     #[arg(long, short, value_name = "FILE", default_value = "deck.inp")]
     pub out: PathBuf,
@@ -26,7 +37,7 @@ pub struct Args {
     pub cells: Option<usize>,
 }
 
-/// Solves the case, whose mesh and approach the deck takes, and writes the deck.
+/// Solves the case, whose mesh the deck or the matrix is of, and writes it.
 ///
 /// # Errors
 /// Those of `kufe press`, and [`Failure::BadInput`] for a problem that the deck cannot state.
@@ -35,16 +46,25 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let found = args.cells.unwrap_or_default();
         return Err(Failure::Usage(format!("--cells {found}: expected 2 to 64")));
     }
-    let loaded = LoadedCase::read(&args.calculix)?;
+    match (&args.calculix, &args.case, &args.stiffness) {
+        (Some(case), ..) => deck(case, args, global),
+        (None, Some(case), Some(matrix)) => write_stiffness(case, matrix, args.cells, global),
+        _ => Err(Failure::Usage(
+            "a case and --stiffness, or --calculix, are needed".into(),
+        )),
+    }
+}
+
+fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
+    let loaded = LoadedCase::read(case)?;
     let StatedProblem { problem, .. } = loaded.stated()?;
     let refuse = |reason: &str| Failure::BadInput(format!("{}: {reason}", loaded.name));
     let mount = statable(&problem).map_err(&refuse)?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh and the approach");
     let options = Options {
-        p_max_tolerance: loaded.case.accuracy.p_max,
         cells: args.cells,
-        ..Options::default()
+        ..loaded.case.options()
     };
     let solved = solve(&problem, &options);
     bar.finish_and_clear();

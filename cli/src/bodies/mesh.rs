@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe_case::{Shape, StatedProblem};
-use kufe_contact::{Options, Runner, solve};
+use kufe_contact::{Runner, solve};
 use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 use serde_json::{Value, json};
@@ -42,11 +42,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     staging.remove_on_interrupt();
     let bar = global.progress();
     bar.set_message("finding the contact that the grid is graded to");
-    let options = Options {
-        p_max_tolerance: loaded.case.accuracy.p_max,
-        ..Options::default()
-    };
-    let solved = solve(&stated.problem, &options);
+    let solved = solve(&stated.problem, &loaded.case.options());
     bar.finish_and_clear();
     let grid = solved.map_err(|error| loaded.failure(&error))?.volume.grid;
     let mut meshes = vec![("ice", grid.hex_mesh())];

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use kufe_case::StatedProblem;
-use kufe_contact::{Options, solve};
+use kufe_contact::solve;
 use kufe_friction::effects::Conditions;
 use kufe_friction::{Longitudinal, air_density, longitudinal_force};
 use kufe_jobs::{Failure, case_file::LoadedCase};
@@ -71,11 +71,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let bar = global.progress();
     bar.set_message("solving the contact");
     let started = Instant::now();
-    let options = Options {
-        p_max_tolerance: loaded.case.accuracy.p_max,
-        ..Options::default()
-    };
-    let solved = solve(&problem, &options);
+    let solved = solve(&problem, &loaded.case.options());
     bar.finish_and_clear();
     let solution = solved.map_err(|error| loaded.failure(&error))?;
     loaded.fine_enough(hull.as_ref(), &solution)?;

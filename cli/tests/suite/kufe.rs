@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// A runner, flat ice and a load: a case that solves in an instant.
@@ -46,11 +47,7 @@ impl Bench {
 
     /// Runs `kufe` with these words in the folder.
     pub fn kufe(&self, words: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_kufe"))
-            .args(words)
-            .current_dir(self.folder.path())
-            .output()
-            .expect("the command runs")
+        kufe(self.folder.path(), words)
     }
 
     /// Runs `kufe` and expects it to succeed; returns what it printed.
@@ -68,6 +65,39 @@ impl Bench {
     pub fn names(&self) -> Vec<String> {
         names(self.folder.path())
     }
+}
+
+/// Runs `kufe` with these words in a folder.
+pub fn kufe(folder: &Path, words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .current_dir(folder)
+        .args(words)
+        .output()
+        .expect("the command runs")
+}
+
+/// Runs `kufe` in a folder and expects it to succeed; returns what it printed.
+pub fn succeeds(folder: &Path, words: &[&str]) -> String {
+    let output = kufe(folder, words);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{words:?}: {told}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Runs `kufe` in a folder and expects it to leave with `code` and to name these parts.
+pub fn refused(folder: &Path, words: &[&str], code: i32, parts: &[&str]) {
+    let output = kufe(folder, words);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{words:?}: {told}");
+    for part in parts {
+        assert!(told.contains(part), "{words:?}: no {part:?} in {told}");
+    }
+}
+
+/// A JSON file.
+pub fn json(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).expect("a result");
+    serde_json::from_str(&text).expect("JSON")
 }
 
 /// What a run said on standard error.

@@ -5,12 +5,11 @@ use kufe_fem::Material;
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::plane_problem::PlaneState;
-use crate::active_set::progress::{Limit, Progress};
+use crate::active_set::progress::{Control, Counts, Progress, SetUpdate};
 use crate::bodies::columns::Side;
 use crate::bodies::far_field::{lumps, prescribe};
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
-use crate::grid::patch::Patch;
 use crate::reference::plain::{active_set, projected_sor};
 use crate::{Error, Foundation, Load, Method, Options, Problem};
 
@@ -22,155 +21,152 @@ pub(crate) struct Forces {
     symmetry: [bool; 2],
 }
 
-/// Solves on one mesh, beginning with the contact on the plane alone.
-pub(crate) fn solve_mesh(
-    problem: &Problem,
-    material: Material,
-    mesh: &Discretisation,
-    patch: &Patch,
-    forces: &Forces,
-    options: &Options,
-) -> Result<(State, Progress), Error> {
-    let contact = &mesh.contact;
-    let greens = contact.greens();
-    let base = contact.unpressed_gap();
-    let start = PlaneState {
-        force: vec![0.0; contact.candidates.len()],
-        motion: [patch.motion, 0.0, 0.0],
-        settled: false,
-    };
-    let found = contact.plane_contact(&greens[1], &base, start);
-    let mut force = vec![0.0; contact.gap.len()];
-    for (&node, f) in contact.candidates.iter().zip(&found.force) {
-        force[node] = *f;
+impl Forces {
+    /// Those of a state of `mesh`.
+    pub fn of(mesh: &Discretisation, state: &State) -> Self {
+        Forces {
+            x: mesh.grid.x.clone(),
+            y: mesh.grid.y.clone(),
+            force: state.force.clone(),
+            symmetry: mesh.symmetry,
+        }
     }
-    let mut state = State {
-        displacement: vec![0.0; contact.len()],
-        force,
-        motion: found.motion,
-    };
-    hold_outer_faces(problem, material, mesh, forces, &mut state);
-    let mut progress = one_solve(problem, mesh, material, &greens, &mut state, options)?;
-    if matches!(problem.load, Load::Approach { .. })
-        && problem.ice.foundation == Foundation::HalfSpace
-    {
-        // The force, and with it the far field, follows from the solution.
-        const ROUNDS: usize = 20;
-        for _ in 0..ROUNDS {
-            let before = contact.resultant(&state)[0];
-            hold_outer_faces(
-                problem,
-                material,
-                mesh,
-                &lumped_forces(mesh, &state),
-                &mut state,
+}
+
+/// One mesh of a problem, and who is told of what happens on it.
+pub(crate) struct MeshSolve<'a> {
+    pub problem: &'a Problem,
+    pub material: Material,
+    pub mesh: &'a Discretisation,
+    pub options: &'a Options,
+    /// Told of every update of the contact set, with the state as it is then.
+    pub tell: &'a dyn Fn(&SetUpdate, &State),
+}
+
+/// Most conjugate-gradient iterations on one mesh.
+const ITERATIONS: usize = 1000;
+/// Most sweeps of the plain method.
+const SWEEPS: usize = 200_000;
+/// Most far fields under a given approach.
+const ROUNDS: usize = 20;
+
+impl MeshSolve<'_> {
+    /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of `forces` at first.
+    pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
+        let contact = &self.mesh.contact;
+        let greens = contact.greens();
+        let (mut state, counts) = self.begin(&greens[1], motion);
+        self.hold_outer_faces(forces, &mut state);
+        let mut progress = self.with_held_faces(&greens, &mut state, counts)?;
+        if matches!(self.problem.load, Load::Approach { .. })
+            && self.problem.ice.foundation == Foundation::HalfSpace
+        {
+            // The force, and with it the far field, follows from the solution.
+            for _ in 0..ROUNDS {
+                let before = contact.resultant(&state)[0];
+                self.hold_outer_faces(&Forces::of(self.mesh, &state), &mut state);
+                if self.options.stopped() {
+                    break;
+                }
+                let again = self.with_held_faces(&greens, &mut state, Counts::default())?;
+                progress.iterations += again.iterations;
+                progress.converged &= again.converged;
+                progress.residual = again.residual;
+                if (contact.resultant(&state)[0] - before).abs() <= 1e-6 * before {
+                    break;
+                }
+            }
+        }
+        if self.options.stopped() {
+            return Err(Error::Stopped);
+        }
+        if !progress.converged {
+            return Err(Error::NotConverged {
+                iterations: progress.iterations,
+                residual: progress.residual,
+                tolerance: self.options.residual,
+            });
+        }
+        Ok((state, progress))
+    }
+
+    /// The contact on the plane alone, from no forces at `motion`.
+    fn begin(&self, scaled: &Mat<f64>, motion: f64) -> (State, Counts) {
+        let contact = &self.mesh.contact;
+        let start = PlaneState::new(vec![0.0; contact.candidates.len()], [motion, 0.0, 0.0]);
+        let found = contact.plane_contact(scaled, &contact.unpressed_gap(), start);
+        let counts = found.counts;
+        let mut state = contact.state_of(&found.force, found.motion);
+        state.displacement = vec![0.0; contact.len()];
+        (state, counts)
+    }
+
+    /// Writes the far field of the contact forces onto the outer faces of a half-space.
+    fn hold_outer_faces(&self, forces: &Forces, state: &mut State) {
+        let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
+        let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
+        let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
+        if self.problem.ice.foundation == Foundation::HalfSpace {
+            prescribe(grid, symmetry, self.material, &lumps, Side::Below, on_ice);
+        }
+        // An unbounded runner stands on all columns: a half-space too.
+        if let [ice, body] = &self.mesh.contact.bodies[..]
+            && body.columns() == ice.columns()
+            && let Some(operator) = body.stiffness.grid()
+        {
+            let grid = TensorGrid {
+                x: grid.x.clone(),
+                y: grid.y.clone(),
+                z: operator.axes[2].nodes.clone(),
+            };
+            prescribe(
+                &grid,
+                symmetry,
+                body.material,
+                &lumps,
+                Side::Above,
+                on_runner,
             );
-            if options.stopped() {
-                break;
-            }
-            let again = one_solve(problem, mesh, material, &greens, &mut state, options)?;
-            progress.iterations += again.iterations;
-            progress.converged &= again.converged;
-            progress.residual = again.residual;
-            progress.updates.extend(again.updates);
-            if (contact.resultant(&state)[0] - before).abs() <= 1e-6 * before {
-                break;
-            }
         }
     }
-    if options.stopped() {
-        return Err(Error::Stopped);
-    }
-    if !progress.converged {
-        return Err(Error::NotConverged {
-            iterations: progress.iterations,
-            residual: progress.residual,
+
+    /// Solves the equations for held outer faces, from `state`, whose forces took `begun`.
+    fn with_held_faces(
+        &self,
+        greens: &[Mat<f64>; 2],
+        state: &mut State,
+        begun: Counts,
+    ) -> Result<Progress, Error> {
+        let options = self.options;
+        let control = Control {
             tolerance: options.residual,
-        });
-    }
-    Ok((state, progress))
-}
-
-/// Writes the far field of the contact forces onto the outer faces of a half-space.
-fn hold_outer_faces(
-    problem: &Problem,
-    material: Material,
-    mesh: &Discretisation,
-    forces: &Forces,
-    state: &mut State,
-) {
-    let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
-    let grid = &mesh.grid;
-    let (ice, runner) = state.displacement.split_at_mut(3 * grid.node_count());
-    if problem.ice.foundation == Foundation::HalfSpace {
-        prescribe(grid, mesh.symmetry, material, &lumps, Side::Below, ice);
-    }
-    // An unbounded runner stands on all columns: a half-space too.
-    if let Some(body) = mesh
-        .contact
-        .bodies
-        .get(1)
-        .filter(|b| b.columns == mesh.contact.bodies[0].columns)
-    {
-        let grid = TensorGrid {
-            x: grid.x.clone(),
-            y: grid.y.clone(),
-            z: body.operator.axes[2].nodes.clone(),
+            iterations: ITERATIONS,
+            options,
+            tell: self.tell,
         };
-        prescribe(
-            &grid,
-            mesh.symmetry,
-            body.material,
-            &lumps,
-            Side::Above,
-            runner,
-        );
-    }
-}
-
-/// Solves the equations of one mesh for held outer faces, from `state`.
-fn one_solve(
-    problem: &Problem,
-    mesh: &Discretisation,
-    material: Material,
-    greens: &[Mat<f64>; 2],
-    state: &mut State,
-    options: &Options,
-) -> Result<Progress, Error> {
-    let limit = Limit {
-        iterations: 1000,
-        options,
-    };
-    const SWEEPS: usize = 200_000;
-    let contact = &mesh.contact;
-    #[cfg(feature = "gpu")]
-    if let Some(device) = &options.device {
-        return contact.solve_on_device(device, state, greens, options.residual, &limit);
-    }
-    Ok(match options.method {
-        Method::Accelerated => contact.solve(state, greens, options.residual, &limit),
-        Method::CholeskyActiveSet => {
-            let element = problem.runner.elastic.as_ref().map(|e| e.element_kind());
-            Progress::direct(active_set(mesh, material, element, state))
+        let contact = &self.mesh.contact;
+        #[cfg(feature = "gpu")]
+        if let Some(device) = &options.device {
+            return contact.solve_on_device(device, state, greens, begun, &control);
         }
-        Method::PlainSor => {
-            let held = state.displacement.clone();
-            contact.solve(state, greens, options.residual, &limit);
-            let tolerance = 1e-3 * options.residual;
-            let sweeps = projected_sor(mesh, material, &held, state, tolerance, SWEEPS);
-            Progress {
-                iterations: sweeps.unwrap_or(SWEEPS),
-                ..Progress::direct(sweeps.is_some())
+        Ok(match options.method {
+            Method::Accelerated => contact.solve(state, greens, begun, &control),
+            Method::CholeskyActiveSet => {
+                let runner = self.problem.runner.elastic.as_ref();
+                let element = runner.map(|e| e.element_kind());
+                Progress::direct(active_set(self.mesh, self.material, element, state))
             }
-        }
-    })
-}
-
-pub(crate) fn lumped_forces(mesh: &Discretisation, state: &State) -> Forces {
-    Forces {
-        x: mesh.grid.x.clone(),
-        y: mesh.grid.y.clone(),
-        force: state.force.clone(),
-        symmetry: mesh.symmetry,
+            Method::PlainSor => {
+                let held = state.displacement.clone();
+                contact.solve(state, greens, begun, &control);
+                let tolerance = 1e-3 * options.residual;
+                let sweeps =
+                    projected_sor(self.mesh, self.material, &held, state, tolerance, SWEEPS);
+                Progress {
+                    iterations: sweeps.unwrap_or(SWEEPS),
+                    ..Progress::direct(sweeps.is_some())
+                }
+            }
+        })
     }
 }

@@ -2,4 +2,5 @@
 
 pub(crate) mod extrapolation;
 pub(crate) mod mesh_solve;
+pub(crate) mod meshes;
 pub(crate) mod scout;

@@ -2,15 +2,15 @@
 
 use kufe_fem::Material;
 
-use crate::accuracy::mesh_solve::{Forces, lumped_forces};
+use crate::accuracy::mesh_solve::Forces;
 use crate::active_set::plane_problem::PlaneState;
-use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{Reach, Resolution, discretise};
+use crate::grid::discretise::{MeshPlan, Reach};
 use crate::grid::first_guess::first_guess;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
+use crate::grid::zones::Resolution;
 use crate::problem::gap::Gap;
-use crate::result::pressure::field;
+use crate::result::pressure::Field;
 use crate::{Error, Load, Options, Problem};
 
 /// Cells over half the patch while it is being found.
@@ -32,30 +32,26 @@ pub(crate) fn scout(
         if options.stopped() {
             return Err(Error::Stopped);
         }
-        let mesh = discretise(problem, gap, material, &patch, SCOUTING, Reach::WholeHull)?;
+        let mesh = MeshPlan {
+            problem,
+            gap,
+            material,
+            patch: &patch,
+            resolution: SCOUTING,
+            reach: Reach::WholeHull,
+        }
+        .mesh()?;
         let contact = &mesh.contact;
         let [_, scaled] = contact.greens();
-        let start = PlaneState {
-            force: vec![0.0; contact.candidates.len()],
-            motion: [patch.motion, 0.0, 0.0],
-            settled: false,
-        };
-        let base = contact.unpressed_gap();
-        let found = contact.plane_contact(&scaled, &base, start);
-        let mut force = vec![0.0; contact.gap.len()];
-        for (&node, f) in contact.candidates.iter().zip(&found.force) {
-            force[node] = *f;
-        }
-        let state = State {
-            displacement: Vec::new(),
-            force,
-            motion: found.motion,
-        };
-        let next = field(&mesh, problem, &patch).of(&state).patch;
+        let none = vec![0.0; contact.candidates.len()];
+        let start = PlaneState::new(none, [patch.motion, 0.0, 0.0]);
+        let found = contact.plane_contact(&scaled, &contact.unpressed_gap(), start);
+        let state = contact.state_of(&found.force, found.motion);
+        let next = Field::new(&mesh, problem, &patch).of(&state).patch;
         let settled = similar(&patch, &next);
         patch = next;
         if settled {
-            return Ok((patch, lumped_forces(&mesh, &state)));
+            return Ok((patch, Forces::of(&mesh, &state)));
         }
     }
     Err(Error::NotConverged {

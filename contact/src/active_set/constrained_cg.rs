@@ -5,9 +5,10 @@ use faer::{Mat, Side};
 
 use crate::active_set::motion::dot;
 use crate::active_set::motion::solve_motion;
-use crate::active_set::progress::{Limit, Progress};
+use crate::active_set::progress::{Control, Progress};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
+use crate::bodies::elastic_body::BodyWork;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
 /// The factorised constraint of one contact set.
@@ -18,12 +19,20 @@ pub(crate) struct Constraint {
     motion_columns: Mat<f64>,
 }
 
+/// A contact set to iterate on.
+pub(crate) struct OneSet<'a> {
+    pub sets: &'a Sets,
+    pub constraint: &'a Constraint,
+    pub control: &'a Control<'a>,
+}
+
 /// Vectors that the iteration reuses.
 pub(crate) struct Workspace {
     pub residual: Vec<f64>,
     step: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
+    bodies: Vec<BodyWork>,
 }
 
 impl ContactMesh {
@@ -54,23 +63,25 @@ impl ContactMesh {
             step: vec![0.0; n],
             direction: vec![0.0; n],
             image: vec![0.0; n],
+            bodies: self.work(),
         }
     }
 
     /// Conjugate gradients in the subspace where the nodes inside stay closed.
     ///
     /// Returns whether the tolerance was reached and the signs confirm the set.
-    #[allow(clippy::too_many_arguments)]
     pub fn iterate(
         &self,
-        sets: &Sets,
-        constraint: &Constraint,
+        set: &OneSet,
         state: &mut State,
         work: &mut Workspace,
-        tolerance: f64,
-        limit: &Limit,
         progress: &mut Progress,
     ) -> bool {
+        let OneSet {
+            sets,
+            constraint,
+            control,
+        } = *set;
         self.project_forces(sets, state);
         self.enter(constraint, state, work);
         progress.iterations += 1;
@@ -80,12 +91,10 @@ impl ContactMesh {
         let mut next_check: f64 = 1e-2;
         loop {
             let (turn, rho) = self.equilibrate(constraint, state, work, progress);
-            if let Some(confirmed) =
-                self.settled(sets, state, progress.residual, tolerance, &mut next_check)
-            {
+            if let Some(confirmed) = self.settled(set, state, progress.residual, &mut next_check) {
                 return confirmed;
             }
-            if limit.reached(progress.iterations) {
+            if control.reached(progress.iterations) {
                 return false;
             }
             let beta = if rho_before > 0.0 {
@@ -96,7 +105,7 @@ impl ContactMesh {
             rho_before = rho;
             vector::scale_add(&mut work.direction, beta, &work.step);
             turn_direction = [0, 1, 2].map(|a| turn[a] + beta * turn_direction[a]);
-            self.apply(&work.direction, &mut work.image);
+            self.apply(&work.direction, &mut work.image, &mut work.bodies);
             let curvature = vector::dot(&work.direction, &work.image);
             if curvature <= 0.0 {
                 return false;
@@ -116,7 +125,7 @@ impl ContactMesh {
 
     /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of the new state.
     pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
-        self.residual(state, &mut work.residual);
+        self.residual(state, &mut work.residual, &mut work.bodies);
         let closing = self.closing(&state.displacement);
         let defect: Vec<f64> = constraint
             .inside
@@ -137,7 +146,7 @@ impl ContactMesh {
         let (turn, force) = self.precondition(constraint, &defect, balance, work);
         self.advance(1.0, turn, state, &work.step);
         add_to(constraint, &force, state);
-        self.residual(state, &mut work.residual);
+        self.residual(state, &mut work.residual, &mut work.bodies);
     }
 
     /// The next step of a state in the subspace; returns its turn and r . z.
@@ -165,18 +174,18 @@ impl ContactMesh {
     /// has fallen a hundredfold.
     pub(crate) fn settled(
         &self,
-        sets: &Sets,
+        set: &OneSet,
         state: &State,
         residual: f64,
-        tolerance: f64,
         next_check: &mut f64,
     ) -> Option<bool> {
+        let tolerance = set.control.tolerance;
         if residual.is_nan() || residual >= next_check.max(tolerance) {
             return None;
         }
         let reached = residual < tolerance;
         let slack = if reached { 1e-10 } else { residual };
-        if self.signs(state, sets, slack).is_some() {
+        if self.contradicts(state, set.sets, slack) {
             return Some(false);
         }
         *next_check *= 1e-2;
@@ -200,18 +209,13 @@ impl ContactMesh {
         work: &mut Workspace,
     ) -> ([f64; 3], Vec<f64>) {
         let mut closing = vec![0.0; self.gap.len()];
-        let mut start = 0;
-        for member in self.members() {
-            let residual = &work.residual[start..start + member.len()];
-            member.begin(residual, &mut closing);
-            start += member.len();
+        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
+            body.begin(&work.residual[part], &mut closing, kept);
         }
         let (turn, multipliers) = self.multipliers(constraint, &closing, defect, balance);
         let forces = forces_on(constraint, &multipliers, 1.0);
-        let mut start = 0;
-        for member in self.members() {
-            member.finish(&forces, &mut work.step[start..start + member.len()]);
-            start += member.len();
+        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
+            body.finish(&forces, &mut work.step[part], kept);
         }
         (turn, multipliers)
     }

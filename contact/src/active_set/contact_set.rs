@@ -1,83 +1,117 @@
-//! Which nodes touch: prediction by projected SOR, confirmation by the signs of forces and gaps.
+//! Which nodes touch: accelerated projective SOR on the bodies' own stiffness.
 
 use std::convert::Infallible;
 
 use faer::Mat;
 
-use crate::active_set::constrained_cg::Constraint;
+use crate::active_set::constrained_cg::OneSet;
+use crate::active_set::energy::Feasible;
 use crate::active_set::motion::dot;
 use crate::active_set::plane_problem::{PlaneProblem, PlaneState};
-use crate::active_set::progress::{Limit, Progress, SetUpdate};
+use crate::active_set::progress::{Control, Counts, Progress, SetUpdate};
 use crate::active_set::sets::Sets;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
+/// Most contact sets of one solve.
+const UPDATES: usize = 60;
+
 impl ContactMesh {
-    /// Iterates from `state` until the energy-norm residual is below `tolerance` and the contact set stays.
+    /// Iterates from `state`, whose forces took `begun`, until the energy-norm residual is below the tolerance and the contact
+    /// set stays.
     pub fn solve(
         &self,
         state: &mut State,
         greens: &[Mat<f64>; 2],
-        tolerance: f64,
-        limit: &Limit,
+        begun: Counts,
+        control: &Control,
     ) -> Progress {
         let mut work = self.workspace();
-        let Ok(progress) =
-            self.solve_by(state, greens, limit, |sets, constraint, state, progress| {
-                let work = &mut work;
-                Ok::<_, Infallible>(
-                    self.iterate(sets, constraint, state, work, tolerance, limit, progress),
-                )
-            });
+        let Ok(progress) = self.solve_by(state, greens, begun, control, |set, state, progress| {
+            Ok::<_, Infallible>(self.iterate(set, state, &mut work, progress))
+        });
         progress
     }
 
-    /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether tolerance and set were reached.
+    /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether tolerance and set were
+    /// reached.
+    ///
+    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' own stiffness: sweeps on the contact plane, corrected to
+    /// what the bodies answered last, find a set, and the iteration on that set is the acceleration. It is accepted where the
+    /// energy of the contact forces falls: that of the forces put back to their bounds, or that of the point on the way
+    /// where the first force meets its bound. Where it does not fall the next set is that of the forces accepted last with
+    /// the nodes whose gaps contradict it: its minimiser lies lower, since those forces are among its own.
     pub fn solve_by<E>(
         &self,
         state: &mut State,
         greens: &[Mat<f64>; 2],
-        limit: &Limit,
-        mut iterate: impl FnMut(&Sets, &Constraint, &mut State, &mut Progress) -> Result<bool, E>,
+        begun: Counts,
+        control: &Control,
+        mut iterate: impl FnMut(&OneSet, &mut State, &mut Progress) -> Result<bool, E>,
     ) -> Result<Progress, E> {
         let mut progress = Progress {
             iterations: 0,
-            updates: Vec::new(),
             residual: f64::INFINITY,
             converged: false,
         };
         let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
         let force: Vec<f64> = self.candidates.iter().map(|&n| state.force[n]).collect();
         let mut sets = Sets::of(&force, &bound);
-        for update in 0..60 {
+        let mut counts = begun;
+        let mut accepted: Option<Feasible> = None;
+        for _ in 0..UPDATES {
             let gaps = self.gaps(state);
             sets.free_one(&self.motion, &bound, |i| gaps[self.candidates[i]]);
             let Some(constraint) = self.constrain(&sets, &greens[0]) else {
                 break;
             };
             let before = progress.iterations;
-            let confirmed = iterate(&sets, &constraint, state, &mut progress)?;
-            progress.updates.push(SetUpdate {
+            let set = OneSet {
+                sets: &sets,
+                constraint: &constraint,
+                control,
+            };
+            let confirmed = iterate(&set, state, &mut progress)?;
+            counts.accelerations += 1;
+            let trial = self.feasible(state, &greens[1], accepted.as_ref());
+            let falls = match &accepted {
+                None => true,
+                Some(last) => confirmed || trial.energy < last.energy,
+            };
+            let clipped = match &accepted {
+                Some(last) if !falls => self.on_the_way(last, state),
+                _ => None,
+            };
+            if falls {
+                accepted = Some(trial.not_above(accepted.as_ref()));
+            } else if clipped.is_some() {
+                accepted = clipped;
+            }
+            let update = SetUpdate {
                 contact_nodes: sets.inside.len() + sets.full.len(),
                 iterations: progress.iterations - before,
                 residual: progress.residual,
-            });
-            if confirmed || limit.reached(progress.iterations) {
+                counts: std::mem::take(&mut counts),
+                energy: accepted.as_ref().map_or(0.0, |a| a.energy),
+            };
+            (control.tell)(&update, state);
+            if confirmed || control.reached(progress.iterations) {
                 progress.converged = confirmed;
                 break;
             }
-            let next = if update < 20 {
-                self.predict(state, &greens[1])
-            } else {
-                self.signs(state, &sets, 1e-9)
-                    .unwrap_or_else(|| sets.clone())
+            sets = match &accepted {
+                Some(last) if !falls => last.released(&bound),
+                _ => {
+                    let found = self.predict(state, &greens[1]);
+                    counts = found.counts;
+                    Sets::of(&found.force, &bound)
+                }
             };
-            sets = next;
         }
         Ok(progress)
     }
 
-    /// The next contact set: projected SOR and accelerations on the plane, from the gaps as they are now.
-    fn predict(&self, state: &State, scaled: &Mat<f64>) -> Sets {
+    /// Projected SOR on the plane, from the gaps as they are now.
+    fn predict(&self, state: &State, scaled: &Mat<f64>) -> PlaneState {
         let gaps = self.gaps(state);
         let n = self.candidates.len();
         let force: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
@@ -93,42 +127,26 @@ impl ContactMesh {
         }
         let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
         let clamped = (0..n).map(|i| force[i].clamp(0.0, bound[i])).collect();
-        let start = PlaneState {
-            force: clamped,
-            motion: state.motion,
-            settled: false,
-        };
-        let found = self.plane_contact(scaled, &base, start);
-        Sets::of(&found.force, &bound)
+        self.plane_contact(scaled, &base, PlaneState::new(clamped, state.motion))
     }
 
-    /// The set that forces and gaps ask for, where it differs from `sets` by more than rounding.
-    pub fn signs(&self, state: &State, sets: &Sets, slack: f64) -> Option<Sets> {
+    /// Whether forces and gaps ask for another set than `sets`, by more than rounding.
+    pub fn contradicts(&self, state: &State, sets: &Sets, slack: f64) -> bool {
         let gaps = self.gaps(state);
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let depth = self.depth(state);
         let mut kind = vec![0u8; self.candidates.len()];
         sets.inside.iter().for_each(|&i| kind[i] = 1);
         sets.full.iter().for_each(|&i| kind[i] = 2);
-        let mut next = Sets::default();
-        let mut changed = false;
-        for (i, &node) in self.candidates.iter().enumerate() {
+        let contradicts = |(&node, kind): (&usize, u8)| {
             let (force, gap) = (state.force[node], gaps[node]);
-            let wanted = match kind[i] {
-                1 if force > self.bound[node] * (1.0 + slack) => 2,
-                1 if force < -slack * largest => 0,
-                2 if gap > slack * depth => 1,
-                0 if gap < -slack * depth => 1,
-                same => same,
-            };
-            changed |= wanted != kind[i];
-            match wanted {
-                1 => next.inside.push(i),
-                2 => next.full.push(i),
-                _ => {}
+            match kind {
+                1 => force > self.bound[node] * (1.0 + slack) || force < -slack * largest,
+                2 => gap > slack * depth,
+                _ => gap < -slack * depth,
             }
-        }
-        changed.then_some(next)
+        };
+        self.candidates.iter().zip(kind).any(contradicts)
     }
 
     /// Solves the contact on the plane alone, with the scaled Green's matrix.

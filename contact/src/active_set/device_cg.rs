@@ -13,9 +13,8 @@ use faer::{Mat, MatMut, MatRef};
 use kufe_fem::gpu::{Device, DeviceCg, EndPlane};
 
 use crate::Error;
-use crate::active_set::constrained_cg::{Constraint, Workspace, add_to, forces_on};
-use crate::active_set::progress::{Limit, Progress};
-use crate::active_set::sets::Sets;
+use crate::active_set::constrained_cg::{Constraint, OneSet, Workspace, add_to, forces_on};
+use crate::active_set::progress::{Control, Counts, Progress};
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::precondition::planewise::PlanewiseInverse;
 
@@ -38,28 +37,24 @@ impl ContactMesh {
         device: &Device,
         state: &mut State,
         greens: &[Mat<f64>; 2],
-        tolerance: f64,
-        limit: &Limit,
+        begun: Counts,
+        control: &Control,
     ) -> Result<Progress, Error> {
-        let [ice] = &self.bodies[..] else {
-            return Err(Error::NotOnDevice {
-                found: "an elastic runner",
-            });
+        let plain = match &self.bodies[..] {
+            [ice] => ice.plain(),
+            _ => None,
         };
-        let inverse =
-            ice.plain_inverse()
-                .filter(|_| self.solid.is_none())
-                .ok_or(Error::NotOnDevice {
-                    found: "an elastic runner",
-                })?;
+        let (operator, inverse) = plain.ok_or(Error::NotOnDevice {
+            found: "an elastic runner",
+        })?;
         let mut on_device = OnDevice {
             contact: self,
             inverse,
-            cg: DeviceCg::new(device, &ice.operator, &inverse.preconditioner)?,
+            cg: DeviceCg::new(device, operator, &inverse.preconditioner)?,
             work: self.workspace(),
         };
-        self.solve_by(state, greens, limit, |sets, constraint, state, progress| {
-            on_device.iterate(sets, constraint, state, tolerance, limit, progress)
+        self.solve_by(state, greens, begun, control, |set, state, progress| {
+            on_device.iterate(set, state, progress)
         })
     }
 }
@@ -76,13 +71,15 @@ impl OnDevice<'_> {
     /// The outer loop; returns whether the tolerance was reached and the signs confirm the set.
     fn iterate(
         &mut self,
-        sets: &Sets,
-        constraint: &Constraint,
+        set: &OneSet,
         state: &mut State,
-        tolerance: f64,
-        limit: &Limit,
         progress: &mut Progress,
     ) -> Result<bool, Error> {
+        let OneSet {
+            sets,
+            constraint,
+            control,
+        } = *set;
         let contact = self.contact;
         contact.project_forces(sets, state);
         let mut next_check = 1e-2;
@@ -92,23 +89,21 @@ impl OnDevice<'_> {
             progress.iterations += 1;
             contact.equilibrate(constraint, state, &mut self.work, progress);
             let residual = progress.residual;
-            if let Some(confirmed) =
-                contact.settled(sets, state, residual, tolerance, &mut next_check)
-            {
+            if let Some(confirmed) = contact.settled(set, state, residual, &mut next_check) {
                 return Ok(confirmed);
             }
             failures = if residual < best { 0 } else { failures + 1 };
             best = best.min(residual);
-            if failures > PATIENCE || limit.reached(progress.iterations) {
+            if failures > PATIENCE || control.reached(progress.iterations) {
                 return Ok(false);
             }
             let aim = if residual > 2.0 * FIRST_LOOK {
                 FIRST_LOOK
             } else {
-                0.5 * tolerance
+                0.5 * control.tolerance
             };
             let reduction = (aim / residual).max(REDUCTION);
-            if !self.correct(constraint, state, reduction, limit, progress)? {
+            if !self.correct(set, state, reduction, progress)? {
                 return Ok(false);
             }
         }
@@ -117,12 +112,16 @@ impl OnDevice<'_> {
     /// The inner loop: a correction that reduces r . P^-1 r by `reduction` squared. Returns whether there was one.
     fn correct(
         &mut self,
-        constraint: &Constraint,
+        set: &OneSet,
         state: &mut State,
         reduction: f64,
-        limit: &Limit,
         progress: &mut Progress,
     ) -> Result<bool, Error> {
+        let OneSet {
+            constraint,
+            control,
+            ..
+        } = *set;
         self.cg.gather_first(&self.work.residual);
         let mut plane = self.cg.end_plane()?;
         let mut turn = self.constrain(constraint, state, &mut plane);
@@ -149,7 +148,7 @@ impl OnDevice<'_> {
             done += 1;
             progress.iterations += 1;
             let aim = *aim.get_or_insert(reduction.powi(2) * rho);
-            if rho <= aim || limit.reached(progress.iterations) {
+            if rho <= aim || control.reached(progress.iterations) {
                 break;
             }
             turn = self.constrain(constraint, state, &mut plane);

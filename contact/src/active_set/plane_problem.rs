@@ -1,16 +1,18 @@
-//! Projective SOR on the contact forces, accelerated by exact solves on the contact set.
+//! Accelerated projective SOR on the contact plane.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 
+use crate::active_set::balance::{Answer, Balance};
 use crate::active_set::motion::{Motion, dot, solve_motion};
-use crate::active_set::sets::Sets;
+use crate::active_set::progress::Counts;
+use crate::active_set::sets::{Sets, clip};
 
 /// The contact problem on the contact plane alone.
 ///
-/// Minimise 1/2 f^T G f + g^T f over 0 <= f_i <= bound_i and N^T f = balance (for the free columns of N).
-/// Then gap = g - N q + G f with q the multipliers of the balance, gap_i >= 0 where f_i = 0 and gap_i = 0
-/// inside the bounds.
+/// Minimise the complementary energy D(f) = 1/2 f^T G f + g^T f over 0 <= f_i <= bound_i and N^T f = balance (for the free
+/// columns of N). Then gap = g - N q + G f with q the multipliers of the balance, gap_i >= 0 where f_i = 0, gap_i = 0 inside
+/// the bounds and gap_i <= 0 at the upper one. At the solution D is minus the total potential energy, the load's work in it.
 pub(crate) struct PlaneProblem<'a> {
     /// G, symmetric positive definite [m/N].
     pub green: &'a Mat<f64>,
@@ -33,13 +35,95 @@ pub(crate) struct PlaneState {
     pub motion: [f64; 3],
     /// Whether the last set was confirmed.
     pub settled: bool,
+    /// What it took.
+    pub counts: Counts,
+    /// D after each step that was accepted [J].
+    pub energies: Vec<f64>,
+}
+
+impl PlaneState {
+    /// Forces and motion to begin with.
+    pub fn new(force: Vec<f64>, motion: [f64; 3]) -> Self {
+        PlaneState {
+            force,
+            motion,
+            settled: false,
+            counts: Counts::default(),
+            energies: Vec::new(),
+        }
+    }
 }
 
 const RELAXATION: f64 = 1.4;
 
+/// Sweeps at the first motion.
+const FIRST_SWEEPS: usize = 3;
+
+/// Rounds in which sweeps go on between accelerations; later ones sweep only from the minimiser of a set.
+const FREE_ROUNDS: usize = 60;
+
+/// Most rounds in all.
+const ROUNDS: usize = 400;
+
+/// How an acceleration ended.
+#[derive(PartialEq)]
+enum Acceleration {
+    /// At the minimiser of its set.
+    Arrived,
+    /// On the way, with a smaller set.
+    Short,
+    /// Nothing lowered the energy.
+    Refused,
+}
+
 impl PlaneProblem<'_> {
+    /// Sweeps and accelerations until the contact set confirms itself, from `state`.
+    ///
+    /// After the first sweeps, which look for a beginning at the motion given, forces keep their bounds and the balance, and
+    /// every step is taken only where D falls. An acceleration goes to the minimiser of D on the set of the forces:
+    /// forces beyond their bounds are put back and the load is balanced anew where that lowers D, and otherwise the step
+    /// ends where the first force meets its bound, which lowers D since D is convex. From the minimiser of a set that gaps
+    /// contradict, a sweep lowers D: along the change of an SOR sweep at fixed motion, balanced anew, where D falls that
+    /// way, and else along the projected gradient, where it must. So no set's minimiser is met twice, and there are
+    /// finitely many: it ends, from wherever it begins (L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi
+    /// 10.1007/s40314-024-03066-x, for the scheme without the balance).
+    pub fn solve(&self, mut state: PlaneState) -> PlaneState {
+        let mut deflection = self.deflection(&state.force);
+        for _ in 0..FIRST_SWEEPS {
+            self.sweep(&mut state, &mut deflection);
+        }
+        let everyone = vec![true; self.gap.len()];
+        let begun = self.balanced(&state.force, &self.left(&state, &deflection), &everyone);
+        let feasible = begun.met;
+        self.take(&mut state, begun);
+        deflection = self.deflection(&state.force);
+        if !feasible {
+            // What may touch cannot bear the load: these forces tell where more is needed.
+            return state;
+        }
+        state.energies.push(self.energy(&state, &deflection));
+        for round in 0..ROUNDS {
+            let way = self.accelerate(&mut state, &mut deflection);
+            if way == Acceleration::Arrived && self.confirmed(&state, &deflection, 1e-12) {
+                state.settled = true;
+                break;
+            }
+            let falls = (way == Acceleration::Short && round >= FREE_ROUNDS)
+                || self.balanced_sweep(&mut state, &mut deflection);
+            if !falls && way != Acceleration::Short {
+                // The energy falls no more in this precision.
+                state.settled = self.confirmed(&state, &deflection, 1e-9);
+                break;
+            }
+        }
+        state
+    }
+
     /// One projected SOR sweep at fixed motion; `deflection` = G f is kept up to date.
-    pub fn sweep(&self, state: &mut PlaneState, deflection: &mut [f64]) {
+    ///
+    /// It lowers D - q^T N^T f over the bounds, whatever the motion q.
+    fn sweep(&self, state: &mut PlaneState, deflection: &mut [f64]) {
+        state.counts.sweeps += 1;
         for i in 0..self.gap.len() {
             let gap = self.gap[i] - dot(self.rows[i], state.motion) + deflection[i];
             let wanted = state.force[i] - RELAXATION * gap / self.green[(i, i)];
@@ -54,44 +138,109 @@ impl PlaneProblem<'_> {
         }
     }
 
-    /// Sweeps and accelerations until the contact set confirms itself, from `state`.
-    pub fn solve(&self, mut state: PlaneState) -> PlaneState {
-        let n = self.gap.len();
-        let mut deflection = self.deflection(&state.force);
-        for _ in 0..3 {
-            self.sweep(&mut state, &mut deflection);
+    /// A sweep whose outcome keeps the balance; returns whether D fell.
+    fn balanced_sweep(&self, state: &mut PlaneState, deflection: &mut Vec<f64>) -> bool {
+        let everyone = vec![true; self.gap.len()];
+        let mut swept = state.clone();
+        let mut swept_deflection = deflection.clone();
+        self.sweep(&mut swept, &mut swept_deflection);
+        state.counts = swept.counts;
+        let left = self.left(&swept, &swept_deflection);
+        let along_sweep = self.balanced(&swept.force, &left, &everyone);
+        if along_sweep.met && self.descend(state, deflection, along_sweep) {
+            return true;
         }
-        let mut set = Sets::of(&state.force, self.bound);
-        if set.inside.is_empty() && set.full.is_empty() {
-            // Nothing touches at this motion: begin with the node that would touch first.
-            let nearest = (0..n).min_by(|&i, &j| {
-                let gap = |i: usize| self.gap[i] - dot(self.rows[i], state.motion);
-                gap(i).total_cmp(&gap(j))
-            });
-            set.inside.extend(nearest);
+        let gaps = self.gaps(state, deflection);
+        let along_gradient = self.balanced(&state.force, &gaps, &everyone);
+        along_gradient.met && self.descend(state, deflection, along_gradient)
+    }
+
+    /// Goes to the least D on the way to `answer`, or all of it; returns whether D fell.
+    fn descend(&self, state: &mut PlaneState, deflection: &mut Vec<f64>, answer: Answer) -> bool {
+        let change: Vec<f64> = answer
+            .force
+            .iter()
+            .zip(&state.force)
+            .map(|(a, b)| a - b)
+            .collect();
+        let image = self.deflection(&change);
+        let gaps = self.gaps(state, deflection);
+        let slope: f64 = gaps.iter().zip(&change).map(|(g, c)| g * c).sum();
+        let curvature: f64 = image.iter().zip(&change).map(|(i, c)| i * c).sum();
+        if slope >= 0.0 || curvature <= 0.0 {
+            return false;
         }
-        let mut seen: Vec<Sets> = Vec::new();
-        for _ in 0..200 {
-            self.accelerate(&set, &mut state);
-            let deflection_now = self.deflection(&state.force);
-            let next = self.next_set(&set, &mut state, &deflection_now);
-            if next == set {
-                state.settled = true;
-                break;
+        let part = (-slope / curvature).min(1.0);
+        let fall = part * (slope + 0.5 * part * curvature);
+        if part < 1.0 {
+            for (force, change) in state.force.iter_mut().zip(&change) {
+                *force += part * change;
             }
-            if seen.contains(&next) {
-                // A cycle: sweeps lower the energy at this motion and lead out of it.
-                let mut deflection = self.deflection(&state.force);
-                for _ in 0..5 {
-                    self.sweep(&mut state, &mut deflection);
-                }
-                set = Sets::of(&state.force, self.bound);
-                seen.clear();
-            } else {
-                seen.push(std::mem::replace(&mut set, next));
+            for (d, i) in deflection.iter_mut().zip(&image) {
+                *d += part * i;
             }
+        } else {
+            state.force = answer.force;
+            *deflection = self.deflection(&state.force);
         }
-        state
+        let before = state.energies.last().copied().unwrap_or(0.0);
+        state.energies.push(before + fall);
+        before + fall < before
+    }
+
+    /// Gaps in a state.
+    fn gaps(&self, state: &PlaneState, deflection: &[f64]) -> Vec<f64> {
+        (0..self.gap.len())
+            .map(|i| self.gap[i] - dot(self.rows[i], state.motion) + deflection[i])
+            .collect()
+    }
+
+    /// The gaps that a sweep has left for the balance: none where it set a force, those that are open elsewhere.
+    fn left(&self, state: &PlaneState, deflection: &[f64]) -> Vec<f64> {
+        let gaps = self.gaps(state, deflection).into_iter().zip(&state.force);
+        gaps.zip(self.bound)
+            .map(|((gap, &f), &bound)| match f {
+                f if f >= bound => gap.min(0.0),
+                f if f > 0.0 => 0.0,
+                _ => gap.max(0.0),
+            })
+            .collect()
+    }
+
+    /// What the nodes that `may` answer to the motion that balances the load, each on its own stiffness.
+    fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> Answer {
+        let softness: Vec<f64> = (0..gaps.len())
+            .map(|i| RELAXATION / self.green[(i, i)])
+            .collect();
+        Balance {
+            force,
+            gap: gaps,
+            softness: &softness,
+            rows: self.rows,
+            bound: self.bound,
+            may,
+            motion: self.motion,
+        }
+        .solve()
+    }
+
+    fn take(&self, state: &mut PlaneState, answer: Answer) {
+        state.force = answer.force;
+        state.motion = [0, 1, 2].map(|a| state.motion[a] + answer.turn[a]);
+    }
+
+    /// D of forces that keep the balance; motions that are held belong to the gap.
+    fn energy(&self, state: &PlaneState, deflection: &[f64]) -> f64 {
+        let held = [0, 1, 2].map(|a| match self.motion.free[a] {
+            true => 0.0,
+            false => state.motion[a],
+        });
+        (0..self.gap.len())
+            .map(|i| {
+                let gap = self.gap[i] - dot(self.rows[i], held);
+                state.force[i] * (gap + 0.5 * deflection[i])
+            })
+            .sum()
     }
 
     /// G f.
@@ -105,70 +254,254 @@ impl PlaneProblem<'_> {
         deflection
     }
 
-    /// Exact forces and motion for a fixed set: the gap is 0 inside, the force at its bound where full.
-    fn accelerate(&self, set: &Sets, state: &mut PlaneState) {
-        state.force.fill(0.0);
-        for &i in &set.full {
-            state.force[i] = self.bound[i];
+    /// Towards the minimiser of D on the set of the state's forces.
+    fn accelerate(&self, state: &mut PlaneState, deflection: &mut Vec<f64>) -> Acceleration {
+        let set = Sets::of(&state.force, self.bound);
+        let Some((force, motion)) = self.minimiser(&set, state) else {
+            return Acceleration::Refused;
+        };
+        state.counts.accelerations += 1;
+        let largest = force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        let beyond =
+            |i: &usize| force[*i] < -1e-12 * largest || force[*i] > self.bound[*i] * (1.0 + 1e-12);
+        let before = (state.force.clone(), state.motion);
+        if !set.inside.iter().any(beyond) {
+            // D is no higher there: the forces before are of this set.
+            let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
+            state.force = clamped.collect();
+            state.motion = motion;
+            let image = self.deflection(&state.force);
+            let fall = self.fall(&before, deflection, &state.force, &image);
+            *deflection = image;
+            self.record(state, fall);
+            return Acceleration::Arrived;
         }
-        let pressed = self.deflection(&state.force);
+        // Back to the bounds and to balance, with the forces of this set alone.
+        let mut may = vec![false; force.len()];
+        set.inside.iter().for_each(|&i| may[i] = true);
+        let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
+        let clamped: Vec<f64> = clamped.collect();
+        let mut answer = self.balanced(&clamped, &vec![0.0; force.len()], &may);
+        if answer.met {
+            let image = self.deflection(&answer.force);
+            let fall = self.fall(&before, deflection, &answer.force, &image);
+            if fall < 0.0 {
+                state.force = std::mem::take(&mut answer.force);
+                state.motion = [0, 1, 2].map(|a| motion[a] + answer.turn[a]);
+                *deflection = image;
+                self.record(state, fall);
+                return Acceleration::Short;
+            }
+        }
+        let (part, force) = clip(&before.0, &force, self.bound);
+        state.motion = [0, 1, 2].map(|a| before.1[a] + part * (motion[a] - before.1[a]));
+        let image = self.deflection(&force);
+        let fall = self.fall(&before, deflection, &force, &image);
+        state.force = force;
+        *deflection = image;
+        self.record(state, fall);
+        Acceleration::Short
+    }
+
+    /// The change of D between balanced forces.
+    fn fall(
+        &self,
+        (force, motion): &(Vec<f64>, [f64; 3]),
+        deflection: &[f64],
+        next: &[f64],
+        image: &[f64],
+    ) -> f64 {
+        (0..force.len())
+            .map(|i| {
+                let gap = self.gap[i] - dot(self.rows[i], *motion);
+                (next[i] - force[i]) * (gap + 0.5 * (deflection[i] + image[i]))
+            })
+            .sum()
+    }
+
+    fn record(&self, state: &mut PlaneState, fall: f64) {
+        if let Some(&before) = state.energies.last().filter(|_| fall < 0.0) {
+            state.energies.push(before + fall);
+        }
+    }
+
+    /// Exact forces and motion for a fixed set: the gap is 0 inside, the force at its bound where full.
+    fn minimiser(&self, set: &Sets, state: &PlaneState) -> Option<(Vec<f64>, [f64; 3])> {
+        let mut force = vec![0.0; self.gap.len()];
+        for &i in &set.full {
+            force[i] = self.bound[i];
+        }
+        let pressed = self.deflection(&force);
         let inside = &set.inside;
         let n = inside.len();
+        if n == 0 {
+            return Some((force, state.motion));
+        }
         let mut balance = self.motion.balance;
         for &i in &set.full {
             for (b, row) in balance.iter_mut().zip(self.rows[i]) {
                 *b -= row * self.bound[i];
             }
         }
-        if n == 0 {
-            return;
-        }
         let matrix = Mat::from_fn(n, n, |i, j| self.green[(inside[i], inside[j])]);
-        let Ok(factor) = Llt::new(matrix.as_ref(), Side::Lower) else {
-            return;
-        };
+        let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
         let sides = Mat::from_fn(n, 4, |i, j| match j {
             0 => self.gap[inside[i]] + pressed[inside[i]],
             _ => self.rows[inside[i]][j - 1],
         });
         let solved = factor.solve(&sides);
         let rows: Vec<[f64; 3]> = inside.iter().map(|&i| self.rows[i]).collect();
-        state.motion = solve_motion(self.motion, &rows, &solved, balance, state.motion);
+        let motion = solve_motion(self.motion, &rows, &solved, balance, state.motion);
         for (i, &node) in inside.iter().enumerate() {
-            state.force[node] = (1..4)
-                .map(|j| solved[(i, j)] * state.motion[j - 1])
-                .sum::<f64>()
-                - solved[(i, 0)];
+            force[node] =
+                (1..4).map(|j| solved[(i, j)] * motion[j - 1]).sum::<f64>() - solved[(i, 0)];
         }
+        Some((force, motion))
     }
 
-    /// The set that the signs of forces and gaps ask for; forces are projected onto their bounds.
-    fn next_set(&self, set: &Sets, state: &mut PlaneState, deflection: &[f64]) -> Sets {
-        let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+    /// Whether gaps are open where forces are 0 and pressed in where they are at their bound, to `slack` of the depth.
+    fn confirmed(&self, state: &PlaneState, deflection: &[f64], slack: f64) -> bool {
+        let gaps = self.gaps(state, deflection);
         let depth = (0..self.gap.len())
             .filter(|&i| state.force[i] > 0.0)
             .map(|i| deflection[i].abs())
             .fold(0.0, f64::max);
-        let mut next = Sets::default();
-        let mut kind = vec![0u8; self.gap.len()];
-        set.inside.iter().for_each(|&i| kind[i] = 1);
-        set.full.iter().for_each(|&i| kind[i] = 2);
-        for i in 0..self.gap.len() {
-            let gap = self.gap[i] - dot(self.rows[i], state.motion) + deflection[i];
-            let force = state.force[i];
-            match kind[i] {
-                1 if force >= self.bound[i] => next.full.push(i),
-                1 if force >= -1e-12 * largest => next.inside.push(i),
-                2 if gap <= 1e-12 * depth => next.full.push(i),
-                2 => next.inside.push(i),
-                0 if gap < -1e-12 * depth => next.inside.push(i),
-                _ => {}
+        (0..self.gap.len()).all(|i| match state.force[i] {
+            f if f >= self.bound[i] => gaps[i] <= slack * depth,
+            f if f > 0.0 => true,
+            _ => gaps[i] >= -slack * depth,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring under each.
+    struct Square {
+        green: Mat<f64>,
+        gap: Vec<f64>,
+        rows: Vec<[f64; 3]>,
+    }
+
+    impl Square {
+        fn new(n: usize, lean: f64) -> Self {
+            let place = |i: usize| {
+                let at = |k: usize| 2.0 * k as f64 / (n - 1) as f64 - 1.0;
+                [at(i % n), at(i / n)]
+            };
+            let green = Mat::from_fn(n * n, n * n, |i, j| {
+                let ([x, y], [s, t]) = (place(i), place(j));
+                let spacing = 2.0 / (n - 1) as f64;
+                1.0 / (x - s).hypot(y - t).max(0.28 * spacing)
+            });
+            let gap = (0..n * n).map(|i| {
+                let [x, y] = place(i);
+                0.5 * (x * x + y * y) + lean * x
+            });
+            let rows = (0..n * n).map(|i| [1.0, place(i)[0], -place(i)[1]]);
+            Square {
+                green,
+                gap: gap.collect(),
+                rows: rows.collect(),
             }
-            state.force[i] = force.clamp(0.0, self.bound[i]);
         }
-        next.free_one(self.motion, self.bound, |i| {
-            self.gap[i] - dot(self.rows[i], state.motion) + deflection[i]
-        });
-        next
+
+        fn solve(&self, bound: f64, motion: &Motion, start: f64) -> PlaneState {
+            let bound = vec![bound; self.gap.len()];
+            let problem = PlaneProblem {
+                green: &self.green,
+                gap: &self.gap,
+                rows: &self.rows,
+                bound: &bound,
+                motion,
+            };
+            let none = vec![0.0; self.gap.len()];
+            problem.solve(PlaneState::new(none, [start, 0.0, 0.0]))
+        }
+    }
+
+    fn free(motions: [bool; 3], balance: [f64; 3]) -> Motion {
+        Motion {
+            free: motions,
+            balance,
+        }
+    }
+
+    #[test]
+    fn energy_falls_step_by_step_to_a_state_that_meets_every_condition() {
+        let square = Square::new(15, 0.1);
+        for (load, bound) in [
+            (0.3, f64::INFINITY),
+            (0.02, f64::INFINITY),
+            (0.3, 0.006),
+            (0.3, 0.0021),
+        ] {
+            for start in [0.0, 0.4, 30.0] {
+                let motion = free([true; 3], [load, 0.1 * load, 0.05 * load]);
+                let s = square.solve(bound, &motion, start);
+                assert!(s.settled, "{load} {bound} {start}: {:?}", s.counts);
+                assert!(
+                    s.energies.windows(2).all(|e| e[1] <= e[0]),
+                    "{:?}",
+                    s.energies
+                );
+                for a in 0..3 {
+                    let sum: f64 = s
+                        .force
+                        .iter()
+                        .zip(&square.rows)
+                        .map(|(f, r)| f * r[a])
+                        .sum();
+                    assert!((sum - motion.balance[a]).abs() < 1e-9 * load, "{a}: {sum}");
+                }
+                assert!(s.force.iter().all(|f| (0.0..=bound).contains(f)));
+                for i in 0..s.force.len() {
+                    let deflection: f64 = (0..s.force.len())
+                        .map(|j| square.green[(i, j)] * s.force[j])
+                        .sum();
+                    let gap = square.gap[i] - dot(square.rows[i], s.motion) + deflection;
+                    let wrong = match s.force[i] {
+                        0.0 => gap.min(0.0),
+                        f if f >= bound => gap.max(0.0),
+                        _ => gap,
+                    };
+                    assert!(wrong.abs() < 1e-9, "{load} {bound} {start}, {i}: {gap}");
+                }
+            }
+        }
+    }
+
+    /// Thousands of plain sweeps at the motion that was found come to the same forces.
+    #[test]
+    fn plain_projected_sor_at_the_motion_found_gives_the_same_forces() {
+        let square = Square::new(11, 0.05);
+        let motion = free([true, true, false], [0.2, 0.0, 0.0]);
+        let s = square.solve(f64::INFINITY, &motion, 0.1);
+        let bound = vec![f64::INFINITY; square.gap.len()];
+        let plain = PlaneProblem {
+            green: &square.green,
+            gap: &square.gap,
+            rows: &square.rows,
+            bound: &bound,
+            motion: &motion,
+        };
+        let mut state = PlaneState::new(vec![0.0; bound.len()], s.motion);
+        let mut deflection = vec![0.0; bound.len()];
+        for _ in 0..5000 {
+            plain.sweep(&mut state, &mut deflection);
+        }
+        for (a, b) in state.force.iter().zip(&s.force) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_load_that_the_nodes_cannot_bear_is_not_settled_and_presses_all_of_them() {
+        let square = Square::new(7, 0.0);
+        let s = square.solve(1e-3, &free([true, false, false], [1.0, 0.0, 0.0]), 0.1);
+        assert!(!s.settled && s.energies.is_empty());
+        assert!(s.force.iter().all(|&f| f == 1e-3));
     }
 }

@@ -52,3 +52,38 @@ impl Sets {
         }
     }
 }
+
+/// From forces within their bounds towards others, up to where the first one meets its bound: the part of the way and the
+/// forces there.
+pub(crate) fn clip(from: &[f64], to: &[f64], bound: &[f64]) -> (f64, Vec<f64>) {
+    let end = |(f, (t, b)): (&f64, (&f64, &f64))| match t - f {
+        down if down < 0.0 && *t < 0.0 => f / -down,
+        up if up > 0.0 && t > b => (b - f) / up,
+        _ => 1.0,
+    };
+    let pairs = || from.iter().zip(to.iter().zip(bound));
+    let part = pairs().map(end).fold(1.0, f64::min);
+    let force = pairs().map(|pair| {
+        let (f, (t, b)) = pair;
+        match end(pair) <= part && (*t < 0.0 || t > b) {
+            // Exactly at the bound, so that the node leaves the set.
+            true => t.clamp(0.0, *b),
+            false => (f + part * (t - f)).clamp(0.0, *b),
+        }
+    });
+    (part, force.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clipped_way_ends_exactly_where_the_first_force_meets_its_bound() {
+        let bound = [4.0, 4.0, 4.0, f64::INFINITY];
+        let (part, force) = clip(&[1.0, 2.0, 3.0, 0.0], &[-1.0, -1.0, 5.0, 8.0], &bound);
+        assert_eq!((part, force), (0.5, vec![0.0, 0.5, 4.0, 4.0]));
+        let (part, force) = clip(&[1.0, 2.0, 3.0, 0.0], &[0.0, 4.0, 1.0, 8.0], &bound);
+        assert_eq!((part, force), (1.0, vec![0.0, 4.0, 1.0, 8.0]));
+    }
+}

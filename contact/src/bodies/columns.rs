@@ -33,3 +33,13 @@ pub(crate) enum Side {
     /// The body above, the runner: rising opens it.
     Above,
 }
+
+impl Side {
+    /// The gap shrinks by this times the vertical displacement.
+    pub fn sign(self) -> f64 {
+        match self {
+            Side::Below => 1.0,
+            Side::Above => -1.0,
+        }
+    }
+}

@@ -3,8 +3,10 @@
 pub(crate) mod columns;
 pub(crate) mod elastic_body;
 pub(crate) mod far_field;
+pub(crate) mod hexahedra;
 pub(crate) mod mortar;
-pub(crate) mod order;
+pub(crate) mod mounting;
 pub(crate) mod runner_body;
 pub(crate) mod solid_body;
-pub(crate) mod tensor_body;
+pub(crate) mod stiffness;
+pub(crate) mod trace;

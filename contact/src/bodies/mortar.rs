@@ -18,6 +18,35 @@ use kufe_mesh::TensorGrid;
 /// the faces are parallelograms.
 pub(crate) type Rows = Vec<Vec<(usize, f64)>>;
 
+/// W as a body's way to the contact plane.
+pub(crate) struct Mortar {
+    /// For each plane node the weights of nodes of the runner's underside.
+    pub rows: Rows,
+    /// Where the vertical displacement of each node of the underside stands in the body's vector.
+    pub entries: Vec<usize>,
+}
+
+impl Mortar {
+    /// `closing` += B u of a body above, whose rising opens the gap.
+    pub fn add_closing(&self, u: &[f64], closing: &mut [f64]) {
+        for (closing, row) in closing.iter_mut().zip(&self.rows) {
+            *closing -= row
+                .iter()
+                .map(|&(k, w)| w * u[self.entries[k]])
+                .sum::<f64>();
+        }
+    }
+
+    /// `out` += `factor` B^T f for the forces (node, value).
+    pub fn add_forces(&self, forces: &[(usize, f64)], factor: f64, out: &mut [f64]) {
+        for &(node, force) in forces {
+            for &(k, w) in &self.rows[node] {
+                out[self.entries[k]] -= w * (factor * force);
+            }
+        }
+    }
+}
+
 /// The rows of W for the nodes of the plane of `grid`, x fastest; empty where a node's function meets no face.
 ///
 /// `faces` are four positions each with their nodes' numbers.

@@ -6,13 +6,13 @@ use kufe_fem::{
 use kufe_mesh::{HexMesh, TensorGrid, limit_slope, mesh_over_heights};
 
 use crate::bodies::columns::{Columns, Side};
-use crate::bodies::tensor_body::TensorBody;
+use crate::bodies::elastic_body::ElasticBody;
+use crate::bodies::mounting::{held_nodes, load_of};
 use crate::grid::grading::{Start, Zone, graded_axis};
 use crate::grid::stretch::Stretch;
 use crate::precondition::beam_space::BeamSpace;
 use crate::precondition::mounted::MountedInverse;
-use crate::problem::mount::{LoadedPlace, spread_along};
-use crate::{ElasticRunner, Error, Load, Mount, Problem};
+use crate::{ElasticRunner, Error, Mount, Problem};
 
 /// Cells in the runner are this much larger than in the ice under them: steel's share of the approach is small.
 const COARSER: f64 = 2.0;
@@ -21,30 +21,48 @@ const KNOTS: [f64; 2] = [25.0, 61.0];
 /// Share of the consistent mass that keeps the averaged one definite.
 const SHARE: f64 = 1e-6;
 
-/// The runner as a body of the contact problem, with its mesh.
-///
-/// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one stands on the columns
-/// under it; its ends and sides are free and its mount holds its top. `spacing` is the ice's at the contact, `growth` that of
-/// its axes; without `for_solving` only the surface response is set up.
-pub(crate) fn runner_body(
-    problem: &Problem,
-    elastic: &ElasticRunner,
-    ice: &TensorGrid,
-    symmetry: [bool; 2],
-    (spacing, growth): (f64, f64),
-    for_solving: bool,
-) -> Result<(TensorBody, HexMesh), Error> {
-    let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio).map_err(|_| {
-        Error::OutOfRange {
+/// What an elastic runner is meshed from.
+pub(crate) struct RunnerPlan<'a> {
+    pub problem: &'a Problem,
+    pub elastic: &'a ElasticRunner,
+    /// The ice's grid.
+    pub ice: &'a TensorGrid,
+    pub symmetry: [bool; 2],
+    /// Spacing of the ice at the contact [m], and growth of its axes.
+    pub spacing: f64,
+    pub growth: f64,
+    /// Without it only the surface response is set up.
+    pub for_solving: bool,
+}
+
+impl RunnerPlan<'_> {
+    /// The runner as a body of the contact problem, with its mesh.
+    ///
+    /// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one stands on the columns
+    /// under it; its ends and sides are free and its mount holds its top.
+    pub fn body(&self) -> Result<(ElasticBody, HexMesh), Error> {
+        let elastic = self.elastic;
+        let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio);
+        let material = material.map_err(|_| Error::OutOfRange {
             name: "runner Young's modulus",
             value: elastic.youngs_modulus,
             expected: "an elastic solid",
+        })?;
+        let extent = self.problem.runner.underside.extent();
+        if extent.iter().any(|end| end.is_infinite()) {
+            return Ok(self.half_space(material));
         }
-    })?;
-    let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
-    let extent = problem.runner.underside.extent();
-    let plane_width = ice.x.len();
-    if extent.iter().any(|end| end.is_infinite()) {
+        let (columns, grid) = self.columns();
+        let (mesh, grid) = mapped(self.problem, elastic, grid, (self.spacing, self.growth))?;
+        let body = match elastic.mount {
+            Mount::Top => self.held_at_top(material, columns, &mesh, &grid)?,
+            Mount::Places(_) | Mount::Loads(_) => self.mounted(material, columns, &mesh, &grid)?,
+        };
+        Ok((body, mesh))
+    }
+
+    fn half_space(&self, material: Material) -> (ElasticBody, HexMesh) {
+        let ice = self.ice;
         let grid = TensorGrid {
             x: ice.x.clone(),
             y: ice.y.clone(),
@@ -53,80 +71,109 @@ pub(crate) fn runner_body(
         let columns = Columns {
             first: [0, 0],
             count: [grid.x.len(), grid.y.len()],
-            plane_width,
+            plane_width: ice.x.len(),
         };
-        let operator = TensorOperator::new(&grid, lambda, mu, held(symmetry, true, true));
-        return Ok((
-            TensorBody::new(operator, material, Side::Above, columns),
+        let operator = self.operator(&grid, material, held(self.symmetry, true, true));
+        (
+            ElasticBody::on_grid(operator, material, Side::Above, columns),
             grid.hex_mesh(),
-        ));
+        )
     }
-    let range = |nodes: &[f64], low: f64, high: f64| {
-        let slack = 1e-9 * (high - low);
-        let first = nodes.partition_point(|&v| v < low - slack);
-        (first, nodes.partition_point(|&v| v <= high + slack) - first)
-    };
-    let (first_x, count_x) = range(&ice.x, extent[0], extent[1]);
-    let (first_y, count_y) = range(&ice.y, extent[2], extent[3]);
-    let columns = Columns {
-        first: [first_x, first_y],
-        count: [count_x, count_y],
-        plane_width,
-    };
-    let grid = TensorGrid {
-        x: ice.x[first_x..first_x + count_x].to_vec(),
-        y: ice.y[first_y..first_y + count_y].to_vec(),
-        z: Vec::new(),
-    };
-    let (mesh, grid) = mapped(problem, elastic, grid, (spacing, growth))?;
-    if elastic.mount == Mount::Top {
-        let operator = TensorOperator::new(&grid, lambda, mu, held(symmetry, false, true));
-        let body = TensorBody::new(operator, material, Side::Above, columns);
-        if !for_solving {
-            return Ok((body, mesh));
+
+    fn operator(&self, grid: &TensorGrid, material: Material, held: HeldFaces) -> TensorOperator {
+        TensorOperator::new(grid, material.lame_lambda(), material.shear_modulus(), held)
+    }
+
+    /// The columns under the hull, and their grid without heights.
+    fn columns(&self) -> (Columns, TensorGrid) {
+        let range = |nodes: &[f64], low: f64, high: f64| {
+            let slack = 1e-9 * (high - low);
+            let first = nodes.partition_point(|&v| v < low - slack);
+            (first, nodes.partition_point(|&v| v <= high + slack) - first)
+        };
+        let (ice, extent) = (self.ice, self.problem.runner.underside.extent());
+        let (first_x, count_x) = range(&ice.x, extent[0], extent[1]);
+        let (first_y, count_y) = range(&ice.y, extent[2], extent[3]);
+        let columns = Columns {
+            first: [first_x, first_y],
+            count: [count_x, count_y],
+            plane_width: ice.x.len(),
+        };
+        let grid = TensorGrid {
+            x: ice.x[first_x..first_x + count_x].to_vec(),
+            y: ice.y[first_y..first_y + count_y].to_vec(),
+            z: Vec::new(),
+        };
+        (columns, grid)
+    }
+
+    fn held_at_top(
+        &self,
+        material: Material,
+        columns: Columns,
+        mesh: &HexMesh,
+        grid: &TensorGrid,
+    ) -> Result<ElasticBody, Error> {
+        let operator = self.operator(grid, material, held(self.symmetry, false, true));
+        let body = ElasticBody::on_grid(operator, material, Side::Above, columns);
+        if !self.for_solving {
+            return Ok(body);
         }
-        let solid = solid(&mesh, material, elastic.element_kind())?;
-        return Ok((body.on_mapped(&solid), mesh));
+        let solid = solid(mesh, material, self.elastic.element_kind())?;
+        Ok(body.on_mapped(&solid))
     }
-    let length = extent[1] - extent[0];
-    let mut operator = TensorOperator::new(&grid, lambda, mu, held(symmetry, false, false));
-    // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a constraint.
-    let axis = &mut operator.axes[0];
-    for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
-        for d in 0..3 {
-            k[d] += m[d] / (length * length);
+
+    fn mounted(
+        &self,
+        material: Material,
+        columns: Columns,
+        mesh: &HexMesh,
+        grid: &TensorGrid,
+    ) -> Result<ElasticBody, Error> {
+        let (elastic, symmetry) = (self.elastic, self.symmetry);
+        let extent = self.problem.runner.underside.extent();
+        let length = extent[1] - extent[0];
+        let mut operator = self.operator(grid, material, held(symmetry, false, false));
+        // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a constraint.
+        let axis = &mut operator.axes[0];
+        for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
+            for d in 0..3 {
+                k[d] += m[d] / (length * length);
+            }
         }
-    }
-    let kind = elastic.element_kind();
-    let averaged = (kind == ElementKind::Hex8Axial).then(|| operator.axes[0].averaged(SHARE));
-    let solid = solid(&mesh, material, kind)?;
-    let height = grid.z[grid.z.len() - 1];
-    let beam = beam_space(&solid, &operator, symmetry, [length, height]);
-    let mut inverse = MountedInverse::new(&operator, averaged.as_ref(), 0, columns, -1.0, material);
-    inverse.add_beam(beam);
-    let held = held_nodes(&elastic.mount, &grid, symmetry);
-    let load = match &elastic.mount {
-        Mount::Loads(loads) => load_of(problem, loads, &grid, symmetry),
-        Mount::Top | Mount::Places(_) => Vec::new(),
-    };
-    let [nx, ny, nz] = grid.shape();
-    let entries = (0..3)
-        .flat_map(|c| {
-            held[c]
-                .iter()
-                .map(move |&[i, j]| ((c * nz + nz - 1) * ny + j) * nx + i)
+        let kind = elastic.element_kind();
+        let averaged = (kind == ElementKind::Hex8Axial).then(|| operator.axes[0].averaged(SHARE));
+        let solid = solid(mesh, material, kind)?;
+        let height = grid.z[grid.z.len() - 1];
+        let beam = beam_space(&solid, &operator, symmetry, [length, height]);
+        let mut inverse =
+            MountedInverse::new(&operator, averaged.as_ref(), 0, columns, -1.0, material);
+        inverse.add_beam(beam);
+        let held = held_nodes(&elastic.mount, grid, symmetry);
+        let load = match &elastic.mount {
+            Mount::Loads(loads) => load_of(self.problem, loads, grid, symmetry),
+            Mount::Top | Mount::Places(_) => Vec::new(),
+        };
+        let [nx, ny, nz] = grid.shape();
+        let entries = (0..3)
+            .flat_map(|c| {
+                held[c]
+                    .iter()
+                    .map(move |&[i, j]| ((c * nz + nz - 1) * ny + j) * nx + i)
+            })
+            .collect();
+        inverse
+            .clamp(nz - 1, held)
+            .ok_or_else(|| Error::RunnerMesh {
+                reason: "its mount holds no independent nodes".into(),
+            })?;
+        let body = ElasticBody::mounted(operator, inverse, material, columns, (entries, load));
+        Ok(if self.for_solving {
+            body.on_mapped(&solid)
+        } else {
+            body
         })
-        .collect();
-    inverse
-        .clamp(nz - 1, held)
-        .ok_or_else(|| Error::RunnerMesh {
-            reason: "its mount holds no independent nodes".into(),
-        })?;
-    let mut body = TensorBody::mounted(operator, inverse, material, columns).held_at(entries, load);
-    if for_solving {
-        body = body.on_mapped(&solid);
     }
-    Ok((body, mesh))
 }
 
 /// The solid's hexahedra over the columns of `grid`, and the box of as many layers that stands for it.
@@ -246,63 +293,4 @@ fn beam_space(
         Ok(modes) => BeamSpace::new(modes, [nx, ny, nz]),
         Err(error) => unreachable!("three flags a node: {error}"),
     }
-}
-
-/// The nodes (i, j) of the top that the mount holds, by component; mirror planes hold theirs already.
-///
-/// A runner that nothing holds gets three points without reaction, which fix its six rigid motions.
-fn held_nodes(mount: &Mount, grid: &TensorGrid, symmetry: [bool; 2]) -> [Vec<[usize; 2]>; 3] {
-    let [nx, ny, _] = grid.shape();
-    let free = |c: usize, [i, j]: [usize; 2]| {
-        !(c == 0 && symmetry[0] && i == 0 || c == 1 && symmetry[1] && j == 0)
-    };
-    let Mount::Loads(_) = mount else {
-        let places: Vec<[usize; 2]> = (0..ny)
-            .flat_map(|j| (0..nx).map(move |i| [i, j]))
-            .filter(|&[i, _]| mount.over(grid.x[i]))
-            .collect();
-        return [0, 1, 2].map(|c| places.iter().copied().filter(|&n| free(c, n)).collect());
-    };
-    let centre = |n: usize, symmetric: bool| if symmetric { 0 } else { n / 2 };
-    let (i, j) = (centre(nx, symmetry[0]), centre(ny, symmetry[1]));
-    let mut held = [Vec::new(), Vec::new(), vec![[i, j]]];
-    if !symmetry[0] {
-        held[0].push([i, j]);
-        held[2].push([nx - 1, j]);
-    }
-    if !symmetry[1] {
-        held[1].push([i, j]);
-        held[2].push([i, ny - 1]);
-    }
-    if !symmetry[0] && !symmetry[1] {
-        held[1].push([nx - 1, j]);
-    }
-    held
-}
-
-/// The nodal forces of the loads on the top, by components [N].
-fn load_of(
-    problem: &Problem,
-    loads: &[LoadedPlace],
-    grid: &TensorGrid,
-    symmetry: [bool; 2],
-) -> Vec<f64> {
-    let [nx, ny, nz] = grid.shape();
-    let mut forces = vec![0.0; 3 * nx * ny * nz];
-    let Load::Force { fz, offset_y, .. } = problem.load else {
-        return forces;
-    };
-    // Between the two rows of nodes beside the line of action; half of it on a mirror plane.
-    let row = grid.y.partition_point(|&y| y <= offset_y).clamp(1, ny - 1) - 1;
-    let part = ((offset_y - grid.y[row]) / (grid.y[row + 1] - grid.y[row])).clamp(0.0, 1.0);
-    let half = if symmetry[1] { 0.5 } else { 1.0 };
-    let top = (2 * nz + nz - 1) * nx * ny;
-    for load in loads {
-        for (i, along) in spread_along(&grid.x, &load.place).iter().enumerate() {
-            let force = -fz * load.share * along * half;
-            forces[top + row * nx + i] += force * (1.0 - part);
-            forces[top + (row + 1) * nx + i] += force * part;
-        }
-    }
-    forces
 }

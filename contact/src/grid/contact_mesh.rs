@@ -1,5 +1,7 @@
 //! The contact problem on one mesh.
 
+use std::ops::Range;
+
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -7,16 +9,14 @@ use crate::active_set::motion::dot;
 use crate::active_set::motion::{Motion, dot_rows};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
-use crate::bodies::elastic_body::ElasticBody;
-use crate::bodies::solid_body::SolidBody;
-use crate::bodies::tensor_body::TensorBody;
+use crate::bodies::elastic_body::{BodyWork, ElasticBody};
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct ContactMesh {
-    /// Elastic bodies that share the columns of the contact plane; the ice first.
-    pub bodies: Vec<TensorBody>,
-    /// A runner on hexahedra of its own.
-    pub solid: Option<SolidBody>,
+    /// The elastic bodies, in the order of their parts of a displacement vector: the ice, then an elastic runner.
+    pub bodies: Vec<ElasticBody>,
+    /// Area of the plane that belongs to each line of nodes, along x and along y: node (i, j) has their product [m].
+    pub lumped: [Vec<f64>; 2],
     /// Undeformed gap; infinite where there is no hull [m].
     pub gap: Vec<f64>,
     /// Rows N of the rigid motion.
@@ -41,36 +41,55 @@ pub(crate) struct State {
 }
 
 impl ContactMesh {
-    /// The bodies, in the order of their parts of a displacement vector.
-    pub fn members(&self) -> impl Iterator<Item = &dyn ElasticBody> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn ElasticBody);
-        bodies.chain(self.solid.iter().map(|solid| solid as &dyn ElasticBody))
+    /// The bodies, each with the place of its part in a displacement vector.
+    pub fn parts(&self) -> impl Iterator<Item = (&ElasticBody, Range<usize>)> {
+        self.bodies.iter().scan(0, |start, body| {
+            let part = *start..*start + body.len();
+            *start = part.end;
+            Some((body, part))
+        })
+    }
+
+    /// Vectors for the bodies' products and preconditioners.
+    pub fn work(&self) -> Vec<BodyWork> {
+        self.bodies.iter().map(ElasticBody::work).collect()
     }
 
     /// Length of a displacement vector.
     pub fn len(&self) -> usize {
-        self.members().map(ElasticBody::len).sum()
+        self.bodies.iter().map(ElasticBody::len).sum()
     }
 
     /// The dense Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's.
     pub fn greens(&self) -> [Mat<f64>; 2] {
         let n = self.candidates.len();
         let mut sums = [Mat::zeros(n, n), Mat::zeros(n, n)];
-        for member in self.members() {
-            for (sum, green) in sums.iter_mut().zip(member.green(&self.candidates)) {
+        for body in &self.bodies {
+            for (sum, green) in sums.iter_mut().zip(body.green(&self.candidates)) {
                 *sum += &green;
             }
         }
         sums
     }
 
+    /// Forces of the candidates and the motion with them, without displacements.
+    pub fn state_of(&self, force: &[f64], motion: [f64; 3]) -> State {
+        let mut forces = vec![0.0; self.gap.len()];
+        for (&node, f) in self.candidates.iter().zip(force) {
+            forces[node] = *f;
+        }
+        State {
+            displacement: Vec::new(),
+            force: forces,
+            motion,
+        }
+    }
+
     /// Vertical closing of the gap by the displacements: B u.
     pub fn closing(&self, displacement: &[f64]) -> Vec<f64> {
         let mut closing = vec![0.0; self.gap.len()];
-        let mut start = 0;
-        for member in self.members() {
-            member.add_closing(&displacement[start..start + member.len()], &mut closing);
-            start += member.len();
+        for (body, part) in self.parts() {
+            body.trace.add_closing(&displacement[part], &mut closing);
         }
         closing
     }
@@ -78,8 +97,8 @@ impl ContactMesh {
     /// Gap of the candidates without motion and contact forces: the undeformed one less what loads on the runner close.
     pub fn unpressed_gap(&self) -> Vec<f64> {
         let mut closing = vec![0.0; self.gap.len()];
-        for member in self.members().filter(|m| !m.load().is_empty()) {
-            member.begin(member.load(), &mut closing);
+        for body in self.bodies.iter().filter(|b| !b.load.is_empty()) {
+            body.begin(&body.load, &mut closing, &mut body.work());
         }
         self.candidates
             .iter()
@@ -87,10 +106,13 @@ impl ContactMesh {
             .collect()
     }
 
-    /// Vertical displacement of the lowest body's plane, the ice surface.
+    /// Vertical displacement of the ice surface: what it closes of the gap.
     pub fn ice_surface(&self, displacement: &[f64]) -> Vec<f64> {
-        let ice = &self.bodies[0];
-        ice.surface(&displacement[..ice.len()], self.gap.len())
+        let mut surface = vec![0.0; self.gap.len()];
+        if let Some((ice, part)) = self.parts().next() {
+            ice.trace.add_closing(&displacement[part], &mut surface);
+        }
+        surface
     }
 
     /// Gap of every plane node in a state.
@@ -140,27 +162,22 @@ impl ContactMesh {
     }
 
     /// `out` = K u, body by body.
-    pub fn apply(&self, u: &[f64], out: &mut [f64]) {
-        let mut start = 0;
-        for member in self.members() {
-            let range = start..start + member.len();
-            member.apply(&u[range.clone()], &mut out[range]);
-            start += member.len();
+    pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut [BodyWork]) {
+        for ((body, part), work) in self.parts().zip(work) {
+            body.apply(&u[part.clone()], &mut out[part], work);
         }
     }
 
     /// `out` += B^T f for the forces (node, value).
     pub fn add_forces(&self, forces: &[(usize, f64)], out: &mut [f64]) {
-        let mut start = 0;
-        for member in self.members() {
-            member.add_forces(forces, &mut out[start..start + member.len()]);
-            start += member.len();
+        for (body, part) in self.parts() {
+            body.trace.add_forces(forces, &mut out[part]);
         }
     }
 
     /// `out` = load - K u - B^T f.
-    pub fn residual(&self, state: &State, out: &mut [f64]) {
-        self.apply(&state.displacement, out);
+    pub fn residual(&self, state: &State, out: &mut [f64], work: &mut [BodyWork]) {
+        self.apply(&state.displacement, out, work);
         let forces: Vec<(usize, f64)> = state
             .force
             .iter()
@@ -169,12 +186,10 @@ impl ContactMesh {
             .filter(|(_, f)| *f != 0.0)
             .collect();
         self.add_forces(&forces, out);
-        let mut start = 0;
-        for member in self.members() {
-            for (out, load) in out[start..].iter_mut().zip(member.load()) {
+        for (body, part) in self.parts() {
+            for (out, load) in out[part].iter_mut().zip(&body.load) {
                 *out -= load;
             }
-            start += member.len();
         }
         out.par_chunks_mut(vector::CHUNK)
             .for_each(|chunk| chunk.iter_mut().for_each(|r| *r = -*r));

@@ -1,5 +1,6 @@
 //! Where nodes go: the patch that is expected, axes graded to it, and the mesh with everything an iteration needs.
 
+pub(crate) mod assembled;
 pub(crate) mod contact_mesh;
 pub(crate) mod corners;
 pub(crate) mod discretise;
@@ -7,3 +8,4 @@ pub(crate) mod first_guess;
 pub(crate) mod grading;
 pub(crate) mod patch;
 pub(crate) mod stretch;
+pub(crate) mod zones;

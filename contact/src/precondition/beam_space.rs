@@ -1,12 +1,8 @@
 //! The motions of a beam in a body's preconditioner, where they meet the contact plane and the mount.
 
-use std::sync::{Mutex, PoisonError};
-
 use faer::Mat;
-use kufe_fem::BeamModes;
+use kufe_fem::{BeamModes, to_components, to_nodes};
 use rayon::prelude::*;
-
-use crate::bodies::order::{to_components, to_nodes};
 
 /// Entries (motion, value) of a row of Z.
 type Row = Vec<(usize, f64)>;
@@ -20,13 +16,8 @@ pub(crate) struct BeamSpace {
     shape: [usize; 2],
     /// Rows of the vertical displacements of the contact plane.
     contact: Vec<Row>,
-    work: Mutex<Work>,
-}
-
-/// A vector node by node, and what projections need to write.
-struct Work {
-    by_node: Vec<f64>,
-    projection: BeamModes,
+    /// Length of a displacement vector.
+    vector_len: usize,
 }
 
 impl BeamSpace {
@@ -44,16 +35,12 @@ impl BeamSpace {
             })
             .collect();
         let contact = (0..nx * ny).map(|node| modes.row(node, 2)).collect();
-        let work = Mutex::new(Work {
-            by_node: vec![0.0; 3 * nx * ny * nz],
-            projection: modes.clone(),
-        });
         BeamSpace {
             inverse: Mat::from_fn(n, n, |i, j| 0.5 * (columns[j][i] + columns[i][j])),
             modes,
             shape: [nx, ny],
             contact,
-            work,
+            vector_len: 3 * nx * ny * nz,
         }
     }
 
@@ -62,15 +49,15 @@ impl BeamSpace {
         self.modes.len()
     }
 
-    /// c = Z^T r for r by components.
-    pub fn project(&self, r: &[f64], c: &mut [f64]) {
-        let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
-        let Work {
-            by_node,
-            projection,
-        } = &mut *work;
+    /// Length of a displacement vector.
+    pub fn vector_len(&self) -> usize {
+        self.vector_len
+    }
+
+    /// c = Z^T r for r by components, through a vector node by node and the sums of tasks.
+    pub fn project(&self, r: &[f64], c: &mut [f64], by_node: &mut [f64], sums: &mut Vec<f64>) {
         to_nodes(r, by_node);
-        projection.project(by_node, c);
+        self.modes.project_with(by_node, c, sums);
     }
 
     /// C^-1 c.
@@ -80,12 +67,11 @@ impl BeamSpace {
         out
     }
 
-    /// `u` += Z c for u by components.
-    pub fn add_motion(&self, c: &[f64], u: &mut [f64]) {
-        let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
-        to_nodes(u, &mut work.by_node);
-        self.modes.add_motion(c, &mut work.by_node);
-        to_components(&work.by_node, u);
+    /// `u` += Z c for u by components, through a vector node by node.
+    pub fn add_motion(&self, c: &[f64], u: &mut [f64], by_node: &mut [f64]) {
+        to_nodes(u, by_node);
+        self.modes.add_motion(c, by_node);
+        to_components(by_node, u);
     }
 
     /// Z's row of a component of the node in column (i, j) on plane `plane`.

@@ -1,7 +1,5 @@
 //! The preconditioner of a body on a tensor grid, ready for a constraint on its contact plane.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use faer::Mat;
 use kufe_fem::{Axis, FastDiagonal, Material, TensorOperator};
 
@@ -10,6 +8,7 @@ use crate::precondition::beam_space::BeamSpace;
 use crate::precondition::clamps::Clamps;
 use crate::precondition::plane_modes::PlaneModes;
 use crate::precondition::response::surface_response;
+use crate::precondition::work::InverseWork;
 
 /// M^-1 = P^-1 + Z C^-1 Z^T, in the subspace where the clamps hold.
 ///
@@ -24,14 +23,6 @@ pub(crate) struct MountedInverse {
     response: f64,
     beam: Option<BeamSpace>,
     clamps: Option<Clamps>,
-    work: Mutex<Work>,
-}
-
-/// Vectors that applications reuse; `modal` and `motion` stand between a beginning and its finish.
-struct Work {
-    modal: Vec<f64>,
-    motion: Vec<f64>,
-    scratch: Vec<f64>,
 }
 
 impl MountedInverse {
@@ -47,11 +38,6 @@ impl MountedInverse {
         let fast = FastDiagonal::with_first_axis(operator, first);
         let contact = PlaneModes::new(&fast, 2, plane);
         let response = surface_response(operator, material);
-        let work = Mutex::new(Work {
-            modal: vec![0.0; fast.mode_count()],
-            motion: Vec::new(),
-            scratch: vec![0.0; fast.scratch_len()],
-        });
         MountedInverse {
             fast,
             contact,
@@ -60,16 +46,11 @@ impl MountedInverse {
             response,
             beam: None,
             clamps: None,
-            work,
         }
     }
 
     /// Adds the motions of a beam.
     pub fn add_beam(&mut self, beam: BeamSpace) {
-        self.work
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner)
-            .motion = vec![0.0; beam.len()];
         self.beam = Some(beam);
     }
 
@@ -86,23 +67,30 @@ impl MountedInverse {
         Some(())
     }
 
-    fn work(&self) -> MutexGuard<'_, Work> {
-        // Never contended: one iteration runs at a time.
-        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Vectors for the methods below.
+    pub fn work(&self) -> InverseWork {
+        InverseWork {
+            kept: vec![0.0; self.fast.mode_count()],
+            motion: vec![0.0; self.beam.as_ref().map_or(0, BeamSpace::len)],
+            scratch: vec![0.0; self.fast.scratch_len()],
+            by_node: vec![0.0; self.beam.as_ref().map_or(0, BeamSpace::vector_len)],
+            sums: Vec::new(),
+        }
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
-    pub fn begin(&self, residual: &[f64], closing: &mut [f64]) {
-        let mut work = self.work();
-        let Work {
-            modal,
+    /// See [`crate::precondition::inverse::Inverse::begin`].
+    pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
+        let InverseWork {
+            kept: modal,
             motion,
             scratch,
-        } = &mut *work;
+            by_node,
+            sums,
+        } = work;
         self.fast.to_modes(residual, modal, scratch);
         self.fast.divide(modal);
         if let Some(beam) = &self.beam {
-            beam.project(residual, motion);
+            beam.project(residual, motion, by_node, sums);
         }
         self.hold(modal, motion);
         let trace = self.contact.trace(&self.fast, modal);
@@ -119,14 +107,15 @@ impl MountedInverse {
         }
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
-    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
-        let mut work = self.work();
-        let Work {
-            modal,
+    /// See [`crate::precondition::inverse::Inverse::finish`].
+    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
+        let InverseWork {
+            kept: modal,
             motion,
             scratch,
-        } = &mut *work;
+            by_node,
+            ..
+        } = work;
         let [nx, ny] = self.columns.count;
         let mut plane = Mat::<f64>::zeros(nx, ny);
         for &(node, m) in multipliers {
@@ -142,7 +131,7 @@ impl MountedInverse {
         self.hold(modal, motion);
         self.fast.from_modes(modal, step, scratch);
         if let Some(beam) = &self.beam {
-            beam.add_motion(&beam.answer(motion), step);
+            beam.add_motion(&beam.answer(motion), step, by_node);
         }
     }
 
@@ -153,7 +142,7 @@ impl MountedInverse {
         }
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; the second one scales P's part to elasticity's response.
+    /// See [`crate::precondition::inverse::Inverse::green`]; the second one scales P's part to elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let n = nodes.len();
         let local: Vec<[usize; 2]> = nodes

@@ -1,13 +1,12 @@
 //! The preconditioner of a body that nothing but faces holds.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use faer::{Mat, MatMut, MatRef};
 use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
 
 use crate::bodies::columns::Columns;
 use crate::precondition::plane_basis::PlaneBasis;
 use crate::precondition::response::surface_response;
+use crate::precondition::work::InverseWork;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
 pub(crate) struct PlanewiseInverse {
@@ -17,8 +16,6 @@ pub(crate) struct PlanewiseInverse {
     sign: f64,
     /// Factor by which the true surface response exceeds that of P on a half-space.
     response: f64,
-    /// What stands between a beginning and its finish.
-    modal: Mutex<Vec<f64>>,
 }
 
 impl PlanewiseInverse {
@@ -37,21 +34,22 @@ impl PlanewiseInverse {
             columns,
             sign,
             response: surface_response(operator, material),
-            modal: Mutex::new(vec![0.0; preconditioner.mode_count()]),
             preconditioner,
         }
     }
 
-    fn modal(&self) -> MutexGuard<'_, Vec<f64>> {
-        // Never contended: one iteration runs at a time.
-        self.modal.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Vectors for the methods below.
+    pub fn work(&self) -> InverseWork {
+        InverseWork {
+            kept: vec![0.0; self.preconditioner.mode_count()],
+            ..InverseWork::default()
+        }
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
-    pub fn begin(&self, residual: &[f64], closing: &mut [f64]) {
-        let mut modal = self.modal();
-        self.preconditioner.gather(residual, &mut modal);
-        self.add_closing(self.preconditioner.gathered(&modal), closing);
+    /// See [`crate::precondition::inverse::Inverse::begin`].
+    pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
+        self.preconditioner.gather(residual, &mut work.kept);
+        self.add_closing(self.preconditioner.gathered(&work.kept), closing);
     }
 
     /// `closing` += B P^-1 r from what the contact plane has gathered of r.
@@ -69,11 +67,11 @@ impl PlanewiseInverse {
         }
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
-    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64]) {
-        let mut modal = self.modal();
-        self.take_forces(multipliers, self.preconditioner.gathered_mut(&mut modal));
-        self.preconditioner.spread(&mut modal, step);
+    /// See [`crate::precondition::inverse::Inverse::finish`].
+    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
+        let kept = &mut work.kept;
+        self.take_forces(multipliers, self.preconditioner.gathered_mut(kept));
+        self.preconditioner.spread(kept, step);
     }
 
     /// `gathered` -= B^T m for the forces m on nodes.
@@ -105,7 +103,7 @@ impl PlanewiseInverse {
         self.basis.mode_shape()
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; the second one is scaled to elasticity's response.
+    /// See [`crate::precondition::inverse::Inverse::green`]; the second one is scaled to elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let n = nodes.len();
         let local: Vec<[usize; 2]> = nodes

@@ -1,96 +1,125 @@
-//! Ranges of the numbers in a problem.
+//! Ranges of the numbers in a problem, and what does not go together.
 
 use kufe_fem::Material;
 
-use crate::{ElasticRunner, Error, Foundation, Load, Method, Mount, Options, Problem, Tilt};
+#[cfg(feature = "gpu")]
+use crate::StiffnessForm;
+use crate::{
+    Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Method, Mount, Options, Problem,
+    Tilt,
+};
 
-/// Ranges of the numbers in a problem.
+/// The ice's material, where every number of the problem is in its range.
 pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
-    let out = |name, value, expected| {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            expected,
-        })
-    };
-    let ice = &problem.ice;
-    if !(ice.youngs_modulus > 0.0 && ice.youngs_modulus.is_finite()) {
-        return out(
-            "ice Young's modulus",
-            ice.youngs_modulus,
-            "a positive number of Pa",
-        );
-    }
-    if !(ice.poissons_ratio > -1.0 && ice.poissons_ratio < 0.5) {
-        return out(
-            "ice Poisson's ratio",
-            ice.poissons_ratio,
-            "more than -1 and less than 0.5",
-        );
-    }
-    if let Foundation::RigidBed { thickness } | Foundation::ElasticBed { thickness, .. } =
-        ice.foundation
-        && !(thickness > 0.0 && thickness.is_finite())
-    {
-        return out("ice thickness", thickness, "a positive number of m");
-    }
-    if let Foundation::ElasticBed { bed, .. } = ice.foundation {
-        if !(bed.thickness > 0.0 && bed.thickness.is_finite()) {
-            return out("bed thickness", bed.thickness, "a positive number of m");
-        }
-        if !(bed.youngs_modulus > 0.0 && bed.youngs_modulus.is_finite()) {
-            return out(
-                "bed Young's modulus",
-                bed.youngs_modulus,
-                "a positive number of Pa",
-            );
-        }
-        if !(bed.poissons_ratio > -1.0 && bed.poissons_ratio < 0.5) {
-            return out(
-                "bed Poisson's ratio",
-                bed.poissons_ratio,
-                "more than -1 and less than 0.5",
-            );
-        }
-    }
-    if let Some(hardness) = ice.hardness
-        && !(hardness > 0.0 && hardness.is_finite())
-    {
-        return out("ice hardness", hardness, "a positive number of Pa");
-    }
-    if !problem.track_curvature.is_finite() {
-        return out(
-            "track curvature",
-            problem.track_curvature,
-            "a finite number of 1/m",
-        );
-    }
+    check_ice(&problem.ice)?;
+    let curvature = problem.track_curvature;
+    within(
+        curvature.is_finite(),
+        "track curvature",
+        curvature,
+        "a finite number of 1/m",
+    )?;
     match problem.load {
-        Load::Force { fz, .. } if !(fz > 0.0 && fz.is_finite()) => {
-            return out("normal force", fz, "a positive number of N");
+        Load::Force { fz, .. } => positive("normal force", fz, "a positive number of N")?,
+        Load::Approach { approach, .. } => {
+            positive("approach", approach, "a positive number of m")?;
         }
-        Load::Approach { approach, .. } if !(approach > 0.0 && approach.is_finite()) => {
-            return out("approach", approach, "a positive number of m");
-        }
-        _ => {}
     }
     if let Some(elastic) = &problem.runner.elastic {
         check_mount(problem, elastic)?;
     }
-    let slow = match &problem.runner.elastic {
-        None => true,
-        Some(elastic) => elastic.solid.is_none() && options.method == Method::CholeskyActiveSet,
+    check_method(problem.runner.elastic.as_ref(), options)?;
+    positive(
+        "accuracy of the peak pressure",
+        options.p_max_tolerance,
+        "a positive number",
+    )?;
+    let ice = &problem.ice;
+    Material::new(ice.youngs_modulus, ice.poissons_ratio).map_err(|_| Error::OutOfRange {
+        name: "ice material",
+        value: ice.youngs_modulus,
+        expected: "an elastic solid",
+    })
+}
+
+fn within(
+    holds: bool,
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), Error> {
+    if holds {
+        return Ok(());
+    }
+    Err(Error::OutOfRange {
+        name,
+        value,
+        expected,
+    })
+}
+
+fn positive(name: &'static str, value: f64, expected: &'static str) -> Result<(), Error> {
+    within(value > 0.0 && value.is_finite(), name, value, expected)
+}
+
+const RATIO: &str = "more than -1 and less than 0.5";
+
+fn check_ice(ice: &Ice) -> Result<(), Error> {
+    let (modulus, ratio) = (ice.youngs_modulus, ice.poissons_ratio);
+    positive("ice Young's modulus", modulus, "a positive number of Pa")?;
+    within(
+        ratio > -1.0 && ratio < 0.5,
+        "ice Poisson's ratio",
+        ratio,
+        RATIO,
+    )?;
+    match ice.foundation {
+        Foundation::HalfSpace => {}
+        Foundation::RigidBed { thickness } => {
+            positive("ice thickness", thickness, "a positive number of m")?;
+        }
+        Foundation::ElasticBed { thickness, bed } => {
+            positive("ice thickness", thickness, "a positive number of m")?;
+            check_bed(bed)?;
+        }
+    }
+    match ice.hardness {
+        Some(hardness) => positive("ice hardness", hardness, "a positive number of Pa"),
+        None => Ok(()),
+    }
+}
+
+fn check_bed(bed: Bed) -> Result<(), Error> {
+    let ratio = bed.poissons_ratio;
+    positive("bed thickness", bed.thickness, "a positive number of m")?;
+    positive(
+        "bed Young's modulus",
+        bed.youngs_modulus,
+        "a positive number of Pa",
+    )?;
+    within(
+        ratio > -1.0 && ratio < 0.5,
+        "bed Poisson's ratio",
+        ratio,
+        RATIO,
+    )
+}
+
+/// The checking methods and a graphics processor take some runners only.
+fn check_method(elastic: Option<&ElasticRunner>, options: &Options) -> Result<(), Error> {
+    let taken = match (options.method, elastic) {
+        (Method::Accelerated, _) | (_, None) => true,
+        (method, Some(e)) => method == Method::CholeskyActiveSet && e.solid.is_none(),
     };
-    if options.method != Method::Accelerated && !slow {
-        return out(
-            "elastic bodies that the checking method cannot take",
-            1.0,
-            "0, or the active set for a runner on the ice's columns",
-        );
+    if !taken {
+        return Err(Error::MethodNotForRunner {
+            method: options.method,
+        });
     }
     #[cfg(feature = "gpu")]
     if options.device.is_some() {
-        let found = match (&problem.runner.elastic, options.method) {
+        let found = match (elastic, options.method) {
+            _ if options.stiffness == StiffnessForm::Assembled => Some("an assembled stiffness"),
             (Some(_), _) => Some("an elastic runner"),
             (None, Method::Accelerated) => None,
             (None, _) => Some("a checking method"),
@@ -99,54 +128,37 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
             return Err(Error::NotOnDevice { found });
         }
     }
-    if !(options.p_max_tolerance > 0.0 && options.p_max_tolerance.is_finite()) {
-        return out(
-            "accuracy of the peak pressure",
-            options.p_max_tolerance,
-            "a positive number",
-        );
-    }
-    Material::new(ice.youngs_modulus, ice.poissons_ratio).map_err(|_| Error::OutOfRange {
-        name: "ice material",
-        value: ice.youngs_modulus,
-        expected: "an elastic solid",
-    })
+    Ok(())
 }
 
 /// Places lie on the hull and are longer than nothing; loads without a mount balance the load.
 fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
-    let out = |name, value, expected| {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            expected,
-        })
-    };
     if elastic.mount == Mount::Top {
         return Ok(());
     }
     let extent = problem.runner.underside.extent();
     let places = elastic.mount.places();
-    if places.is_empty() {
-        return out("places of the runner's mount", 0.0, "1 or more");
-    }
+    let count = places.len() as f64;
+    within(
+        count > 0.0,
+        "places of the runner's mount",
+        count,
+        "1 or more",
+    )?;
     for place in places {
-        if !(place.length > 0.0 && place.length.is_finite()) {
-            return out(
-                "length of a mount's place",
-                place.length,
-                "a positive number of m",
-            );
-        }
+        positive(
+            "length of a mount's place",
+            place.length,
+            "a positive number of m",
+        )?;
         let half = 0.5 * place.length;
         let slack = 1e-9 * place.length;
-        if !(place.x - half >= extent[0] - slack && place.x + half <= extent[1] + slack) {
-            return out(
-                "middle of a mount's place",
-                place.x,
-                "a place within the runner's ends",
-            );
-        }
+        within(
+            place.x - half >= extent[0] - slack && place.x + half <= extent[1] + slack,
+            "middle of a mount's place",
+            place.x,
+            "a place within the runner's ends",
+        )?;
     }
     let Mount::Loads(loads) = &elastic.mount else {
         return Ok(());
@@ -157,23 +169,20 @@ fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> 
         ..
     } = problem.load
     else {
-        return out(
-            "held tilts of a runner without a mount",
-            2.0,
-            "0, a force with free tilt",
-        );
+        return Err(Error::LoadsNeedFreeTilt);
     };
-    let sum = |f: &dyn Fn(&crate::LoadedPlace) -> f64| loads.iter().map(f).sum::<f64>();
-    if (sum(&|l| l.share) - 1.0).abs() > 1e-6 {
-        return out("sum of the loads' shares", sum(&|l| l.share), "1");
-    }
-    let line = sum(&|l| l.share * l.place.x);
-    if (line - offset_x).abs() > 1e-6 {
-        return out(
-            "line of action of the loads",
-            line,
-            "that of the normal force",
-        );
-    }
-    Ok(())
+    let sum = |f: &dyn Fn(&LoadedPlace) -> f64| loads.iter().map(f).sum::<f64>();
+    let (share, line) = (sum(&|l| l.share), sum(&|l| l.share * l.place.x));
+    within(
+        (share - 1.0).abs() <= 1e-6,
+        "sum of the loads' shares",
+        share,
+        "1",
+    )?;
+    within(
+        (line - offset_x).abs() <= 1e-6,
+        "line of action of the loads",
+        line,
+        "that of the normal force",
+    )
 }

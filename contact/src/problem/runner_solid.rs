@@ -95,6 +95,16 @@ impl RunnerSolid {
         self.body.mesh()
     }
 
+    /// The hexahedra.
+    pub(crate) fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Young's modulus and Poisson's ratio.
+    pub(crate) fn material(&self) -> Material {
+        self.body.sections()[0].material
+    }
+
     /// The underside as triangles, for a smooth surface through its nodes.
     pub fn underside(&self) -> Hull {
         let number: HashMap<usize, u32> = self

@@ -2,12 +2,12 @@
 //! exact surface responses by sparse Cholesky.
 
 use faer::Mat;
-use kufe_fem::{BlockMatrix, Body, Constraints, ElementKind, Factor, Material, Section, assemble};
+use kufe_fem::{BlockMatrix, Constraints, ElementKind, Factor, Material, assemble, to_components};
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::motion::dot;
 use crate::active_set::plane_problem::PlaneState;
-use crate::bodies::order::to_components;
+use crate::bodies::hexahedra::hexahedra;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::reference::plain_runner::PlainRunner;
@@ -28,19 +28,15 @@ fn assembled(
     material: Material,
     held: &[f64],
 ) -> Option<Assembled> {
-    let mesh = grid.hex_mesh();
-    let points = mesh.points.clone();
+    let body = hexahedra(contact.bodies[0].stiffness.grid()?, material).ok()?;
+    let points = body.mesh().points.clone();
     let nodes = points.len();
-    let sections = sections(grid, contact, material)?;
-    let body = Body::new(mesh, sections).ok()?;
     let stiffness = assemble(&body);
-    // What the tensor operator masks is what is held.
-    let mut free = vec![1.0; 3 * nodes];
-    contact.bodies[0].operator.mask(&mut free);
+    let free = contact.bodies[0].free()?;
     let mut constraints = Constraints::new(nodes);
     for c in 0..3 {
         for node in 0..nodes {
-            if free[c * nodes + node] == 0.0 {
+            if !free[c * nodes + node] {
                 constraints
                     .prescribe(node, c, held[c * nodes + node])
                     .ok()?;
@@ -54,23 +50,6 @@ fn assembled(
         points,
         top: (nz - 1) * nx * ny,
     })
-}
-
-/// The cells' materials: those of the bed first, where there is one.
-fn sections(grid: &TensorGrid, contact: &ContactMesh, material: Material) -> Option<Vec<Section>> {
-    let [nx, ny, nz] = grid.shape().map(|nodes| nodes - 1);
-    let of = |material| Section {
-        material,
-        kind: ElementKind::Hex8,
-    };
-    let mut sections = vec![of(material); nx * ny * nz];
-    if let Some(layer) = contact.bodies[0].operator.lower_layer() {
-        let (lambda, mu) = (layer.lambda, layer.mu);
-        let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
-        let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu)).ok()?;
-        sections[..nx * ny * layer.cells].fill(of(bed));
-    }
-    Some(sections)
 }
 
 /// Contact by an active set on S, the exact vertical surface response, column by column from a Cholesky factor.
@@ -126,11 +105,7 @@ pub(crate) fn active_set(
         runner = Some(part);
     }
     let force = contact.candidates.iter().map(|&c| state.force[c]).collect();
-    let start = PlaneState {
-        force,
-        motion: state.motion,
-        settled: false,
-    };
+    let start = PlaneState::new(force, state.motion);
     let found = contact.plane_contact(&response, &base, start);
     let mut loads = vec![0.0; 3 * nodes];
     state.force.fill(0.0);

@@ -1,17 +1,18 @@
 //! The elastic runner in the slow way to the answer: its exact surface response by sparse Cholesky.
 
 use faer::Mat;
-use kufe_fem::{BlockMatrix, Body as Solid, Constraints, DofMap, ElementKind, Factor, assemble};
+use kufe_fem::{
+    BlockMatrix, Body as Solid, Constraints, DofMap, ElementKind, Factor, assemble, to_components,
+    to_nodes,
+};
 
 use crate::bodies::elastic_body::ElasticBody;
-use crate::bodies::order::{to_components, to_nodes};
-use crate::bodies::tensor_body::TensorBody;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 
 /// The factorised runner of a mesh, its held displacements and what loads it.
 pub(crate) struct PlainRunner<'a> {
-    body: &'a TensorBody,
+    body: &'a ElasticBody,
     stiffness: BlockMatrix,
     constraints: Constraints,
     map: DofMap,
@@ -28,7 +29,7 @@ impl<'a> PlainRunner<'a> {
         let nodes = solid.node_count();
         let start = mesh.contact.bodies[0].len();
         let held = &state.displacement[start..start + body.len()];
-        let free = body.free();
+        let free = body.free()?;
         let mut constraints = Constraints::new(nodes);
         for c in 0..3 {
             for node in 0..nodes {
@@ -42,8 +43,8 @@ impl<'a> PlainRunner<'a> {
         let stiffness = assemble(&solid);
         let factor = Factor::of_body(&stiffness, &map, &solid.mesh().points).ok()?;
         let mut load = vec![0.0; 3 * nodes];
-        if !body.load().is_empty() {
-            to_nodes(body.load(), &mut load);
+        if !body.load.is_empty() {
+            to_nodes(&body.load, &mut load);
         }
         Some(PlainRunner {
             body,
@@ -58,7 +59,7 @@ impl<'a> PlainRunner<'a> {
     /// Displacements by components under forces (node of the plane, value), loads and held displacements.
     pub fn displacement(&self, forces: &[(usize, f64)]) -> Vec<f64> {
         let mut contact = vec![0.0; self.body.len()];
-        self.body.add_forces(forces, &mut contact);
+        self.body.trace.add_forces(forces, &mut contact);
         let mut loads = vec![0.0; contact.len()];
         to_nodes(&contact, &mut loads);
         for (load, own) in loads.iter_mut().zip(&self.load) {
@@ -75,7 +76,7 @@ impl<'a> PlainRunner<'a> {
     /// Closing of the plane's nodes by displacements.
     pub fn closing(&self, displacement: &[f64], plane_nodes: usize) -> Vec<f64> {
         let mut closing = vec![0.0; plane_nodes];
-        self.body.add_closing(displacement, &mut closing);
+        self.body.trace.add_closing(displacement, &mut closing);
         closing
     }
 

@@ -1,91 +1,109 @@
 //! From the last mesh to what a solve returns.
 
+use kufe_fem::TensorOperator;
+
 use crate::accuracy::extrapolation::Extrapolation;
 use crate::active_set::progress::Progress;
+use crate::grid::assembled::assembled_bodies;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::problem::gap::Gap;
 use crate::result::pressure::Pressure;
 use crate::{Foundation, Iterate, Problem, RunnerField, Solution, SurfaceField, VolumeField};
 
-#[allow(clippy::too_many_arguments)]
-pub(crate) fn solution(
-    problem: &Problem,
-    gap: &Gap,
-    mesh: Discretisation,
-    state: State,
-    progress: Progress,
-    pressure: Pressure,
-    limit: Extrapolation,
-    dofs: usize,
-    history: Vec<Iterate>,
-) -> Solution {
-    let Pressure {
-        values, figures, ..
-    } = pressure;
-    let share = mesh
-        .symmetry
-        .iter()
-        .map(|&s| if s { 0.5 } else { 1.0 })
-        .product::<f64>();
-    let resultant = mesh.contact.resultant(&state);
-    let fz = resultant[0] / share;
-    // A mirror plane holds the centre of pressure; otherwise it follows from the moments about the line of action.
-    let centre = |axis: usize, moment: f64| match mesh.symmetry[axis] {
-        true => 0.0,
-        false => gap.line_of_action[axis] + moment / resultant[0],
-    };
-    let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
-    let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
-    let gaps = mesh.contact.gaps(&state);
-    let ice_surface = mesh.contact.ice_surface(&state.displacement);
-    let surface = unfold(
-        &mesh.grid.x,
-        &mesh.grid.y,
-        mesh.symmetry,
-        [values, gaps, ice_surface],
-    );
-    let depth = mesh.contact.depth(&state);
-    let kkt_residual = kkt(&mesh.contact, &state, &progress, depth);
-    let nodes = mesh.grid.node_count();
-    let u = &state.displacement;
-    let displacement = by_node(&u[..3 * nodes]);
-    let bed = match problem.ice.foundation {
-        Foundation::ElasticBed { bed, .. } => mesh.contact.bodies[0]
-            .operator
-            .lower_layer()
-            .map(|layer| (bed, layer.cells)),
-        _ => None,
-    };
-    Solution {
-        p_max: limit.p_max,
-        p_max_error: limit.error,
-        p_mean: fz / figures.area,
-        area: figures.area,
-        length: figures.length,
-        width: figures.width,
-        approach: limit.approach,
-        pitch,
-        roll,
-        fz,
-        centre_of_pressure,
-        kkt_residual,
-        dofs,
-        iterations: progress.iterations,
-        history,
-        surface,
-        volume: VolumeField {
-            grid: mesh.grid,
-            displacement,
-            youngs_modulus: problem.ice.youngs_modulus,
-            poissons_ratio: problem.ice.poissons_ratio,
-            bed,
-        },
-        runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
-            displacement: by_node(&u[3 * nodes..]),
+/// The last mesh's solution and what it is of.
+pub(crate) struct Answer<'a> {
+    pub problem: &'a Problem,
+    pub gap: &'a Gap<'a>,
+    pub mesh: Discretisation,
+    pub state: State,
+    pub progress: Progress,
+    pub pressure: Pressure,
+    /// Unknowns.
+    pub dofs: usize,
+}
+
+impl Answer<'_> {
+    /// With the limit of fine meshes and what happened on all of them.
+    pub fn solution(self, limit: Extrapolation, history: Vec<Iterate>) -> Solution {
+        let Answer {
+            problem,
+            gap,
             mesh,
-        }),
-        symmetry: mesh.symmetry,
+            state,
+            progress,
+            pressure,
+            dofs,
+        } = self;
+        let Pressure {
+            values, figures, ..
+        } = pressure;
+        let share = mesh
+            .symmetry
+            .iter()
+            .map(|&s| if s { 0.5 } else { 1.0 })
+            .product::<f64>();
+        let resultant = mesh.contact.resultant(&state);
+        let fz = resultant[0] / share;
+        // A mirror plane holds the centre of pressure; otherwise it follows from the moments about the line of action.
+        let centre = |axis: usize, moment: f64| match mesh.symmetry[axis] {
+            true => 0.0,
+            false => gap.line_of_action[axis] + moment / resultant[0],
+        };
+        let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
+        let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
+        let gaps = mesh.contact.gaps(&state);
+        let ice_surface = mesh.contact.ice_surface(&state.displacement);
+        let surface = unfold(
+            &mesh.grid.x,
+            &mesh.grid.y,
+            mesh.symmetry,
+            [values, gaps, ice_surface],
+        );
+        let depth = mesh.contact.depth(&state);
+        let kkt_residual = kkt(&mesh.contact, &state, &progress, depth);
+        let nodes = mesh.grid.node_count();
+        let u = &state.displacement;
+        let displacement = by_node(&u[..3 * nodes]);
+        let bed = match problem.ice.foundation {
+            Foundation::ElasticBed { bed, .. } => mesh.contact.bodies[0]
+                .stiffness
+                .grid()
+                .and_then(TensorOperator::lower_layer)
+                .map(|layer| (bed, layer.cells)),
+            _ => None,
+        };
+        Solution {
+            p_max: limit.p_max,
+            p_max_error: limit.error,
+            p_mean: fz / figures.area,
+            area: figures.area,
+            length: figures.length,
+            width: figures.width,
+            approach: limit.approach,
+            pitch,
+            roll,
+            fz,
+            centre_of_pressure,
+            kkt_residual,
+            dofs,
+            iterations: progress.iterations,
+            history,
+            surface,
+            volume: VolumeField {
+                grid: mesh.grid,
+                displacement,
+                youngs_modulus: problem.ice.youngs_modulus,
+                poissons_ratio: problem.ice.poissons_ratio,
+                bed,
+            },
+            runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
+                displacement: by_node(&u[3 * nodes..]),
+                mesh,
+            }),
+            symmetry: mesh.symmetry,
+            assembled: assembled_bodies(&mesh.contact),
+        }
     }
 }
 

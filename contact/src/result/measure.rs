@@ -108,7 +108,7 @@ impl PressureField<'_> {
     }
 
     /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours on each axis.
-    fn peak(&self, pressure: &[f64]) -> f64 {
+    pub fn peak(&self, pressure: &[f64]) -> f64 {
         let nx = self.x.len();
         let Some(top) = (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b]))
         else {

@@ -14,32 +14,30 @@ pub(crate) struct Pressure {
     pub patch: Patch,
 }
 
+/// How the states of a mesh, made for `patch`, are read.
 pub(crate) struct Field<'a> {
     mesh: &'a Discretisation,
     patch: &'a Patch,
     hardness: f64,
 }
 
-pub(crate) fn field<'a>(
-    mesh: &'a Discretisation,
-    problem: &Problem,
-    patch: &'a Patch,
-) -> Field<'a> {
-    Field {
-        mesh,
-        patch,
-        hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
+impl<'a> Field<'a> {
+    /// Of a mesh that was made for `patch`.
+    pub fn new(mesh: &'a Discretisation, problem: &Problem, patch: &'a Patch) -> Self {
+        Field {
+            mesh,
+            patch,
+            hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
+        }
     }
-}
 
-impl Field<'_> {
     fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
-        let operator = &self.mesh.contact.bodies[0].operator;
+        let [along, across] = &self.mesh.contact.lumped;
         PressureField {
             x: &self.mesh.grid.x,
             y: &self.mesh.grid.y,
             force: &state.force,
-            lumped: [&operator.axes[0].lumped_mass, &operator.axes[1].lumped_mass],
+            lumped: [along, across],
             symmetry: self.mesh.symmetry,
             hardness: self.hardness,
         }
@@ -61,6 +59,13 @@ impl Field<'_> {
         })
     }
 
+    /// The peak pressure of a state [Pa].
+    pub fn p_max(&self, state: &State) -> f64 {
+        let field = self.pressure_field(state);
+        field.peak(&field.pressures())
+    }
+
+    /// Pressures and figures of a state, and the patch that they cover.
     pub fn of(&self, state: &State) -> Pressure {
         let field = self.pressure_field(state);
         let values = field.pressures();

@@ -1,11 +1,14 @@
 //! What a solve returns.
 
+use std::sync::Arc;
+
+use kufe_fem::SparseStiffness;
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::Bed;
 
 /// The solved contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Peak pressure [Pa].
     pub p_max: f64,
@@ -45,6 +48,19 @@ pub struct Solution {
     pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.
     pub symmetry: [bool; 2],
+    /// The stiffness that the finest mesh was solved with, where it was assembled: first the ice, then a runner that bends.
+    pub assembled: Vec<AssembledBody>,
+}
+
+/// The assembled stiffness of one body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssembledBody {
+    /// `"ice"` or `"runner"`.
+    pub name: &'static str,
+    /// K of all displacements of the body, component after component, nodes as in [`VolumeField`] or [`RunnerField`] [N/m].
+    pub stiffness: Arc<SparseStiffness>,
+    /// Displacements that mirror planes, outer faces or a mount hold, ascending.
+    pub held: Vec<usize>,
 }
 
 /// One update of the contact set.
@@ -60,8 +76,15 @@ pub struct Iterate {
     pub iterations: usize,
     /// Relative residual reached.
     pub residual: f64,
-    /// Peak pressure as it stood [Pa].
+    /// Peak pressure of the forces as they stood [Pa].
     pub p_max: f64,
+    /// Projected SOR sweeps since the last update.
+    pub sweeps: usize,
+    /// Accelerations since the last update: on the contact plane, and the iterations on this set.
+    pub accelerations: usize,
+    /// Complementary energy of the contact forces accepted so far, which falls from update to update of a mesh: at the
+    /// solution minus the total potential energy, with the load's work from first touch in it [J].
+    pub energy: f64,
 }
 
 /// Fields on the contact plane over a rectilinear grid; arrays are `y.len()` rows of `x.len()`.

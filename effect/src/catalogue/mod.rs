@@ -1,20 +1,13 @@
 //! All effects on friction, forces, sensors, sled and track: a new one is a file in the room where it belongs.
 
-use crate::law::Effect;
-
 mod air;
+mod find;
 mod friction;
 mod grip;
+mod list;
 mod sensors;
 mod sled;
 mod track;
 
-include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
-
-/// The effect of this name.
-pub fn find(name: &str) -> Option<&'static Effect> {
-    CATALOGUE
-        .iter()
-        .copied()
-        .find(|effect| effect.info.name == name)
-}
+pub use find::find;
+pub use list::CATALOGUE;

@@ -3,6 +3,7 @@
 mod effect;
 mod example;
 mod fault;
+mod outcome;
 pub(crate) mod prelude;
 
 pub use effect::Effect;

@@ -26,7 +26,7 @@ fn outcome(
 fn every_example_gives_its_number() {
     for effect in CATALOGUE {
         let (name, wanted) = effect.example.gives;
-        let found = effect.example.outcome(effect);
+        let found = effect.example_outcome();
         let error = (found - wanted).abs();
         assert!(
             error <= 1e-12 * wanted.abs().max(1.0),

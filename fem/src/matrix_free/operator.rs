@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::element::hex8_incompatible::{inner_factor, invert};
-use crate::matrix_free::hex8_lanes::{BatchMaterial, CornerField, InnerInverse, apply};
+use crate::matrix_free::derivatives::CornerField;
+use crate::matrix_free::hex8_lanes::{BatchMaterial, InnerInverse, apply};
 use crate::matrix_free::lanes::{LANES, Lanes};
 use crate::section::ElementKind;
 use crate::sparse::node_graph::NodeGraph;
@@ -32,6 +33,7 @@ pub struct MatrixFree {
     cell_start: Vec<usize>,
     /// Where in `forces` the x force of each node's places stands; y and z follow at strides of [`LANES`].
     slots: Vec<u32>,
+    /// What [`MatrixFree::apply`] writes corner forces to; empty before.
     forces: Vec<f64>,
 }
 
@@ -75,9 +77,8 @@ impl MatrixFree {
                 place_of_cell[(place / 8) as usize] + (3 * LANES) as u32 * (place % 8) as u32
             })
             .collect();
-        let forces = vec![0.0; FORCES * batches.len()];
         assert!(
-            forces.len() <= u32::MAX as usize,
+            FORCES * batches.len() <= u32::MAX as usize,
             "corner forces are counted in 32 bits"
         );
         Self {
@@ -88,7 +89,7 @@ impl MatrixFree {
             inner,
             cell_start: graph.cell_start,
             slots,
-            forces,
+            forces: Vec::new(),
         }
     }
 
@@ -97,13 +98,13 @@ impl MatrixFree {
         self.dofs
     }
 
-    /// Memory that the operator holds [bytes].
+    /// Memory that the operator holds, with the vector that it writes corner forces to [bytes].
     pub fn bytes(&self) -> usize {
         size_of_val(&self.batches[..])
             + size_of_val(&self.inner[..])
             + size_of_val(&self.cell_start[..])
             + size_of_val(&self.slots[..])
-            + size_of_val(&self.forces[..])
+            + size_of::<f64>() * FORCES * self.batches.len()
     }
 
     /// `y` = K `u`; both hold three numbers a node.
@@ -111,13 +112,21 @@ impl MatrixFree {
     /// # Panics
     /// Where a vector has another length.
     pub fn apply(&mut self, u: &[f64], y: &mut [f64]) {
+        let mut forces = std::mem::take(&mut self.forces);
+        self.apply_with(u, y, &mut forces);
+        self.forces = forces;
+    }
+
+    /// As [`MatrixFree::apply`], with the caller's vector for the corner forces, which is given its length.
+    ///
+    /// # Panics
+    /// Where `u` or `y` has another length.
+    pub fn apply_with(&self, u: &[f64], y: &mut [f64], forces: &mut Vec<f64>) {
         assert_eq!((u.len(), y.len()), (self.dofs, self.dofs));
+        forces.resize(FORCES * self.batches.len(), 0.0);
         let (batches, inner) = (&self.batches, &self.inner);
         let (plain, simple) = (self.plain, self.simple);
-        let tasks = self
-            .forces
-            .par_chunks_mut(BATCHES_A_TASK * FORCES)
-            .enumerate();
+        let tasks = forces.par_chunks_mut(BATCHES_A_TASK * FORCES).enumerate();
         tasks.for_each(|(task, forces)| {
             let first = task * BATCHES_A_TASK;
             // The same source compiled for the vector unit that this machine has.
@@ -131,7 +140,7 @@ impl MatrixFree {
                 forces,
             });
         });
-        let (cell_start, slots, forces) = (&self.cell_start, &self.slots, &self.forces);
+        let (cell_start, slots, forces) = (&self.cell_start, &self.slots, &*forces);
         const NODES_A_TASK: usize = 1024;
         y.par_chunks_mut(3 * NODES_A_TASK)
             .enumerate()

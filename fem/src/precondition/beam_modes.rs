@@ -214,22 +214,31 @@ impl BeamModes {
 
     /// c = Z^T r, summed by nodes in a fixed order.
     pub fn project(&mut self, r: &[f64], c: &mut [f64]) {
+        let mut partial = std::mem::take(&mut self.partial);
+        self.project_with(r, c, &mut partial);
+        self.partial = partial;
+    }
+
+    /// As [`BeamModes::project`], with the caller's vector for the tasks' sums, which is given its length.
+    ///
+    /// # Panics
+    /// Where `r` does not hold three numbers a node.
+    pub fn project_with(&self, r: &[f64], c: &mut [f64], partial: &mut Vec<f64>) {
         assert_eq!(r.len(), 3 * self.points.len());
         let n = c.len();
-        let mut partial = std::mem::take(&mut self.partial);
-        let this = &*self;
+        partial.resize(self.points.len().div_ceil(NODES_A_TASK) * n, 0.0);
         partial
             .par_chunks_mut(n)
             .enumerate()
             .for_each(|(task, sums)| {
                 sums.fill(0.0);
-                let nodes = task * NODES_A_TASK..((task + 1) * NODES_A_TASK).min(this.points.len());
+                let nodes = task * NODES_A_TASK..((task + 1) * NODES_A_TASK).min(self.points.len());
                 for node in nodes {
-                    let (knot, motions) = this.local(node);
+                    let (knot, motions) = self.local(node);
                     let sums = &mut sums[MOTIONS * knot..];
                     for (motion, sum) in motions.as_flattened().iter().zip(sums) {
                         for i in 0..3 {
-                            if !this.held[3 * node + i] {
+                            if !self.held[3 * node + i] {
                                 *sum += motion[i] * r[3 * node + i];
                             }
                         }
@@ -242,7 +251,6 @@ impl BeamModes {
                 *c += sum;
             }
         }
-        self.partial = partial;
     }
 }
 

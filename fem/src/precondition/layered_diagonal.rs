@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::precondition::dense::{columns, columns_mut, product};
 use crate::precondition::elimination::{Elimination, End};
-use crate::precondition::single_precision::PlaneModes;
+use crate::precondition::single_precision::RoundedModes;
 use crate::tensor::axis::{Axis, AxisModes};
 use crate::tensor::operator::TensorOperator;
 
@@ -33,7 +33,7 @@ pub(crate) struct Component {
     pub x: AxisModes,
     pub y: AxisModes,
     pub z: Elimination,
-    rounded: PlaneModes,
+    rounded: RoundedModes,
     /// Where this component's modal values start.
     pub start: usize,
 }
@@ -179,7 +179,7 @@ impl Component {
             shift.extend(x.values.iter().map(|theta| coefficients[0] * theta + y));
         }
         let z = Elimination::new(z, held, coefficients[2], shift, end);
-        let rounded = PlaneModes::new(&x, &y);
+        let rounded = RoundedModes::new(&x, &y);
         Component {
             x,
             y,

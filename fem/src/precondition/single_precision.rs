@@ -11,7 +11,7 @@ use crate::tensor::axis::AxisModes;
 /// the power of two that brings its largest number to 1 or more and below 2, so nothing overflows, and what is lost is some
 /// 6e-8 sqrt(nx + ny) of that largest number.
 #[derive(Clone, Debug)]
-pub(crate) struct PlaneModes {
+pub(crate) struct RoundedModes {
     x: Mat<f32>,
     y: Mat<f32>,
 }
@@ -23,11 +23,11 @@ pub(crate) struct Room {
     modal: Vec<f32>,
 }
 
-impl PlaneModes {
+impl RoundedModes {
     /// Of the modes of both axes.
     pub fn new(x: &AxisModes, y: &AxisModes) -> Self {
         let rounded = |v: &Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
-        PlaneModes {
+        RoundedModes {
             x: rounded(&x.vectors),
             y: rounded(&y.vectors),
         }
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn products_are_those_in_double_precision_to_one_in_a_million_of_the_largest() {
         let (x, y) = modes();
-        let single = PlaneModes::new(&x, &y);
+        let single = RoundedModes::new(&x, &y);
         let mut room = single.room();
         let (qx, qy) = (&x.vectors, &y.vectors);
         let [[nx, mx], [ny, my]] = [qx, qy].map(|q| [q.nrows(), q.ncols()]);
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn zeros_stay_zeros_and_what_is_no_number_stays_none() {
         let (x, y) = modes();
-        let single = PlaneModes::new(&x, &y);
+        let single = RoundedModes::new(&x, &y);
         let mut room = single.room();
         let mut modal = vec![f64::NAN; x.values.len() * y.values.len()];
         let mut nodal = vec![0.0; x.vectors.nrows() * y.vectors.nrows()];

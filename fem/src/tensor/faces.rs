@@ -5,14 +5,14 @@ use crate::tensor::axis::{Axis, Tridiagonal};
 /// An end of z of one material: the terms with E = diag(-1, 0 .. 0, 1) of z,
 ///
 /// lambda D_x E_z M_y u_z in x, lambda D_y E_z M_x u_z in y and mu E_z (D_x M_y u_x + D_y M_x u_y) in z.
-pub(crate) struct EndPlane<'a> {
+pub(crate) struct FaceTerms<'a> {
     pub axes: [&'a Axis; 2],
     /// Lame constants times E's entry [Pa].
     pub lambda: f64,
     pub mu: f64,
 }
 
-impl EndPlane<'_> {
+impl FaceTerms<'_> {
     /// Adds to the plane's part of K u; `u` is its part by component, and `row` has room for a row.
     pub fn add(&self, u: [&[f64]; 3], row: &mut Vec<f64>, [out_x, out_y, out_z]: [&mut [f64]; 3]) {
         let [x, y] = self.axes;

@@ -4,7 +4,7 @@ use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
 use crate::tensor::axis::Axis;
-use crate::tensor::faces::EndPlane;
+use crate::tensor::faces::FaceTerms;
 use crate::tensor::factors::Factors;
 use crate::tensor::slab::{Pool, Scratch, band_height, part, walk};
 
@@ -230,7 +230,7 @@ impl TensorOperator {
                     let at = (k - first) * size;
                     let [x, y, _] = &self.axes;
                     let of = |c: usize| &u[(c * shape[2] + k) * size..][..size];
-                    let face = EndPlane {
+                    let face = FaceTerms {
                         axes: [x, y],
                         lambda: sign * factors.lambda,
                         mu: sign * factors.mu,

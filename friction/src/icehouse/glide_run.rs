@@ -6,7 +6,7 @@ use crate::icehouse::line_fit::{LineFit, fit_line};
 
 /// Specific gas constant of dry air [J/(kg K)].
 pub const GAS_CONSTANT_OF_AIR: f64 = 287.05;
-/// Standard gravity as the examples use it [m/s2].
+/// Gravity as the formats have it: an accelerometer at rest on level ice reads it [m/s2].
 pub const GRAVITY: f64 = 9.81;
 /// Share of the glided distance at either end that is not used, in which the athlete lies down and sits up.
 pub const SHARE_LEFT_OUT: f64 = 0.2;

@@ -65,6 +65,7 @@ fn exact_data_give_the_parameters_back() {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn corrected_intervals_cover_the_truth_where_least_squares_is_biased() {
     let cases = [
         (MagicFormula::PUBLISHED_FRONT, 0.006),

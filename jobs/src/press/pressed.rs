@@ -56,6 +56,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     let started = Instant::now();
     let options = Options {
         p_max_tolerance: loaded.case.accuracy.p_max,
+        stiffness: loaded.case.solver.stiffness.into(),
         ..options
     };
     let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;

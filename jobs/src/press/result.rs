@@ -20,6 +20,9 @@ impl Pressed {
                     "iterations": state.iterations,
                     "residual": state.residual,
                     "p_max_pa": state.p_max,
+                    "sweeps": state.sweeps,
+                    "accelerations": state.accelerations,
+                    "energy_j": state.energy,
                 })
             })
             .collect();
@@ -45,6 +48,7 @@ impl Pressed {
             "roll_rad": solution.roll,
             "fz_n": solution.fz,
             "kkt_residual": solution.kkt_residual,
+            "stiffness": if solution.assembled.is_empty() { "matrix-free" } else { "assembled" },
             "dofs": solution.dofs,
             "iterations": solution.iterations,
             "seconds": self.seconds,

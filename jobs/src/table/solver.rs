@@ -124,7 +124,11 @@ impl Solver {
         if let Load::Force { fz, .. } = &mut problem.load {
             *fz = point.fz;
         }
-        let solution = best(&problem, self.tolerance, Options::default())?;
+        let options = Options {
+            p_max_tolerance: self.tolerance,
+            ..self.loaded.case.options()
+        };
+        let solution = best(&problem, &options)?;
         self.loaded
             .fine_enough(self.hull.as_ref(), &solution)
             .map_err(SolveError::Hull)?;
@@ -196,36 +200,17 @@ fn at(point: &Point, failure: Failure) -> Failure {
     }
 }
 
-/// The solution at this tolerance or, where the largest mesh does not reach it, at the one that it does reach.
+/// The solution at this tolerance or, where the largest mesh does not reach it, the best one that there is.
 ///
 /// Its `p_max_error` tells which of the two it is: a table without such points would be no table.
-fn best(
-    problem: &Problem,
-    mut tolerance: f64,
-    mut options: Options,
-) -> Result<Solution, kufe_contact::Error> {
-    loop {
-        options.p_max_tolerance = tolerance;
-        match kufe_contact::solve(problem, &options) {
-            Err(kufe_contact::Error::AccuracyNotReached { estimate, .. })
-                if looser(tolerance, estimate) < LARGEST_ERROR =>
-            {
-                tolerance = looser(tolerance, estimate);
-            }
-            other => return other,
+fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::Error> {
+    match kufe_contact::solve(problem, options) {
+        Err(kufe_contact::Error::AccuracyNotReached { best, estimate, .. })
+            if estimate < LARGEST_ERROR =>
+        {
+            Ok(*best)
         }
-    }
-}
-
-/// The tolerance to ask for after one that was not reached.
-///
-/// The meshes depend on the tolerance, so a solve at the estimate need not reach it: a little less is asked for. One mesh
-/// alone gives no estimate; a looser tolerance begins with a coarser one.
-fn looser(tolerance: f64, estimate: f64) -> f64 {
-    if estimate.is_finite() {
-        1.1 * estimate.max(tolerance)
-    } else {
-        2.0 * tolerance
+        other => other,
     }
 }
 
@@ -264,12 +249,13 @@ mod tests {
 
     #[test]
     fn a_point_short_of_its_tolerance_keeps_the_best_answer_with_its_error() {
+        let asked = 1e-4;
         let small = Options {
             max_dofs: 100_000,
+            p_max_tolerance: asked,
             ..Options::default()
         };
-        let asked = 1e-4;
-        let solution = best(&paraboloid(), asked, small).expect("an answer");
+        let solution = best(&paraboloid(), &small).expect("an answer");
         let error = solution.p_max_error / solution.p_max;
         assert!(error > asked && error < LARGEST_ERROR, "{error}");
         // Hertz's peak of this contact.
@@ -280,10 +266,11 @@ mod tests {
     fn a_point_that_no_mesh_comes_near_is_an_error() {
         let tiny = Options {
             max_dofs: 100,
+            p_max_tolerance: 1e-4,
             ..Options::default()
         };
         assert!(matches!(
-            best(&paraboloid(), 1e-4, tiny),
+            best(&paraboloid(), &tiny),
             Err(kufe_contact::Error::AccuracyNotReached { .. })
         ));
     }

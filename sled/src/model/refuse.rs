@@ -8,7 +8,7 @@ use crate::error::Error;
 ///
 /// # Errors
 /// [`Error::Keys`] with the file, the effect and the column.
-pub(crate) fn refuse(effects: &Effects, absent: &[&str], file: &str) -> Result<(), Error> {
+pub fn refuse_effects(effects: &Effects, absent: &[&str], file: &str) -> Result<(), Error> {
     let there: Vec<&str> = effects
         .active
         .iter()

@@ -1,19 +1,8 @@
 //! Air: density and the drag of a sled that flies a little sideways.
 
+pub use kufe_friction::{GAS_CONSTANT_OF_AIR as GAS_CONSTANT_AIR, air_density};
+
 use crate::model::sled::Sled;
-
-/// Specific gas constant of dry air [J/(kg K)].
-pub const GAS_CONSTANT_AIR: f64 = 287.05;
-
-/// Density of dry air [kg/m3], `rho = p / (R T)`, from pressure [Pa] and temperature [degrees Celsius].
-///
-/// ```
-/// // ICAO standard atmosphere at sea level.
-/// assert!((kufe_sled::aero::air_density(101_325.0, 15.0) - 1.225).abs() < 1e-3);
-/// ```
-pub fn air_density(pressure_pa: f64, temperature_c: f64) -> f64 {
-    pressure_pa / (GAS_CONSTANT_AIR * (temperature_c + 273.15))
-}
 
 /// Drag area [m2] at the chassis slip angle `beta` [rad]: `c_d A (1 + k |beta in degrees|)`.
 ///

@@ -12,13 +12,14 @@
 //! gravity. Fits, validation, evaluation, simulation and discovery all take their forces and balances from here.
 
 use kufe_effect::{self as effects, Active, Conditions, Forces, Sensor, Signals};
+use kufe_friction::GRAVITY;
 
 use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero;
 use crate::motion::axles::turned;
 use crate::motion::law_forces::LawForces;
-use crate::motion::state::{AxleForces, GRAVITY, Motion, Resultant, State};
+use crate::motion::state::{AxleForces, Motion, Resultant, State};
 
 /// One instant of a sled, with the angles and the air that its forces need again and again.
 #[derive(Clone, Copy, Debug)]

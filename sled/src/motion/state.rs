@@ -2,9 +2,6 @@
 
 use kufe_effect::Conditions;
 
-/// Gravity as the format's conventions have it: an accelerometer at rest on level ice reads it [m/s2].
-pub const GRAVITY: f64 = 9.81;
-
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {

@@ -3,7 +3,7 @@
 use kufe_effect::{Conditions, Effects};
 
 use crate::error::Error;
-use crate::model::refuse::refuse;
+use crate::model::refuse::refuse_effects;
 use crate::model::vehicle::Vehicle;
 use crate::record::index::MORE_INDEX_COLUMNS;
 use crate::record::run::Run;
@@ -64,7 +64,7 @@ impl Further {
             .filter(|(_, value)| matches!(value, Stated::Nowhere))
             .map(|(name, _)| *name);
         let absent: Vec<&str> = nowhere.chain(NEVER).collect();
-        refuse(effects, &absent, &run.entry.file.display().to_string())?;
+        refuse_effects(effects, &absent, &run.entry.file.display().to_string())?;
         Ok(further)
     }
 

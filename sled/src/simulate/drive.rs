@@ -1,7 +1,7 @@
 //! Driving a track: fixed steps of fourth order.
 
 use crate::error::Error;
-use crate::model::refuse::refuse;
+use crate::model::refuse::refuse_effects;
 use crate::model::vehicle::Vehicle;
 use crate::simulate::driver::Driver;
 use crate::simulate::dynamics::{Before, COUNT, Instant, Unknowns, World};
@@ -71,7 +71,7 @@ pub fn simulate(
     let every = steps_an_interval(options)?;
     let vehicle = &vehicle.on_track(&track.name);
     let conditions = options.conditions.or(&vehicle.conditions);
-    refuse(&vehicle.effects, &conditions.absent(), "simulation")?;
+    refuse_effects(&vehicle.effects, &conditions.absent(), "simulation")?;
     let dt_s = 1.0 / options.rate_hz;
     let h = dt_s / every as f64;
     let world = World {

@@ -1,10 +1,12 @@
 //! Equations of motion of the one-track sled on a track.
 
+use kufe_friction::GRAVITY;
+
 use crate::model::vehicle::Vehicle;
 use crate::motion::axles::normal_forces;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::forces_at;
-use crate::motion::state::{AxleForces, GRAVITY, Motion, State};
+use crate::motion::state::{AxleForces, Motion, State};
 use crate::motion::transfer::{Slips, slips};
 use crate::record::index::Conditions;
 use crate::simulate::driver::{Driver, Mood};

@@ -1,5 +1,6 @@
 //! A sample data set: 44 simulated runs of five drivers on two tracks, with the truth stated.
 
+use kufe_friction::GRAVITY;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -7,7 +8,6 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
-use crate::motion::state::GRAVITY;
 use crate::record::index::Conditions;
 use crate::record::run::Run;
 use crate::simulate::drive::simulate;

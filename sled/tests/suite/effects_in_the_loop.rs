@@ -2,7 +2,7 @@
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Model, PrepareOptions, Run, SimulateOptions, Simulated, TrackShape, Vehicle,
+    Driver, Left, Model, PrepareOptions, Run, SimulateOptions, Simulated, TrackShape, Vehicle,
     prepare_all, record, simulate, simulated_entry, validate,
 };
 
@@ -54,6 +54,76 @@ fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
             "{name}: {explained} against {unexplained}"
         );
         assert!(unexplained > 2.0, "{name} does nothing: {unexplained}");
+    }
+}
+
+/// What a run's balances leave with the effects of `tables` in its model, and without.
+fn left_with_and_without(tables: &str) -> [Left; 2] {
+    let text = format!("{}\n{tables}\n", Model::published().to_toml());
+    let model = Model::from_toml(&text, "m.toml").unwrap();
+    let with = Vehicle::with_effects(&model).unwrap();
+    let (simulated, run) = driven(&with);
+    assert!(simulated.energy.relative_error() < 1e-6, "{tables}");
+    [with, Vehicle::new(&model).unwrap()].map(|vehicle| {
+        let runs = std::slice::from_ref(&run);
+        let noise = model.noise.as_ref();
+        let prepared = prepare_all(runs, &vehicle, noise, &PrepareOptions::default());
+        validate(&prepared.unwrap(), &vehicle)[0].left_rms
+    })
+}
+
+#[test]
+fn every_channels_fault_and_the_inertia_are_explained_in_the_balance_where_they_show() {
+    let side: fn(&Left) -> f64 = |left| left.side_n;
+    let along: fn(&Left) -> f64 = |left| left.along_n;
+    let yaw: fn(&Left) -> f64 = |left| left.yaw_nm;
+    let own = "[effects.mine]\nvalue = 1.0\n";
+    for (tables, balance, share) in [
+        (
+            "[effects.yaw-rate-scale]\nfactor = 0.1".to_owned(),
+            side,
+            0.02,
+        ),
+        (
+            "[effects.yaw-rate-bias]\noffset_radps = 0.02".to_owned(),
+            side,
+            0.02,
+        ),
+        // A lag is taken out to first order in its time only.
+        ("[effects.steer-lag]\ntime_s = 0.03".to_owned(), side, 0.25),
+        (
+            "[effects.speed-scale]\nfactor = 0.05".to_owned(),
+            along,
+            0.02,
+        ),
+        ("[effects.yaw-inertia]\nfactor = 0.3".to_owned(), yaw, 0.1),
+        (
+            format!(
+                "{own}channel = \"sensor:yaw_rate_radps\"\nexpression = \"0.1 * yaw_rate_radps\""
+            ),
+            side,
+            0.02,
+        ),
+        (
+            format!(
+                "{own}channel = \"sensor:ay_mps2\"\nexpression = \"0.02 * az_mps2 + 0.001 * v_mps\""
+            ),
+            side,
+            0.02,
+        ),
+        (
+            format!("{own}channel = \"yaw\"\nexpression = \"v_mps^2 * delta_rad\""),
+            yaw,
+            0.1,
+        ),
+    ] {
+        let [explained, unexplained] = left_with_and_without(&tables).map(|left| balance(&left));
+        println!("{tables}: {explained:.3} with it, {unexplained:.3} without");
+        assert!(unexplained > 2.0, "{tables} does nothing: {unexplained}");
+        assert!(
+            explained < share * unexplained,
+            "{tables}: {explained} against {unexplained}"
+        );
     }
 }
 

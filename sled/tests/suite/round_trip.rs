@@ -38,6 +38,7 @@ fn runs(model: &Model, seed: u64) -> Vec<Run> {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_intervals() {
     let mut model = Model::published();
     // Every lever arm at work.

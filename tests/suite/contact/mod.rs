@@ -1,5 +1,7 @@
 //! Contacts against closed forms, textbooks and other programs.
 
+mod assembled;
+mod energy;
 mod hertz;
 mod ice;
 mod methods;

@@ -7,3 +7,4 @@ mod hull_rocker;
 mod mesh;
 mod one_case;
 mod series;
+mod stiffness;

@@ -10,16 +10,13 @@ use kufe_blind::catalogue::chosen;
 use kufe_blind::score::{Options, score};
 use serde_json::Value;
 
+use crate::kufe::json;
+
 fn kufe(words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_kufe"))
         .args(words)
         .output()
         .expect("the command runs")
-}
-
-fn json(path: &Path) -> Value {
-    let text = std::fs::read_to_string(path).expect("a result");
-    serde_json::from_str(&text).expect("JSON")
 }
 
 /// Solves a case and gives its `result.json`.

@@ -1,17 +1,11 @@
 //! `kufe discover` on runs that are wrong, too few or lack something.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
-fn kufe(folder: &Path, words: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_kufe"))
-        .current_dir(folder)
-        .args(words)
-        .output()
-        .expect("the command runs")
-}
+use crate::kufe::kufe;
 
 fn discover(folder: &Path) -> Output {
     kufe(

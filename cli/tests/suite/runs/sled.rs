@@ -1,38 +1,6 @@
 //! `kufe simulate`, `fit lateral`, `validate` and `evaluate` as a user meets them.
 
-use std::path::Path;
-use std::process::{Command, Output};
-
-use serde_json::Value;
-
-fn kufe(folder: &Path, words: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_kufe"))
-        .current_dir(folder)
-        .args(words)
-        .output()
-        .expect("the command runs")
-}
-
-fn succeeds(folder: &Path, words: &[&str]) -> String {
-    let output = kufe(folder, words);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{words:?}: {told}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn refused(folder: &Path, words: &[&str], code: i32, parts: &[&str]) {
-    let output = kufe(folder, words);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{words:?}: {told}");
-    for part in parts {
-        assert!(told.contains(part), "{words:?}: no {part:?} in {told}");
-    }
-}
-
-fn json(path: &Path) -> Value {
-    let text = std::fs::read_to_string(path).expect("a result");
-    serde_json::from_str(&text).expect("JSON")
-}
+use crate::kufe::{json, refused, succeeds};
 
 #[test]
 fn sample_data_goes_through_fit_validation_and_evaluation() {

@@ -76,7 +76,7 @@ impl Device {
     ///
     /// # Errors
     /// [`Error::Device`].
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(in crate::gpu) fn check(&self) -> Result<(), Error> {
         let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         match &*failure {
             Some(reason) => Err(Error::Device {

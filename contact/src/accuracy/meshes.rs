@@ -1,0 +1,271 @@
+//! Finer and finer meshes of one problem, and what they say together.
+
+use std::cell::RefCell;
+
+use kufe_fem::Material;
+
+use crate::accuracy::extrapolation::{Extrapolation, Raw, Sequence, first_resolution};
+use crate::accuracy::mesh_solve::{Forces, MeshSolve};
+use crate::accuracy::scout::scout;
+use crate::active_set::progress::{Progress, SetUpdate};
+use crate::bodies::elastic_body::ElasticBody;
+use crate::grid::assembled::assemble;
+use crate::grid::contact_mesh::State;
+use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::patch::Patch;
+use crate::grid::zones::Resolution;
+use crate::problem::check::check;
+use crate::problem::gap::Gap;
+use crate::result::answer::Answer;
+use crate::result::pressure::{Field, Pressure};
+use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
+
+/// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew, with as many cells: two
+/// meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
+const COARSE: f64 = 0.6;
+
+/// How often a mesh is graded anew; each time its cells may become three times smaller.
+const REGRADINGS: usize = 6;
+
+/// Ratio of the resolutions of successive meshes.
+const REFINEMENT: f64 = 1.5;
+
+/// Fewest cells over half the patch where the limit of unknowns leaves no more.
+const FEWEST: f64 = 2.0;
+
+/// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
+fn growth(cells: f64) -> f64 {
+    3.0 / cells
+}
+
+/// What is known of a problem, mesh by mesh.
+pub(crate) struct Meshes<'a> {
+    problem: &'a Problem,
+    options: &'a Options,
+    gap: Gap<'a>,
+    material: Material,
+    /// Where contact is expected, and the forces found last.
+    patch: Patch,
+    forces: Forces,
+    /// Cells over half the patch of the next mesh.
+    cells: f64,
+    number: usize,
+    solved: Sequence,
+    /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
+    graded_anew: bool,
+    regraded: usize,
+    history: Vec<Iterate>,
+}
+
+/// The contact on one mesh.
+pub(crate) struct Contact {
+    mesh: Discretisation,
+    state: State,
+    progress: Progress,
+    pressure: Pressure,
+    dofs: usize,
+}
+
+/// What is to be done after a mesh.
+pub(crate) enum Verdict {
+    /// The accuracy asked is reached, with this limit of fine meshes.
+    Reached(Extrapolation),
+    /// Another mesh is needed.
+    Refine(Plan),
+    /// Another mesh is needed and would have too many unknowns; what the meshes tend to, where that is known.
+    OutOfReach(Option<Extrapolation>),
+}
+
+/// The next mesh.
+pub(crate) struct Plan {
+    /// Graded anew with as many cells, or in the same proportions with more.
+    anew: bool,
+}
+
+impl<'a> Meshes<'a> {
+    /// Checks the problem and finds the patch on the contact plane alone.
+    pub fn guess(problem: &'a Problem, options: &'a Options) -> Result<Self, Error> {
+        let material = check(problem, options)?;
+        let gap = Gap::new(problem)?;
+        let (patch, forces) = scout(problem, &gap, material, options)?;
+        let cells = options.cells.map_or_else(
+            || first_resolution(options.p_max_tolerance, patch.is_even()),
+            |c| c as f64,
+        );
+        Ok(Meshes {
+            problem,
+            options,
+            gap,
+            material,
+            patch,
+            forces,
+            cells,
+            number: 0,
+            solved: Sequence::new(),
+            graded_anew: false,
+            regraded: 0,
+            history: Vec::new(),
+        })
+    }
+
+    /// Solves the next mesh.
+    pub fn solve_next(&mut self) -> Result<Contact, Error> {
+        let mut mesh = self.next_mesh()?;
+        if self.options.stiffness == StiffnessForm::Assembled {
+            let elastic = self.problem.runner.elastic.as_ref();
+            let element = elastic.map(|e| e.element_kind());
+            assemble(&mut mesh, element, self.options.max_stiffness_bytes)?;
+        }
+        let dofs = dofs(&mesh);
+        let told = RefCell::new(Vec::new());
+        let field = Field::new(&mesh, self.problem, &self.patch);
+        let copies: f64 = mesh
+            .symmetry
+            .iter()
+            .map(|&s| if s { 2.0 } else { 1.0 })
+            .product();
+        let tell = |update: &SetUpdate, state: &State| {
+            let iterate = Iterate {
+                level: self.number,
+                dofs,
+                contact_nodes: update.contact_nodes,
+                iterations: update.iterations,
+                residual: update.residual,
+                p_max: field.p_max(state),
+                sweeps: update.counts.sweeps,
+                accelerations: update.counts.accelerations,
+                energy: copies * update.energy,
+            };
+            if let Some(watcher) = &self.options.progress {
+                watcher(&iterate);
+            }
+            told.borrow_mut().push(iterate);
+        };
+        let (state, progress) = MeshSolve {
+            problem: self.problem,
+            material: self.material,
+            mesh: &mesh,
+            options: self.options,
+            tell: &tell,
+        }
+        .solve(self.patch.motion, &self.forces)?;
+        let pressure = field.of(&state);
+        self.history.append(&mut told.into_inner());
+        self.number += 1;
+        self.forces = Forces::of(&mesh, &state);
+        let raw = Raw {
+            cells: self.resolution().real_cells(mesh.symmetry),
+            p_max: pressure.figures.p_max,
+            approach: mesh.contact.depth(&state),
+        };
+        self.solved.push(raw, self.graded_anew);
+        Ok(Contact {
+            mesh,
+            state,
+            progress,
+            pressure,
+            dofs,
+        })
+    }
+
+    fn resolution(&self) -> Resolution {
+        Resolution {
+            cells: self.cells,
+            growth: growth(self.cells),
+        }
+    }
+
+    /// The next mesh; the first one so that the limit of unknowns leaves room for a second, to tell an error by.
+    fn next_mesh(&mut self) -> Result<Discretisation, Error> {
+        loop {
+            let mesh = MeshPlan {
+                problem: self.problem,
+                gap: &self.gap,
+                material: self.material,
+                patch: &self.patch,
+                resolution: self.resolution(),
+                reach: Reach::Patch,
+            }
+            .mesh()?;
+            let room = self.options.max_dofs as f64 / (dofs(&mesh) as f64 * REFINEMENT.powi(3));
+            let first = self.number == 0 && self.options.cells.is_none();
+            if !first || room >= 1.0 || self.cells <= FEWEST {
+                return Ok(mesh);
+            }
+            let fewer = (self.cells * room.cbrt()).floor().min(self.cells - 1.0);
+            self.cells = fewer.max(FEWEST);
+        }
+    }
+
+    /// Whether the meshes solved so far are enough, and else what comes next.
+    pub fn judge(&self, contact: &Contact) -> Verdict {
+        let raw = &contact.pressure.figures;
+        if self.options.cells.is_some() {
+            return Verdict::Reached(Extrapolation {
+                p_max: raw.p_max,
+                error: f64::INFINITY,
+                approach: contact.mesh.contact.depth(&contact.state),
+            });
+        }
+        let limit = self.solved.limit(self.patch.is_even());
+        let anew = self.regraded < REGRADINGS
+            && contact.pressure.patch.wants_finer_than(&self.patch, COARSE);
+        let reached = |l: &Extrapolation| l.error <= self.options.p_max_tolerance * l.p_max;
+        // That a finer grading changes nothing is as good as that no finer one is wanted.
+        let graded = !anew || self.graded_anew;
+        if let Some(limit) = limit.filter(|l| graded && reached(l)) {
+            return Verdict::Reached(limit);
+        }
+        let more = if anew { REFINEMENT } else { REFINEMENT.powi(3) };
+        if contact.dofs as f64 * more > self.options.max_dofs as f64 {
+            return Verdict::OutOfReach(limit);
+        }
+        Verdict::Refine(Plan { anew })
+    }
+
+    /// Prepares the mesh that a verdict asks for.
+    pub fn refine(&mut self, contact: Contact, plan: Plan) {
+        let found = contact.pressure.patch;
+        self.graded_anew = plan.anew;
+        if plan.anew {
+            self.regraded += 1;
+            self.patch = found;
+        } else {
+            self.patch = found.with_sizes_of(&self.patch);
+            self.cells = (self.cells * REFINEMENT).round();
+        }
+    }
+
+    /// The solution that the last mesh and the limit of all make.
+    pub fn solution(self, contact: Contact, limit: Extrapolation) -> Solution {
+        Answer {
+            problem: self.problem,
+            gap: &self.gap,
+            mesh: contact.mesh,
+            state: contact.state,
+            progress: contact.progress,
+            pressure: contact.pressure,
+            dofs: contact.dofs,
+        }
+        .solution(limit, self.history)
+    }
+
+    /// The best solution there is, as an error that says how far it is from what was asked.
+    pub fn out_of_reach(self, contact: Contact, limit: Option<Extrapolation>) -> Error {
+        let best = limit.unwrap_or_else(|| Extrapolation {
+            p_max: contact.pressure.figures.p_max,
+            error: f64::INFINITY,
+            approach: contact.mesh.contact.depth(&contact.state),
+        });
+        Error::AccuracyNotReached {
+            dofs: contact.dofs,
+            estimate: best.error / best.p_max,
+            tolerance: self.options.p_max_tolerance,
+            best: Box::new(self.solution(contact, best)),
+        }
+    }
+}
+
+fn dofs(mesh: &Discretisation) -> usize {
+    mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
+}

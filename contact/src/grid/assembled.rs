@@ -1,0 +1,75 @@
+//! The stiffness of a mesh's bodies, assembled.
+
+use std::sync::Arc;
+
+use kufe_fem::{Body, ElementKind, SparseStiffness};
+
+use crate::Error;
+use crate::bodies::hexahedra::hexahedra;
+use crate::bodies::stiffness::Stiffness;
+use crate::grid::contact_mesh::ContactMesh;
+use crate::grid::discretise::Discretisation;
+use crate::result::solution::AssembledBody;
+
+/// Assembles the stiffness of every body of a mesh, to be multiplied with from now on.
+///
+/// `element` is that of a runner whose hexahedra are none of tensor shape.
+///
+/// # Errors
+/// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes, [`Error::RunnerMesh`].
+pub(crate) fn assemble(
+    mesh: &mut Discretisation,
+    element: Option<ElementKind>,
+    limit: u64,
+) -> Result<(), Error> {
+    let mut left = limit;
+    let mut of = |body: &Body| {
+        let made = SparseStiffness::assemble(body, left).map_err(named)?;
+        left = left.saturating_sub(made.bytes() as u64);
+        Ok::<_, Error>(Some(Arc::new(made)))
+    };
+    for body in &mut mesh.contact.bodies {
+        body.assembled = match (&body.stiffness, &mesh.runner_mesh) {
+            (Stiffness::Solid(solid), _) => of(solid.body())?,
+            (Stiffness::Mapped { .. }, Some(runner)) => {
+                let kind = element.unwrap_or_default();
+                let solid = Body::uniform(runner.clone(), body.material, kind);
+                of(&solid.map_err(named)?)?
+            }
+            (Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. }, _) => {
+                of(&hexahedra(grid, body.material).map_err(named)?)?
+            }
+        };
+    }
+    Ok(())
+}
+
+fn named(error: kufe_fem::Error) -> Error {
+    match error {
+        kufe_fem::Error::MatrixTooLarge {
+            dofs,
+            needed,
+            limit,
+        } => Error::StiffnessTooLarge {
+            dofs,
+            needed,
+            limit,
+        },
+        error => Error::RunnerMesh {
+            reason: error.to_string(),
+        },
+    }
+}
+
+/// The assembled bodies with what is held of them; none where nothing was assembled.
+pub(crate) fn assembled_bodies(contact: &ContactMesh) -> Vec<AssembledBody> {
+    let bodies = ["ice", "runner"].into_iter().zip(&contact.bodies);
+    let assembled = bodies.filter_map(|(name, body)| {
+        Some(AssembledBody {
+            name,
+            stiffness: body.assembled.clone()?,
+            held: body.held_entries(),
+        })
+    });
+    assembled.collect()
+}

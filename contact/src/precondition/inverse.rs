@@ -1,0 +1,59 @@
+//! A body's preconditioner, in two halves with the contact plane between them.
+
+use faer::Mat;
+
+use crate::precondition::factored::FactoredInverse;
+use crate::precondition::mounted::MountedInverse;
+use crate::precondition::planewise::PlanewiseInverse;
+use crate::precondition::work::InverseWork;
+
+/// M^-1, spectrally equivalent to the inverse of the stiffness.
+///
+/// A beginning tells how a residual would close the gap; then the forces on the contact plane that answer to it are known,
+/// and the finish takes them into the step. So one application serves both.
+pub(crate) enum Inverse {
+    /// Of a body that nothing but faces of its tensor grid hold.
+    Planewise(Box<PlanewiseInverse>),
+    /// Of a body with a mount.
+    Mounted(Box<MountedInverse>),
+    /// Of a solid, exact.
+    Factored(FactoredInverse),
+}
+
+impl Inverse {
+    /// Vectors for the methods below.
+    pub fn work(&self) -> InverseWork {
+        match self {
+            Inverse::Planewise(inverse) => inverse.work(),
+            Inverse::Mounted(inverse) => inverse.work(),
+            Inverse::Factored(inverse) => inverse.work(),
+        }
+    }
+
+    /// `closing` += B M^-1 `residual`, and keeps M^-1 `residual` in `work`.
+    pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
+        match self {
+            Inverse::Planewise(inverse) => inverse.begin(residual, closing, work),
+            Inverse::Mounted(inverse) => inverse.begin(residual, closing, work),
+            Inverse::Factored(inverse) => inverse.begin(residual, closing, work),
+        }
+    }
+
+    /// `step` = M^-1 (residual - B^T m) for the forces m on nodes.
+    pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
+        match self {
+            Inverse::Planewise(inverse) => inverse.finish(multipliers, step, work),
+            Inverse::Mounted(inverse) => inverse.finish(multipliers, step, work),
+            Inverse::Factored(inverse) => inverse.finish(multipliers, step, work),
+        }
+    }
+
+    /// B M^-1 B^T between plane nodes, and that with the fast-diagonalisation part scaled to elasticity's response.
+    pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
+        match self {
+            Inverse::Planewise(inverse) => inverse.green(nodes),
+            Inverse::Mounted(inverse) => inverse.green(nodes),
+            Inverse::Factored(inverse) => inverse.green(nodes),
+        }
+    }
+}
