@@ -67,7 +67,7 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
         let missing: Vec<&str> = needed.filter(|c| !varies(c)).collect();
         if !missing.is_empty() {
             untestable.push((info.name.to_owned(), needs(&missing)));
-        } else if let Some(candidate) = of_catalogue(*effect) {
+        } else if let Some(candidate) = of_catalogue(effect) {
             candidates.push(candidate);
         }
     }

@@ -42,7 +42,7 @@ pub fn screen_maps(
             continue;
         }
         progress(name);
-        let line = LineSearch::start(simulations, active, *effect, steps.get(name).copied());
+        let line = LineSearch::start(simulations, active, effect, steps.get(name).copied());
         if let Some(mut line) = line {
             steps.insert(name, line.first_step());
             if effect.search.growth == Growth::Far {

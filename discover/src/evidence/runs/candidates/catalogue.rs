@@ -69,7 +69,7 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 typical: parameter.typical,
                 decides: info.decides.to_owned(),
                 act: Amplitude {
-                    kind: Kind::Catalogue(*effect),
+                    kind: Kind::Catalogue(effect),
                     parameter: index,
                     level: info.level(),
                     values: defaults.clone(),
