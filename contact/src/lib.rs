@@ -63,14 +63,15 @@ mod solve;
 
 pub use error::Error;
 pub use options::{Method, Options, Watcher};
-pub use problem::contact_problem::{
-    Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,
-};
+pub use problem::contact_problem::Problem;
 pub use problem::gap::track_height;
+pub use problem::ice::{Bed, Foundation, Ice};
 pub use problem::ice_properties::{
     ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus,
 };
+pub use problem::load::{Load, Tilt};
 pub use problem::mount::{LoadedPlace, Mount, Place};
+pub use problem::runner::{ElasticRunner, Runner};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
