@@ -68,14 +68,15 @@ pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;
 pub use options::{Method, Options, StiffnessForm, Watcher};
-pub use problem::contact_problem::{
-    Bed, ElasticRunner, Foundation, Ice, Load, Problem, Runner, Tilt,
-};
+pub use problem::contact_problem::Problem;
 pub use problem::gap::track_height;
+pub use problem::ice::{Bed, Foundation, Ice};
 pub use problem::ice_properties::{
     ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus,
 };
+pub use problem::load::{Load, Tilt};
 pub use problem::mount::{LoadedPlace, Mount, Place};
+pub use problem::runner::{ElasticRunner, Runner};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};

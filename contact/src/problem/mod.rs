@@ -3,6 +3,9 @@
 pub(crate) mod check;
 pub(crate) mod contact_problem;
 pub(crate) mod gap;
+pub(crate) mod ice;
 pub(crate) mod ice_properties;
+pub(crate) mod load;
 pub(crate) mod mount;
+pub(crate) mod runner;
 pub(crate) mod runner_solid;

@@ -1,0 +1,56 @@
+//! The pressed body and what carries it.
+
+/// The pressed body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ice {
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// What the ice rests on.
+    pub foundation: Foundation,
+    /// Largest pressure the surface bears, where one is stated [Pa].
+    pub hardness: Option<f64>,
+}
+
+impl Ice {
+    /// Elastic ice without end, of a Young's modulus [Pa] and a Poisson's ratio.
+    pub fn half_space(youngs_modulus: f64, poissons_ratio: f64) -> Self {
+        Ice {
+            youngs_modulus,
+            poissons_ratio,
+            foundation: Foundation::HalfSpace,
+            hardness: None,
+        }
+    }
+}
+
+/// What carries the ice from below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Foundation {
+    /// Ice without end: the far field is that of a half-space.
+    HalfSpace,
+    /// A layer bonded to a rigid bed.
+    RigidBed {
+        /// Thickness of the layer [m].
+        thickness: f64,
+    },
+    /// A layer bonded to an elastic one, which is bonded to a rigid bed: ice on the concrete of a track.
+    ElasticBed {
+        /// Thickness of the ice [m].
+        thickness: f64,
+        /// What it is bonded to.
+        bed: Bed,
+    },
+}
+
+/// An elastic layer under the ice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bed {
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Thickness [m].
+    pub thickness: f64,
+}
