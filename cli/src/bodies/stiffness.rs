@@ -78,7 +78,7 @@ pub fn write_stiffness(
 /// What the rows and columns are, and which of them are held.
 fn comments(title: String, solution: &Solution) -> Vec<String> {
     let mut lines = vec![
-        format!("StiffnessForm of {title} [N/m]"),
+        format!("Stiffness of {title} [N/m]"),
         "Displacements count from 1, body after body; in a body component after component (x, y, z), node by node.".into(),
         "Nothing is taken out: every body is free here and has its six rigid motions. Without the rows and columns".into(),
         "that are listed as held (by outer faces, mirror planes or a mount) the matrix is positive definite.".into(),
