@@ -39,7 +39,8 @@ pub struct Options {
     pub p_max_tolerance: f64,
     /// Relative energy-norm residual of the equations on each mesh.
     pub residual: f64,
-    /// Largest number of unknowns of a mesh.
+    /// Largest number of unknowns that a mesh is expected to have when its resolution is chosen: 1.5^3 times those of the last
+    /// one. The mesh itself may have about a tenth more, and the coarsest one is solved whatever it has.
     pub max_dofs: usize,
     /// Where given, one mesh with this many cells over half the patch is solved instead of refining to
     /// `p_max_tolerance`; the reported error is then infinite.

@@ -58,4 +58,59 @@ mod tests {
         assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
         Ok(())
     }
+
+    fn paraboloid() -> Result<Problem, Box<dyn std::error::Error>> {
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+        let ice = Ice::half_space(9e9, 0.33);
+        Ok(Problem::new(runner, ice, Load::central(1000.0, Tilt::Free)))
+    }
+
+    #[test]
+    fn what_does_not_reach_its_accuracy_holds_the_best_solution_with_its_error()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let options = Options {
+            max_dofs: 100_000,
+            p_max_tolerance: 1e-4,
+            ..Options::default()
+        };
+        let Err(Error::AccuracyNotReached {
+            best,
+            dofs,
+            estimate,
+            ..
+        }) = solve(&paraboloid()?, &options)
+        else {
+            return Err("more was reached than asked".into());
+        };
+        // The limit is on what is expected of a mesh; the second one came out at 108 thousand.
+        assert!(dofs <= 115_000 && dofs == best.dofs, "{dofs}");
+        assert!(best.history.iter().any(|i| i.level == 1));
+        assert!((best.p_max_error / best.p_max - estimate).abs() < 1e-12);
+        // Hertz's peak of this contact.
+        let off = (best.p_max / 138.52e6 - 1.0).abs();
+        assert!(off < estimate && estimate < 0.02, "{off} {estimate}");
+        Ok(())
+    }
+
+    #[test]
+    fn updates_are_told_in_order_with_the_values_of_their_moment()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let told = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let kept = told.clone();
+        let options = Options {
+            progress: Some(Arc::new(move |i: &crate::Iterate| {
+                kept.lock().expect("no watcher has failed").push(*i);
+            })),
+            ..Options::default()
+        };
+        let solution = solve(&paraboloid()?, &options)?;
+        let told = told.lock().expect("no watcher has failed");
+        assert_eq!(*told, solution.history);
+        assert!(told.windows(2).all(|w| w[0].level <= w[1].level));
+        // Two sets of one mesh have two peaks: neither is given the other's.
+        let changed = |w: &[crate::Iterate]| w[0].level != w[1].level || w[0].p_max != w[1].p_max;
+        assert!(told.windows(2).all(changed));
+        assert!(told.iter().all(|i| (i.p_max / 138.5e6 - 1.0).abs() < 0.1));
+        Ok(())
+    }
 }
