@@ -1,5 +1,6 @@
 //! `result.json`.
 
+use kufe_contact::Iterate;
 use serde_json::{Value, json};
 
 use crate::case_json::case_json;
@@ -9,23 +10,7 @@ impl Pressed {
     /// The figures of a solve, the case that they belong to, and how they came about.
     pub fn document(&self) -> Value {
         let solution = &self.solution;
-        let history: Vec<Value> = solution
-            .history
-            .iter()
-            .map(|state| {
-                json!({
-                    "level": state.level,
-                    "dofs": state.dofs,
-                    "contact_nodes": state.contact_nodes,
-                    "iterations": state.iterations,
-                    "residual": state.residual,
-                    "p_max_pa": state.p_max,
-                    "sweeps": state.sweeps,
-                    "accelerations": state.accelerations,
-                    "energy_j": state.energy,
-                })
-            })
-            .collect();
+        let history: Vec<Value> = meshes(&solution.history).iter().map(line).collect();
         let fit = self.hull.as_ref().map(|hull| {
             let quality = hull.underside.quality();
             json!({
@@ -60,6 +45,36 @@ impl Pressed {
             "case": case_json(&self.loaded.case),
         })
     }
+}
+
+/// What happened on each mesh: its last state, with the iterations, sweeps and accelerations of all its contact sets.
+fn meshes(history: &[Iterate]) -> Vec<Iterate> {
+    history
+        .chunk_by(|a, b| a.level == b.level)
+        .map(|states| {
+            let sum = |count: fn(&Iterate) -> usize| states.iter().map(count).sum();
+            Iterate {
+                iterations: sum(|s| s.iterations),
+                sweeps: sum(|s| s.sweeps),
+                accelerations: sum(|s| s.accelerations),
+                ..states[states.len() - 1]
+            }
+        })
+        .collect()
+}
+
+fn line(mesh: &Iterate) -> Value {
+    json!({
+        "level": mesh.level,
+        "dofs": mesh.dofs,
+        "contact_nodes": mesh.contact_nodes,
+        "iterations": mesh.iterations,
+        "residual": mesh.residual,
+        "p_max_pa": mesh.p_max,
+        "sweeps": mesh.sweeps,
+        "accelerations": mesh.accelerations,
+        "energy_j": mesh.energy,
+    })
 }
 
 /// Largest resident memory of this process so far, where the system tells [bytes].
