@@ -90,3 +90,34 @@ fn a_hidden_effect_is_in_the_class_that_is_named() {
         );
     }
 }
+
+#[test]
+fn a_model_whose_effect_nothing_feeds_is_refused_by_name() {
+    let base = Model::published();
+    let humid = "\n[effects.humidity]\nslope_per_pct = 0.002\n";
+    let mut plan = sample_plan(3);
+    plan.truncate(6);
+    for planned in &mut plan {
+        planned.options.rate_hz = 100.0;
+        planned.options.step_s = 2.5e-3;
+        planned.options.most_s = 8.0;
+    }
+    let recorded = drive_sample(&plan, &base).unwrap();
+    let model = Model::from_toml(&(base.to_toml() + humid), "humid").unwrap();
+    let search = |model: &Model| {
+        let data = runs::prepare(&recorded, model, &BTreeMap::new()).unwrap();
+        let options = Options {
+            twins: 2,
+            flips: 99,
+            ..Options::default()
+        };
+        runs::search(&data, model, &options, &|_| {}).map(|found| found.report.verdict)
+    };
+    let refused = search(&model).unwrap_err().to_string();
+    assert!(
+        refused.contains("humidity") && refused.contains("humidity_pct"),
+        "{refused}"
+    );
+    let stated = base.to_toml() + humid + "\n[conditions]\nhumidity_pct = 60.0\n";
+    assert!(search(&Model::from_toml(&stated, "stated").unwrap()).is_ok());
+}

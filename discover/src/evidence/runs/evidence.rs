@@ -1,7 +1,7 @@
 //! Runs as evidence.
 
 use kufe_sled::effects::{CATALOGUE, Effects, Kind};
-use kufe_sled::{Model, Vehicle};
+use kufe_sled::{Model, Vehicle, refuse_effects};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, gap_of};
@@ -36,6 +36,13 @@ impl<'a> Campaign<'a> {
         // An effect of one's own without a value is a candidate, not a part of the model.
         own.active
             .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
+        for frame in &data.frames {
+            refuse_effects(
+                &own,
+                &frame.stated_nowhere(),
+                &format!("run {}", frame.name),
+            )?;
+        }
         let mut given = ResidualModel {
             vehicle: Vehicle::new(model)?,
             base: [1.0; 5],

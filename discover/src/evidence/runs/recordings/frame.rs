@@ -63,6 +63,16 @@ impl Frame {
         self.t.len()
     }
 
+    /// Columns that effects may ask for and that nothing states for this run.
+    pub fn stated_nowhere(&self) -> Vec<&'static str> {
+        let humidity = self.humidity_pct.is_finite() || self.extra.contains_key("humidity_pct");
+        if humidity {
+            Vec::new()
+        } else {
+            vec!["humidity_pct"]
+        }
+    }
+
     /// A signal at kept samples, low-passed and thinned to rows.
     pub fn rows(&self, x: &[f64]) -> Vec<f64> {
         self.sieve.smooth(x)

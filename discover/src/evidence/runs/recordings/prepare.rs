@@ -56,7 +56,12 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
         let own = signal_kernel(run.dt_s);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let mut frame = frame(run, &own, surveys)?;
-        frame.distance_before = run.entry.conditions.distance_m.unwrap_or(*travelled);
+        let stated = model.conditions.unwrap_or_default();
+        if let (true, Some(humidity)) = (frame.humidity_pct.is_nan(), stated.humidity_pct) {
+            frame.humidity_pct = humidity;
+        }
+        let distance = run.entry.conditions.distance_m.or(stated.distance_m);
+        frame.distance_before = distance.unwrap_or(*travelled);
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if segmented {
             frames = cut(&frame);
