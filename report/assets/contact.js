@@ -134,9 +134,9 @@ function convergence(data, charts, history) {
     series: [{ x: levels.map((s) => s.dofs), y: levels.map((s) => 1e-6 * s.p_max_pa), colour: "var(--accent)", points: true }],
   });
   history.replaceChildren(
-    el("p", { class: "soft" }, "Peak pressure on each mesh; the band is the extrapolated peak with its estimated error. Below, what the solver did on each: projected sweeps find the contact set, exact solves on it are accepted when the energy falls."),
-    table(["mesh", "unknowns", "nodes in contact", "sweeps", "accelerations", "iterations", "energy [mJ]", "residual", "peak [MPa]"],
-      data.history.map((s) => [String(s.level + 1), String(s.dofs), String(s.contact_nodes), figure(s.sweeps), figure(s.accelerations), String(s.iterations), figure(1e3 * s.energy_j), s.residual.toExponential(1), (1e-6 * s.p_max_pa).toFixed(2)])));
+    el("p", { class: "soft" }, "Peak pressure on each mesh; the band is the extrapolated peak with its estimated error. Below, what the solver did on each: nodes that touch, projected sweeps that find them, solves on the set that they found (accepted when the energy falls), and iterations of these."),
+    table(["mesh", "unknowns", "touching", "sweeps", "solves", "iterations", "energy [mJ]", "peak [MPa]"],
+      data.history.map((s) => [String(s.level + 1), String(s.dofs), String(s.contact_nodes), String(s.sweeps ?? "-"), String(s.accelerations ?? "-"), String(s.iterations), figure(1e3 * s.energy_j), (1e-6 * s.p_max_pa).toFixed(2)])));
 }
 
 /** The place of a plateau's middle: the point at or above `least` that is nearest to the mean of them all. */
