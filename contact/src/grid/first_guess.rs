@@ -190,7 +190,7 @@ impl Stations {
     }
 }
 
-/// Lowest gap on the line across at `x`: golden-section search on a curve with one valley.
+/// Gap at (`x`, `y0`); where no hull is above it, the lowest of 39 points on the line across over `range` [m].
 fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
     let here = gap.at(x, y0);
     if here.is_finite() {
