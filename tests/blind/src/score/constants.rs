@@ -129,7 +129,9 @@ pub fn constants(
         }
         for (key, value) in tried {
             let mut moved = defaults.clone();
-            write(&mut moved, &key, value);
+            if !key.is_empty() {
+                write(&mut moved, &key, value);
+            }
             save(&file, &moved)?;
             let options = Options {
                 first_seed: SEED,
