@@ -156,11 +156,11 @@ fn read_flush(value: &Value) -> Result<Flush, Error> {
 }
 
 fn read_nodes(axes: &Axes, quantities: &Map<String, Value>) -> Result<Vec<Solved>, Error> {
-    let names: Vec<&str> = (0..7).map(|n| figure(n).0).collect();
+    let names: Vec<&str> = (0..Solved::COUNT).map(|n| figure(n).0).collect();
     known(quantities, &names, "quantities")?;
     let mut shape = vec![axes.fz().len(), axes.curvature().len()];
     shape.extend(axes.rocker_radius().map(<[f64]>::len));
-    let mut figures = vec![[0.0; 7]; axes.node_count()];
+    let mut figures = vec![[0.0; Solved::COUNT]; axes.node_count()];
     for (n, name) in names.iter().enumerate() {
         let place = format!("quantities.{name}");
         let map = object(get(quantities, name, "quantities")?, &place)?;
@@ -218,7 +218,7 @@ fn read_check(value: &Value, place: &str, axes: &Axes) -> Result<Check, Error> {
             Some(radius)
         }
     };
-    let mut figures = [0.0; 7];
+    let mut figures = [0.0; Solved::COUNT];
     for (figure, key) in figures.iter_mut().zip(Solved::KEYS) {
         *figure = at(key)?;
     }

@@ -183,7 +183,7 @@ fn split_checksum(record: &Value) -> Result<(Map<String, Value>, String), Error>
 
 fn read_figures(body: &Map<String, Value>) -> Result<Solved, Error> {
     let result = object(get(body, "result", "the file")?, "result")?;
-    let mut figures = [0.0; 7];
+    let mut figures = [0.0; Solved::COUNT];
     for (figure, key) in figures.iter_mut().zip(Solved::KEYS) {
         *figure = number(get(result, key, "result")?, key)?;
     }

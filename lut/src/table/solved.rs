@@ -22,8 +22,11 @@ pub struct Solved {
 }
 
 impl Solved {
+    /// How many figures there are.
+    pub const COUNT: usize = 7;
+
     /// Keys of [`to_array`](Self::to_array).
-    pub const KEYS: [&'static str; 7] = [
+    pub const KEYS: [&'static str; Self::COUNT] = [
         "p_max_pa",
         "p_max_error_pa",
         "p_mean_pa",
@@ -46,7 +49,7 @@ impl Solved {
     }
 
     /// All figures in the order of [`KEYS`](Self::KEYS).
-    pub fn to_array(&self) -> [f64; 7] {
+    pub fn to_array(&self) -> [f64; Self::COUNT] {
         [
             self.p_max,
             self.p_max_error,
@@ -59,7 +62,7 @@ impl Solved {
     }
 
     /// The inverse of [`to_array`](Self::to_array).
-    pub fn from_array(figures: [f64; 7]) -> Self {
+    pub fn from_array(figures: [f64; Self::COUNT]) -> Self {
         let [p_max, p_max_error, p_mean, area, length, width, approach] = figures;
         Solved {
             p_max,
