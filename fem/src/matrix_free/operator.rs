@@ -44,16 +44,15 @@ const FORCES: usize = 24 * LANES;
 impl MatrixFree {
     /// The operator of a body.
     pub fn new(body: &Body) -> Self {
-        let of_kind = |kind: ElementKind| {
-            let cells = 0..body.mesh().cells.len();
-            let cells: Vec<usize> = cells.filter(|&c| body.sections()[c].kind == kind).collect();
-            cells
-        };
-        let kinds = [
-            of_kind(ElementKind::Hex8),
-            of_kind(ElementKind::Hex8Axial),
-            of_kind(ElementKind::Hex8Incompatible),
-        ];
+        let mut kinds: [Vec<usize>; 3] = Default::default();
+        for (cell, section) in body.sections().iter().enumerate() {
+            let group = match section.kind {
+                ElementKind::Hex8 => 0,
+                ElementKind::Hex8Axial => 1,
+                ElementKind::Hex8Incompatible => 2,
+            };
+            kinds[group].push(cell);
+        }
         let plain = kinds[0].len().div_ceil(LANES);
         let simple = plain + kinds[1].len().div_ceil(LANES);
         let groups: Vec<&[usize]> = kinds.iter().flat_map(|cells| cells.chunks(LANES)).collect();
