@@ -1,5 +1,6 @@
 //! A coarse space of beam motions for slender bodies.
 
+use faer::{Mat, Side};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -27,8 +28,8 @@ pub struct BeamModes {
     axis: [f64; 2],
     points: Vec<[f64; 3]>,
     held: Vec<bool>,
-    /// Lower Cholesky factor of Z^T K Z by rows; rows of motions that add nothing are zero.
-    factor: Vec<Vec<f64>>,
+    /// (Z^T K Z)^+ by columns: what motions that strain nothing would take is left out.
+    inverse: Mat<f64>,
     partial: Vec<f64>,
 }
 
@@ -69,9 +70,10 @@ impl BeamModes {
             axis,
             points,
             held,
-            factor: vec![vec![0.0; n]; n],
+            inverse: Mat::zeros(n, n),
             partial: vec![0.0; tasks * n],
         };
+        let mut reduced = Mat::<f64>::zeros(n, n);
         // Knots stand on planes of nodes, so K couples a knot with its next ones only: every third knot goes at once.
         let dofs = 3 * modes.points.len();
         let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
@@ -88,23 +90,23 @@ impl BeamModes {
                 for knot in (colour..modes.knots.len()).step_by(3) {
                     let rows = knot.saturating_sub(1)..(knot + 2).min(modes.knots.len());
                     for row in MOTIONS * rows.start..MOTIONS * rows.end {
-                        modes.factor[row][MOTIONS * knot + motion] = column[row];
+                        reduced[(row, MOTIONS * knot + motion)] = column[row];
                     }
                 }
             }
         }
-        cholesky_of_what_counts(&mut modes.factor);
+        modes.inverse = pseudo_inverse(&reduced)?;
         Ok(modes)
     }
 
     /// Number of motions.
     pub fn len(&self) -> usize {
-        self.factor.len()
+        self.inverse.nrows()
     }
 
     /// Never: there are at least two knots.
     pub fn is_empty(&self) -> bool {
-        self.factor.is_empty()
+        self.inverse.nrows() == 0
     }
 
     /// `z` += Z (Z^T K Z)^-1 Z^T `r`.
@@ -115,25 +117,11 @@ impl BeamModes {
         self.add_motion(&c, z);
     }
 
-    /// `c` = (Z^T K Z)^-1 `c`.
+    /// `c` = (Z^T K Z)^+ `c`.
     pub fn solve(&self, c: &mut [f64]) {
-        for i in 0..c.len() {
-            let pivot = self.factor[i][i];
-            let sum: f64 = (0..i).map(|k| self.factor[i][k] * c[k]).sum();
-            c[i] = if pivot > 0.0 {
-                (c[i] - sum) / pivot
-            } else {
-                0.0
-            };
-        }
-        for i in (0..c.len()).rev() {
-            let pivot = self.factor[i][i];
-            let sum: f64 = (i + 1..c.len()).map(|k| self.factor[k][i] * c[k]).sum();
-            c[i] = if pivot > 0.0 {
-                (c[i] - sum) / pivot
-            } else {
-                0.0
-            };
+        let solved = &self.inverse * faer::ColRef::from_slice(c);
+        for (c, solved) in c.iter_mut().zip(solved.iter()) {
+            *c = *solved;
         }
     }
 
@@ -281,28 +269,29 @@ fn spread(lines: &[f64], count: usize) -> Vec<f64> {
     knots
 }
 
-/// Cholesky factorisation in place; a row whose pivot is lost to rounding is left out as zero.
-fn cholesky_of_what_counts(a: &mut [Vec<f64>]) {
-    for j in 0..a.len() {
-        let diagonal = a[j][j];
-        let pivot = diagonal - a[j][..j].iter().map(|v| v * v).sum::<f64>();
-        if pivot.is_nan() || pivot <= 1e-10 * diagonal {
-            for row in a.iter_mut().skip(j) {
-                row[j] = 0.0;
-            }
-            a[j].fill(0.0);
-            continue;
-        }
-        let pivot = pivot.sqrt();
-        a[j][j] = pivot;
-        for i in j + 1..a.len() {
-            let sum: f64 = a[i][..j].iter().zip(&a[j][..j]).map(|(x, y)| x * y).sum();
-            a[i][j] = (a[i][j] - sum) / pivot;
-        }
-        for k in j + 1..a.len() {
-            a[j][k] = 0.0;
-        }
-    }
+/// Eigenvalues of the matrix with unit diagonal below which a motion strains nothing but by rounding.
+const STRAINS: f64 = 1e-12;
+
+/// The pseudo-inverse of a positive semi-definite matrix whose rows are of very different units: D V L^+ V^T D from the
+/// eigenvalues L of D A D, which has a unit diagonal.
+fn pseudo_inverse(a: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let n = a.nrows();
+    let scale: Vec<f64> = (0..n)
+        .map(|i| match a[(i, i)] {
+            d if d > 0.0 => d.sqrt().recip(),
+            _ => 0.0,
+        })
+        .collect();
+    let scaled = Mat::from_fn(n, n, |i, j| scale[i] * a[(i, j)] * scale[j]);
+    let eigen = scaled
+        .self_adjoint_eigen(Side::Lower)
+        .map_err(|_| Error::NotPositiveDefinite { free_dofs: n })?;
+    let (values, vectors) = (eigen.S(), eigen.U());
+    let weighted = Mat::from_fn(n, n, |i, k| match values[k] {
+        value if value > STRAINS => scale[i] * vectors[(i, k)] / value.sqrt(),
+        _ => 0.0,
+    });
+    Ok(&weighted * weighted.transpose())
 }
 
 #[cfg(test)]
@@ -377,13 +366,13 @@ mod tests {
 
     #[test]
     fn motions_that_add_nothing_are_left_out() {
-        let mut a = vec![
-            vec![2.0, 2.0, 0.0],
-            vec![2.0, 2.0, 0.0],
-            vec![0.0, 0.0, 9.0],
+        let a = faer::mat![[2.0, 2.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 9.0]];
+        let inverse = pseudo_inverse(&a).unwrap();
+        let expected = faer::mat![
+            [0.125, 0.125, 0.0],
+            [0.125, 0.125, 0.0],
+            [0.0, 0.0, 1.0 / 9.0]
         ];
-        cholesky_of_what_counts(&mut a);
-        assert_eq!((a[0][0], a[1][1], a[2][2]), (2.0f64.sqrt(), 0.0, 3.0));
-        assert_eq!(a[2][1], 0.0);
+        assert!((inverse - expected).norm_max() < 1e-15);
     }
 }

@@ -1,17 +1,18 @@
 //! A solved pressure on the pixels of a measured map.
 //!
 //! The square of a contact pressure is smooth up to the rim and through it (it is a paraboloid in Hertz's contact), the
-//! pressure is not: the square is continued beyond the rim, interpolated between nodes, and its root is averaged over a pixel.
+//! pressure is not: the square, continued beyond the rim ([`squared_pressure`]), is interpolated between nodes, and its root is
+//! averaged over a pixel. Farther out the square is NaN, which is no pressure.
 
 use kufe_case::effects::Map;
-use kufe_contact::SurfaceField;
+use kufe_contact::{SurfaceField, squared_pressure};
 
 /// Points a pixel along each direction.
 const POINTS: [f64; 3] = [-1.0 / 3.0, 0.0, 1.0 / 3.0];
 
 /// The solution's pressure on the pixels of `like` [Pa].
 pub fn sample(surface: &SurfaceField, like: &Map) -> Map {
-    let square = continued(surface);
+    let square = squared_pressure(surface);
     let nx = surface.x.len();
     let places = |nodes: &[f64], from: f64, step: f64, count: usize| -> Vec<Option<(usize, f64)>> {
         (0..count)
@@ -48,81 +49,6 @@ pub fn sample(surface: &SurfaceField, like: &Map) -> Map {
         }
     }
     map
-}
-
-/// p^2 at the nodes, below 0 beside the contact: along each axis from the parabola through the three nodes behind the
-/// outermost one (whose own mean reaches out of the contact), at a corner from its neighbours.
-fn continued(surface: &SurfaceField) -> Vec<f64> {
-    let (nx, ny) = (surface.x.len(), surface.y.len());
-    let inside: Vec<f64> = surface.pressure.iter().map(|p| p * p).collect();
-    let touched = |i: usize, j: usize| inside[j * nx + i] > 0.0;
-    let mut square = inside.clone();
-    for j in 0..ny {
-        for i in 0..nx {
-            if touched(i, j) {
-                continue;
-            }
-            let (mut sum, mut count) = (0.0, 0.0);
-            for (axis, nodes, at, length) in [(0, &surface.x, i, nx), (1, &surface.y, j, ny)] {
-                for up in [false, true] {
-                    let step = |k: usize| -> Option<usize> {
-                        if up {
-                            Some(at + k).filter(|n| *n < length)
-                        } else {
-                            at.checked_sub(k)
-                        }
-                    };
-                    let value = |n: usize| match axis {
-                        0 => inside[j * nx + n],
-                        _ => inside[n * nx + i],
-                    };
-                    let line: Vec<(f64, f64)> = (1..=4)
-                        .map_while(|k| step(k).map(|n| (nodes[n], value(n))))
-                        .take_while(|(_, q)| *q > 0.0)
-                        .collect();
-                    if let Some(first) = line.first() {
-                        sum += beyond(&line, nodes[at]).unwrap_or(-first.1).min(0.0);
-                        count += 1.0;
-                    }
-                }
-            }
-            if count > 0.0 {
-                square[j * nx + i] = sum / count;
-            }
-        }
-    }
-    let axis_done = square.clone();
-    for j in 0..ny {
-        for i in 0..nx {
-            if axis_done[j * nx + i] != 0.0 {
-                continue;
-            }
-            for (u, v) in [(-1, -1), (-1, 1), (1, -1), (1, 1)] {
-                let (Some(a), Some(b)) = (
-                    i.checked_add_signed(u).filter(|a| *a < nx),
-                    j.checked_add_signed(v).filter(|b| *b < ny),
-                ) else {
-                    continue;
-                };
-                if touched(a, b) {
-                    let q = axis_done[j * nx + a] + axis_done[b * nx + i] - axis_done[b * nx + a];
-                    square[j * nx + i] = q.min(0.0);
-                }
-            }
-        }
-    }
-    square
-}
-
-/// The parabola through the second to fourth point of a line, at `x`; `None` with fewer points or where it does not fall.
-fn beyond(line: &[(f64, f64)], x: f64) -> Option<f64> {
-    let [outermost, a, b, c] = line else {
-        return None;
-    };
-    let d1 = (b.1 - a.1) / (b.0 - a.0);
-    let d2 = ((c.1 - b.1) / (c.0 - b.0) - d1) / (c.0 - a.0);
-    let value = a.1 + d1 * (x - a.0) + d2 * (x - a.0) * (x - b.0);
-    (value < outermost.1).then_some(value)
 }
 
 #[cfg(test)]
