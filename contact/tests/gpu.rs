@@ -16,7 +16,7 @@ fn device() -> Option<Arc<Device>> {
     match Device::open() {
         Ok(device) => Some(Arc::new(device)),
         Err(kufe_fem::Error::NoAdapter) if std::env::var_os("KUFE_GPU").is_none() => {
-            println!("skipped: no Vulkan/Metal/DX12 adapter");
+            kufe_outside::missing("there is no Vulkan/Metal/DX12 adapter");
             None
         }
         Err(error) => panic!("{error}"),

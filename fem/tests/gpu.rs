@@ -11,7 +11,7 @@ fn device() -> Option<Device> {
     match Device::open() {
         Ok(device) => Some(device),
         Err(Error::NoAdapter) if std::env::var_os("KUFE_GPU").is_none() => {
-            println!("skipped: no Vulkan/Metal/DX12 adapter");
+            kufe_outside::missing("there is no Vulkan/Metal/DX12 adapter");
             None
         }
         Err(error) => panic!("{error}"),

@@ -1,5 +1,6 @@
 //! The published friction table has nothing to find; a real car on a real track has.
 
+use kufe_outside::not_here;
 use std::path::Path;
 
 use kufe_discover::{Options, Verdict, discover};
@@ -62,12 +63,12 @@ d,0.0046,0.0004,16.0e6,0.9e6\ne,0.0038,0.0004,8.6e6,0.5e6\n";
 #[test]
 fn a_real_car_saturates() {
     let Some(folder) = std::env::var_os("KUFE_DATA") else {
-        println!("skipped: KUFE_DATA is not set");
+        not_here("KUFE_DATA is not set");
         return;
     };
     let run = Path::new(&folder).join("revs/run.csv");
     if !run.is_file() {
-        println!("skipped: {} is not there", run.display());
+        not_here(&format!("{} is not there", run.display()));
         return;
     }
     let out = tempfile::tempdir().unwrap();

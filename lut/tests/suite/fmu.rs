@@ -1,8 +1,9 @@
 //! Tables as FMUs, validated and simulated by FMPy.
 
-use crate::python::{python, run_python};
+use crate::python::run_python;
 use crate::tables::{reduced, table};
 use kufe_lut::{Lookup, Mode, Quantity, Table};
+use kufe_outside::python;
 
 #[test]
 fn the_fmu_is_valid_and_simulates_what_the_library_computes() {
@@ -12,7 +13,7 @@ fn the_fmu_is_valid_and_simulates_what_the_library_computes() {
     }
 }
 
-fn the_fmu_agrees(python: &str, table: &Table) {
+fn the_fmu_agrees(python: &std::path::Path, table: &Table) {
     let folder = tempfile::tempdir().unwrap();
     let mut file = std::fs::File::create(folder.path().join("front.fmu")).unwrap();
     table.write_fmu("front <&>", None, &mut file).unwrap();

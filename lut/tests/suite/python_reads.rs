@@ -1,8 +1,9 @@
 //! Tables as NumPy, SciPy and pandas read them.
 
-use crate::python::{python, run_python};
+use crate::python::run_python;
 use crate::tables::{reduced, table};
 use kufe_lut::{Lookup, Mode, Quantity, Table};
+use kufe_outside::python;
 use std::path::Path;
 
 fn written(table: &Table, folder: &Path) {

@@ -6,10 +6,7 @@ use kufe_mesh::{HexMesh, TensorGrid, VtuField, read_gmsh, read_vtu, write_pvd, w
 
 /// Runs `script` with the interpreter that KUFE_PYTHON names; none where that or `modules` are missing.
 fn python(script: &str, modules: &str, folder: &Path) -> Option<String> {
-    let Ok(interpreter) = std::env::var("KUFE_PYTHON") else {
-        println!("skipped: KUFE_PYTHON is not set");
-        return None;
-    };
+    let interpreter = kufe_outside::python(modules)?;
     let run = |code: &str| {
         Command::new(&interpreter)
             .arg("-c")
@@ -17,10 +14,6 @@ fn python(script: &str, modules: &str, folder: &Path) -> Option<String> {
             .current_dir(folder)
             .output()
     };
-    if !run(&format!("import {modules}")).is_ok_and(|out| out.status.success()) {
-        println!("skipped: {interpreter} cannot import {modules}");
-        return None;
-    }
     let out = run(script).unwrap();
     assert!(
         out.status.success(),

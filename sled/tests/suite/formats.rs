@@ -11,19 +11,7 @@ use kufe_sled::{
 
 /// Runs a script; `None`, and says so, where the interpreter or a module is absent.
 fn python(modules: &[&str], script: &str, arguments: &[&Path]) -> Option<String> {
-    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
-        println!("skipped: KUFE_PYTHON is not set");
-        return None;
-    };
-    for module in modules {
-        let probe = Command::new(&interpreter)
-            .args(["-c", &format!("import {module}")])
-            .output();
-        if !probe.is_ok_and(|output| output.status.success()) {
-            println!("skipped: no Python module {module}");
-            return None;
-        }
-    }
+    let interpreter = kufe_outside::python(&modules.join(", "))?;
     let output = Command::new(&interpreter)
         .arg("-c")
         .arg(script)

@@ -1,6 +1,7 @@
 //! The book's code blocks do what their pages say. The tutorial's are run by `.ci/commands`, Python's own page by the
 //! Python package's tests.
 
+use kufe_outside::missing;
 use std::path::Path;
 use std::process::Command;
 
@@ -34,7 +35,7 @@ fn shell(bench: &Bench, block: &str) -> Option<String> {
         .current_dir(bench.folder.path())
         .output()
     else {
-        println!("skipped: no bash");
+        missing("there is no bash");
         return None;
     };
     let told = String::from_utf8_lossy(&output.stderr);
@@ -44,19 +45,11 @@ fn shell(bench: &Bench, block: &str) -> Option<String> {
 
 /// Runs a block in Python with `KUFE_PYTHON`, or says which of its `modules` is missing.
 fn python(bench: &Bench, modules: &str, block: &str) -> Option<String> {
-    let interpreter = std::env::var("KUFE_PYTHON").ok();
-    let run = |code: &str| {
-        Command::new(interpreter.as_deref()?)
-            .args(["-c", code])
-            .current_dir(bench.folder.path())
-            .output()
-            .ok()
-    };
-    if !run(&format!("import {modules}")).is_some_and(|output| output.status.success()) {
-        println!("skipped: KUFE_PYTHON names no interpreter with {modules}");
-        return None;
-    }
-    let output = run(block)?;
+    let output = Command::new(kufe_outside::python(modules)?)
+        .args(["-c", block])
+        .current_dir(bench.folder.path())
+        .output()
+        .expect("Python");
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{block}\n{told}");
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
@@ -117,7 +110,7 @@ fn the_table_of_the_book_is_made_in_shards_read_by_pandas_and_used_by_simulators
         let ours = looked_up(&bench, "1800", "0.02", "smooth");
         assert!(theirs.is_some_and(|theirs| (number(&theirs) / ours - 1.0).abs() < 1e-12));
     } else {
-        println!("skipped: no cc");
+        missing("there is no cc");
     }
 
     if !bench
@@ -125,7 +118,7 @@ fn the_table_of_the_book_is_made_in_shards_read_by_pandas_and_used_by_simulators
         .status
         .success()
     {
-        println!("skipped: this kufe was built without a C compiler");
+        missing("this kufe was built without a C compiler");
         return;
     }
     let block = &blocks("simulator.md", "python")[0];

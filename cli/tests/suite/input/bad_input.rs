@@ -1,6 +1,7 @@
 //! Every bad input leaves with its code, one clear line, and nothing behind.
 
 use crate::kufe::{Bench, CASE, errors, names};
+use kufe_outside::not_here;
 
 /// Runs `kufe press case.toml -o out` on `text` and expects exit code 3 and one line that says `expected`.
 fn refused(bench: &Bench, text: &str, expected: &[&str]) {
@@ -196,7 +197,7 @@ fn a_full_disk_is_left_empty() {
             .is_ok_and(|output| output.status.success())
     };
     if !mount("mount", &["-t", "tmpfs", "-o", "size=64k", "kufe-test"]) {
-        println!("skipped: no tmpfs can be mounted here");
+        not_here("no tmpfs can be mounted");
         return;
     }
     let output = bench.kufe(&["press", "-o", "disk/out"]);

@@ -1,5 +1,6 @@
 //! Tables in pieces: killed, interrupted, short of disk, damaged, mixed.
 
+use kufe_outside::not_here;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -245,7 +246,7 @@ fn a_full_disk_is_named_and_what_was_finished_stays() {
         .arg(&small)
         .output();
     if !mounted.is_ok_and(|output| output.status.success()) {
-        println!("skipped: a small file system cannot be mounted here");
+        not_here("a small file system cannot be mounted");
         return;
     }
     let output = bench.kufe(&["lut", "plan", "table.toml", "-o", "plan"]);

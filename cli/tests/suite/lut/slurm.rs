@@ -1,5 +1,6 @@
 //! A table's shards as a job array of a real Slurm on this machine.
 
+use kufe_outside::{missing, not_here};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -164,12 +165,12 @@ fn an_array_with_a_failing_shard_resubmitted_gives_the_table_of_one_process() {
             has(program) || Command::new(program).arg("-V").output().is_ok()
         })
     {
-        println!("skipped: Slurm and munge are not installed (apt-get install slurm-wlm munge)");
+        missing("Slurm and munge are not installed (apt-get install slurm-wlm munge)");
         return;
     }
     let user = Command::new("id").arg("-u").output().unwrap().stdout;
     if user.trim_ascii() != b"0" {
-        println!("skipped: a Slurm of its own needs root");
+        not_here("a Slurm of its own needs root");
         return;
     }
     let bench = Bench::new();
@@ -203,7 +204,7 @@ fn an_array_with_a_failing_shard_resubmitted_gives_the_table_of_one_process() {
 
     let folder = tempfile::tempdir().unwrap();
     let Some(slurm) = Slurm::start(folder.path()) else {
-        println!("skipped: Slurm's node finds no control groups here");
+        not_here("Slurm's node finds no control groups");
         return;
     };
     let submit = || {

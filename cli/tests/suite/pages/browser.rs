@@ -1,5 +1,6 @@
 //! A headless Chromium, driven over its DevTools protocol.
 
+use kufe_outside::missing;
 use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -53,7 +54,7 @@ pub fn chromium() -> Option<PathBuf> {
             .find(|program| program.is_file())
     });
     if found.is_none() {
-        println!("skipped: no chromium on the PATH");
+        missing("there is no chromium on the PATH");
     }
     found
 }

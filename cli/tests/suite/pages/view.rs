@@ -1,5 +1,6 @@
 //! `kufe view`: what it serves, to whom, and what it refuses.
 
+use kufe_outside::not_here;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{IpAddr, TcpStream, UdpSocket};
 use std::process::{Child, Command, Stdio};
@@ -133,7 +134,7 @@ fn strangers_and_oversized_requests_are_refused() {
                 TcpStream::connect_timeout(&(ip, port).into(), Duration::from_secs(2)).is_err()
             );
         }
-        _ => println!("skipped: no address but the loopback's"),
+        _ => not_here("no address but the loopback's"),
     }
 
     // Paths lead nowhere, however they are written.

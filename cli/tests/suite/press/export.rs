@@ -1,6 +1,6 @@
 //! `kufe export --calculix`: the deck says what was solved, CalculiX reads it, and what it cannot state is refused.
 
-use std::process::Command;
+use kufe_outside::program;
 
 use serde_json::Value;
 
@@ -106,15 +106,15 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
     });
     assert!(pressures.count() > 5);
 
-    let Ok(ccx) = Command::new("ccx")
+    let Some(mut ccx) = program("ccx") else {
+        return;
+    };
+    let ccx = ccx
         .arg("deck")
         .current_dir(bench.folder.path())
         .env("OMP_NUM_THREADS", "1")
         .output()
-    else {
-        println!("skipped: no ccx");
-        return;
-    };
+        .expect("ccx");
     let said = String::from_utf8_lossy(&ccx.stdout);
     assert!(ccx.status.success() && !said.contains("*ERROR"), "{said}");
     let dat = std::fs::read_to_string(bench.path("deck.dat")).expect("CalculiX's forces");

@@ -1,5 +1,6 @@
 //! `kufe mesh`: hexahedra that other programs read.
 
+use kufe_outside::python;
 use serde_json::Value;
 
 use crate::kufe::{Bench, CASE, names};
@@ -73,8 +74,7 @@ fn a_paraboloid_has_ice_alone() {
 
 #[test]
 fn pyvista_and_meshio_read_meshes_and_fields() {
-    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
-        println!("skipped: KUFE_PYTHON is not set");
+    let Some(interpreter) = python("pyvista, meshio") else {
         return;
     };
     let bench = Bench::new();

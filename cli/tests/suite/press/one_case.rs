@@ -211,11 +211,7 @@ fn info_tells_the_maps_size_and_place() {
 
 /// The interpreter that has OpenEXR, pyvista and the like, where there is one.
 fn python(script: &str, arguments: &[&str]) -> Option<String> {
-    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
-        println!("skipped: KUFE_PYTHON is not set");
-        return None;
-    };
-    let output = std::process::Command::new(interpreter)
+    let output = std::process::Command::new(kufe_outside::python("OpenEXR, pyvista")?)
         .args(["-c", script])
         .args(arguments)
         .output()
@@ -266,13 +262,13 @@ fn openexr_reads_a_map_that_carries_the_force_peak_and_area() {
 fn exrheader_reads_the_map() {
     let bench = Bench::new();
     bench.succeeds(&["press"]);
-    let Ok(output) = std::process::Command::new("exrheader")
-        .arg(bench.path("out/pressure.exr"))
-        .output()
-    else {
-        println!("skipped: exrheader is not installed");
+    let Some(mut exrheader) = kufe_outside::program("exrheader") else {
         return;
     };
+    let output = exrheader
+        .arg(bench.path("out/pressure.exr"))
+        .output()
+        .expect("exrheader");
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success());
     for part in [

@@ -1,5 +1,6 @@
 //! `solver.stiffness` and `kufe export CASE --stiffness`: what SciPy reads is the stiffness.
 
+use kufe_outside::python;
 use std::path::Path;
 
 use crate::kufe::{Bench, errors};
@@ -46,8 +47,7 @@ const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
 
 #[test]
 fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_motions() {
-    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
-        println!("skipped: KUFE_PYTHON is not set");
+    let Some(interpreter) = python("scipy") else {
         return;
     };
     let bench = Bench::new();

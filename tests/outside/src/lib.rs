@@ -1,0 +1,70 @@
+//! Programs from outside that tests compare with, and what happens where they are missing.
+//!
+//! A test that lacks its program passes and says on standard error what it did not check, also where the test runner keeps
+//! what passing tests print. With `KUFE_DEMAND=1`, as in `.ci/run`, it fails.
+
+use std::{
+    io::Write,
+    path::PathBuf,
+    process::{Command, Stdio},
+};
+
+/// Says that a program or package to compare with is missing.
+///
+/// # Panics
+/// With `KUFE_DEMAND=1`.
+pub fn missing(what: &str) {
+    assert!(
+        std::env::var_os("KUFE_DEMAND").is_none_or(|value| value != "1"),
+        "KUFE_DEMAND=1, and {what}"
+    );
+    not_here(what);
+}
+
+/// Says that this machine cannot do what a test needs (a mount, a second address, data that are not handed on). Nothing to install
+/// would change it, so it is never demanded.
+pub fn not_here(why: &str) {
+    // Past the test runner's capture.
+    let _ = writeln!(std::io::stderr().lock(), "not checked: {why}");
+}
+
+/// The program of this name, where it can be started.
+///
+/// # Panics
+/// As [`missing`].
+pub fn program(name: &str) -> Option<Command> {
+    let found = Command::new(name)
+        .arg("--version")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    if found.is_err() {
+        missing(&format!("there is no {name}"));
+        return None;
+    }
+    Some(Command::new(name))
+}
+
+/// The interpreter that `KUFE_PYTHON` names, where it has these modules (separated by commas).
+///
+/// # Panics
+/// As [`missing`].
+pub fn python(modules: &str) -> Option<PathBuf> {
+    let Some(interpreter) = std::env::var_os("KUFE_PYTHON") else {
+        missing("KUFE_PYTHON names no interpreter");
+        return None;
+    };
+    let found = Command::new(&interpreter)
+        .args(["-c", &format!("import {modules}")])
+        .stderr(Stdio::null())
+        .status();
+    if !found.is_ok_and(|status| status.success()) {
+        missing(&format!(
+            "{} has not all of {modules}",
+            interpreter.display()
+        ));
+        return None;
+    }
+    Some(interpreter.into())
+}
