@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use kufe_files::read_regular;
 use kufe_mesh::{
     Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
     Rocker, Section, Underside, load_hull, read_gmsh, read_vtu,
@@ -12,6 +13,9 @@ use crate::check::range::combination;
 use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis, mesh_error};
 use crate::{Case, CaseError};
 use kufe_contact::{ElasticRunner, Load, Problem, Runner, RunnerSolid, Tilt};
+
+/// Most bytes of a file of hexahedra.
+const MOST_BYTES: u64 = 1 << 31;
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
@@ -85,8 +89,8 @@ impl Case {
     fn meshed(&self, path: &Path) -> Result<(Arc<dyn Underside>, ElasticRunner), CaseError> {
         let named =
             |reason: &dyn std::fmt::Display| mesh_error(format!("{}: {reason}", path.display()));
-        let bytes =
-            std::fs::read(path).map_err(|error| named(&format!("cannot be read: {error}")))?;
+        let bytes = read_regular(path, MOST_BYTES)
+            .map_err(|error| named(&format!("cannot be read: {error}")))?;
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let mut mesh = match ending.as_deref() {
             Some("msh") => read_gmsh(&bytes).map_err(|error| named(&error))?,

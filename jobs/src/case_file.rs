@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use kufe_case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, Solution, SurfaceField};
+use kufe_files::text_of_regular;
+use kufe_mesh::hull_files;
 
 use crate::failure::Failure;
 
@@ -40,15 +42,7 @@ impl LoadedCase {
     pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
         let name = path.display().to_string();
         let told = |reason: String| Failure::BadInput(format!("{name}: {reason}"));
-        let meta =
-            std::fs::metadata(path).map_err(|error| told(format!("cannot be read: {error}")))?;
-        if meta.len() > LONGEST {
-            return Err(told(format!(
-                "{} bytes: expected a case file of at most {LONGEST} bytes",
-                meta.len()
-            )));
-        }
-        let text = std::fs::read_to_string(path)
+        let text = text_of_regular(path, LONGEST)
             .map_err(|error| told(format!("cannot be read: {error}")))?;
         let base = path.parent().unwrap_or(Path::new(""));
         LoadedCase::parse(&name, base, &text)
@@ -66,6 +60,24 @@ impl LoadedCase {
             base: base.to_path_buf(),
             case,
         })
+    }
+
+    /// Every file that is read for the case beside its own: hull and its buffers, mesh, section, ice surface.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where a hull that names further files cannot be read.
+    pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
+        let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
+        let mut files = Vec::new();
+        for file in self.case.files() {
+            let path = self.base.join(file);
+            if self.case.runner.hull.as_deref() == Some(file) {
+                files.extend(hull_files(&path).map_err(told)?);
+            } else {
+                files.push(path);
+            }
+        }
+        Ok(files)
     }
 
     /// The problem that the case states.

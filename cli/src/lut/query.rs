@@ -7,6 +7,7 @@ use kufe_lut::{Looked, Lookup, Mode, Quantity, Table, curvature_from_pitch};
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;
+use crate::output::say::say;
 
 /// Arguments of `kufe lut query`.
 #[derive(clap::Args, Debug)]
@@ -103,9 +104,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     answer.insert("out_of_range".into(), json!(out_of_range));
     answer.insert("version".into(), json!(table.version));
     if global.json {
-        println!("{:#}", Value::Object(answer));
+        say(&format!("{:#}\n", Value::Object(answer)));
     } else {
-        print!("{}", in_words(&answer));
+        say(&format!("{}", in_words(&answer)));
     }
     Ok(())
 }

@@ -24,6 +24,8 @@ pub struct Pressed {
     pub solution: Solution,
     /// Wall time of the solve [s].
     pub seconds: f64,
+    /// What the case's files held: [`LoadedCase::content`].
+    pub content: String,
     /// What the reader of the result should know.
     pub warnings: Vec<String>,
 }
@@ -50,6 +52,7 @@ pub fn press(
 /// # Errors
 /// As [`press`]; [`Failure::Partial`] where it was stopped.
 pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+    let content = loaded.content()?;
     let StatedProblem { problem, hull } = loaded.stated()?;
     let mut warnings = loaded.hull_warnings(hull.as_ref());
     warnings.iter().for_each(|warning| watch.warn(warning));
@@ -72,6 +75,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         hull,
         solution,
         seconds,
+        content,
         warnings,
     })
 }

@@ -39,6 +39,7 @@ impl Pressed {
             "seconds": self.seconds,
             "peak_memory_bytes": peak_memory(),
             "version": env!("CARGO_PKG_VERSION"),
+            "content_sha256": self.content,
             "hull_fit": fit,
             "warnings": self.warnings,
             "history": history,

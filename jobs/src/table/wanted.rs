@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe_files::text_of_regular;
 use kufe_lut::{Mode, Plan, Spacing};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
@@ -127,13 +128,7 @@ impl Wanted {
     pub fn read(path: &Path) -> Result<Wanted, Failure> {
         let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
         let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
-        let length = std::fs::metadata(path).map_err(unreadable)?.len();
-        if length > LONGEST {
-            return Err(told(format!(
-                "{length} bytes: expected a table file of at most {LONGEST} bytes"
-            )));
-        }
-        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let text = text_of_regular(path, LONGEST).map_err(unreadable)?;
         let file: TableToml = toml::from_str(&text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start.min(text.len()));
             let line = text[..start].matches('\n').count() + 1;
