@@ -94,8 +94,16 @@ impl LoadedCase {
     pub fn hull_warnings(&self, hull: Option<&FittedHull>) -> Vec<String> {
         hull.iter()
             .flat_map(|hull| &hull.report.warnings)
-            .map(|warning| format!("{}: runner.hull: {warning}", self.name))
+            .map(|warning| format!("{}: {}: {warning}", self.name, self.hull_key()))
             .collect()
+    }
+
+    /// The key that names the hull or the mesh.
+    fn hull_key(&self) -> &'static str {
+        match self.case.runner.mesh {
+            Some(_) => "runner.mesh",
+            None => "runner.hull",
+        }
     }
 
     /// Refuses a hull whose fit is too uncertain for what was solved on it; a shape has no fit.
@@ -112,9 +120,10 @@ impl LoadedCase {
         match hull.underside.coarse_within(solution.approach, patch) {
             None => Ok(()),
             Some(coarse) => Err(Failure::BadInput(format!(
-                "{}: runner.hull: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
-                 the approach is {:.3} um; expected at most {:.3} um: give it finer triangles",
+                "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
+                 the approach is {:.3} um; expected at most {:.3} um: give it a finer or less noisy surface",
                 self.name,
+                self.hull_key(),
                 1e6 * coarse.error,
                 1e6 * coarse.approach,
                 1e6 * coarse.allowed
@@ -126,7 +135,12 @@ impl LoadedCase {
     pub fn failure(&self, error: &Error) -> Failure {
         let text = format!("{}: {error}", self.name);
         match error {
-            Error::NotConverged { .. } | Error::AccuracyNotReached { .. } => {
+            Error::NotConverged { .. }
+            | Error::AccuracyNotReached { .. }
+            | Error::MeshTooLarge { .. }
+            | Error::TooManyTouch { .. }
+            | Error::NoPatch { .. }
+            | Error::NoAnswer { .. } => {
                 Failure::NotConverged(text)
             }
             Error::Stopped => Failure::Partial(text),

@@ -81,6 +81,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no end.
 fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
+    if loaded.case.runner.mesh.is_some() {
+        return None;
+    }
     match (&stated.hull, &loaded.case.runner.shape) {
         (Some(hull), _) => Some(hull.report.extent[2]),
         (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),

@@ -56,5 +56,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else if !global.quiet {
         say(&summary::text(&pressed, &args.out));
     }
-    Ok(())
+    match &pressed.short {
+        Some(short) => Err(short.clone()),
+        None => Ok(()),
+    }
 }

@@ -63,7 +63,13 @@ fn fields(
     let mut names = vec!["pressure.exr", "pressure.png", "field.vtu"];
     staging.write("pressure.exr", |file| {
         let curvature = pressed.problem.track_curvature;
-        write_exr::write(file, &map, solution.fz, curvature)
+        let figures = [
+            ("fz_n", solution.fz),
+            ("p_max_pa", solution.p_max),
+            ("p_max_error_pa", solution.p_max_error),
+            ("p_max_mesh_pa", solution.p_max_mesh),
+        ];
+        write_exr::write(file, &map, curvature, &figures)
     })?;
     let title = summary::title(solution);
     let maps = pressure_maps(solution);

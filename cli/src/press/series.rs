@@ -84,7 +84,7 @@ pub fn run(
     } else if !global.quiet {
         say(&summary::series(&rows, kept, &args.out));
     }
-    let done = rows.iter().filter(|row| row.result.is_some()).count();
+    let done = rows.iter().filter(|row| row.error.is_none()).count();
     match short {
         Some(text) if done == 0 => Err(Failure::NotConverged(text)),
         _ if done == steps.len() => Ok(()),
@@ -125,7 +125,15 @@ fn solve_steps(
         }
         watch.progress(&format!("step {} of {}", k + 1, steps.len()));
         match press_with(step.loaded.clone(), watch, options.clone()) {
-            Ok(pressed) => rows.push(row(Some(write_step(&folder, &pressed, asked)?), None)),
+            Ok(pressed) => {
+                let written = write_step(&folder, &pressed, asked)?;
+                let told = pressed.short.map(|why| format!("{}: {why}", step.folder));
+                if let Some(text) = &told {
+                    watch.warn(text);
+                    short.clone_from(&told);
+                }
+                rows.push(row(Some(written), told));
+            }
             Err(Failure::NotConverged(text)) => {
                 let text = format!("{}: {text}", step.folder);
                 watch.warn(&text);
@@ -215,6 +223,7 @@ fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<Value> {
     (result["version"] == env!("CARGO_PKG_VERSION")
         && result["content_sha256"] == asked.content
         && result["case"] == case_json(&step.loaded.case)
+        && result["accuracy_reached"] == true
         && result.get("subsurface").is_some() == asked.args.subsurface)
         .then_some(result)
 }

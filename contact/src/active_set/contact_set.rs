@@ -13,7 +13,9 @@ use crate::active_set::sets::Sets;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
 /// Most contact sets of one solve.
-const UPDATES: usize = 60;
+const UPDATES: usize = 120;
+/// After so many sets each further lot is looked at ten times more closely.
+const UNHURRIED: usize = 10;
 
 impl ContactMesh {
     /// Iterates from `state`, whose forces took `begun`, until the energy-norm residual is below the tolerance and the contact
@@ -58,7 +60,7 @@ impl ContactMesh {
         let mut sets = Sets::of(&force, &bound);
         let mut counts = begun;
         let mut accepted: Option<Feasible> = None;
-        for _ in 0..UPDATES {
+        for update in 0..UPDATES {
             let gaps = self.gaps(state);
             sets.free_one(&self.motion, &bound, |i| gaps[self.candidates[i]]);
             let Some(constraint) = self.constrain(&sets, &greens[0]) else {
@@ -69,6 +71,7 @@ impl ContactMesh {
                 sets: &sets,
                 constraint: &constraint,
                 control,
+                first_check: 1e-2 * 0.1f64.powi((update / UNHURRIED) as i32),
             };
             let confirmed = iterate(&set, state, &mut progress)?;
             counts.accelerations += 1;

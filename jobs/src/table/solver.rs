@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kufe_case::{Case, CaseError, FittedHull, StatedProblem};
+use kufe_case::{Case, CaseError, FittedHull, StatedProblem, TrackTable};
 use kufe_contact::{Load, Options, Problem, Solution};
-use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
+use kufe_lut::{Origin, Point, Solved, Spacing, Store, SweepError, sha256};
 
 use crate::case_file::LoadedCase;
 use crate::case_json::case_json;
@@ -59,6 +59,7 @@ impl Solver {
                 wanted.case.display()
             )));
         }
+        check_axes(wanted, &loaded)?;
         let content = loaded.content()?;
         let StatedProblem {
             problem: base,
@@ -199,6 +200,37 @@ impl Solver {
             other => Failure::bad_input(other),
         }
     }
+}
+
+/// Checks that the case is one at every end and value of the axes.
+fn check_axes(wanted: &Wanted, loaded: &LoadedCase) -> Result<(), Failure> {
+    let plan = &wanted.plan;
+    let ends = |axis: &Spacing| match axis {
+        Spacing::Values(values) => values.clone(),
+        Spacing::Range { from, to } => vec![*from, *to],
+    };
+    let checked = |key: &str, case: Case| {
+        case.check().map_err(|error| {
+            Failure::BadInput(format!("{}: axes.{key}: {error}", wanted.path.display()))
+        })
+    };
+    for fz in ends(&plan.fz) {
+        let mut case = loaded.case.clone();
+        case.load.fz_n = fz;
+        checked("fz_n", case)?;
+    }
+    for curvature in ends(&plan.curvature) {
+        let mut case = loaded.case.clone();
+        case.track = TrackTable {
+            curvature_1pm: Some(curvature),
+            ..TrackTable::default()
+        };
+        checked("curvature_1pm", case)?;
+    }
+    for radius in plan.rocker_radius.iter().flat_map(ends) {
+        checked("rocker_radius_m", with_rocker(&loaded.case, radius))?;
+    }
+    Ok(())
 }
 
 /// A failure with the point that it happened at.
