@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use kufe_files::read_regular;
 use kufe_mesh::{
-    Axis, BobRunner, check_hull, size_warnings, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
-    Rocker, Section, Underside, load_hull, read_gmsh, read_vtu,
+    Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
+    Rocker, Section, Underside, check_hull, load_hull, read_gmsh, read_vtu, size_warnings,
 };
 
 use crate::check::range::combination;
-use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis, mesh_error};
+use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, UpAxis, mesh_error};
 use crate::{Case, CaseError};
-use kufe_contact::{ElasticRunner, Load, Problem, Runner, RunnerSolid, Tilt};
+use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 
 /// Most bytes of a file of hexahedra.
 const MOST_BYTES: u64 = 1 << 31;
@@ -67,18 +67,7 @@ impl Case {
             ice: self.ice.ice(),
             ice_surface: self.ice.surface(base)?,
             track_curvature: self.track.curvature(),
-            load: Load::Force {
-                fz: self.load.fz_n,
-                offset_x: self.load.offset_x_m,
-                offset_y: self.load.offset_y_m,
-                tilt: match self.load.tilt {
-                    TiltWord::Free => Tilt::Free,
-                    TiltWord::Fixed => Tilt::Fixed {
-                        pitch: self.load.pitch_rad.unwrap_or(0.0),
-                        roll: self.load.roll_rad.unwrap_or(0.0),
-                    },
-                },
-            },
+            load: self.load.load(),
         };
         crate::effects::switch_on(&self.effects, &mut problem)?;
         Ok(StatedProblem { problem, hull })
@@ -276,7 +265,7 @@ fn shape_underside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kufe_contact::Foundation;
+    use kufe_contact::{Foundation, Load, Tilt};
 
     fn case(shape: &str, rest: &str) -> Case {
         let text = format!(

@@ -83,4 +83,4 @@ pub use result::centre_line::{CentreLine, LargestShear, centre_line};
 pub use result::solution::{
     AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,
 };
-pub use solve::solve;
+pub use solve::{check_problem, solve};

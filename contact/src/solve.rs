@@ -1,6 +1,9 @@
 //! From a problem to a pressure field of the accuracy asked.
 
 use crate::accuracy::meshes::{Meshes, Verdict};
+use crate::accuracy::scout::capacity;
+use crate::problem::check::check;
+use crate::problem::gap::Gap;
 use crate::{Error, Load, Options, Problem, Solution};
 
 /// Solves a contact problem.
@@ -38,6 +41,17 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             }
         }
     })
+}
+
+/// Checks a problem as far as that goes without solving it.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`], [`Error::TrackTooTight`],
+/// [`Error::BeyondHardness`], and those of what does not go together.
+pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
+    check(problem, options)?;
+    Gap::new(problem)?;
+    capacity(problem)
 }
 
 /// Relative difference of the force carried from the one asked that a balanced contact may have.

@@ -14,7 +14,9 @@ pub enum Clash {
         output: String,
     },
     /// The command writes something else there.
-    #[error("{output}: cannot be written: this command writes another of its outputs there; expected another place")]
+    #[error(
+        "{output}: cannot be written: this command writes another of its outputs there; expected another place"
+    )]
     Output {
         /// The output as it was given.
         output: String,

@@ -14,11 +14,13 @@
 //! ```
 
 mod apart;
+mod leftovers;
 mod place;
 mod read;
 mod whole;
 
 pub use apart::{Clash, outputs_apart, same_file};
+pub use leftovers::clear_temporaries;
 pub use place::replaceable;
 pub use read::{open_regular, read_regular, text_of_regular};
 pub use whole::write_whole;

@@ -73,9 +73,17 @@ mod tests {
         assert_eq!(text_of_regular(&path, 10).unwrap(), "0123456789");
         let error = read_regular(&path, 9).unwrap_err().to_string();
         assert_eq!(error, "10 bytes or more: expected at most 9");
-        assert!(read_regular(folder.path(), 9).unwrap_err().to_string().contains("a folder"));
+        assert!(
+            read_regular(folder.path(), 9)
+                .unwrap_err()
+                .to_string()
+                .contains("a folder")
+        );
         std::fs::write(&path, b"\xff").unwrap();
-        assert_eq!(text_of_regular(&path, 9).unwrap_err().kind(), ErrorKind::InvalidData);
+        assert_eq!(
+            text_of_regular(&path, 9).unwrap_err().kind(),
+            ErrorKind::InvalidData
+        );
     }
 
     #[cfg(unix)]

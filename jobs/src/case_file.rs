@@ -140,9 +140,7 @@ impl LoadedCase {
             | Error::MeshTooLarge { .. }
             | Error::TooManyTouch { .. }
             | Error::NoPatch { .. }
-            | Error::NoAnswer { .. } => {
-                Failure::NotConverged(text)
-            }
+            | Error::NoAnswer { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),
         }

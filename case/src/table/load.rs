@@ -1,5 +1,6 @@
 //! What a case says of the load.
 
+use kufe_contact::{Load, Tilt};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,24 @@ pub struct LoadTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = -0.1, max = 0.1))]
     pub roll_rad: Option<f64>,
+}
+
+impl LoadTable {
+    /// The load of the problem, without effects.
+    pub fn load(&self) -> Load {
+        Load::Force {
+            fz: self.fz_n,
+            offset_x: self.offset_x_m,
+            offset_y: self.offset_y_m,
+            tilt: match self.tilt {
+                TiltWord::Free => Tilt::Free,
+                TiltWord::Fixed => Tilt::Fixed {
+                    pitch: self.pitch_rad.unwrap_or(0.0),
+                    roll: self.roll_rad.unwrap_or(0.0),
+                },
+            },
+        }
+    }
 }
 
 /// Whether the runner may turn.

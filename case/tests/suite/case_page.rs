@@ -138,7 +138,10 @@ fn the_schema_bounds_numbers_as_the_reader_does() {
         }
         let mut found = Vec::new();
         bounds(&schema, name, &mut found);
-        let expected = [Some(range.low), range.high.is_finite().then_some(range.high)];
+        let expected = [
+            Some(range.low),
+            range.high.is_finite().then_some(range.high),
+        ];
         assert!(found.contains(&expected), "{}: {found:?}", range.key);
     }
 }

@@ -82,7 +82,10 @@ impl Forms {
         ];
         let asked = forms.into_iter().filter_map(|(asked, ending)| {
             let named = asked.as_ref()?.clone();
-            Some((ending, named.unwrap_or_else(|| beside.with_extension(ending))))
+            Some((
+                ending,
+                named.unwrap_or_else(|| beside.with_extension(ending)),
+            ))
         });
         asked.collect()
     }

@@ -127,7 +127,9 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
             serde_json::json!({ "shard": index, "of": count, "solved": solved, "kept": kept });
         say(&format!("{report}\n"));
     } else if !global.quiet {
-        say(&format!("shard {index}/{count}: {solved} points solved, {kept} were there\n"));
+        say(&format!(
+            "shard {index}/{count}: {solved} points solved, {kept} were there\n"
+        ));
     }
     Ok(())
 }

@@ -43,12 +43,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| args.table.with_extension("png"));
-    apart(std::slice::from_ref(&args.table), std::slice::from_ref(&out))?;
+    apart(
+        std::slice::from_ref(&args.table),
+        std::slice::from_ref(&out),
+    )?;
     kufe_lut::draw(&table, quantity, args.rocker, &out)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
     if global.json {
         let written = out.display().to_string();
-        say(&format!("{}\n", serde_json::json!({ "written": [written] })));
+        say(&format!(
+            "{}\n",
+            serde_json::json!({ "written": [written] })
+        ));
     } else if !global.quiet {
         say(&format!("wrote {}\n", out.display()));
     }

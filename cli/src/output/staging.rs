@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_files::same_file;
+use kufe_files::{clear_temporaries, same_file};
 use kufe_jobs::Failure;
 use tempfile::TempDir;
 
@@ -42,6 +42,7 @@ impl Staging {
             std::fs::create_dir(path).map_err(|error| unwritable(path, &error))?;
             staging.made.push(path.to_path_buf());
         }
+        clear_temporaries(target);
         let folder = tempfile::Builder::new()
             .prefix(".kufe-")
             .tempdir_in(target)

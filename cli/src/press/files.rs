@@ -53,11 +53,7 @@ pub fn write(
 }
 
 /// Writes maps, fields and the hull; returns their names.
-fn fields(
-    staging: &Staging,
-    pressed: &Pressed,
-    shear: bool,
-) -> Result<Vec<&'static str>, Failure> {
+fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
     let solution = &pressed.solution;
     let map = PressureMap::of(solution);
     let mut names = vec!["pressure.exr", "pressure.png", "field.vtu"];

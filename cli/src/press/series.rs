@@ -16,6 +16,7 @@ use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::output::watched::watched;
 use crate::press::args::Args;
+use crate::press::first_step::FirstStep;
 use crate::press::held::{clear_before_series, contact_files};
 use crate::press::lists::Lists;
 use crate::press::series_table::{self, Row, write_table};
@@ -60,7 +61,7 @@ pub fn run(
     global: &Global,
     options: &Options,
 ) -> Result<(), Failure> {
-    let steps = steps(&args.lists, loaded)?;
+    let steps = steps(&args.lists, loaded, options)?;
     let asked = Asked {
         args,
         content: loaded.content()?,
@@ -154,14 +155,15 @@ fn prefixed(failure: Failure, folder: &str) -> Failure {
 }
 
 /// The cases of all combinations, each checked before anything is solved.
-fn steps(lists: &Lists, loaded: &LoadedCase) -> Result<Vec<Step>, Failure> {
-    let combinations = lists.steps();
-    if combinations.len() > MOST {
+fn steps(lists: &Lists, loaded: &LoadedCase, options: &Options) -> Result<Vec<Step>, Failure> {
+    let count = lists.count();
+    if count > MOST {
         return Err(Failure::Usage(format!(
-            "{} combinations: expected at most {MOST}",
-            combinations.len()
+            "{count} combinations: expected at most {MOST}"
         )));
     }
+    let combinations = lists.steps();
+    let mut first = FirstStep::default();
     let digits = combinations.len().to_string().len().max(3);
     combinations
         .into_iter()
@@ -171,13 +173,13 @@ fn steps(lists: &Lists, loaded: &LoadedCase) -> Result<Vec<Step>, Failure> {
             for &(key, value) in &values {
                 set(&mut loaded, key, value)?;
             }
-            loaded
-                .case
-                .check()
-                .map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))?;
+            let folder = format!("step-{:0digits$}", k + 1);
+            first
+                .check(&loaded, options)
+                .map_err(|failure| prefixed(failure, &folder))?;
             Ok(Step {
                 values,
-                folder: format!("step-{:0digits$}", k + 1),
+                folder,
                 loaded,
             })
         })

@@ -109,7 +109,10 @@ pub fn series(rows: &[Row], kept: usize, out: &Path) -> String {
         let figure = |key: &str| row.result.as_ref().and_then(|r| r[key].as_f64());
         let said = match (figure("p_max_pa"), figure("length_m"), figure("width_m")) {
             (Some(p), Some(l), Some(w)) => {
-                let short = row.error.as_ref().map_or("", |_| ", short of the accuracy asked");
+                let short = row
+                    .error
+                    .as_ref()
+                    .map_or("", |_| ", short of the accuracy asked");
                 format!(
                     "p_max {:.2} MPa, contact {} x {}{short}",
                     p / 1e6,

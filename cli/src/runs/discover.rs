@@ -105,7 +105,10 @@ fn rules(path: &Path) -> Result<Rules, Failure> {
 
 fn tell(report: &Report, output: &Path) {
     say(&format!("{}\n", report.sentence));
-    say(&format!("written: {}\n", output.join("report.html").display()));
+    say(&format!(
+        "written: {}\n",
+        output.join("report.html").display()
+    ));
 }
 
 fn failure(error: Error) -> Failure {

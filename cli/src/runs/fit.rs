@@ -69,7 +69,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let staging = Staging::beside(
         &args.runs.inputs(),
         &args.runs.out,
-        &["fit.json", "model.fit.toml", "fit_front.png", "fit_rear.png"],
+        &[
+            "fit.json",
+            "model.fit.toml",
+            "fit_front.png",
+            "fit_rear.png",
+        ],
     )?;
     staging.remove_on_interrupt();
     let Loaded {

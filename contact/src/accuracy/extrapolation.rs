@@ -127,7 +127,9 @@ impl Sequence {
     /// before, infinite where there is none.
     pub fn last(&self) -> Option<Extrapolation> {
         let last = *self.similar.last()?;
-        let change = self.before.map_or(f64::INFINITY, |b| (last.value - b).abs());
+        let change = self
+            .before
+            .map_or(f64::INFINITY, |b| (last.value - b).abs());
         Some(Extrapolation {
             value: last.value,
             error: 2.0 * change + Extrapolation::scatter(last),

@@ -72,7 +72,7 @@ fn similar(a: &Patch, b: &Patch) -> bool {
 }
 
 /// Refuses a load that the hull cannot pass on at the stated hardness.
-fn capacity(problem: &Problem) -> Result<(), Error> {
+pub(crate) fn capacity(problem: &Problem) -> Result<(), Error> {
     let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
         return Ok(());
     };

@@ -6,9 +6,8 @@ use crate::result::measure::Figures;
 /// What the meshes solved so far say of peak pressure, area and length.
 pub(crate) struct Watched {
     peak: Sequence,
-    area: Sequence,
-    length: Sequence,
-    last: Option<Figures>,
+    /// Of all meshes, in order.
+    figures: Vec<Figures>,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
 }
@@ -34,24 +33,20 @@ impl Watched {
     pub fn new(hardness: Option<f64>) -> Self {
         Watched {
             peak: Sequence::new(),
-            area: Sequence::new(),
-            length: Sequence::new(),
-            last: None,
+            figures: Vec::new(),
             hardness: hardness.unwrap_or(f64::INFINITY),
         }
     }
 
     /// Adds a mesh: similar to the last one and finer, or `graded_anew`.
     pub fn push(&mut self, figures: Figures, cells: f64, approach: f64, graded_anew: bool) {
-        let raw = |value: f64| Raw {
+        let raw = Raw {
             cells,
-            value,
+            value: figures.p_max,
             approach,
         };
-        self.peak.push(raw(figures.p_max), graded_anew);
-        self.area.push(raw(figures.area), graded_anew);
-        self.length.push(raw(figures.length), graded_anew);
-        self.last = Some(figures);
+        self.peak.push(raw, graded_anew);
+        self.figures.push(figures);
     }
 
     /// The limits; `None` before there is anything to compare. On `smooth` contacts the order of the peak's errors is known.
@@ -64,15 +59,21 @@ impl Watched {
         self.of(self.peak.last()?)
     }
 
+    /// Twice the larger of the last two meshes' changes: what is left where errors fall with the cells' size and those are 1.5 times
+    /// smaller on each mesh. The rim passes between nodes, so that no higher order is certain. Infinite after one mesh.
+    fn uncertain(&self, figure: impl Fn(&Figures) -> f64) -> f64 {
+        let pairs = self.figures.windows(2).rev().take(2);
+        let changes = pairs.map(|pair| (figure(&pair[1]) - figure(&pair[0])).abs());
+        match changes.reduce(f64::max) {
+            Some(change) => 2.0 * change,
+            None => f64::INFINITY,
+        }
+    }
+
     fn of(&self, peak: Extrapolation) -> Option<Limits> {
-        let last = self.last?;
-        // The order of areas and lengths is not certain: the rim passes between nodes.
-        let error = |sequence: &Sequence, value: f64| {
-            let limit = sequence.limit(false).or_else(|| sequence.last());
-            limit.map_or(f64::INFINITY, |l| (l.value - value).abs() + l.error)
-        };
-        let area_error = error(&self.area, last.area);
-        let length_error = error(&self.length, last.length);
+        let last = *self.figures.last()?;
+        let area_error = self.uncertain(|figures| figures.area);
+        let length_error = self.uncertain(|figures| figures.length);
         let fixed = last.p_max >= self.hardness * (1.0 - 1e-9);
         let (peak, relative) = if fixed {
             let peak = Extrapolation {

@@ -27,6 +27,8 @@ pub(crate) struct OneSet<'a> {
     /// Residual at which the signs are looked at first: once sets have changed often, they are only changed by what is well
     /// known, since forces known to a hundredth can send a set in circles.
     pub first_check: f64,
+    /// How far a converged set's signs may be wrong.
+    pub slack: f64,
 }
 
 /// Vectors that the iteration reuses.
@@ -188,7 +190,7 @@ impl ContactMesh {
             return None;
         }
         let reached = residual < tolerance;
-        let slack = if reached { 1e-10 } else { residual };
+        let slack = if reached { set.slack } else { residual };
         if self.contradicts(state, set.sets, slack) {
             return Some(false);
         }

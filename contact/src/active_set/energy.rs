@@ -105,8 +105,8 @@ impl ContactMesh {
         }
     }
 
-    /// The forces on the way from accepted ones to those of a state where the first one meets its bound, if D falls there.
-    pub fn on_the_way(&self, last: &Feasible, state: &State) -> Option<Feasible> {
+    /// The forces on the way from accepted ones to those of a state where the first one meets its bound.
+    pub fn on_the_way(&self, last: &Feasible, state: &State) -> Feasible {
         let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
         let to: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
         let (part, force) = clip(&last.force, &to, &bound);
@@ -118,11 +118,11 @@ impl ContactMesh {
             .map(|(&c, before)| before + part * (gaps[c] - before))
             .collect();
         let energy = last.energy + last.change(&force, &gap);
-        (energy < last.energy).then_some(Feasible {
+        Feasible {
             force,
             gap,
             depth: last.depth,
             energy,
-        })
+        }
     }
 }

@@ -52,7 +52,12 @@ mod tests {
     #[test]
     fn lines_that_do_not_increase_are_refused() {
         assert!(increasing(vec![-1.0, 0.0, 1e-9]).is_ok());
-        for nodes in [vec![0.0, 1.0, 1.0], vec![0.0, f64::NAN, 1.0], vec![1.0], vec![1.0, 1.0 + 1e-15]] {
+        for nodes in [
+            vec![0.0, 1.0, 1.0],
+            vec![0.0, f64::NAN, 1.0],
+            vec![1.0],
+            vec![1.0, 1.0 + 1e-15],
+        ] {
             assert!(increasing(nodes).is_err());
         }
     }

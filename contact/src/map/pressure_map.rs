@@ -328,7 +328,10 @@ mod tests {
             (top, at_top)
         };
         let (whole, few) = highest(f64::INFINITY);
-        assert!((whole / peak - 1.0).abs() < 1e-3 && few <= 8, "{whole} {few}");
+        assert!(
+            (whole / peak - 1.0).abs() < 1e-3 && few <= 8,
+            "{whole} {few}"
+        );
         let (cut, many) = highest(100e6);
         assert!(cut == 100e6 && many > 1000, "{cut} {many}");
     }

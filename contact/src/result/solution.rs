@@ -22,11 +22,11 @@ pub struct Solution {
     pub p_mean: f64,
     /// Contact area, resolved below the cell [m2].
     pub area: f64,
-    /// What the last refinement and what was found before leave uncertain of the area; infinite after one mesh [m2].
+    /// Estimated error of the area: twice the larger of what the last two meshes changed; infinite after one mesh [m2].
     pub area_error: f64,
     /// Extent of the contact along x, from its first to its last point [m].
     pub length: f64,
-    /// What the last refinement and what was found before leave uncertain of the length; infinite after one mesh [m].
+    /// Estimated error of the length, likewise [m].
     pub length_error: f64,
     /// Extent of the contact along y [m].
     pub width: f64,

@@ -43,6 +43,7 @@ impl Store {
             action: "cannot be made",
             source,
         })?;
+        kufe_files::clear_temporaries(folder);
         Ok(Store {
             folder: folder.to_path_buf(),
             origin,

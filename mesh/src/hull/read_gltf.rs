@@ -86,10 +86,12 @@ pub fn read_gltf(
 pub(crate) fn outer_buffers(bytes: &[u8]) -> Result<Vec<String>, MeshError> {
     check_length(bytes)?;
     let (document, _) = parse(bytes)?;
-    let uris = document.buffers().filter_map(|buffer| match buffer.source() {
-        Source::Uri(uri) if embedded_text(uri).is_none() => Some(uri.to_owned()),
-        _ => None,
-    });
+    let uris = document
+        .buffers()
+        .filter_map(|buffer| match buffer.source() {
+            Source::Uri(uri) if embedded_text(uri).is_none() => Some(uri.to_owned()),
+            _ => None,
+        });
     Ok(uris.collect())
 }
 

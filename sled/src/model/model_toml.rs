@@ -62,7 +62,8 @@ impl Model {
     /// [`Error::File`], [`Error::Keys`] (unknown or missing keys), [`Error::KeyRange`].
     pub fn load(path: &Path) -> Result<Model, Error> {
         let file = path.display().to_string();
-        let text = kufe_files::text_of_regular(path, LONGEST).map_err(|error| Error::file(&file, error))?;
+        let text = kufe_files::text_of_regular(path, LONGEST)
+            .map_err(|error| Error::file(&file, error))?;
         let mut model = Model::from_toml(&text, &file)?;
         model.folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         model.file = file;
