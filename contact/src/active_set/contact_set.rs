@@ -118,7 +118,9 @@ impl ContactMesh {
                 break;
             }
             sets = match &accepted {
-                Some(last) if !falls || plain => last.released(&bound),
+                Some(last) if plain && falls => last.released_one(&bound),
+                Some(last) if plain => Sets::of(&last.force, &bound),
+                Some(last) if !falls => last.released(&bound),
                 _ => {
                     let found = self.predict(state, &greens[1]);
                     counts = found.counts;

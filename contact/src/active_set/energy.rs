@@ -47,6 +47,23 @@ impl Feasible {
         sets
     }
 
+    /// The set of these forces, with the one node let go whose gap contradicts it most: of several some may have to come back.
+    pub fn released_one(&self, bound: &[f64]) -> Sets {
+        let mut sets = Sets::of(&self.force, bound);
+        let wrong = |i: usize| match self.force[i] {
+            f if f >= bound[i] => self.gap[i],
+            f if f > 0.0 => 0.0,
+            _ => -self.gap[i],
+        };
+        let worst = (0..bound.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)));
+        if let Some(worst) = worst.filter(|&i| wrong(i) > 0.0) {
+            sets.full.retain(|&i| i != worst);
+            let place = sets.inside.partition_point(|&i| i < worst);
+            sets.inside.insert(place, worst);
+        }
+        sets
+    }
+
     /// The change of D on the way to other forces.
     fn change(&self, force: &[f64], gap: &[f64]) -> f64 {
         (0..force.len())
