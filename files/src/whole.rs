@@ -88,4 +88,43 @@ mod tests {
         assert_eq!(mode("whole"), mode("ordinary"));
         assert_eq!(mode("whole") & 0o111, 0);
     }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_written_through_and_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        std::fs::write(&file, "before").unwrap();
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        write_whole(&link, |writer| writer.write_all(b"after")).unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), b"after");
+        assert!(link.symlink_metadata().unwrap().is_std::os::unix::fs::symlink());
+        let lost = folder.path().join("lost");
+        std::os::unix::fs::symlink("nowhere", &lost).unwrap();
+        let error = write_whole(&lost, |writer| writer.write_all(b"x")).unwrap_err();
+        assert!(error.to_string().contains("leads nowhere"), "{error}");
+        assert!(lost.symlink_metadata().unwrap().is_std::os::unix::fs::symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn folders_sockets_and_devices_are_never_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        let inner = folder.path().join("folder");
+        std::fs::create_dir(&inner).unwrap();
+        for (path, said) in [
+            (socket.as_path(), "a socket"),
+            (&inner, "a folder"),
+            (Path::new("/dev/null"), "a device"),
+        ] {
+            let error = write_whole(path, |writer| writer.write_all(b"x")).unwrap_err();
+            assert!(error.to_string().starts_with(said), "{error}");
+        }
+        let null = Path::new("/dev/null").symlink_metadata().unwrap();
+        assert!(std::os::unix::fs::FileTypeExt::is_char_device(
+            &null.file_type()
+        ));
+    }
 }

@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
+use crate::runs::recorded::begin;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -212,23 +213,6 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
         say(&text);
     }
     Ok(())
-}
-
-/// The output folder, if the runs that it holds are simulated ones: recorded runs are not replaced.
-fn begin(
-    inputs: &[PathBuf],
-    folder: &Path,
-    names: &[impl AsRef<Path>],
-) -> Result<Staging, Failure> {
-    let index = folder.join("runs.csv");
-    let simulated = ["simulation.json", "truth.json"].map(|name| folder.join(name).is_file());
-    if index.exists() && !simulated.contains(&true) {
-        return Err(Failure::BadInput(format!(
-            "{}: cannot be written: it stands there already and kufe simulate did not write it; expected another folder",
-            index.display()
-        )));
-    }
-    Staging::beside(inputs, folder, names)
 }
 
 fn driver(args: &Args) -> Result<(Driver, String), Failure> {

@@ -199,14 +199,14 @@ fn rough_ice_and_nearly_incompressible_ice_are_solved_under_their_load() {
         bench.write(
             "case.toml",
             CASE.replacen(from, to, 1)
-                .replace("p_max = 0.02", "p_max = 0.05"),
+                .replace("p_max = 0.02", "p_max = 0.1"),
         );
         bench.succeeds(&["press", "case.toml", "-o", name, "-q"]);
         let result = json(&bench.path(name).join("result.json"));
         let figure = |key: &str| result[key].as_f64().expect("a number");
         assert!((figure("fz_n") / 1000.0 - 1.0).abs() < 1e-6, "{name}");
         assert!(
-            figure("p_max_error_pa") <= 0.05 * figure("p_max_pa"),
+            figure("p_max_error_pa") <= 0.1 * figure("p_max_pa"),
             "{name}"
         );
     }
@@ -218,7 +218,7 @@ fn rough_ice_and_nearly_incompressible_ice_are_solved_under_their_load() {
     let peak = |result: &serde_json::Value| result["p_max_pa"].as_f64().expect("a number");
     let stiffer: f64 = (1.0 - 0.33f64.powi(2)) / (1.0 - 0.499f64.powi(2));
     let ratio = peak(&rubber) / peak(&ice);
-    let slack = 0.06;
+    let slack = 0.1;
     assert!(
         ratio > stiffer.sqrt() - slack && ratio < stiffer.powf(2.0 / 3.0) + slack,
         "{ratio}"
