@@ -57,7 +57,7 @@ impl Case {
         }
     }
 
-    /// The files that the case names, as it names them: hull, section, ice surface.
+    /// The files that the case names, as it names them: hull, mesh, section, ice surface.
     pub fn files(&self) -> Vec<&Path> {
         let profile = self
             .runner
@@ -66,6 +66,7 @@ impl Case {
             .and_then(|s| s.profile.as_ref());
         [
             self.runner.hull.as_ref(),
+            self.runner.mesh.as_ref(),
             profile,
             self.ice.surface.as_ref(),
         ]

@@ -25,7 +25,7 @@ pub enum CaseError {
         /// The value found.
         value: String,
         /// What it must be.
-        expected: &'static str,
+        expected: String,
     },
     /// Two keys exclude each other, or one needs the other.
     #[error("{}{key}: {expected}", place(*line))]

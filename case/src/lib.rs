@@ -29,6 +29,7 @@ mod problem;
 mod table;
 
 pub use case::Case;
+pub use check::range::{RANGES, Range};
 pub use error::CaseError;
 pub use problem::{FittedHull, StatedProblem};
 pub use table::{

@@ -3,26 +3,30 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use kufe_files::read_regular;
 use kufe_mesh::{
     Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
-    Rocker, Section, Underside, load_hull, read_gmsh, read_vtu,
+    Rocker, Section, Underside, check_hull, load_hull, read_gmsh, read_vtu, size_warnings,
 };
 
 use crate::check::range::combination;
-use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, TiltWord, UpAxis, mesh_error};
+use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, UpAxis, mesh_error};
 use crate::{Case, CaseError};
-use kufe_contact::{ElasticRunner, Load, Problem, Runner, RunnerSolid, Tilt};
+use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
+
+/// Most bytes of a file of hexahedra.
+const MOST_BYTES: u64 = 1 << 31;
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
 pub struct StatedProblem {
     /// The problem.
     pub problem: Problem,
-    /// The hull, where the case names one.
+    /// The hull or mesh, where the case names one.
     pub hull: Option<FittedHull>,
 }
 
-/// A hull's fitted underside and what the hull is like.
+/// The fitted underside of a hull, or of a mesh, and what that is like.
 #[derive(Clone)]
 pub struct FittedHull {
     /// The smooth surface that is pressed on the ice.
@@ -48,8 +52,9 @@ impl Case {
         self.check()?;
         let (underside, hull, elastic) = match &self.runner.mesh {
             Some(path) => {
-                let (underside, elastic) = self.meshed(&base.join(path))?;
-                (underside, None, Some(elastic))
+                let (hull, elastic) = self.meshed(&base.join(path))?;
+                let underside: Arc<dyn Underside> = hull.underside.clone();
+                (underside, Some(hull), Some(elastic))
             }
             None => {
                 let (underside, hull) = underside(&self.runner, base)?;
@@ -62,18 +67,7 @@ impl Case {
             ice: self.ice.ice(),
             ice_surface: self.ice.surface(base)?,
             track_curvature: self.track.curvature(),
-            load: Load::Force {
-                fz: self.load.fz_n,
-                offset_x: self.load.offset_x_m,
-                offset_y: self.load.offset_y_m,
-                tilt: match self.load.tilt {
-                    TiltWord::Free => Tilt::Free,
-                    TiltWord::Fixed => Tilt::Fixed {
-                        pitch: self.load.pitch_rad.unwrap_or(0.0),
-                        roll: self.load.roll_rad.unwrap_or(0.0),
-                    },
-                },
-            },
+            load: self.load.load(),
         };
         crate::effects::switch_on(&self.effects, &mut problem)?;
         Ok(StatedProblem { problem, hull })
@@ -82,11 +76,11 @@ impl Case {
     /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised stiffness.
     ///
     /// Its mount holds the nodes at its highest place, all of them or those over the places held.
-    fn meshed(&self, path: &Path) -> Result<(Arc<dyn Underside>, ElasticRunner), CaseError> {
+    fn meshed(&self, path: &Path) -> Result<(FittedHull, ElasticRunner), CaseError> {
         let named =
             |reason: &dyn std::fmt::Display| mesh_error(format!("{}: {reason}", path.display()));
-        let bytes =
-            std::fs::read(path).map_err(|error| named(&format!("cannot be read: {error}")))?;
+        let bytes = read_regular(path, MOST_BYTES)
+            .map_err(|error| named(&format!("cannot be read: {error}")))?;
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let mut mesh = match ending.as_deref() {
             Some("msh") => read_gmsh(&bytes).map_err(|error| named(&error))?,
@@ -103,14 +97,23 @@ impl Case {
             top - p[2] <= 1e-6 * (top - lowest) && mount.as_ref().is_none_or(|m| m.over(p[0]))
         };
         let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
+        let extent = extent(&mesh.points);
         let solid = RunnerSolid::new(mesh, modulus, ratio, held).map_err(|error| named(&error))?;
-        let underside =
-            FittedUnderside::new(&solid.underside(), 0.0).map_err(|error| named(&error))?;
+        let part = solid.underside();
+        let mut report = check_hull(&part).map_err(|error| named(&error))?;
+        // An underside alone is open; its size is that of the whole mesh.
+        report.warnings = size_warnings(extent);
+        report.extent = extent;
+        let underside = FittedUnderside::new(&part, 0.0).map_err(|error| named(&error))?;
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
             ..ElasticRunner::held_at_top(modulus, ratio, top)
         };
-        Ok((Arc::new(underside), elastic))
+        let hull = FittedHull {
+            underside: Arc::new(underside),
+            report,
+        };
+        Ok((hull, elastic))
     }
 
     /// The runner's elasticity and what holds its flat top.
@@ -143,6 +146,14 @@ impl Case {
             )
         })
     }
+}
+
+/// Size of a mesh along x, y and z [m].
+fn extent(points: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let along = || points.iter().map(|p| p[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    })
 }
 
 type Surface = (Arc<dyn Underside>, Option<FittedHull>);
@@ -254,7 +265,7 @@ fn shape_underside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kufe_contact::Foundation;
+    use kufe_contact::{Foundation, Load, Tilt};
 
     fn case(shape: &str, rest: &str) -> Case {
         let text = format!(

@@ -22,6 +22,7 @@ use crate::about::{completions, doctor, examples, init, schema};
 use crate::bodies::{export, hull, mesh};
 use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
+use crate::output::say::all_said;
 use crate::runs::{discover, evaluate, fit, simulate, validate};
 
 fn run(cli: Cli) -> Result<(), Failure> {
@@ -58,7 +59,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
 fn main() -> ExitCode {
     let matches = examples::added(Cli::command()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    match run(cli) {
+    match run(cli).and_then(|()| all_said()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("kufe: {failure}");

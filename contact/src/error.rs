@@ -1,12 +1,32 @@
 //! What can go wrong in a contact solve.
 
+use crate::accuracy::watched::BESIDE;
 use crate::{Method, Solution};
+
+/// A number in no more digits than it needs.
+fn plain(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e9).contains(&value.abs()) {
+        return value.to_string();
+    }
+    format!("{value:e}")
+}
+
+/// The figure whose error a solve is judged by, and how much larger than the peak's that error may be.
+fn watched(best: &Solution) -> (&'static str, f64) {
+    match best.hardness {
+        Some(hardness) if best.p_max >= hardness => (
+            "area or length (the peak is the ice's hardness)",
+            1.0 / BESIDE,
+        ),
+        _ => ("the peak pressure", 1.0),
+    }
+}
 
 /// Errors of the contact solver.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A number of the problem is outside its range.
-    #[error("{name} = {value}: expected {expected}")]
+    #[error("{name} = {}: expected {expected}", plain(*value))]
     OutOfRange {
         /// What the number is.
         name: &'static str,
@@ -44,8 +64,23 @@ pub enum Error {
         /// Left side of the hull [m].
         y_max: f64,
     },
+    /// The load acts on the hull's rim, where a runner that may tilt finds no balance.
+    #[error(
+        "the load's line of action at {axis} = {at} m runs along the rim of the hull, which spans {low} to {high} m: expected it \
+         within the hull; half a runner is mirrored first"
+    )]
+    LoadOnRim {
+        /// `"x"` or `"y"`.
+        axis: &'static str,
+        /// Line of action [m].
+        at: f64,
+        /// Start of the hull [m].
+        low: f64,
+        /// End of the hull [m].
+        high: f64,
+    },
     /// The track is curved so tightly that the hull does not fit.
-    #[error("a track of radius {radius} m does not take a hull that reaches to x = {reach} m")]
+    #[error("a track of radius {} m does not take a hull that reaches to x = {reach} m", plain(*radius))]
     TrackTooTight {
         /// Track radius [m].
         radius: f64,
@@ -68,6 +103,51 @@ pub enum Error {
         /// Hardness times the area that could touch [N].
         capacity: f64,
     },
+    /// The contact asks for cells that cannot be.
+    #[error(
+        "the contact from {from:.3e} to {to:.3e} m asks for cells of {spacing:.3e} m: expected lengths (ice, runner, waves, mount) \
+         that are nearer to one another"
+    )]
+    TooFine {
+        /// Start of the line [m].
+        from: f64,
+        /// Its end [m].
+        to: f64,
+        /// Spacing that was asked for [m].
+        spacing: f64,
+    },
+    /// The coarsest mesh of the contact is larger than memory takes.
+    #[error(
+        "a mesh of {} x {} x {} nodes is the coarsest that resolves the contact, {limit} nodes are the most: expected lengths (ice, \
+         runner, waves, mount) that are nearer to one another, or less accuracy",
+        shape[0], shape[1], shape[2]
+    )]
+    MeshTooLarge {
+        /// Nodes along, across and down.
+        shape: [usize; 3],
+        /// Most nodes.
+        limit: usize,
+    },
+    /// More nodes of the contact plane may touch than the dense problem on it takes.
+    #[error(
+        "{nodes} nodes of the contact plane may touch, {limit} are the most: expected a shorter contact, longer waves, or less accuracy"
+    )]
+    TooManyTouch {
+        /// Nodes that may touch.
+        nodes: usize,
+        /// Most nodes.
+        limit: usize,
+    },
+    /// The meshes give no contact that carries the load.
+    #[error("no contact was found: {name} = {value:.6e}, expected {expected}")]
+    NoAnswer {
+        /// The figure that cannot be.
+        name: &'static str,
+        /// What the meshes give.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
     /// The caller asked the solve to end.
     #[error("stopped before the end")]
     Stopped,
@@ -83,9 +163,18 @@ pub enum Error {
         /// Residual asked.
         tolerance: f64,
     },
+    /// No patch settles under the load.
+    #[error(
+        "no patch settles under the load in {rounds} rounds: expected a line of action farther from the hull's ends, or gentler ice"
+    )]
+    NoPatch {
+        /// Times that the contact plane was solved.
+        rounds: usize,
+    },
     /// The accuracy asked was not reached within the largest mesh allowed.
     #[error(
-        "estimated error of the peak pressure {estimate:.2e} (relative) with {dofs} unknowns, asked {tolerance:.2e}"
+        "estimated error of {} {:.2e} (relative) with {dofs} unknowns, asked {:.2e}",
+        watched(best).0, watched(best).1 * estimate, watched(best).1 * tolerance
     )]
     AccuracyNotReached {
         /// Unknowns of the finest solve.

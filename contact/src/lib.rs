@@ -67,7 +67,7 @@ pub use error::Error;
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;
-pub use options::{Method, Options, StiffnessForm, Watcher};
+pub use options::{Method, NUMERICS, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::Problem;
 pub use problem::gap::track_height;
 pub use problem::ice::{Bed, Foundation, Ice};
@@ -83,4 +83,4 @@ pub use result::centre_line::{CentreLine, LargestShear, centre_line};
 pub use result::solution::{
     AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,
 };
-pub use solve::solve;
+pub use solve::{check_problem, solve};

@@ -1,7 +1,10 @@
 //! From a problem to a pressure field of the accuracy asked.
 
 use crate::accuracy::meshes::{Meshes, Verdict};
-use crate::{Error, Options, Problem, Solution};
+use crate::accuracy::scout::capacity;
+use crate::problem::check::check;
+use crate::problem::gap::Gap;
+use crate::{Error, Load, Options, Problem, Solution};
 
 /// Solves a contact problem.
 ///
@@ -12,7 +15,9 @@ use crate::{Error, Options, Problem, Solution};
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and [`Error::BeyondHardness`] for
 /// problems without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
-/// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do.
+/// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do;
+/// [`Error::TooFine`], [`Error::MeshTooLarge`] and [`Error::TooManyTouch`] where no mesh can be had, [`Error::NoAnswer`] where
+/// the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to wake up.
     rayon::scope(|_| {
@@ -20,18 +25,80 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
         loop {
             let contact = meshes.solve_next()?;
             match meshes.judge(&contact) {
-                Verdict::Reached(limit) => return Ok(meshes.solution(contact, limit)),
+                Verdict::Reached(limits) => {
+                    return answered(problem, meshes.solution(contact, limits));
+                }
                 Verdict::Refine(plan) => meshes.refine(contact, plan),
-                Verdict::OutOfReach(limit) => return Err(meshes.out_of_reach(contact, limit)),
+                Verdict::OutOfReach(limits) => {
+                    let (best, estimate) = meshes.out_of_reach(contact, limits);
+                    return Err(Error::AccuracyNotReached {
+                        dofs: best.dofs,
+                        estimate,
+                        tolerance: options.p_max_tolerance,
+                        best: Box::new(answered(problem, best)?),
+                    });
+                }
             }
         }
     })
 }
 
+/// Checks a problem as far as that goes without solving it.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`], [`Error::TrackTooTight`],
+/// [`Error::BeyondHardness`], and those of what does not go together.
+pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
+    check(problem, options)?;
+    Gap::new(problem)?;
+    capacity(problem)
+}
+
+/// Relative difference of the force carried from the one asked that a balanced contact may have.
+const BALANCED: f64 = 1e-6;
+
+/// Passes an answer on that is one: finite, with a contact, under the load that was asked.
+fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
+    let told = |name, value, expected| {
+        Err(Error::NoAnswer {
+            name,
+            value,
+            expected,
+        })
+    };
+    for (name, value) in [
+        ("peak pressure [Pa]", solution.p_max),
+        ("mean pressure [Pa]", solution.p_mean),
+        ("contact area [m2]", solution.area),
+        ("contact length [m]", solution.length),
+        ("contact width [m]", solution.width),
+    ] {
+        if !(value.is_finite() && value > 0.0) {
+            return told(name, value, "a positive number");
+        }
+    }
+    for (name, value) in [
+        ("approach [m]", solution.approach),
+        ("pitch [rad]", solution.pitch),
+        ("roll [rad]", solution.roll),
+        ("residual", solution.kkt_residual),
+    ] {
+        if !value.is_finite() {
+            return told(name, value, "a finite number");
+        }
+    }
+    if let Load::Force { fz, .. } = problem.load
+        && (solution.fz / fz - 1.0).abs() > BALANCED
+    {
+        return told("force carried [N]", solution.fz, "the normal force asked");
+    }
+    Ok(solution)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Ice, Load, Runner, Tilt};
+    use crate::{Ice, Runner, Tilt};
     use kufe_mesh::Paraboloid;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};

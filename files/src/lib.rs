@@ -1,97 +1,26 @@
-//! Files that are whole or absent.
+//! Files that are whole or absent, that replace nothing that is not theirs, and that end.
 //!
 //! A process that dies while it writes, or a disk that fills up, leaves what stood at the path before, and nothing beside it.
+//! What a command writes is apart from what it reads ([`outputs_apart`]). A link is written through; a device, a pipe or a
+//! folder is never replaced. Reading takes regular files alone, up to a length ([`read_regular`]).
 //!
 //! ```
 //! let folder = tempfile::tempdir()?;
 //! let path = folder.path().join("result.txt");
 //! kufe_files::write_whole(&path, |writer| writer.write_all(b"whole"))?;
-//! assert_eq!(std::fs::read(&path)?, b"whole");
+//! assert_eq!(kufe_files::read_regular(&path, 100)?, b"whole");
+//! assert!(kufe_files::outputs_apart(&[&path], &[&path]).is_err());
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
-use std::io::{BufWriter, Result, Write};
-use std::path::Path;
+mod apart;
+mod leftovers;
+mod place;
+mod read;
+mod whole;
 
-use tempfile::{Builder, NamedTempFile};
-
-/// Writes `path` through a temporary file in its folder, which is flushed to the disk and renamed once it is whole.
-///
-/// Several processes, on several machines, may write one path at a time: the last to finish is who wrote it. Who may
-/// read the file is what the process's umask says, as for any other new file.
-///
-/// # Errors
-/// Those of `write`, and of the system where the folder is missing or the file cannot be written; nothing is left then.
-pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let temporary = temporary_in(folder)?;
-    let mut writer = BufWriter::new(temporary.as_file());
-    write(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
-    temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// A hidden file in `folder`; temporary files are private unless they are asked not to be.
-fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".kufe-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // The system takes the umask's bits off.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn names(folder: &Path) -> Vec<std::ffi::OsString> {
-        let entries = std::fs::read_dir(folder).unwrap();
-        entries.map(|entry| entry.unwrap().file_name()).collect()
-    }
-
-    #[test]
-    fn a_file_that_fails_halfway_leaves_what_was_there() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("result.txt");
-        write_whole(&path, |writer| writer.write_all(b"before")).unwrap();
-        let failed = write_whole(&path, |writer| {
-            writer.write_all(b"after")?;
-            Err(std::io::Error::other("no more"))
-        });
-        assert_eq!(failed.unwrap_err().to_string(), "no more");
-        assert_eq!(std::fs::read(&path).unwrap(), b"before");
-        assert_eq!(names(folder.path()), ["result.txt"]);
-    }
-
-    #[test]
-    fn a_missing_folder_is_an_error() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("none").join("result.txt");
-        assert!(write_whole(&path, |_| Ok(())).is_err());
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_file_may_be_read_by_whom_any_other_new_file_may() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().unwrap();
-        let mode = |name: &str| {
-            let found = std::fs::metadata(folder.path().join(name)).unwrap();
-            found.permissions().mode() & 0o777
-        };
-        std::fs::write(folder.path().join("ordinary"), "").unwrap();
-        write_whole(&folder.path().join("whole"), |_| Ok(())).unwrap();
-        assert_eq!(mode("whole"), mode("ordinary"));
-        assert_eq!(mode("whole") & 0o111, 0);
-    }
-}
+pub use apart::{Clash, outputs_apart, same_file};
+pub use leftovers::clear_temporaries;
+pub use place::replaceable;
+pub use read::{open_regular, read_regular, text_of_regular};
+pub use whole::write_whole;

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use kufe_case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, Solution, SurfaceField};
+use kufe_files::text_of_regular;
+use kufe_mesh::hull_files;
 
 use crate::failure::Failure;
 
@@ -40,15 +42,7 @@ impl LoadedCase {
     pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
         let name = path.display().to_string();
         let told = |reason: String| Failure::BadInput(format!("{name}: {reason}"));
-        let meta =
-            std::fs::metadata(path).map_err(|error| told(format!("cannot be read: {error}")))?;
-        if meta.len() > LONGEST {
-            return Err(told(format!(
-                "{} bytes: expected a case file of at most {LONGEST} bytes",
-                meta.len()
-            )));
-        }
-        let text = std::fs::read_to_string(path)
+        let text = text_of_regular(path, LONGEST)
             .map_err(|error| told(format!("cannot be read: {error}")))?;
         let base = path.parent().unwrap_or(Path::new(""));
         LoadedCase::parse(&name, base, &text)
@@ -68,6 +62,24 @@ impl LoadedCase {
         })
     }
 
+    /// Every file that is read for the case beside its own: hull and its buffers, mesh, section, ice surface.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where a hull that names further files cannot be read.
+    pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
+        let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
+        let mut files = Vec::new();
+        for file in self.case.files() {
+            let path = self.base.join(file);
+            if self.case.runner.hull.as_deref() == Some(file) {
+                files.extend(hull_files(&path).map_err(told)?);
+            } else {
+                files.push(path);
+            }
+        }
+        Ok(files)
+    }
+
     /// The problem that the case states.
     ///
     /// # Errors
@@ -82,8 +94,16 @@ impl LoadedCase {
     pub fn hull_warnings(&self, hull: Option<&FittedHull>) -> Vec<String> {
         hull.iter()
             .flat_map(|hull| &hull.report.warnings)
-            .map(|warning| format!("{}: runner.hull: {warning}", self.name))
+            .map(|warning| format!("{}: {}: {warning}", self.name, self.hull_key()))
             .collect()
+    }
+
+    /// The key that names the hull or the mesh.
+    fn hull_key(&self) -> &'static str {
+        match self.case.runner.mesh {
+            Some(_) => "runner.mesh",
+            None => "runner.hull",
+        }
     }
 
     /// Refuses a hull whose fit is too uncertain for what was solved on it; a shape has no fit.
@@ -100,9 +120,10 @@ impl LoadedCase {
         match hull.underside.coarse_within(solution.approach, patch) {
             None => Ok(()),
             Some(coarse) => Err(Failure::BadInput(format!(
-                "{}: runner.hull: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
-                 the approach is {:.3} um; expected at most {:.3} um: give it finer triangles",
+                "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
+                 the approach is {:.3} um; expected at most {:.3} um: give it a finer or less noisy surface",
                 self.name,
+                self.hull_key(),
                 1e6 * coarse.error,
                 1e6 * coarse.approach,
                 1e6 * coarse.allowed
@@ -114,9 +135,12 @@ impl LoadedCase {
     pub fn failure(&self, error: &Error) -> Failure {
         let text = format!("{}: {error}", self.name);
         match error {
-            Error::NotConverged { .. } | Error::AccuracyNotReached { .. } => {
-                Failure::NotConverged(text)
-            }
+            Error::NotConverged { .. }
+            | Error::AccuracyNotReached { .. }
+            | Error::MeshTooLarge { .. }
+            | Error::TooManyTouch { .. }
+            | Error::NoPatch { .. }
+            | Error::NoAnswer { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),
         }

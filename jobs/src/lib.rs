@@ -18,6 +18,7 @@
 //! # Ok::<(), kufe_jobs::Failure>(())
 //! ```
 
+mod case_content;
 pub mod case_file;
 mod case_json;
 pub mod failure;

@@ -135,7 +135,9 @@ pub enum Error {
         reason: String,
     },
     /// A file of a sweep belongs to another program version or case.
-    #[error("{path}: {what} is {found}, the plan's is {expected}")]
+    #[error(
+        "{path}: {what} is {found}, that of this program and case is {expected}: the case, a file that it reads or the program has changed since; delete this folder's points to solve them again, or give another output"
+    )]
     Mixture {
         /// The file.
         path: String,

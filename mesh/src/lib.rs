@@ -34,8 +34,9 @@ pub use hexahedra::{
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtu,
 };
 pub use hull::{
-    Axis, Hull, HullFormat, HullOptions, HullReport, HullWarning, check_hull, load_hull, read_gltf,
-    read_obj, read_stl, tessellate, tessellate_turning, write_glb, write_obj, write_stl,
+    Axis, Hull, HullFormat, HullOptions, HullReport, HullWarning, check_hull, hull_files,
+    load_hull, read_gltf, read_obj, read_stl, size_warnings, tessellate, tessellate_turning,
+    write_glb, write_obj, write_stl,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
 pub use shapes::{

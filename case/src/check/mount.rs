@@ -1,6 +1,6 @@
 //! The ranges of a mount's values, and of what a mesh of hexahedra leaves to say.
 
-use super::range::{Checked, combination, finite, positive, require};
+use super::range::{Checked, combination, in_range, require};
 use crate::table::{LoadTable, RunnerTable, TiltWord};
 
 /// Checks a runner's mount, and that it agrees with the load.
@@ -21,18 +21,13 @@ pub(crate) fn check_mount(runner: &RunnerTable, load: &LoadTable) -> Checked {
         ));
     }
     for place in &mount.held {
-        finite("runner.mount.held.x_m", place.x_m)?;
-        positive("runner.mount.held.length_m", place.length_m)?;
+        in_range("runner.mount.held.x_m", place.x_m)?;
+        in_range("runner.mount.held.length_m", place.length_m)?;
     }
     for place in &mount.carries {
-        finite("runner.mount.carries.x_m", place.x_m)?;
-        positive("runner.mount.carries.length_m", place.length_m)?;
-        require(
-            place.share.is_finite() && place.share > 0.0,
-            "runner.mount.carries.share",
-            place.share,
-            "a positive part of the load",
-        )?;
+        in_range("runner.mount.carries.x_m", place.x_m)?;
+        in_range("runner.mount.carries.length_m", place.length_m)?;
+        in_range("runner.mount.carries.share", place.share)?;
     }
     if mount.carries.is_empty() {
         return Ok(());
@@ -81,7 +76,7 @@ impl RunnerTable {
         ];
         match only_a_hulls.iter().find(|(_, given)| *given) {
             Some((key, _)) => Err(combination(key, "belongs to a hull, not to a mesh")),
-            None => self.scale.map_or(Ok(()), |s| positive("runner.scale", s)),
+            None => self.scale.map_or(Ok(()), |s| in_range("runner.scale", s)),
         }
     }
 }

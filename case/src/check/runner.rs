@@ -1,6 +1,6 @@
 //! The ranges of a runner's values.
 
-use super::range::{Checked, combination, modulus, poisson, positive, radius, require};
+use super::range::{Checked, combination, in_range, require};
 use crate::table::{RunnerTable, SectionTable, Shape};
 
 pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
@@ -17,15 +17,10 @@ pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
         )),
         (Some(_), None) => {
             if let Some(scale) = runner.scale {
-                positive("runner.scale", scale)?;
+                in_range("runner.scale", scale)?;
             }
             if let Some(noise) = runner.noise_m {
-                require(
-                    noise.is_finite() && noise >= 0.0,
-                    "runner.noise_m",
-                    noise,
-                    "a standard deviation in metres, 0 or more",
-                )?;
+                in_range("runner.noise_m", noise)?;
             }
             Ok(())
         }
@@ -45,8 +40,8 @@ pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
     if let Some(section) = &runner.section {
         check_section(section, runner.shape.as_ref())?;
     }
-    modulus("runner.youngs_modulus_pa", runner.youngs_modulus_pa)?;
-    poisson("runner.poissons_ratio", runner.poissons_ratio)
+    in_range("runner.youngs_modulus_pa", runner.youngs_modulus_pa)?;
+    in_range("runner.poissons_ratio", runner.poissons_ratio)
 }
 
 fn check_section(section: &SectionTable, shape: Option<&Shape>) -> Checked {
@@ -63,20 +58,10 @@ fn check_section(section: &SectionTable, shape: Option<&Shape>) -> Checked {
         ));
     }
     if let Some(edge) = section.worn_edge {
-        require(
-            (0.0..=1.0).contains(&edge),
-            "runner.section.worn_edge",
-            edge,
-            "a part of the section's radius, 0 to 1",
-        )?;
+        in_range("runner.section.worn_edge", edge)?;
     }
     match section.worn_m {
-        Some(depth) => require(
-            depth.is_finite() && depth >= 0.0,
-            "runner.section.worn_m",
-            depth,
-            "a depth in metres, 0 or more",
-        ),
+        Some(depth) => in_range("runner.section.worn_m", depth),
         None => Ok(()),
     }
 }
@@ -90,11 +75,17 @@ fn check_shape(shape: &Shape) -> Checked {
             width_m,
             height_m,
         } => {
-            positive("runner.shape.length_m", length_m)?;
-            radius("runner.shape.rocker_radius_m", rocker_radius_m)?;
-            positive("runner.shape.section_radius_m", section_radius_m)?;
-            positive("runner.shape.width_m", width_m)?;
-            positive("runner.shape.height_m", height_m)?;
+            in_range("runner.shape.length_m", length_m)?;
+            in_range("runner.shape.rocker_radius_m", rocker_radius_m)?;
+            in_range("runner.shape.section_radius_m", section_radius_m)?;
+            in_range("runner.shape.width_m", width_m)?;
+            in_range("runner.shape.height_m", height_m)?;
+            require(
+                section_radius_m.is_finite(),
+                "runner.shape.section_radius_m",
+                section_radius_m,
+                "a finite radius in metres: a bobsled runner's section is round",
+            )?;
             require(
                 width_m <= 2.0 * section_radius_m,
                 "runner.shape.width_m",
@@ -112,8 +103,8 @@ fn check_shape(shape: &Shape) -> Checked {
             rocker_radius_m,
             section_radius_m,
         } => {
-            radius("runner.shape.rocker_radius_m", rocker_radius_m)?;
-            radius("runner.shape.section_radius_m", section_radius_m)
+            in_range("runner.shape.rocker_radius_m", rocker_radius_m)?;
+            in_range("runner.shape.section_radius_m", section_radius_m)
         }
         Shape::Luge {
             length_m,
@@ -123,17 +114,12 @@ fn check_shape(shape: &Shape) -> Checked {
             width_m,
             height_m,
         } => {
-            positive("runner.shape.length_m", length_m)?;
-            radius("runner.shape.rocker_radius_m", rocker_radius_m)?;
-            positive("runner.shape.edge_radius_m", edge_radius_m)?;
-            positive("runner.shape.width_m", width_m)?;
-            positive("runner.shape.height_m", height_m)?;
-            require(
-                tilt_rad.is_finite() && tilt_rad.abs() < 1.0,
-                "runner.shape.tilt_rad",
-                tilt_rad,
-                "an angle in radians between -1 and 1",
-            )?;
+            in_range("runner.shape.length_m", length_m)?;
+            in_range("runner.shape.rocker_radius_m", rocker_radius_m)?;
+            in_range("runner.shape.edge_radius_m", edge_radius_m)?;
+            in_range("runner.shape.width_m", width_m)?;
+            in_range("runner.shape.height_m", height_m)?;
+            in_range("runner.shape.tilt_rad", tilt_rad)?;
             require(
                 length_m <= 2.0 * rocker_radius_m,
                 "runner.shape.length_m",

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct AccuracyTable {
     /// Relative discretisation error asked of the peak pressure.
+    #[schemars(range(min = 1e-4, max = 0.5))]
     pub p_max: f64,
 }
 

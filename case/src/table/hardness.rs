@@ -45,7 +45,7 @@ impl JsonSchema for Hardness {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
             "description": "Largest pressure that the ice bears [Pa], or that of its temperature.",
-            "anyOf": [{ "type": "number" }, { "const": WORD }],
+            "anyOf": [{ "type": "number", "minimum": 1e5, "maximum": 1e10 }, { "const": WORD }],
         })
     }
 }

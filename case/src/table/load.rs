@@ -1,5 +1,6 @@
 //! What a case says of the load.
 
+use kufe_contact::{Load, Tilt};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,22 +9,45 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct LoadTable {
     /// Normal force [N].
+    #[schemars(range(min = 0.001, max = 1e7))]
     pub fz_n: f64,
     /// Line of action along the runner [m].
     #[serde(default)]
+    #[schemars(range(min = -10.0, max = 10.0))]
     pub offset_x_m: f64,
     /// Line of action across the runner [m].
     #[serde(default)]
+    #[schemars(range(min = -10.0, max = 10.0))]
     pub offset_y_m: f64,
     /// Whether pitch and roll settle in equilibrium.
     #[serde(default)]
     pub tilt: TiltWord,
     /// Pitch about y where fixed, positive lowers the nose; 0 where absent [rad].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -0.1, max = 0.1))]
     pub pitch_rad: Option<f64>,
     /// Roll about x where fixed; 0 where absent [rad].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -0.1, max = 0.1))]
     pub roll_rad: Option<f64>,
+}
+
+impl LoadTable {
+    /// The load of the problem, without effects.
+    pub fn load(&self) -> Load {
+        Load::Force {
+            fz: self.fz_n,
+            offset_x: self.offset_x_m,
+            offset_y: self.offset_y_m,
+            tilt: match self.tilt {
+                TiltWord::Free => Tilt::Free,
+                TiltWord::Fixed => Tilt::Fixed {
+                    pitch: self.pitch_rad.unwrap_or(0.0),
+                    roll: self.roll_rad.unwrap_or(0.0),
+                },
+            },
+        }
+    }
 }
 
 /// Whether the runner may turn.

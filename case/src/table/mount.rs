@@ -23,8 +23,10 @@ pub struct MountTable {
 #[serde(deny_unknown_fields)]
 pub struct HeldTable {
     /// Its middle [m].
+    #[schemars(range(min = -10.0, max = 10.0))]
     pub x_m: f64,
     /// Its length [m].
+    #[schemars(range(min = 0.001, max = 10.0))]
     pub length_m: f64,
 }
 
@@ -33,10 +35,13 @@ pub struct HeldTable {
 #[serde(deny_unknown_fields)]
 pub struct CarriesTable {
     /// Its middle [m].
+    #[schemars(range(min = -10.0, max = 10.0))]
     pub x_m: f64,
     /// Its length [m].
+    #[schemars(range(min = 0.001, max = 10.0))]
     pub length_m: f64,
     /// Part of the normal force.
+    #[schemars(range(min = 1e-6, max = 1.0))]
     pub share: f64,
 }
 

@@ -18,6 +18,7 @@ pub struct RunnerTable {
     pub hull: Option<PathBuf>,
     /// Metres per unit of the hull's file; 0.001 for millimetres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1000.0))]
     pub scale: Option<f64>,
     /// The hull's upward axis; z where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -27,6 +28,7 @@ pub struct RunnerTable {
     pub forward: Option<ForwardAxis>,
     /// Standard deviation of a scanned hull's vertices; 0 where absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 0.001))]
     pub noise_m: Option<f64>,
     /// Parametric shape instead of a hull.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -42,9 +44,11 @@ pub struct RunnerTable {
     pub elastic: bool,
     /// Young's modulus of the runner [Pa].
     #[serde(default = "steel_modulus")]
+    #[schemars(range(min = 1e6, max = 1e13))]
     pub youngs_modulus_pa: f64,
     /// Poisson's ratio of the runner.
     #[serde(default = "steel_poisson")]
+    #[schemars(range(min = 0.0, max = 0.499))]
     pub poissons_ratio: f64,
     /// What holds an elastic runner; its whole top where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -18,9 +18,11 @@ pub struct SectionTable {
     pub points_m: Option<Vec<[f64; 2]>>,
     /// Depth that wear has taken off the lowest point [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 0.01))]
     pub worn_m: Option<f64>,
     /// Radius of the flat's edges over the section's own; 0.2 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub worn_edge: Option<f64>,
 }
 

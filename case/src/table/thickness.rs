@@ -45,7 +45,7 @@ impl JsonSchema for Thickness {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
             "description": "Thickness on its bed [m], or ice without end.",
-            "anyOf": [{ "type": "number" }, { "const": WORD }],
+            "anyOf": [{ "type": "number", "minimum": 1e-3, "maximum": 100.0 }, { "const": WORD }],
         })
     }
 }

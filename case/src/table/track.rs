@@ -12,6 +12,7 @@ pub struct TrackTable {
     pub radius_m: Option<f64>,
     /// Curvature, positive in a valley [1/m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -1.0, max = 1.0))]
     pub curvature_1pm: Option<f64>,
 }
 

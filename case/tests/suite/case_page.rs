@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use kufe_case::Case;
+use kufe_case::{Case, RANGES};
+use serde_json::Value;
 
 const PAGE: &str = include_str!("../../../docs/case.md");
 
@@ -89,4 +90,85 @@ fn units_on_the_page_are_those_of_the_keys_suffixes() {
         .map_or("", |(_, unit)| unit);
         assert_eq!(unit, expected, "{key}");
     }
+}
+
+/// The cells of the page's row of a key.
+fn row(key: &str) -> Option<Vec<&'static str>> {
+    let start = format!("| `{key}` |");
+    let line = PAGE.lines().find(|line| line.starts_with(&start))?;
+    Some(line.split('|').map(str::trim).collect())
+}
+
+#[test]
+fn the_page_tells_the_range_of_every_number() {
+    for range in RANGES {
+        // What stands in lists is told in words below the tables.
+        if !range.key.starts_with("runner.mount.") {
+            let cells = row(range.key).unwrap_or_else(|| panic!("{} has no row", range.key));
+            assert_eq!(cells[4], range.words(), "{}", range.key);
+        }
+    }
+}
+
+/// Every schema of a number that stands under a key of this name, with its bounds.
+fn bounds(schema: &Value, name: &str, found: &mut Vec<[Option<f64>; 2]>) {
+    let Some(object) = schema.as_object() else {
+        for entry in schema.as_array().into_iter().flatten() {
+            bounds(entry, name, found);
+        }
+        return;
+    };
+    if let Some(property) = object.get("properties").and_then(|p| p.get(name)) {
+        found.push(["minimum", "maximum"].map(|key| property[key].as_f64()));
+    }
+    object.values().for_each(|value| bounds(value, name, found));
+}
+
+/// The bounds of every number that is one form of several.
+fn numbers(schema: &Value) -> Vec<[Option<f64>; 2]> {
+    let own = schema["anyOf"].as_array().into_iter().flatten();
+    let mut found: Vec<_> = own
+        .map(|form| ["minimum", "maximum"].map(|key| form[key].as_f64()))
+        .collect();
+    if let Some(object) = schema.as_object() {
+        found.extend(object.values().flat_map(numbers));
+    }
+    found
+}
+
+#[test]
+fn the_schema_bounds_numbers_as_the_reader_does() {
+    let schema = schemars::schema_for!(Case).to_value();
+    for range in RANGES {
+        let name = range.key.rsplit('.').next().expect("a name");
+        let expected = [
+            Some(range.low),
+            range.high.is_finite().then_some(range.high),
+        ];
+        if ["thickness_m", "hardness_pa"].contains(&name) {
+            // Words are allowed there too: the number is one of several forms.
+            let found = numbers(&schema);
+            assert!(found.contains(&expected), "{}: {found:?}", range.key);
+            continue;
+        }
+        let mut found = Vec::new();
+        bounds(&schema, name, &mut found);
+        assert!(found.contains(&expected), "{}: {found:?}", range.key);
+    }
+}
+
+#[test]
+fn no_number_is_told_in_hundreds_of_digits() {
+    let text = |fz: &str| {
+        format!(
+            "[runner]\nshape = {{ kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }}\n[ice]\n\
+             youngs_modulus_pa = 9e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n[load]\nfz_n = {fz}\n"
+        )
+    };
+    for value in ["1e300", "-1e300", "1e-300", "inf", "nan"] {
+        let error = Case::parse(&text(value)).expect_err(value).to_string();
+        let told = error.contains("load.fz_n = ") && error.contains("0.001 to 1e7");
+        assert!(told && error.len() < 120, "{error}");
+    }
+    assert!(Case::parse(&text("1e7")).is_ok());
 }

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use kufe_jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE, write_whole};
 
 use crate::about::schema::Kind;
+use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::report::read_json;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -49,6 +51,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let name = format!("{kind}.schema.json");
     let schema = file.parent().unwrap_or(Path::new("")).join(&name);
+    apart(&[], &[file.clone(), schema.clone()])?;
+    if schema.exists() && !args.force && !is_schema(&schema, args.kind) {
+        return Err(Failure::BadInput(format!(
+            "{}: exists already and is no schema of kufe's; --force replaces it",
+            schema.display()
+        )));
+    }
     let (example, next) = match args.kind {
         Kind::Case => (EXAMPLE, format!("solve it with: kufe press {path} -o out/")),
         Kind::Table => (TABLE_EXAMPLE, format!("fill it with: kufe lut {path}")),
@@ -70,4 +79,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&format!("{path} written; {next}\n"));
     }
     Ok(())
+}
+
+/// A schema is a page or two [bytes].
+const LONGEST: u64 = 1 << 22;
+
+/// Whether a file is a schema of this kind, of this version of the command or another.
+fn is_schema(path: &Path, kind: Kind) -> bool {
+    let title = format!("{}.toml", kind.name());
+    read_json(path, LONGEST).is_ok_and(|found| found["title"] == title.as_str())
 }

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::bodies::calculix::{Deck, write_deck};
 use crate::bodies::stiffness::write_stiffness;
+use crate::output::apart::{apart, case_inputs};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
@@ -59,6 +60,8 @@ fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = LoadedCase::read(case)?;
     let StatedProblem { problem, .. } = loaded.stated()?;
     let refuse = |reason: &str| Failure::BadInput(format!("{}: {reason}", loaded.name));
+    let inputs = case_inputs(Some(case), &loaded)?;
+    apart(&inputs, std::slice::from_ref(&args.out))?;
     let mount = statable(&problem).map_err(&refuse)?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh and the approach");

@@ -9,6 +9,7 @@ use kufe_mesh::{
 };
 use serde_json::json;
 
+use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -91,6 +92,8 @@ struct File {
 /// # Errors
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let (points, out) = args.kind.files();
+    apart(points, std::slice::from_ref(out))?;
     let (name, swept, file) = match &args.kind {
         Kind::Bob(bob) => ("bob", bob.swept(bob.rocker()?), &bob.file),
         Kind::Luge(luge) => ("luge", luge.swept(), &luge.file),
@@ -111,6 +114,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+impl Kind {
+    /// What is read, and what is written.
+    fn files(&self) -> (&[PathBuf], &PathBuf) {
+        match self {
+            Kind::Bob(bob) => (bob.rocker_points.as_slice(), &bob.file.out),
+            Kind::Luge(luge) => (&[], &luge.file.out),
+        }
+    }
 }
 
 impl Bob {

@@ -8,6 +8,7 @@ use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 use serde_json::{Value, json};
 
+use crate::output::apart::case_inputs;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
@@ -38,7 +39,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     for warning in loaded.hull_warnings(stated.hull.as_ref()) {
         eprintln!("kufe: warning: {warning}");
     }
-    let staging = Staging::begin(&args.out)?;
+    let inputs = case_inputs(Some(&args.case), &loaded)?;
+    let names = ["ice.vtu", "runner.vtu", "quality.json"];
+    let staging = Staging::beside(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     bar.set_message("finding the contact that the grid is graded to");
@@ -78,6 +81,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no end.
 fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
+    if loaded.case.runner.mesh.is_some() {
+        return None;
+    }
     match (&stated.hull, &loaded.case.runner.shape) {
         (Some(hull), _) => Some(hull.report.extent[2]),
         (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),

@@ -9,6 +9,7 @@ use kufe_fem::write_matrix_market;
 use kufe_jobs::{Failure, case_file::LoadedCase};
 use serde_json::json;
 
+use crate::output::apart::{apart, case_inputs};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
@@ -28,6 +29,7 @@ pub fn write_stiffness(
 ) -> Result<(), Failure> {
     let loaded = LoadedCase::read(case)?;
     let StatedProblem { problem, .. } = loaded.stated()?;
+    apart(&case_inputs(Some(case), &loaded)?, &[matrix.to_path_buf()])?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh");
     let options = Options {

@@ -88,7 +88,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     law.check()
         .map_err(|error| prefixed(&name, failure(&error)))?;
     let document = document(&fit, &law, &experiments, args.confidence);
-    let staging = Staging::begin(&args.out)?;
+    let staging = Staging::beside(
+        std::slice::from_ref(&args.experiments),
+        &args.out,
+        &["fit.json", "friction.toml", "mu.png"],
+    )?;
     staging.remove_on_interrupt();
     staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;
     let toml = model_form(&law).map_err(|error| staging.failure("friction.toml", &error))?;

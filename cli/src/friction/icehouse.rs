@@ -47,7 +47,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let house =
         evaluate_ice_house(runs).map_err(|error| Failure::BadInput(format!("{index}: {error}")))?;
     let document = document(&house);
-    let staging = Staging::begin(&args.out)?;
+    let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
+    inputs.push(args.glides.clone());
+    let names = ["icehouse.json", "experiments.csv"];
+    let staging = Staging::beside(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     staging.write("icehouse.json", |mut file| writeln!(file, "{document:#}"))?;
     staging.write("experiments.csv", |file| {

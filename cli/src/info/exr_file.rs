@@ -1,16 +1,19 @@
 //! What an EXR file says of itself, from its header alone.
 
+use std::io::BufReader;
 use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
+use kufe_files::open_regular;
 use kufe_jobs::Failure;
 use serde_json::{Map, Value, json};
 
 /// Size, channels and own attributes of an EXR file; pixels are not read.
 pub fn describe(path: &Path) -> Result<Value, Failure> {
     let told = |error: exr::error::Error| Failure::BadInput(format!("{}: {error}", path.display()));
-    let meta = MetaData::read_from_file(path, false).map_err(told)?;
+    let file = open_regular(path).map_err(|error| told(error.into()))?;
+    let meta = MetaData::read_from_buffered(BufReader::new(file), false).map_err(told)?;
     let Some(header) = meta.headers.first() else {
         return Err(Failure::BadInput(format!(
             "{}: an EXR without layers",

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, table::read_table, write_whole};
-use kufe_lut::{Error, Table};
+use kufe_lut::Table;
 
+use crate::output::apart::apart;
 use crate::output::global::Global;
+use crate::output::say::say;
 
 /// Which forms to write beside a table.
 #[derive(clap::Args, Debug, Default)]
@@ -46,14 +48,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "nothing to export: give --csv, --mat, --header or --fmu".into(),
         ));
     }
+    apart(
+        std::slice::from_ref(&args.table),
+        &args.forms.paths(&args.table),
+    )?;
     let table = read_table(&args.table)?;
     let written = args.forms.write(&table, &args.table)?;
     if global.json {
         let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-        println!("{}", serde_json::json!({ "written": names }));
+        say(&format!("{}\n", serde_json::json!({ "written": names })));
     } else if !global.quiet {
         for path in written {
-            println!("wrote {}", path.display());
+            say(&format!("wrote {}\n", path.display()));
         }
     }
     Ok(())
@@ -66,6 +72,30 @@ impl Forms {
             .all(|form| form.is_none())
     }
 
+    /// Where the forms asked for go, with their endings: beside the table where they name no file.
+    fn places(&self, beside: &Path) -> Vec<(&'static str, PathBuf)> {
+        let forms = [
+            (&self.csv, "csv"),
+            (&self.mat, "mat"),
+            (&self.header, "h"),
+            (&self.fmu, "fmu"),
+        ];
+        let asked = forms.into_iter().filter_map(|(asked, ending)| {
+            let named = asked.as_ref()?.clone();
+            Some((
+                ending,
+                named.unwrap_or_else(|| beside.with_extension(ending)),
+            ))
+        });
+        asked.collect()
+    }
+
+    /// Where the forms asked for go.
+    pub fn paths(&self, beside: &Path) -> Vec<PathBuf> {
+        let places = self.places(beside).into_iter();
+        places.map(|(_, path)| path).collect()
+    }
+
     /// Writes the forms, beside the table where they name no file; returns what was written.
     ///
     /// # Errors
@@ -74,26 +104,16 @@ impl Forms {
         let stem = beside
             .file_stem()
             .map_or("table".into(), |stem| stem.to_string_lossy().into_owned());
-        type Write<'a> = &'a dyn Fn(&mut Vec<u8>) -> Result<(), Error>;
-        let forms: [(&Option<Option<PathBuf>>, &str, Write); 4] = [
-            (&self.csv, "csv", &|bytes| table.write_csv(bytes)),
-            (&self.mat, "mat", &|bytes| table.write_mat(bytes)),
-            (&self.header, "h", &|bytes| {
-                table.write_header(&stem, self.rocker, bytes)
-            }),
-            (&self.fmu, "fmu", &|bytes| {
-                table.write_fmu(&stem, self.rocker, bytes)
-            }),
-        ];
+        let form = |ending: &str, bytes: &mut Vec<u8>| match ending {
+            "csv" => table.write_csv(bytes),
+            "mat" => table.write_mat(bytes),
+            "h" => table.write_header(&stem, self.rocker, bytes),
+            _ => table.write_fmu(&stem, self.rocker, bytes),
+        };
         let mut written = Vec::new();
-        for (asked, ending, write) in forms {
-            let Some(path) = asked else { continue };
-            let path = match path {
-                Some(path) => path.clone(),
-                None => beside.with_extension(ending),
-            };
+        for (ending, path) in self.places(beside) {
             let mut bytes = Vec::new();
-            write(&mut bytes)
+            form(ending, &mut bytes)
                 .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
             write_whole(&path, |writer| writer.write_all(&bytes))?;
             written.push(path);

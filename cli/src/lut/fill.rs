@@ -10,6 +10,7 @@ use kufe_jobs::{
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
+use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::watched::watched;
 
@@ -42,6 +43,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let started = Instant::now();
     let (solver, filled) = watched(global, |watch| {
         let solver = Solver::new(&wanted, watch)?;
+        let mut outputs = args.forms.paths(&out);
+        outputs.push(out.clone());
+        apart(&solver.inputs(&wanted)?, &outputs)?;
         let filled = kufe_jobs::table::fill(&wanted, &solver, &out, watch)?;
         Ok::<_, Failure>((solver, filled))
     })?;

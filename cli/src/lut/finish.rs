@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::lut::export::Forms;
 use crate::output::global::Global;
+use crate::output::say::say;
 
 /// What a table cost.
 pub struct Spent {
@@ -32,13 +33,13 @@ pub fn finish(
     let written = forms.write(&swept.table, out)?;
     let summary = summary(&swept.table, &spent)?;
     if global.json {
-        println!("{summary:#}");
+        say(&format!("{summary:#}\n"));
     } else if !global.quiet {
-        println!("{}", out.display());
+        say(&format!("{}\n", out.display()));
         for path in &written {
-            println!("{}", path.display());
+            say(&format!("{}\n", path.display()));
         }
-        println!("{}", in_words(&summary));
+        say(&format!("{}\n", in_words(&summary)));
     }
     let interpolation = swept.shortfall.as_ref().map(ToString::to_string);
     let reasons: Vec<String> = interpolation

@@ -12,8 +12,13 @@ use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
+use crate::output::apart::{apart, folder_apart};
 use crate::output::global::Global;
+use crate::output::say::say;
 use crate::output::watched::{warn, watched};
+
+/// The files of a plan's folder.
+const PLAN_FILES: [&str; 3] = ["plan.json", "slurm.sh", "parallel.sh"];
 
 /// Arguments of `kufe lut plan`.
 #[derive(clap::Args, Debug)]
@@ -67,7 +72,9 @@ fn shard_word(word: &str) -> Result<(usize, usize), String> {
 /// [`Failure::BadInput`] for files, and where the folder holds results of another version or case.
 pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let wanted = Wanted::read(&args.table)?;
-    let origin = solver(&wanted)?.origin()?;
+    let solver = solver(&wanted)?;
+    let origin = solver.origin();
+    folder_apart(&solver.inputs(&wanted)?, &args.out, &PLAN_FILES)?;
     let file = args.out.join("plan.json");
     if file.exists() {
         let old = Manifest::read(&file).map_err(Failure::bad_input)?;
@@ -92,10 +99,10 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
         }
         Next::Finished(_) => {
             if !global.quiet {
-                println!(
-                    "nothing to solve: {} is complete, merge it",
+                say(&format!(
+                    "nothing to solve: {} is complete, merge it\n",
                     args.out.display()
-                );
+                ));
             }
         }
     }
@@ -118,9 +125,11 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
     if global.json {
         let report =
             serde_json::json!({ "shard": index, "of": count, "solved": solved, "kept": kept });
-        println!("{report}");
+        say(&format!("{report}\n"));
     } else if !global.quiet {
-        println!("shard {index}/{count}: {solved} points solved, {kept} were there");
+        say(&format!(
+            "shard {index}/{count}: {solved} points solved, {kept} were there\n"
+        ));
     }
     Ok(())
 }
@@ -133,6 +142,11 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
 pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     let started = Instant::now();
     let (manifest, solver, store, wanted) = open_plan(&args.plan)?;
+    let mut inputs = solver.inputs(&wanted)?;
+    inputs.extend(PLAN_FILES.map(|name| args.plan.join(name)));
+    let mut outputs = args.forms.paths(&args.out);
+    outputs.push(args.out.clone());
+    apart(&inputs, &outputs)?;
     match next_batch(&wanted.plan, &store).map_err(Failure::bad_input)? {
         Next::Finished(mut swept) => {
             swept.table.case = solver.case();
@@ -185,7 +199,7 @@ fn open_plan(folder: &Path) -> Result<(Manifest, Solver, Store, Wanted), Failure
     let manifest = Manifest::read(&file).map_err(Failure::bad_input)?;
     let wanted = Wanted::read(Path::new(&manifest.table))?;
     let solver = solver(&wanted)?;
-    let origin = solver.origin()?;
+    let origin = solver.origin();
     same_origin(&file, &manifest.origin, &origin)?;
     let store = open_store(folder, origin)?;
     Ok((manifest, solver, store, wanted))
@@ -243,16 +257,16 @@ fn tell_plan(folder: &Path, manifest: &Manifest, global: &Global) {
         let report = serde_json::json!({
             "round": manifest.round, "points": manifest.points.len(), "shards": manifest.shards
         });
-        println!("{report}");
+        say(&format!("{report}\n"));
     } else if !global.quiet {
-        println!(
+        say(&format!(
             "{folder}: round {}, {} points in {} shards\n  \
              Slurm          sbatch --wait {folder}/slurm.sh\n  \
              GNU parallel   sh {folder}/parallel.sh\n  \
-             then           kufe lut merge {folder} -o TABLE.lut",
+             then           kufe lut merge {folder} -o TABLE.lut\n",
             manifest.round,
             manifest.points.len(),
             manifest.shards
-        );
+        ));
     }
 }

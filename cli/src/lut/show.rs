@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use kufe_jobs::{Failure, table::read_table};
 use kufe_lut::Quantity;
 
+use crate::output::apart::apart;
 use crate::output::global::Global;
+use crate::output::say::say;
 
 /// Arguments of `kufe lut show`.
 #[derive(clap::Args, Debug)]
@@ -41,13 +43,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| args.table.with_extension("png"));
+    apart(
+        std::slice::from_ref(&args.table),
+        std::slice::from_ref(&out),
+    )?;
     kufe_lut::draw(&table, quantity, args.rocker, &out)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
     if global.json {
         let written = out.display().to_string();
-        println!("{}", serde_json::json!({ "written": [written] }));
+        say(&format!(
+            "{}\n",
+            serde_json::json!({ "written": [written] })
+        ));
     } else if !global.quiet {
-        println!("wrote {}", out.display());
+        say(&format!("wrote {}\n", out.display()));
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use exr::prelude::{
 };
 use kufe_contact::PressureMap;
 
-const COMMENTS: &str = "p: contact pressure [Pa]; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
+const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is p_max_mesh_pa; p_max_pa: the peak in the limit of fine meshes; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
     row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
 
 /// Writes channels `p` [Pa], `gap` [m] and `uz` [m], one pixel a cell, as ZIP-compressed scanlines.
@@ -17,13 +17,15 @@ const COMMENTS: &str = "p: contact pressure [Pa]; gap [m]; uz: vertical displace
 /// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
 /// attributes are doubles. The pixel's aspect stays 1, or viewers would show a needle as a line.
 ///
+/// `figures` are further numbers of the contact, by name.
+///
 /// # Errors
 /// The EXR writer's, which are those of `writer`.
 pub fn write(
     mut writer: impl Write,
     map: &PressureMap,
-    fz: f64,
     track_curvature: f64,
+    figures: &[(&str, f64)],
 ) -> exr::error::UnitResult {
     let mut attributes = LayerAttributes {
         software_name: Some(Text::from(concat!("kufe ", env!("CARGO_PKG_VERSION")))),
@@ -40,11 +42,10 @@ pub fn write(
         ("origin_y_m", map.y0),
         ("pixel_x_m", map.dx),
         ("pixel_y_m", map.dy),
-        ("fz_n", fz),
         ("radius_m", radius),
         ("curvature_1pm", track_curvature),
     ];
-    for (name, value) in numbers {
+    for &(name, value) in numbers.iter().chain(figures) {
         attributes
             .other
             .insert(Text::from(name), AttributeValue::F64(value));
@@ -106,7 +107,7 @@ mod tests {
     fn an_exr_gives_back_its_channels_and_its_place() -> Result<(), Box<dyn std::error::Error>> {
         let map = hertz_map();
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
-        write(file.as_file(), &map, 1000.0, 0.0)?;
+        write(file.as_file(), &map, 0.0, &[("fz_n", 1000.0)])?;
         let image = read_first_flat_layer_from_file(file.path())?;
         let names: Vec<String> = image
             .layer_data

@@ -1,5 +1,6 @@
 //! What every command shares: global options, progress, what it says, and files that are whole or absent.
 
+pub mod apart;
 pub mod global;
 mod progress;
 pub mod say;

@@ -2,8 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe_files::{clear_temporaries, same_file};
 use kufe_jobs::Failure;
 use tempfile::TempDir;
+
+use crate::output::apart::{apart, folder_apart};
 
 /// A hidden folder beside the output that collects files until [`Staging::commit`] moves them in.
 ///
@@ -13,6 +16,8 @@ pub struct Staging {
     target: PathBuf,
     made: Vec<PathBuf>,
     folder: Option<TempDir>,
+    inputs: Vec<PathBuf>,
+    replaced: Vec<PathBuf>,
 }
 
 impl Staging {
@@ -25,6 +30,8 @@ impl Staging {
             target: target.to_path_buf(),
             made: Vec::new(),
             folder: None,
+            inputs: Vec::new(),
+            replaced: Vec::new(),
         };
         let missing: Vec<&Path> = target
             .ancestors()
@@ -35,12 +42,44 @@ impl Staging {
             std::fs::create_dir(path).map_err(|error| unwritable(path, &error))?;
             staging.made.push(path.to_path_buf());
         }
+        clear_temporaries(target);
         let folder = tempfile::Builder::new()
             .prefix(".kufe-")
             .tempdir_in(target)
             .map_err(|error| unwritable(target, &error))?;
         staging.folder = Some(folder);
         Ok(staging)
+    }
+
+    /// As [`Staging::begin`], for a command that reads these inputs: none of its files may take the place of one.
+    ///
+    /// What will surely be written is checked now, the rest when it is moved in.
+    ///
+    /// # Errors
+    /// As [`Staging::begin`]; [`Failure::BadInput`] for a name that is an input's, or no file's.
+    pub fn beside(
+        inputs: &[PathBuf],
+        target: &Path,
+        names: &[impl AsRef<Path>],
+    ) -> Result<Staging, Failure> {
+        folder_apart(inputs, target, names)?;
+        let mut staging = Staging::begin(target)?;
+        staging.inputs = inputs.to_vec();
+        Ok(staging)
+    }
+
+    /// Files of an earlier run in the output folder that go when this one's come.
+    pub fn replaces(&mut self, files: Vec<PathBuf>) {
+        self.replaced = files;
+    }
+
+    /// Length of a file written so far [bytes].
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where it is not there.
+    pub fn length(&self, name: &str) -> Result<u64, Failure> {
+        let found = std::fs::metadata(self.path(name));
+        Ok(found.map_err(|error| self.failure(name, &error))?.len())
     }
 
     /// Where to write the file `name` for now.
@@ -101,18 +140,16 @@ impl Staging {
             names.push(entry.map_err(told)?.file_name());
         }
         names.sort();
-        for name in &names {
-            if self.target.join(name).is_dir() {
-                return Err(unwritable(
-                    &self.target.join(name),
-                    &"a folder of that name is in the way",
-                ));
+        let outputs: Vec<PathBuf> = names.iter().map(|name| self.target.join(name)).collect();
+        apart(&self.inputs, &outputs)?;
+        for file in self.replaced.iter().filter(|f| !outputs.contains(f)) {
+            if self.inputs.iter().any(|input| same_file(input, file)) {
+                continue;
             }
+            std::fs::remove_file(file).map_err(|error| unwritable(file, &error))?;
         }
-        for name in &names {
-            let to = self.target.join(name);
-            std::fs::rename(folder.path().join(name), &to)
-                .map_err(|error| unwritable(&to, &error))?;
+        for (name, to) in names.iter().zip(&outputs) {
+            place(&folder.path().join(name), to).map_err(|error| unwritable(to, &error))?;
         }
         self.made.clear();
         Ok(())
@@ -127,6 +164,15 @@ impl Drop for Staging {
             let _ = std::fs::remove_dir(path);
         }
     }
+}
+
+/// Moves a file to its place; where that is a link, what it leads to is written.
+fn place(from: &Path, to: &Path) -> std::io::Result<()> {
+    if to.is_symlink() {
+        let mut file = std::fs::File::open(from)?;
+        return kufe_files::write_whole(to, |writer| std::io::copy(&mut file, writer).map(|_| ()));
+    }
+    std::fs::rename(from, to)
 }
 
 fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use kufe_contact::{Iterate, Options, Watcher};
 use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with};
 
+use crate::output::apart::case_inputs;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::press::args::Args;
+use crate::press::held::{contact_files, no_series};
 use crate::press::{device, files, series, solved, summary};
 
 /// Solves the case and writes its files, all or none.
@@ -25,7 +27,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.lists.is_series() {
         return series::run(args, &loaded, global, &options);
     }
-    let staging = Staging::begin(&args.out)?;
+    no_series(&args.out)?;
+    let inputs = case_inputs(args.case.as_deref(), &loaded)?;
+    let mut staging = Staging::beside(&inputs, &args.out, &files::NAMES)?;
+    staging.replaces(contact_files(&args.out));
     staging.remove_on_interrupt();
     let bar = global.progress();
     let shown = bar.clone();
@@ -43,13 +48,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let pressed = press_with(loaded, &watch, options);
     bar.finish_and_clear();
     let pressed = pressed?;
-    let (document, line) = solved::document(&pressed, args.subsurface)?;
-    files::write(&staging, &pressed, &document, line.as_ref())?;
+    let (mut document, line) = solved::document(&pressed, args.subsurface)?;
+    files::write(&staging, &pressed, &mut document, line.as_ref())?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {
         say(&summary::text(&pressed, &args.out));
     }
-    Ok(())
+    match &pressed.short {
+        Some(short) => Err(short.clone()),
+        None => Ok(()),
+    }
 }

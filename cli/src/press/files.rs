@@ -5,13 +5,26 @@ use std::io::Write;
 use kufe_contact::{CentreLine, PressureMap, pressure_maps};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 
 use crate::bodies::placed_hull::placed_hull;
 use crate::bodies::volume_vtu;
 use crate::map::{draw, write_exr};
 use crate::output::staging::Staging;
+use crate::press::held::FILES;
 use crate::press::{subsurface, summary};
+
+/// The files that a solved case may be written to.
+pub const NAMES: [&str; 8] = [
+    "result.json",
+    "pressure.exr",
+    "pressure.png",
+    "field.vtu",
+    "hull.glb",
+    "runner.vtu",
+    "subsurface.csv",
+    "subsurface.png",
+];
 
 /// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; with a centre line
 /// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
@@ -21,37 +34,56 @@ use crate::press::{subsurface, summary};
 pub fn write(
     staging: &Staging,
     pressed: &Pressed,
-    document: &Value,
+    document: &mut Value,
     line: Option<&CentreLine>,
 ) -> Result<(), Failure> {
+    let mut names = fields(staging, pressed, line.is_some())?;
+    if let Some(line) = line {
+        staging.write("subsurface.csv", |file| subsurface::write_csv(file, line))?;
+        subsurface::write_png(&staging.path("subsurface.png"), line)
+            .map_err(|error| staging.failure("subsurface.png", &error))?;
+        names.extend(["subsurface.csv", "subsurface.png"]);
+    }
+    let mut lengths = Map::new();
+    for name in names {
+        lengths.insert(name.into(), json!(staging.length(name)?));
+    }
+    document[FILES] = Value::Object(lengths);
+    staging.write("result.json", |mut file| writeln!(file, "{document:#}"))
+}
+
+/// Writes maps, fields and the hull; returns their names.
+fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
     let solution = &pressed.solution;
     let map = PressureMap::of(solution);
-    staging.write("result.json", |mut file| writeln!(file, "{document:#}"))?;
+    let mut names = vec!["pressure.exr", "pressure.png", "field.vtu"];
     staging.write("pressure.exr", |file| {
         let curvature = pressed.problem.track_curvature;
-        write_exr::write(file, &map, solution.fz, curvature)
+        let figures = [
+            ("fz_n", solution.fz),
+            ("p_max_pa", solution.p_max),
+            ("p_max_error_pa", solution.p_max_error),
+            ("p_max_mesh_pa", solution.p_max_mesh),
+        ];
+        write_exr::write(file, &map, curvature, &figures)
     })?;
     let title = summary::title(solution);
     let maps = pressure_maps(solution);
     draw::write(&staging.path("pressure.png"), &maps, &title)
         .map_err(|error| staging.failure("pressure.png", &error))?;
-    let shear = line.is_some();
     staging.write("field.vtu", |file| {
         volume_vtu::write_ice(file, &solution.volume, shear)
     })?;
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
+        names.push("hull.glb");
     }
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
     {
         staging.write("runner.vtu", |file| {
             volume_vtu::write_runner(file, field, elastic, shear)
         })?;
+        names.push("runner.vtu");
     }
-    if let Some(line) = line {
-        staging.write("subsurface.csv", |file| subsurface::write_csv(file, line))?;
-        subsurface::write_png(&staging.path("subsurface.png"), line)
-            .map_err(|error| staging.failure("subsurface.png", &error))?;
-    }
-    Ok(())
+    Ok(names)
 }

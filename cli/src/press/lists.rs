@@ -55,6 +55,12 @@ impl Lists {
         ]
     }
 
+    /// How many combinations there are.
+    pub fn count(&self) -> usize {
+        let lengths = self.named().map(|(_, values)| values.len().max(1));
+        lengths.iter().fold(1, |n: usize, &k| n.saturating_mul(k))
+    }
+
     /// Every combination, as pairs of key and value.
     pub fn steps(&self) -> Vec<Vec<(&'static str, f64)>> {
         let mut steps: Vec<Vec<(&'static str, f64)>> = vec![Vec::new()];

@@ -4,6 +4,8 @@ mod args;
 mod command;
 mod device;
 mod files;
+mod first_step;
+mod held;
 mod lists;
 mod series;
 mod series_table;

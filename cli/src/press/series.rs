@@ -1,7 +1,6 @@
 //! Several solves in one command, each in a folder of its own.
 
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 use kufe_case::TiltWord;
 use kufe_contact::Options;
@@ -11,14 +10,18 @@ use kufe_jobs::{
 use kufe_mesh::write_pvd;
 use serde_json::Value;
 
+use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::output::watched::watched;
 use crate::press::args::Args;
+use crate::press::first_step::FirstStep;
+use crate::press::held::{clear_before_series, contact_files};
 use crate::press::lists::Lists;
 use crate::press::series_table::{self, Row, write_table};
 use crate::press::{files, solved, summary};
+use crate::report::read_json;
 
 /// One step of a series.
 struct Step {
@@ -26,6 +29,21 @@ struct Step {
     folder: String,
     loaded: LoadedCase,
 }
+
+/// What a series is asked for, and what it is made from.
+struct Asked<'a> {
+    args: &'a Args,
+    /// Of the case's files.
+    content: String,
+    /// The case and its files.
+    inputs: Vec<PathBuf>,
+}
+
+/// The files of a series beside its steps.
+const OVERVIEW: [&str; 4] = ["table.csv", "table.json", "series.pvd", "runner.pvd"];
+
+/// Most bytes of a result.json.
+const LONGEST: u64 = 1 << 22;
 
 /// Largest number of steps, so that a slip of the hand does not fill the disk.
 const MOST: usize = 10_000;
@@ -43,10 +61,21 @@ pub fn run(
     global: &Global,
     options: &Options,
 ) -> Result<(), Failure> {
-    let steps = steps(&args.lists, loaded)?;
+    let steps = steps(&args.lists, loaded, options)?;
+    let asked = Asked {
+        args,
+        content: loaded.content()?,
+        inputs: case_inputs(args.case.as_deref(), loaded)?,
+    };
+    let folders: Vec<&str> = steps.iter().map(|step| step.folder.as_str()).collect();
+    folder_apart(&asked.inputs, &args.out, &OVERVIEW)?;
+    for folder in &folders {
+        folder_apart(&asked.inputs, &args.out.join(folder), &files::NAMES)?;
+    }
+    clear_before_series(&args.out, &folders)?;
     let mut rows = Vec::new();
     let solved = watched(global, |watch| {
-        solve_steps(args, &steps, watch, options, &mut rows)
+        solve_steps(&asked, &steps, watch, options, &mut rows)
     });
     write_overview(&args.out, &rows, &args.lists, steps.len())?;
     let (kept, short) = solved?;
@@ -56,7 +85,7 @@ pub fn run(
     } else if !global.quiet {
         say(&summary::series(&rows, kept, &args.out));
     }
-    let done = rows.iter().filter(|row| row.result.is_some()).count();
+    let done = rows.iter().filter(|row| row.error.is_none()).count();
     match short {
         Some(text) if done == 0 => Err(Failure::NotConverged(text)),
         _ if done == steps.len() => Ok(()),
@@ -70,7 +99,7 @@ pub fn run(
 
 /// Solves what the output folder does not hold; returns how many steps it held, and what fell short last.
 fn solve_steps(
-    args: &Args,
+    asked: &Asked,
     steps: &[Step],
     watch: &Watch,
     options: &Options,
@@ -85,8 +114,8 @@ fn solve_steps(
             result,
             error,
         };
-        let folder = args.out.join(&step.folder);
-        if let Some(result) = finished(&folder, step, args) {
+        let folder = asked.args.out.join(&step.folder);
+        if let Some(result) = finished(&folder, step, asked) {
             kept += 1;
             rows.push(row(Some(result), None));
             continue;
@@ -97,7 +126,15 @@ fn solve_steps(
         }
         watch.progress(&format!("step {} of {}", k + 1, steps.len()));
         match press_with(step.loaded.clone(), watch, options.clone()) {
-            Ok(pressed) => rows.push(row(Some(write_step(&folder, &pressed, args)?), None)),
+            Ok(pressed) => {
+                let written = write_step(&folder, &pressed, asked)?;
+                let told = pressed.short.map(|why| format!("{}: {why}", step.folder));
+                if let Some(text) = &told {
+                    watch.warn(text);
+                    short.clone_from(&told);
+                }
+                rows.push(row(Some(written), told));
+            }
             Err(Failure::NotConverged(text)) => {
                 let text = format!("{}: {text}", step.folder);
                 watch.warn(&text);
@@ -118,14 +155,15 @@ fn prefixed(failure: Failure, folder: &str) -> Failure {
 }
 
 /// The cases of all combinations, each checked before anything is solved.
-fn steps(lists: &Lists, loaded: &LoadedCase) -> Result<Vec<Step>, Failure> {
-    let combinations = lists.steps();
-    if combinations.len() > MOST {
+fn steps(lists: &Lists, loaded: &LoadedCase, options: &Options) -> Result<Vec<Step>, Failure> {
+    let count = lists.count();
+    if count > MOST {
         return Err(Failure::Usage(format!(
-            "{} combinations: expected at most {MOST}",
-            combinations.len()
+            "{count} combinations: expected at most {MOST}"
         )));
     }
+    let combinations = lists.steps();
+    let mut first = FirstStep::default();
     let digits = combinations.len().to_string().len().max(3);
     combinations
         .into_iter()
@@ -135,13 +173,13 @@ fn steps(lists: &Lists, loaded: &LoadedCase) -> Result<Vec<Step>, Failure> {
             for &(key, value) in &values {
                 set(&mut loaded, key, value)?;
             }
-            loaded
-                .case
-                .check()
-                .map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))?;
+            let folder = format!("step-{:0digits$}", k + 1);
+            first
+                .check(&loaded, options)
+                .map_err(|failure| prefixed(failure, &folder))?;
             Ok(Step {
                 values,
-                folder: format!("step-{:0digits$}", k + 1),
+                folder,
                 loaded,
             })
         })
@@ -177,34 +215,27 @@ fn set(loaded: &mut LoadedCase, key: &str, value: f64) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The result in a step's folder, where it is this step's: of this version and case, with what is asked, and younger than
-/// the files that the case names.
-fn finished(folder: &Path, step: &Step, args: &Args) -> Option<Value> {
-    if args.lists.fresh {
+/// The result in a step's folder, where it is this step's: of this version and case, with the same content of the files that the
+/// case names, and with what is asked.
+fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<Value> {
+    if asked.args.lists.fresh {
         return None;
     }
-    let path = folder.join("result.json");
-    let age = |path: PathBuf| -> Option<SystemTime> { path.metadata().ok()?.modified().ok() };
-    let written = age(path.clone())?;
-    let result: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
-    let current = step
-        .loaded
-        .case
-        .files()
-        .iter()
-        .all(|file| age(step.loaded.base.join(file)).is_some_and(|changed| changed < written));
-    (current
-        && result["version"] == env!("CARGO_PKG_VERSION")
+    let result = read_json(&folder.join("result.json"), LONGEST).ok()?;
+    (result["version"] == env!("CARGO_PKG_VERSION")
+        && result["content_sha256"] == asked.content
         && result["case"] == case_json(&step.loaded.case)
-        && result.get("subsurface").is_some() == args.subsurface)
+        && result["accuracy_reached"] == true
+        && result.get("subsurface").is_some() == asked.args.subsurface)
         .then_some(result)
 }
 
 /// Writes one step's files, all or none.
-fn write_step(folder: &Path, pressed: &Pressed, args: &Args) -> Result<Value, Failure> {
-    let staging = Staging::begin(folder)?;
-    let (document, line) = solved::document(pressed, args.subsurface)?;
-    files::write(&staging, pressed, &document, line.as_ref())?;
+fn write_step(folder: &Path, pressed: &Pressed, asked: &Asked) -> Result<Value, Failure> {
+    let mut staging = Staging::beside(&asked.inputs, folder, &files::NAMES)?;
+    staging.replaces(contact_files(folder));
+    let (mut document, line) = solved::document(pressed, asked.args.subsurface)?;
+    files::write(&staging, pressed, &mut document, line.as_ref())?;
     staging.commit()?;
     Ok(document)
 }

@@ -22,8 +22,9 @@ pub fn progress_line(state: &Iterate) -> String {
 /// The picture's title.
 pub fn title(solution: &Solution) -> String {
     format!(
-        "p_max {:.2} MPa   Fz {}   contact {} x {}",
+        "p_max {:.2} MPa ({:.2} on this mesh)   Fz {}   contact {} x {}",
         solution.p_max / 1e6,
+        solution.p_max_mesh / 1e6,
         force(solution.fz),
         length(solution.length),
         length(solution.width),
@@ -43,10 +44,28 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
                 1e2 * solution.p_max_error / solution.p_max
             ),
         ),
+        (
+            "on this mesh",
+            format!("{:.2} MPa, as in the maps", solution.p_max_mesh / 1e6),
+        ),
         ("mean pressure", format!("{:.2} MPa", solution.p_mean / 1e6)),
-        ("contact length", length(solution.length)),
+        (
+            "contact length",
+            format!(
+                "{} +- {}",
+                length(solution.length),
+                length(solution.length_error)
+            ),
+        ),
         ("contact width", length(solution.width)),
-        ("contact area", format!("{:.4} mm2", solution.area * 1e6)),
+        (
+            "contact area",
+            format!(
+                "{:.4} mm2 +- {:.4}",
+                solution.area * 1e6,
+                solution.area_error * 1e6
+            ),
+        ),
         ("approach", format!("{:.3} um", solution.approach * 1e6)),
         (
             "pitch, roll",
@@ -90,8 +109,12 @@ pub fn series(rows: &[Row], kept: usize, out: &Path) -> String {
         let figure = |key: &str| row.result.as_ref().and_then(|r| r[key].as_f64());
         let said = match (figure("p_max_pa"), figure("length_m"), figure("width_m")) {
             (Some(p), Some(l), Some(w)) => {
+                let short = row
+                    .error
+                    .as_ref()
+                    .map_or("", |_| ", short of the accuracy asked");
                 format!(
-                    "p_max {:.2} MPa, contact {} x {}",
+                    "p_max {:.2} MPa, contact {} x {}{short}",
                     p / 1e6,
                     length(l),
                     length(w)

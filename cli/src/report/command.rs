@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use kufe_jobs::{Failure, write_whole};
 use serde_json::json;
 
+use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::report::{contact, evaluation, table};
@@ -36,12 +37,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (kind, default, html) = html(&args.result)?;
     let out = args.out.clone().unwrap_or(default);
-    if out.is_dir() {
-        return Err(Failure::BadInput(format!(
-            "{}: cannot be written: a folder of that name is in the way",
-            out.display()
-        )));
-    }
+    apart(&read(&args.result, &out), std::slice::from_ref(&out))?;
     write_whole(&out, |writer| writer.write_all(html.as_bytes()))?;
     if global.json {
         let document = json!({ "kind": kind, "written": [out], "bytes": html.len() });
@@ -54,6 +50,23 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// What is read: a table, or the files of a folder; the page of a finding is read and given back.
+fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
+    const FILES: [&str; 5] = [
+        "result.json",
+        "pressure.exr",
+        "hull.glb",
+        "evaluation.json",
+        "report.json",
+    ];
+    let mut read: Vec<PathBuf> = FILES.iter().map(|name| result.join(name)).collect();
+    if !result.is_dir() {
+        read = vec![result.to_path_buf()];
+    }
+    read.retain(|path| path.exists() || path == out);
+    read
 }
 
 /// What it is, where its page goes by default, and the page.

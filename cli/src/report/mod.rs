@@ -8,3 +8,4 @@ mod table;
 
 pub use command::{Args, run};
 pub use contact::contact;
+pub use read_json::read_json;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use kufe_files::text_of_regular;
 use kufe_jobs::Failure;
 use serde_json::Value;
 
@@ -9,12 +10,6 @@ use serde_json::Value;
 pub fn read_json(path: &Path, longest: u64) -> Result<Value, Failure> {
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
     let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
-    let bytes = std::fs::metadata(path).map_err(unreadable)?.len();
-    if bytes > longest {
-        return Err(told(format!(
-            "{bytes} bytes: expected at most {longest} bytes"
-        )));
-    }
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let text = text_of_regular(path, longest).map_err(unreadable)?;
     serde_json::from_str(&text).map_err(|error| told(error.to_string()))
 }

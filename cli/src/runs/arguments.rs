@@ -34,6 +34,11 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
+    /// The files that are named on the command line.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        vec![self.runs.clone(), self.model.clone()]
+    }
+
     /// Reads model and runs, keeps those that `wanted` and the options name, and prepares them.
     ///
     /// # Errors

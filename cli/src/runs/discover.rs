@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use kufe_discover::{Error, Options, Report, Rules};
 use kufe_jobs::{Failure, write_whole};
 
+use crate::output::apart::folder_apart;
 use crate::output::global::Global;
+use crate::output::say::say;
 
 /// Find the effect that a model lacks, name it and add it
 #[derive(clap::Args, Debug)]
@@ -66,6 +68,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         rules,
         ..Options::default()
     };
+    let inputs: Vec<PathBuf> = [Some(&args.data), Some(&args.model), args.rules.as_ref()]
+        .into_iter()
+        .flatten()
+        .cloned()
+        .collect();
+    let written = ["report.json", "report.html", "model.next.toml"];
+    folder_apart(&inputs, &args.output, &written)?;
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
     let found =
@@ -81,9 +90,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })?;
     write_whole(&out("model.next.toml"), |w| w.write_all(next.as_bytes()))?;
     if global.json {
-        println!("{json}");
+        say(&format!("{json}\n"));
     } else if !global.quiet {
-        say(&report, &args.output);
+        tell(&report, &args.output);
     }
     Ok(())
 }
@@ -94,9 +103,12 @@ fn rules(path: &Path) -> Result<Rules, Failure> {
     Rules::from_toml(&text).map_err(|error| told(error.to_string()))
 }
 
-fn say(report: &Report, output: &Path) {
-    println!("{}", report.sentence);
-    println!("written: {}", output.join("report.html").display());
+fn tell(report: &Report, output: &Path) {
+    say(&format!("{}\n", report.sentence));
+    say(&format!(
+        "written: {}\n",
+        output.join("report.html").display()
+    ));
 }
 
 fn failure(error: Error) -> Failure {

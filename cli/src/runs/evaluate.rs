@@ -41,7 +41,11 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let staging = Staging::begin(&args.runs.out)?;
+    let staging = Staging::beside(
+        &args.runs.inputs(),
+        &args.runs.out,
+        &["evaluation.json", "evaluation.csv"],
+    )?;
     staging.remove_on_interrupt();
     let loaded = args.runs.load(global, |_| true)?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);

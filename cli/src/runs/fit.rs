@@ -66,7 +66,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         e: args.e,
         leave_out_contacts: !args.keep_contacts,
     };
-    let staging = Staging::begin(&args.runs.out)?;
+    let staging = Staging::beside(
+        &args.runs.inputs(),
+        &args.runs.out,
+        &[
+            "fit.json",
+            "model.fit.toml",
+            "fit_front.png",
+            "fit_rear.png",
+        ],
+    )?;
     staging.remove_on_interrupt();
     let Loaded {
         model,

@@ -4,5 +4,6 @@ mod arguments;
 pub mod discover;
 pub mod evaluate;
 pub mod fit;
+mod recorded;
 pub mod simulate;
 pub mod validate;

@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
+use crate::runs::recorded::begin;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -108,13 +109,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
     let told = |error: kufe_sled::Error| failure(&error);
+    let inputs = [model.to_path_buf(), track.to_path_buf()];
     let model = Model::load(model).map_err(told)?;
     let vehicle = Vehicle::with_effects(&model).map_err(told)?;
     let track = Track::load(track).map_err(told)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
     let conditions = conditions(args)?.or(&vehicle.conditions);
-    let staging = Staging::begin(&args.out)?;
+    let names = [
+        "runs.csv".to_owned(),
+        format!("track_{}.csv", track.name),
+        "simulation.json".to_owned(),
+        "overview.png".to_owned(),
+    ];
+    let staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     bar.set_message(format!("driving {} runs", args.runs));
@@ -311,15 +319,23 @@ fn draw_first(
 fn sample(
     args: &Args,
     folder: &Path,
-    model: Option<&Path>,
+    model_file: Option<&Path>,
     global: &Global,
 ) -> Result<(), Failure> {
     let told = |error: kufe_sled::Error| failure(&error);
-    let model = match model {
+    let model = match model_file {
         Some(path) => Model::load(path).map_err(told)?,
         None => Model::published(),
     };
-    let staging = Staging::begin(folder)?;
+    let inputs: Vec<PathBuf> = model_file.map(Path::to_path_buf).into_iter().collect();
+    let names = [
+        "runs.csv",
+        "track_east.csv",
+        "track_west.csv",
+        "model.toml",
+        "truth.json",
+    ];
+    let staging = begin(&inputs, folder, &names)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     bar.set_message("driving 44 runs");

@@ -40,7 +40,10 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let staging = Staging::begin(&args.runs.out)?;
+    let mut inputs = args.runs.inputs();
+    inputs.extend(args.fit.clone());
+    let names = ["validation.json", "rmse.png"];
+    let staging = Staging::beside(&inputs, &args.runs.out, &names)?;
     staging.remove_on_interrupt();
     let fit = args.fit.as_deref().map(read_fit).transpose()?;
     let fitted: BTreeSet<String> = fit

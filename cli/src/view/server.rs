@@ -106,6 +106,9 @@ pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Value, Failu
         ..Options::default()
     };
     let pressed = press_with(loaded, &Watch::default(), options)?;
+    if let Some(short) = pressed.short {
+        return Err(short);
+    }
     let maps = pressure_maps(&pressed.solution);
     let hull = placed_hull(&pressed.problem, &pressed.solution);
     let document = pressed.document();

@@ -4,9 +4,10 @@ use std::cell::RefCell;
 
 use kufe_fem::Material;
 
-use crate::accuracy::extrapolation::{Extrapolation, Raw, Sequence, first_resolution};
+use crate::accuracy::extrapolation::{Extrapolation, first_resolution};
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::scout::scout;
+use crate::accuracy::watched::{Limits, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::grid::assembled::assemble;
@@ -50,7 +51,7 @@ pub(crate) struct Meshes<'a> {
     /// Cells over half the patch of the next mesh.
     cells: f64,
     number: usize,
-    solved: Sequence,
+    solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     graded_anew: bool,
     regraded: usize,
@@ -69,11 +70,11 @@ pub(crate) struct Contact {
 /// What is to be done after a mesh.
 pub(crate) enum Verdict {
     /// The accuracy asked is reached, with this limit of fine meshes.
-    Reached(Extrapolation),
+    Reached(Limits),
     /// Another mesh is needed.
     Refine(Plan),
     /// Another mesh is needed and would have too many unknowns; what the meshes tend to, where that is known.
-    OutOfReach(Option<Extrapolation>),
+    OutOfReach(Option<Limits>),
 }
 
 /// The next mesh.
@@ -101,7 +102,7 @@ impl<'a> Meshes<'a> {
             forces,
             cells,
             number: 0,
-            solved: Sequence::new(),
+            solved: Watched::new(problem.ice.hardness),
             graded_anew: false,
             regraded: 0,
             history: Vec::new(),
@@ -153,12 +154,10 @@ impl<'a> Meshes<'a> {
         self.history.append(&mut told.into_inner());
         self.number += 1;
         self.forces = Forces::of(&mesh, &state);
-        let raw = Raw {
-            cells: self.resolution().real_cells(mesh.symmetry),
-            p_max: pressure.figures.p_max,
-            approach: mesh.contact.depth(&state),
-        };
-        self.solved.push(raw, self.graded_anew);
+        let cells = self.resolution().real_cells(mesh.symmetry);
+        let approach = mesh.contact.depth(&state);
+        self.solved
+            .push(pressure.figures, cells, approach, self.graded_anew);
         Ok(Contact {
             mesh,
             state,
@@ -199,26 +198,21 @@ impl<'a> Meshes<'a> {
 
     /// Whether the meshes solved so far are enough, and else what comes next.
     pub fn judge(&self, contact: &Contact) -> Verdict {
-        let raw = &contact.pressure.figures;
         if self.options.cells.is_some() {
-            return Verdict::Reached(Extrapolation {
-                p_max: raw.p_max,
-                error: f64::INFINITY,
-                approach: contact.mesh.contact.depth(&contact.state),
-            });
+            return Verdict::Reached(self.unjudged(contact));
         }
-        let limit = self.solved.limit(self.patch.is_even());
+        let limits = self.solved.limits(self.patch.is_even());
         let anew = self.regraded < REGRADINGS
             && contact.pressure.patch.wants_finer_than(&self.patch, COARSE);
-        let reached = |l: &Extrapolation| l.error <= self.options.p_max_tolerance * l.p_max;
+        let reached = |l: &Limits| l.relative <= self.options.p_max_tolerance;
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;
-        if let Some(limit) = limit.filter(|l| graded && reached(l)) {
-            return Verdict::Reached(limit);
+        if let Some(limits) = limits.filter(|l| graded && reached(l)) {
+            return Verdict::Reached(limits);
         }
         let more = if anew { REFINEMENT } else { REFINEMENT.powi(3) };
         if contact.dofs as f64 * more > self.options.max_dofs as f64 {
-            return Verdict::OutOfReach(limit);
+            return Verdict::OutOfReach(limits);
         }
         Verdict::Refine(Plan { anew })
     }
@@ -237,7 +231,7 @@ impl<'a> Meshes<'a> {
     }
 
     /// The solution that the last mesh and the limit of all make.
-    pub fn solution(self, contact: Contact, limit: Extrapolation) -> Solution {
+    pub fn solution(self, contact: Contact, limits: Limits) -> Solution {
         Answer {
             problem: self.problem,
             gap: &self.gap,
@@ -247,21 +241,28 @@ impl<'a> Meshes<'a> {
             pressure: contact.pressure,
             dofs: contact.dofs,
         }
-        .solution(limit, self.history)
+        .solution(limits, self.history)
     }
 
-    /// The best solution there is, as an error that says how far it is from what was asked.
-    pub fn out_of_reach(self, contact: Contact, limit: Option<Extrapolation>) -> Error {
-        let best = limit.unwrap_or_else(|| Extrapolation {
-            p_max: contact.pressure.figures.p_max,
-            error: f64::INFINITY,
-            approach: contact.mesh.contact.depth(&contact.state),
-        });
-        Error::AccuracyNotReached {
-            dofs: contact.dofs,
-            estimate: best.error / best.p_max,
-            tolerance: self.options.p_max_tolerance,
-            best: Box::new(self.solution(contact, best)),
+    /// The best solution there is, and how far it is from what was asked: its relative error.
+    pub fn out_of_reach(self, contact: Contact, limits: Option<Limits>) -> (Solution, f64) {
+        let best = limits
+            .or_else(|| self.solved.last())
+            .unwrap_or_else(|| self.unjudged(&contact));
+        (self.solution(contact, best), best.relative)
+    }
+
+    /// One mesh, nothing to tell its errors by.
+    fn unjudged(&self, contact: &Contact) -> Limits {
+        Limits {
+            peak: Extrapolation {
+                value: contact.pressure.figures.p_max,
+                error: f64::INFINITY,
+                approach: contact.mesh.contact.depth(&contact.state),
+            },
+            area_error: f64::INFINITY,
+            length_error: f64::INFINITY,
+            relative: f64::INFINITY,
         }
     }
 }

@@ -4,3 +4,4 @@ pub(crate) mod extrapolation;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 pub(crate) mod scout;
+pub(crate) mod watched;

@@ -19,6 +19,9 @@ const SCOUTING: Resolution = Resolution {
     growth: 0.7,
 };
 
+/// Most times that the plane is solved.
+const ROUNDS: usize = 30;
+
 /// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it finds.
 pub(crate) fn scout(
     problem: &Problem,
@@ -28,7 +31,7 @@ pub(crate) fn scout(
 ) -> Result<(Patch, Forces), Error> {
     capacity(problem)?;
     let mut patch = first_guess(problem, gap);
-    for _ in 0..30 {
+    for _ in 0..ROUNDS {
         if options.stopped() {
             return Err(Error::Stopped);
         }
@@ -54,11 +57,7 @@ pub(crate) fn scout(
             return Ok((patch, Forces::of(&mesh, &state)));
         }
     }
-    Err(Error::NotConverged {
-        iterations: 30,
-        residual: f64::INFINITY,
-        tolerance: 0.15,
-    })
+    Err(Error::NoPatch { rounds: ROUNDS })
 }
 
 /// Whether a grid made for one patch resolves the other.
@@ -73,7 +72,7 @@ fn similar(a: &Patch, b: &Patch) -> bool {
 }
 
 /// Refuses a load that the hull cannot pass on at the stated hardness.
-fn capacity(problem: &Problem) -> Result<(), Error> {
+pub(crate) fn capacity(problem: &Problem) -> Result<(), Error> {
     let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
         return Ok(());
     };

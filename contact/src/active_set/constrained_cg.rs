@@ -24,6 +24,11 @@ pub(crate) struct OneSet<'a> {
     pub sets: &'a Sets,
     pub constraint: &'a Constraint,
     pub control: &'a Control<'a>,
+    /// Residual at which the signs are looked at first: once sets have changed often, they are only changed by what is well
+    /// known, since forces known to a hundredth can send a set in circles.
+    pub first_check: f64,
+    /// How far a converged set's signs may be wrong.
+    pub slack: f64,
 }
 
 /// Vectors that the iteration reuses.
@@ -81,6 +86,7 @@ impl ContactMesh {
             sets,
             constraint,
             control,
+            ..
         } = *set;
         self.project_forces(sets, state);
         self.enter(constraint, state, work);
@@ -88,7 +94,7 @@ impl ContactMesh {
         // Now the step's defect and imbalance are 0, and stay so.
         let mut rho_before = 0.0;
         let mut turn_direction = [0.0; 3];
-        let mut next_check: f64 = 1e-2;
+        let mut next_check = set.first_check;
         loop {
             let (turn, rho) = self.equilibrate(constraint, state, work, progress);
             if let Some(confirmed) = self.settled(set, state, progress.residual, &mut next_check) {
@@ -184,7 +190,7 @@ impl ContactMesh {
             return None;
         }
         let reached = residual < tolerance;
-        let slack = if reached { 1e-10 } else { residual };
+        let slack = if reached { set.slack } else { residual };
         if self.contradicts(state, set.sets, slack) {
             return Some(false);
         }

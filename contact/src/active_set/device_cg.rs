@@ -82,7 +82,7 @@ impl OnDevice<'_> {
         } = *set;
         let contact = self.contact;
         contact.project_forces(sets, state);
-        let mut next_check = 1e-2;
+        let mut next_check = set.first_check;
         let (mut best, mut failures) = (f64::INFINITY, 0);
         loop {
             contact.enter(constraint, state, &mut self.work);

@@ -47,6 +47,23 @@ impl Feasible {
         sets
     }
 
+    /// The set of these forces, with the one node let go whose gap contradicts it most: of several some may have to come back.
+    pub fn released_one(&self, bound: &[f64]) -> Sets {
+        let mut sets = Sets::of(&self.force, bound);
+        let wrong = |i: usize| match self.force[i] {
+            f if f >= bound[i] => self.gap[i],
+            f if f > 0.0 => 0.0,
+            _ => -self.gap[i],
+        };
+        let worst = (0..bound.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)));
+        if let Some(worst) = worst.filter(|&i| wrong(i) > 0.0) {
+            sets.full.retain(|&i| i != worst);
+            let place = sets.inside.partition_point(|&i| i < worst);
+            sets.inside.insert(place, worst);
+        }
+        sets
+    }
+
     /// The change of D on the way to other forces.
     fn change(&self, force: &[f64], gap: &[f64]) -> f64 {
         (0..force.len())
@@ -105,8 +122,8 @@ impl ContactMesh {
         }
     }
 
-    /// The forces on the way from accepted ones to those of a state where the first one meets its bound, if D falls there.
-    pub fn on_the_way(&self, last: &Feasible, state: &State) -> Option<Feasible> {
+    /// The forces on the way from accepted ones to those of a state where the first one meets its bound.
+    pub fn on_the_way(&self, last: &Feasible, state: &State) -> Feasible {
         let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
         let to: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
         let (part, force) = clip(&last.force, &to, &bound);
@@ -118,11 +135,11 @@ impl ContactMesh {
             .map(|(&c, before)| before + part * (gaps[c] - before))
             .collect();
         let energy = last.energy + last.change(&force, &gap);
-        (energy < last.energy).then_some(Feasible {
+        Feasible {
             force,
             gap,
             depth: last.depth,
             energy,
-        })
+        }
     }
 }

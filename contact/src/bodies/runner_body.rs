@@ -202,7 +202,7 @@ fn mapped(
         stretch: Stretch::even(0.0, size),
         spacing: size,
     };
-    let mut z = graded_axis(Start::At(0.0), height, &[zone], growth.min(1.0));
+    let mut z = graded_axis(Start::At(0.0), height, &[zone], growth.min(1.0))?;
     let top = z[z.len() - 1];
     z.iter_mut().for_each(|z| *z *= height / top);
     let levels: Vec<f64> = z.iter().map(|z| z / height).collect();

@@ -10,6 +10,7 @@ use crate::bodies::runner_body::RunnerPlan;
 use crate::bodies::solid_body::solid_body;
 use crate::grid::contact_mesh::ContactMesh;
 use crate::grid::grading::{Start, Zone, graded_axis};
+use crate::grid::limits::{increasing, storable, touchable};
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 use crate::grid::zones::{Resolution, below, part, put_node, widened};
@@ -66,16 +67,18 @@ impl MeshPlan<'_> {
         let symmetry = self.gap.symmetry();
         let (z, lower) = self.layers()?;
         let grid = TensorGrid {
-            x: self.line(&self.patch.x, 0),
-            y: self.line(std::slice::from_ref(&self.patch.y), 1),
+            x: self.line(&self.patch.x, 0)?,
+            y: self.line(std::slice::from_ref(&self.patch.y), 1)?,
             z,
         };
+        storable(grid.shape())?;
         let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
         let mut operator = TensorOperator::new(&grid, lambda, mu, held_faces(symmetry));
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
         }
         let mut contact = self.contact_mesh(&grid, operator);
+        touchable(contact.candidates.len())?;
         let mut runner_mesh = None;
         if let Some(elastic) = &self.problem.runner.elastic {
             let (body, mesh) = match &elastic.solid {
@@ -134,7 +137,7 @@ impl MeshPlan<'_> {
     }
 
     /// Nodes along (axis 0) or across (axis 1), graded to these stretches.
-    fn line(&self, stretches: &[Stretch], axis: usize) -> Vec<f64> {
+    fn line(&self, stretches: &[Stretch], axis: usize) -> Result<Vec<f64>, Error> {
         let symmetric = self.gap.symmetry()[axis];
         let extent = self.problem.runner.underside.extent();
         // An elastic hull is meshed whole, with nodes at its ends and sides.
@@ -160,7 +163,7 @@ impl MeshPlan<'_> {
         } else {
             Start::Beyond(low)
         };
-        let mut nodes = graded_axis(start, high, &zones, self.resolution.growth);
+        let mut nodes = graded_axis(start, high, &zones, self.resolution.growth)?;
         // Contact up to a runner's own ends needs nodes there.
         if elastic.is_some() && bounded {
             hull.iter().for_each(|&end| put_node(&mut nodes, end));
@@ -168,7 +171,7 @@ impl MeshPlan<'_> {
         if let Some(elastic) = on_columns.filter(|_| meshed && axis == 0) {
             elastic.mount.refine(&mut nodes, hull);
         }
-        nodes
+        increasing(nodes)
     }
 
     /// Nodes of the ice and of an elastic bed under it along z, and that bed.
@@ -184,7 +187,7 @@ impl MeshPlan<'_> {
             spacing,
         };
         let growth = self.resolution.growth;
-        let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[zone], growth);
+        let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[zone], growth)?;
         if self.problem.ice.foundation != Foundation::HalfSpace {
             let scale = -depth / z[0];
             z.iter_mut().for_each(|z| *z *= scale);
@@ -192,10 +195,10 @@ impl MeshPlan<'_> {
         let Foundation::ElasticBed { bed, .. } = self.problem.ice.foundation else {
             return Ok((z, None));
         };
-        let below = below(&z, bed.thickness, growth);
+        let below = below(&z, bed.thickness, growth)?;
         let lower = lower_layer(bed, below.len())?;
         z.splice(0..0, below);
-        Ok((z, Some(lower)))
+        Ok((increasing(z)?, Some(lower)))
     }
 
     /// The ice alone, with what the runner's hull and the load say on the contact plane.

@@ -1,5 +1,7 @@
 //! Graded axes: fine over the contact, growing away from it.
 
+use crate::Error;
+use crate::grid::limits::{MOST_ON_A_LINE, increasing};
 use crate::grid::stretch::Stretch;
 
 /// A stretch of an axis that is to be resolved.
@@ -17,18 +19,21 @@ impl Zone {
     }
 
     /// Nodes at even steps of the integral of dx / h(x), ends included.
-    fn nodes(&self) -> Vec<f64> {
+    fn nodes(&self) -> Result<Vec<f64>, Error> {
         let (low, high) = (self.stretch.low, self.stretch.high);
         if self.stretch.finest() == 1.0 {
             let cells = ((high - low) / self.spacing).round().max(1.0) as usize;
-            return (0..=cells)
+            if cells > MOST_ON_A_LINE {
+                return Err(too_fine(low, high, self.spacing));
+            }
+            return Ok((0..=cells)
                 .map(|i| low + (high - low) * i as f64 / cells as f64)
-                .collect();
+                .collect());
         }
         let mut nodes = vec![low];
-        nodes.extend(even_steps(low, high, |x| self.spacing_at(x), f64::round));
+        nodes.extend(even_steps(low, high, |x| self.spacing_at(x), f64::round)?);
         nodes.push(high);
-        nodes
+        Ok(nodes)
     }
 }
 
@@ -48,47 +53,62 @@ pub(crate) enum Start {
 /// last node falls where the growth puts it, at or beyond the end asked. Between two zones the nodes stand at
 /// even steps of the integral of dx / h(x), h being the smaller of the two zones' wishes. Zones are in order
 /// and apart.
-pub(crate) fn graded_axis(start: Start, high: f64, zones: &[Zone], growth: f64) -> Vec<f64> {
+///
+/// # Errors
+/// [`Error::TooFine`] where the zones ask for more nodes than a line may have, or for some that rounding cannot tell apart.
+pub(crate) fn graded_axis(
+    start: Start,
+    high: f64,
+    zones: &[Zone],
+    growth: f64,
+) -> Result<Vec<f64>, Error> {
     let (first, last) = (&zones[0], &zones[zones.len() - 1]);
     let (begin, end) = (first.stretch.low, last.stretch.high);
     let (reach, exact) = match start {
         Start::At(x) => (begin - x, true),
         Start::Beyond(x) => (begin - x, false),
     };
-    let mut before = outward(first.spacing_at(begin), reach, growth);
+    let mut before = outward(first.spacing_at(begin), reach, growth)?;
     if exact && let Some(&farthest) = before.last() {
         before.iter_mut().for_each(|d| *d *= reach / farthest);
     }
     let mut nodes: Vec<f64> = before.iter().rev().map(|d| begin - d).collect();
     for (index, zone) in zones.iter().enumerate() {
         if index > 0 {
-            nodes.extend(between(&zones[index - 1], zone, growth));
+            nodes.extend(between(&zones[index - 1], zone, growth)?);
         }
         let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
-        nodes.extend(zone.nodes().into_iter().filter(|&x| x > from));
+        nodes.extend(zone.nodes()?.into_iter().filter(|&x| x > from));
     }
     nodes.extend(
-        outward(last.spacing_at(end), high - end, growth)
+        outward(last.spacing_at(end), high - end, growth)?
             .iter()
             .map(|d| end + d),
     );
-    nodes
+    increasing(nodes)
+}
+
+fn too_fine(from: f64, to: f64, spacing: f64) -> Error {
+    Error::TooFine { from, to, spacing }
 }
 
 /// Distances of the nodes beyond a zone's end, up to the first at or beyond `reach`.
-fn outward(spacing: f64, reach: f64, growth: f64) -> Vec<f64> {
+fn outward(spacing: f64, reach: f64, growth: f64) -> Result<Vec<f64>, Error> {
     let mut distances = Vec::new();
     let mut distance = 0.0;
     while distance < reach * (1.0 - 1e-9) {
+        if distances.len() > MOST_ON_A_LINE {
+            return Err(too_fine(0.0, reach, spacing));
+        }
         // The cell's middle is where its size is asked.
         distance += (spacing + growth * distance) / (1.0 - 0.5 * growth).max(0.5);
         distances.push(distance);
     }
-    distances
+    Ok(distances)
 }
 
 /// Nodes strictly between two zones.
-fn between(left: &Zone, right: &Zone, growth: f64) -> Vec<f64> {
+fn between(left: &Zone, right: &Zone, growth: f64) -> Result<Vec<f64>, Error> {
     let (low, high) = (left.stretch.high, right.stretch.low);
     let (from, to) = (left.spacing_at(low), right.spacing_at(high));
     even_steps(
@@ -106,7 +126,7 @@ fn even_steps(
     high: f64,
     spacing: impl Fn(f64) -> f64,
     round: impl Fn(f64) -> f64,
-) -> Vec<f64> {
+) -> Result<Vec<f64>, Error> {
     let (mut stations, mut counts) = (vec![low], vec![0.0]);
     let (mut x, mut count) = (low, 0.0);
     while x < high {
@@ -120,13 +140,17 @@ fn even_steps(
         } else {
             x + step
         };
+        // Ten stations a node; a step that rounding swallows never ends.
+        if next <= x || stations.len() > 10 * MOST_ON_A_LINE {
+            return Err(too_fine(low, high, spacing(x)));
+        }
         count += (next - x) / spacing(0.5 * (x + next));
         x = next;
         stations.push(x);
         counts.push(count);
     }
     let cells = round(count).max(1.0) as usize;
-    (1..cells)
+    Ok((1..cells)
         .map(|i| {
             let target = count * i as f64 / cells as f64;
             let station = counts
@@ -135,7 +159,7 @@ fn even_steps(
             let weight = (target - counts[station - 1]) / (counts[station] - counts[station - 1]);
             stations[station - 1] + weight * (stations[station] - stations[station - 1])
         })
-        .collect()
+        .collect())
 }
 
 #[cfg(test)]
@@ -152,7 +176,7 @@ mod tests {
     #[test]
     fn axis_is_even_in_its_zones_and_grows_outside() {
         let zones = [zone(0.0, 1.0, 0.1), zone(5.0, 6.0, 0.2)];
-        let nodes = graded_axis(Start::At(0.0), 100.0, &zones, 0.4);
+        let nodes = graded_axis(Start::At(0.0), 100.0, &zones, 0.4).expect("a line");
         assert!(nodes[0] == 0.0 && nodes[nodes.len() - 1] >= 100.0);
         for pair in nodes.windows(2) {
             let (step, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
@@ -181,6 +205,7 @@ mod tests {
                 &[zone(0.0, 1.0, 1.0 / cells)],
                 2.0 / cells,
             )
+            .expect("a line")
         };
         let (coarse, fine) = (nodes(4.0), nodes(8.0));
         assert!(
@@ -194,8 +219,22 @@ mod tests {
 
     #[test]
     fn axis_beyond_a_mirror_plane_begins_exactly_there() {
-        let nodes = graded_axis(Start::At(0.0), 3.0, &[zone(1.0, 2.0, 0.1)], 0.3);
+        let nodes = graded_axis(Start::At(0.0), 3.0, &[zone(1.0, 2.0, 0.1)], 0.3).expect("a line");
         assert_eq!(nodes[0], 0.0);
         assert!(nodes.windows(2).all(|w| w[1] > w[0]));
+    }
+
+    #[test]
+    fn zones_that_no_line_resolves_are_errors_and_end() {
+        let mut graded = zone(0.0, 1.0, 0.1);
+        graded.stretch.sizes = vec![[0.0, 1.0], [0.5, 1e-300], [1.0, 1.0]];
+        for zones in [
+            vec![zone(0.0, 1.0, 1e-300)],
+            vec![graded],
+            vec![zone(0.0, 1e-300, 1e-301)],
+        ] {
+            let line = graded_axis(Start::At(0.0), 3.0, &zones, 0.3);
+            assert!(matches!(line, Err(Error::TooFine { .. })), "{zones:?}");
+        }
     }
 }

@@ -6,6 +6,7 @@ pub(crate) mod corners;
 pub(crate) mod discretise;
 pub(crate) mod first_guess;
 pub(crate) mod grading;
+pub(crate) mod limits;
 pub(crate) mod patch;
 pub(crate) mod stretch;
 pub(crate) mod zones;

@@ -1,5 +1,6 @@
 //! Zones of even or graded cells under a patch, and nodes where they must be.
 
+use crate::Error;
 use crate::grid::grading::{Start, Zone, graded_axis};
 use crate::grid::stretch::Stretch;
 
@@ -24,16 +25,16 @@ impl Resolution {
 }
 
 /// Nodes under those of `z`, down to `thickness` below them, growing on from the cells above.
-pub(crate) fn below(z: &[f64], thickness: f64, growth: f64) -> Vec<f64> {
+pub(crate) fn below(z: &[f64], thickness: f64, growth: f64) -> Result<Vec<f64>, Error> {
     let cell = (z[1] - z[0]).min(0.25 * thickness);
     let zone = Zone {
         stretch: Stretch::even(-cell, 0.0),
         spacing: cell,
     };
-    let mut nodes = graded_axis(Start::Beyond(-thickness), 0.0, &[zone], growth);
+    let mut nodes = graded_axis(Start::Beyond(-thickness), 0.0, &[zone], growth)?;
     nodes.pop();
     let scale = thickness / -nodes[0];
-    nodes.iter().map(|n| z[0] + n * scale).collect()
+    Ok(nodes.iter().map(|n| z[0] + n * scale).collect())
 }
 
 /// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the axis.
@@ -82,7 +83,24 @@ pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution
 }
 
 /// Lets zones that their margins made overlap meet half-way.
-pub(crate) fn part(zones: &mut [Zone]) {
+///
+/// One that lies within another's half is taken into it.
+pub(crate) fn part(zones: &mut Vec<Zone>) {
+    let mut i = 1;
+    while i < zones.len() {
+        let (before, this) = (&zones[i - 1].stretch, &zones[i].stretch);
+        let middle = 0.5 * (this.low + before.high);
+        if this.low < before.high && (middle >= this.high || middle <= before.low) {
+            let [low, high] = [before.low.min(this.low), before.high.max(this.high)];
+            let finer = zones.remove(i);
+            let whole = &mut zones[i - 1];
+            whole.spacing = whole.spacing.min(finer.spacing);
+            whole.stretch = Stretch::even(low, high);
+            i = i.max(2) - 1;
+        } else {
+            i += 1;
+        }
+    }
     for i in 1..zones.len() {
         let (low, high) = (zones[i].stretch.low, zones[i - 1].stretch.high);
         if low < high {

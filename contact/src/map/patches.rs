@@ -17,12 +17,9 @@ pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
     };
     let parts = parts.map(|columns| cropped(field, columns));
     let forces = parts.each_ref().map(force);
-    let highest = |field: &SurfaceField| field.pressure.iter().copied().fold(0.0, f64::max);
-    let whole = highest(field);
     let part = |k: usize| {
         let fz = solution.fz * forces[k] / (forces[0] + forces[1]);
-        let p_max = solution.p_max * highest(&parts[k]) / whole;
-        PressureMap::new(&parts[k], fz, p_max)
+        PressureMap::new(&parts[k], fz, solution.bound())
     };
     vec![part(0), part(1)]
 }

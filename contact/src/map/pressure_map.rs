@@ -39,14 +39,18 @@ pub struct PressureMap {
 impl PressureMap {
     /// The map of a solved contact.
     pub fn of(solution: &Solution) -> PressureMap {
-        PressureMap::new(&solution.surface, solution.fz, solution.p_max)
+        PressureMap::new(&solution.surface, solution.fz, solution.bound())
     }
 
-    /// The fields in a window around the contact; the pressure carries the force `fz` [N] and peaks at `p_max` [Pa].
+    /// The fields in a window around the contact; the pressure carries the force `fz` [N] and is nowhere above `bound`, what the
+    /// ice bears [Pa]; infinite for ice that bears all.
+    ///
+    /// It is the pressure of the mesh, whose peak is [`Solution::p_max_mesh`]: [`Solution::p_max`] is the limit of finer and finer
+    /// meshes, of which there is no map.
     ///
     /// Gap and displacement are averages of the bilinear fields over the pixels; see [`pressure`] for the pressure.
     /// Where nothing touches, the window is the whole field.
-    pub fn new(field: &SurfaceField, fz: f64, p_max: f64) -> PressureMap {
+    pub fn new(field: &SurfaceField, fz: f64, bound: f64) -> PressureMap {
         let columns = field.x.len();
         let touches = |i: usize, j: usize| field.pressure[j * columns + i] > 0.0;
         let touched_x: Vec<bool> = (0..columns)
@@ -65,7 +69,7 @@ impl PressureMap {
             .zip(&field.gap)
             .map(|(&p, gap)| if p > 0.0 { 0.0 } else { gap.max(0.0) })
             .collect();
-        let pressure = pressure(field, fz, p_max, &along, &across);
+        let pressure = pressure(field, fz, bound, &along, &across);
         PressureMap {
             x0: along.first,
             y0: across.first,
@@ -207,8 +211,8 @@ fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f
 /// Pressure at the pixels' centres.
 ///
 /// p^2 is interpolated by cubics along x and then along y, and ends at its rim below the cell (see
-/// [`squared_pressure`]); then `sum p dx dy` is made the force by [`carry`], and nothing exceeds the peak.
-fn pressure(field: &SurfaceField, fz: f64, p_max: f64, along: &Axis, across: &Axis) -> Vec<f64> {
+/// [`squared_pressure`]); then `sum p dx dy` is made the force by [`carry`], and nothing exceeds what the ice bears.
+fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Axis) -> Vec<f64> {
     let (nodes, columns) = (field.y.len(), along.count);
     let squared = squared_pressure(field);
     let mut by_rows = vec![f64::NAN; nodes * columns];
@@ -236,17 +240,18 @@ fn pressure(field: &SurfaceField, fz: f64, p_max: f64, along: &Axis, across: &Ax
     }
     pressure
         .iter_mut()
-        .for_each(|value| *value = value.min(p_max));
-    carry(&mut pressure, fz / (along.step * across.step), p_max);
+        .for_each(|value| *value = value.min(bound));
+    carry(&mut pressure, fz / (along.step * across.step));
     pressure
 }
 
-/// Makes the pressures' sum the one asked, p <- p (1 + c (1 - (p / p_max)^2)).
+/// Makes the pressures' sum the one asked, p <- p (1 + c (1 - (p / p_top)^2)).
 ///
 /// What interpolation misses lies near the rim; the peak and a plateau at the ice's hardness stay. The factor is
 /// kept within a tenth.
-fn carry(pressure: &mut [f64], sum: f64, p_max: f64) {
-    let share = |p: f64| 1.0 - (p / p_max).powi(2);
+fn carry(pressure: &mut [f64], sum: f64) {
+    let top = pressure.iter().copied().fold(0.0, f64::max);
+    let share = |p: f64| 1.0 - (p / top).powi(2);
     let missing = sum - pressure.iter().sum::<f64>();
     let room: f64 = pressure.iter().map(|&p| p * share(p)).sum();
     if room > 0.0 {
@@ -264,7 +269,7 @@ mod tests {
     fn the_map_of_a_hertz_contact_has_its_force_peak_and_area() {
         let (a, b, peak) = (0.025, 0.14e-3, 138.5e6);
         let hertz = 2.0 / 3.0 * std::f64::consts::PI * a * b * peak;
-        let map = PressureMap::new(&ellipse(a, b, peak), hertz, peak);
+        let map = PressureMap::new(&ellipse(a, b, peak), hertz, f64::INFINITY);
         let pixel = map.dx * map.dy;
         let force: f64 = map.pressure.iter().sum::<f64>() * pixel;
         assert!((force / hertz - 1.0).abs() < 1e-9, "{force} {hertz}");
@@ -306,9 +311,28 @@ mod tests {
                 ..ellipse(0.025, 0.14e-3, 1.0)
             },
             0.0,
-            0.0,
+            f64::INFINITY,
         );
         assert!(map.gap.iter().any(|gap| gap.is_infinite()));
         assert!(map.gap.iter().all(|gap| !gap.is_nan()));
+    }
+
+    #[test]
+    fn only_what_the_ice_bears_cuts_a_map() {
+        let (a, b, peak) = (0.025, 0.14e-3, 138.5e6);
+        let hertz = 2.0 / 3.0 * std::f64::consts::PI * a * b * peak;
+        let highest = |bound: f64| {
+            let map = PressureMap::new(&ellipse(a, b, peak), hertz, bound);
+            let top = map.pressure.iter().copied().fold(0.0, f64::max);
+            let at_top = map.pressure.iter().filter(|p| **p == top).count();
+            (top, at_top)
+        };
+        let (whole, few) = highest(f64::INFINITY);
+        assert!(
+            (whole / peak - 1.0).abs() < 1e-3 && few <= 8,
+            "{whole} {few}"
+        );
+        let (cut, many) = highest(100e6);
+        assert!(cut == 100e6 && many > 1000, "{cut} {many}");
     }
 }

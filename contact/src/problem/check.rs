@@ -25,6 +25,7 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
             positive("approach", approach, "a positive number of m")?;
         }
     }
+    check_load(&problem.load)?;
     if let Some(elastic) = &problem.runner.elastic {
         check_mount(problem, elastic)?;
     }
@@ -34,12 +35,59 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
         options.p_max_tolerance,
         "a positive number",
     )?;
+    within(
+        options.residual > 0.0 && options.residual < 1.0,
+        "residual asked",
+        options.residual,
+        "more than 0 and less than 1",
+    )?;
+    if let Some(cells) = options.cells {
+        within(
+            (1..=1000).contains(&cells),
+            "cells over half the patch",
+            cells as f64,
+            "1 to 1000",
+        )?;
+    }
     let ice = &problem.ice;
     Material::new(ice.youngs_modulus, ice.poissons_ratio).map_err(|_| Error::OutOfRange {
         name: "ice material",
         value: ice.youngs_modulus,
         expected: "an elastic solid",
     })
+}
+
+/// Offsets and tilts are numbers, tilts those of a runner that stands on its underside.
+fn check_load(load: &Load) -> Result<(), Error> {
+    let (offsets, tilts) = match *load {
+        Load::Force {
+            offset_x,
+            offset_y,
+            tilt,
+            ..
+        } => match tilt {
+            Tilt::Free => ([offset_x, offset_y], [0.0; 2]),
+            Tilt::Fixed { pitch, roll } => ([offset_x, offset_y], [pitch, roll]),
+        },
+        Load::Approach { pitch, roll, .. } => ([0.0; 2], [pitch, roll]),
+    };
+    for offset in offsets {
+        within(
+            offset.is_finite(),
+            "offset of the line of action",
+            offset,
+            "a finite number of m",
+        )?;
+    }
+    for tilt in tilts {
+        within(
+            tilt.abs() < 1.0,
+            "tilt that is held",
+            tilt,
+            "more than -1 and less than 1 rad",
+        )?;
+    }
+    Ok(())
 }
 
 fn within(

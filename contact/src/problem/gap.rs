@@ -52,6 +52,10 @@ impl<'a> Gap<'a> {
                 y_max: extent[3],
             });
         }
+        if free_motion[1] {
+            off_the_rim("x", x0, extent[0], extent[1])?;
+            off_the_rim("y", y0, extent[2], extent[3])?;
+        }
         let reach = extent[0].abs().max(extent[1].abs());
         let curvature = problem.track_curvature;
         if reach.is_finite() && reach * curvature.abs() >= 0.5 {
@@ -155,6 +159,23 @@ impl<'a> Gap<'a> {
         };
         [pitch, roll]
     }
+}
+
+/// Part of a hull's length or width next to its rim in which no load acts that is to be balanced.
+const RIM: f64 = 2e-3;
+
+fn off_the_rim(axis: &'static str, at: f64, low: f64, high: f64) -> Result<(), Error> {
+    // An unbounded hull has no rim.
+    let near = RIM * (high - low);
+    if near.is_finite() && (at - low < near || high - at < near) {
+        return Err(Error::LoadOnRim {
+            axis,
+            at,
+            low,
+            high,
+        });
+    }
+    Ok(())
 }
 
 /// Height of a track of curvature `curvature` [1/m] above its lowest point, at `x` [m].

@@ -2,7 +2,7 @@
 
 use kufe_fem::TensorOperator;
 
-use crate::accuracy::extrapolation::Extrapolation;
+use crate::accuracy::watched::Limits;
 use crate::active_set::progress::Progress;
 use crate::grid::assembled::assembled_bodies;
 use crate::grid::contact_mesh::{ContactMesh, State};
@@ -24,8 +24,8 @@ pub(crate) struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// With the limit of fine meshes and what happened on all of them.
-    pub fn solution(self, limit: Extrapolation, history: Vec<Iterate>) -> Solution {
+    /// With the limits of fine meshes and what happened on all of them.
+    pub fn solution(self, limits: Limits, history: Vec<Iterate>) -> Solution {
         let Answer {
             problem,
             gap,
@@ -74,13 +74,17 @@ impl Answer<'_> {
             _ => None,
         };
         Solution {
-            p_max: limit.p_max,
-            p_max_error: limit.error,
+            p_max: limits.peak.value,
+            p_max_error: limits.peak.error,
+            p_max_mesh: figures.p_max,
+            hardness: problem.ice.hardness,
             p_mean: fz / figures.area,
             area: figures.area,
+            area_error: limits.area_error,
             length: figures.length,
+            length_error: limits.length_error,
             width: figures.width,
-            approach: limit.approach,
+            approach: limits.peak.approach,
             pitch,
             roll,
             fz,

@@ -10,16 +10,24 @@ use crate::Bed;
 /// The solved contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// Peak pressure [Pa].
+    /// Peak pressure in the limit of finer and finer meshes, at most the ice's hardness [Pa].
     pub p_max: f64,
     /// Estimated discretisation error of the peak pressure [Pa].
     pub p_max_error: f64,
+    /// Peak pressure on the last mesh, which maps and fields are of [Pa].
+    pub p_max_mesh: f64,
+    /// Largest pressure that the ice bears, where it has such a bound [Pa].
+    pub hardness: Option<f64>,
     /// Force over contact area [Pa].
     pub p_mean: f64,
     /// Contact area, resolved below the cell [m2].
     pub area: f64,
+    /// Estimated error of the area: twice the larger of what the last two meshes changed; infinite after one mesh [m2].
+    pub area_error: f64,
     /// Extent of the contact along x, from its first to its last point [m].
     pub length: f64,
+    /// Estimated error of the length, likewise [m].
+    pub length_error: f64,
     /// Extent of the contact along y [m].
     pub width: f64,
     /// Rigid approach at the origin, from first touch [m].
@@ -50,6 +58,13 @@ pub struct Solution {
     pub symmetry: [bool; 2],
     /// The stiffness that the finest mesh was solved with, where it was assembled: first the ice, then a runner that bends.
     pub assembled: Vec<AssembledBody>,
+}
+
+impl Solution {
+    /// Largest pressure that there can be: the ice's hardness, infinite where it has none [Pa].
+    pub fn bound(&self) -> f64 {
+        self.hardness.unwrap_or(f64::INFINITY)
+    }
 }
 
 /// The assembled stiffness of one body.

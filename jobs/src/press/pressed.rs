@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use kufe_case::{FittedHull, StatedProblem};
-use kufe_contact::{Options, Problem, Solution, Watcher, solve};
+use kufe_contact::{Error, Options, Problem, Solution, Watcher, solve};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
@@ -24,6 +24,10 @@ pub struct Pressed {
     pub solution: Solution,
     /// Wall time of the solve [s].
     pub seconds: f64,
+    /// Why the accuracy asked was not reached, where it was not: the solution is the best there is, with its error.
+    pub short: Option<Failure>,
+    /// What the case's files held: [`LoadedCase::content`].
+    pub content: String,
     /// What the reader of the result should know.
     pub warnings: Vec<String>,
 }
@@ -42,14 +46,20 @@ pub fn press(
         progress: watcher,
         ..Options::default()
     };
-    press_with(loaded, watch, options)
+    let pressed = press_with(loaded, watch, options)?;
+    match pressed.short {
+        Some(failure) => Err(failure),
+        None => Ok(pressed),
+    }
 }
 
-/// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's.
+/// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's. Where that is not reached the best answer
+/// comes with [`Pressed::short`].
 ///
 /// # Errors
-/// As [`press`]; [`Failure::Partial`] where it was stopped.
+/// As [`press`] for all else; [`Failure::Partial`] where it was stopped.
 pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+    let content = loaded.content()?;
     let StatedProblem { problem, hull } = loaded.stated()?;
     let mut warnings = loaded.hull_warnings(hull.as_ref());
     warnings.iter().for_each(|warning| watch.warn(warning));
@@ -59,7 +69,16 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         stiffness: loaded.case.solver.stiffness.into(),
         ..options
     };
-    let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;
+    let (solution, short) = match solve(&problem, &options) {
+        Ok(solution) => (solution, None),
+        Err(error) => {
+            let failure = loaded.failure(&error);
+            match error {
+                Error::AccuracyNotReached { best, .. } => (*best, Some(failure)),
+                _ => return Err(failure),
+            }
+        }
+    };
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
     if let Some(warning) = beyond_ice(&problem, &solution) {
@@ -72,6 +91,8 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         hull,
         solution,
         seconds,
+        short,
+        content,
         warnings,
     })
 }

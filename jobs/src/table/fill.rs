@@ -75,7 +75,7 @@ impl Filled {
 fn open_store(out: &Path, solver: &Solver) -> Result<Store, Failure> {
     let mut folder = out.as_os_str().to_owned();
     folder.push(".points");
-    Store::open(Path::new(&folder), solver.origin()?).map_err(Failure::bad_input)
+    Store::open(Path::new(&folder), solver.origin()).map_err(Failure::bad_input)
 }
 
 fn all_points(table: &Table) -> Vec<Point> {

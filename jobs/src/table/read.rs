@@ -11,7 +11,7 @@ use crate::failure::Failure;
 pub fn read_table(path: &Path) -> Result<kufe_lut::Table, Failure> {
     let told =
         |reason: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let mut file =
-        std::fs::File::open(path).map_err(|error| told(&format!("cannot be read: {error}")))?;
+    let mut file = kufe_files::open_regular(path)
+        .map_err(|error| told(&format!("cannot be read: {error}")))?;
     kufe_lut::Table::read(&mut file).map_err(|error| told(&error))
 }

@@ -1,11 +1,11 @@
 //! The contact solver as a sweep sees it.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kufe_case::{Case, CaseError, FittedHull, StatedProblem};
+use kufe_case::{Case, CaseError, FittedHull, StatedProblem, TrackTable};
 use kufe_contact::{Load, Options, Problem, Solution};
-use kufe_lut::{Origin, Point, Solved, Store, SweepError, sha256};
+use kufe_lut::{Origin, Point, Solved, Spacing, Store, SweepError, sha256};
 
 use crate::case_file::LoadedCase;
 use crate::case_json::case_json;
@@ -15,8 +15,6 @@ use crate::watch::Watch;
 
 /// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
 const LARGEST_ERROR: f64 = 0.2;
-/// A hull's file counts towards the case up to this size [bytes].
-const LARGEST_HULL: u64 = 1 << 31;
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +39,7 @@ pub struct Solver {
     base: Problem,
     hull: Option<FittedHull>,
     tolerance: f64,
+    content: String,
 }
 
 impl Solver {
@@ -60,6 +59,8 @@ impl Solver {
                 wanted.case.display()
             )));
         }
+        check_axes(wanted, &loaded)?;
+        let content = loaded.content()?;
         let StatedProblem {
             problem: base,
             hull,
@@ -78,6 +79,7 @@ impl Solver {
             loaded,
             base,
             hull,
+            content,
         })
     }
 
@@ -91,25 +93,34 @@ impl Solver {
         case_json(&self.loaded.case)
     }
 
-    /// What every result belongs to: this version, the case with its hull, and the tolerance.
+    /// Every file that the table is made from: the table's own, the case and what it names.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull's file cannot be read.
-    pub fn origin(&self) -> Result<Origin, Failure> {
+    /// [`Failure::BadInput`] where a hull that names further files cannot be read.
+    pub fn inputs(&self, wanted: &Wanted) -> Result<Vec<PathBuf>, Failure> {
+        let mut inputs = self.loaded.files()?;
+        inputs.extend([wanted.path.clone(), wanted.case.clone()]);
+        Ok(inputs)
+    }
+
+    /// What every result belongs to: this version, the case with the content of its files, and the tolerance.
+    pub fn origin(&self) -> Origin {
         // Load and track are replaced point by point: they are no part of what the results have in common.
         let mut case = self.loaded.case.clone();
         case.load.fz_n = 1.0;
         case.track = Default::default();
         case.accuracy.p_max = self.tolerance;
         case.runner.hull = None;
-        let mut bytes = case_json(&case).to_string().into_bytes();
-        for file in self.loaded.case.files() {
-            bytes.extend(read_hull(&self.loaded.base.join(file))?);
+        case.runner.mesh = None;
+        case.ice.surface = None;
+        if let Some(section) = &mut case.runner.section {
+            section.profile = None;
         }
-        Ok(Origin {
+        let marks = format!("{}\n{}", case_json(&case), self.content);
+        Origin {
             version: env!("CARGO_PKG_VERSION").into(),
-            case_sha256: sha256(&bytes),
-        })
+            case_sha256: sha256(marks.as_bytes()),
+        }
     }
 
     fn solve(&self, point: &Point, watch: &Watch) -> Result<Solved, SolveError> {
@@ -191,6 +202,37 @@ impl Solver {
     }
 }
 
+/// Checks that the case is one at every end and value of the axes.
+fn check_axes(wanted: &Wanted, loaded: &LoadedCase) -> Result<(), Failure> {
+    let plan = &wanted.plan;
+    let ends = |axis: &Spacing| match axis {
+        Spacing::Values(values) => values.clone(),
+        Spacing::Range { from, to } => vec![*from, *to],
+    };
+    let checked = |key: &str, case: Case| {
+        case.check().map_err(|error| {
+            Failure::BadInput(format!("{}: axes.{key}: {error}", wanted.path.display()))
+        })
+    };
+    for fz in ends(&plan.fz) {
+        let mut case = loaded.case.clone();
+        case.load.fz_n = fz;
+        checked("fz_n", case)?;
+    }
+    for curvature in ends(&plan.curvature) {
+        let mut case = loaded.case.clone();
+        case.track = TrackTable {
+            curvature_1pm: Some(curvature),
+            ..TrackTable::default()
+        };
+        checked("curvature_1pm", case)?;
+    }
+    for radius in plan.rocker_radius.iter().flat_map(ends) {
+        checked("rocker_radius_m", with_rocker(&loaded.case, radius))?;
+    }
+    Ok(())
+}
+
 /// A failure with the point that it happened at.
 fn at(point: &Point, failure: Failure) -> Failure {
     match failure {
@@ -220,19 +262,6 @@ fn with_rocker(case: &Case, radius: f64) -> Case {
         *shape.rocker_radius_m() = radius;
     }
     case
-}
-
-fn read_hull(path: &Path) -> Result<Vec<u8>, Failure> {
-    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let length = std::fs::metadata(path)
-        .map_err(|error| told(format!("cannot be read: {error}")))?
-        .len();
-    if length > LARGEST_HULL {
-        return Err(told(format!(
-            "{length} bytes: expected a hull of at most {LARGEST_HULL} bytes"
-        )));
-    }
-    std::fs::read(path).map_err(|error| told(format!("cannot be read: {error}")))
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! `table.toml`: which table is wanted.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use kufe_lut::{Mode, Plan, Spacing};
+use kufe_files::text_of_regular;
+use kufe_lut::{Error, Mode, Plan, Spacing};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
@@ -10,6 +12,9 @@ use crate::failure::Failure;
 
 /// A table file is a page of text; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 20;
+
+/// Relative errors of the interpolation that can be asked: finer ones would chase the solver's own error.
+const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
 
 /// A table file, key by key.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -127,19 +132,19 @@ impl Wanted {
     pub fn read(path: &Path) -> Result<Wanted, Failure> {
         let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
         let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
-        let length = std::fs::metadata(path).map_err(unreadable)?.len();
-        if length > LONGEST {
-            return Err(told(format!(
-                "{length} bytes: expected a table file of at most {LONGEST} bytes"
-            )));
-        }
-        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let text = text_of_regular(path, LONGEST).map_err(unreadable)?;
         let file: TableToml = toml::from_str(&text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start.min(text.len()));
             let line = text[..start].matches('\n').count() + 1;
             told(format!("line {line}: {}", error.message()))
         })?;
         let plan = plan(&file).map_err(told)?;
+        plan.check().map_err(|error| {
+            told(match line_of(&text, &error) {
+                Some(line) => format!("line {line}: {error}"),
+                None => error.to_string(),
+            })
+        })?;
         if let Some(p_max) = file.accuracy.p_max
             && !(1e-5..=0.5).contains(&p_max)
         {
@@ -157,6 +162,20 @@ impl Wanted {
     }
 }
 
+/// The line of the axis that an error is about.
+fn line_of(text: &str, error: &Error) -> Option<usize> {
+    let (Error::AxisLength { axis, .. } | Error::AxisValue { axis, .. }) = error else {
+        return None;
+    };
+    // Curvatures may be given as radii.
+    let keys = match *axis {
+        "curvature_1pm" => ["curvature_1pm", "radius_m"],
+        axis => [axis; 2],
+    };
+    let starts = |line: &str| keys.iter().any(|key| line.trim_start().starts_with(key));
+    text.lines().position(starts).map(|index| index + 1)
+}
+
 fn plan(file: &TableToml) -> Result<Plan, String> {
     let curvature = match (&file.axes.curvature_1pm, &file.axes.radius_m) {
         (Some(axis), None) => spacing("axes.curvature_1pm", &axis.spacing())?,
@@ -170,7 +189,16 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         plan.rocker_radius = Some(spacing("axes.rocker_radius_m", axis)?);
     }
     let accuracy = &file.accuracy;
-    plan.interpolation = accuracy.interpolation.unwrap_or(plan.interpolation);
+    if let Some(asked) = accuracy.interpolation {
+        if !INTERPOLATIONS.contains(&asked) {
+            return Err(format!(
+                "accuracy.interpolation = {asked}: expected a relative error between {} and {}: contacts are solved to half of it",
+                INTERPOLATIONS.start(),
+                INTERPOLATIONS.end()
+            ));
+        }
+        plan.interpolation = asked;
+    }
     plan.modes = match accuracy.evaluation.unwrap_or(Evaluation::Both) {
         Evaluation::Both => Mode::ALL.to_vec(),
         Evaluation::Smooth => vec![Mode::Smooth],

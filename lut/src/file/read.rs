@@ -175,11 +175,25 @@ fn read_nodes(axes: &Axes, quantities: &Map<String, Value>) -> Result<Vec<Solved
             &format!("{place}.values"),
             &mut flat,
         )?;
-        for (node, value) in figures.iter_mut().zip(flat) {
+        for (k, (node, value)) in figures.iter_mut().zip(flat).enumerate() {
+            credible(name, value, || format!("{place}.values, number {}", k + 1))?;
             node[n] = value;
         }
     }
     Ok(figures.into_iter().map(Solved::from_array).collect())
+}
+
+/// Pressures and sizes of a contact are positive, errors are not negative.
+fn credible(name: &str, value: f64, place: impl Fn() -> String) -> Result<(), Error> {
+    let (holds, expected) = match name {
+        "approach" => (true, ""),
+        "p_max_error" => (value >= 0.0, "0 or a positive number"),
+        _ => (value > 0.0, "a positive number"),
+    };
+    if holds {
+        return Ok(());
+    }
+    Err(wrong(&place(), &value.to_string(), expected))
 }
 
 fn flatten(value: &Value, shape: &[usize], place: &str, into: &mut Vec<f64>) -> Result<(), Error> {
@@ -219,8 +233,9 @@ fn read_check(value: &Value, place: &str, axes: &Axes) -> Result<Check, Error> {
         }
     };
     let mut figures = [0.0; Solved::COUNT];
-    for (figure, key) in figures.iter_mut().zip(Solved::KEYS) {
-        *figure = at(key)?;
+    for (n, (value, key)) in figures.iter_mut().zip(Solved::KEYS).enumerate() {
+        *value = at(key)?;
+        credible(figure(n).0, *value, || format!("{place}.{key}"))?;
     }
     Ok(Check {
         point: Point {

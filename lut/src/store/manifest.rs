@@ -70,7 +70,7 @@ impl Manifest {
                 source,
             }
         };
-        let file = std::fs::File::open(path).map_err(io("cannot be opened"))?;
+        let file = kufe_files::open_regular(path).map_err(io("cannot be opened"))?;
         let mut bytes = Vec::new();
         file.take(MAX_PLAN_BYTES + 1)
             .read_to_end(&mut bytes)

@@ -21,7 +21,7 @@ const MAX_POINT_BYTES: u64 = 1 << 16;
 pub struct Origin {
     /// Version of the program that solves.
     pub version: String,
-    /// SHA-256 of the case, of the hull it names and of the solver's tolerance, hexadecimal.
+    /// SHA-256 of the case, of the content of the files it names and of the solver's tolerance, hexadecimal.
     pub case_sha256: String,
 }
 
@@ -43,6 +43,7 @@ impl Store {
             action: "cannot be made",
             source,
         })?;
+        kufe_files::clear_temporaries(folder);
         Ok(Store {
             folder: folder.to_path_buf(),
             origin,
@@ -73,7 +74,7 @@ impl Store {
     pub fn get(&self, point: &Point) -> Result<Option<Solved>, Error> {
         let path = self.path(point);
         let name = || path.display().to_string();
-        let file = match std::fs::File::open(&path) {
+        let file = match kufe_files::open_regular(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => {

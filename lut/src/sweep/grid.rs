@@ -27,6 +27,16 @@ pub(crate) fn middle(axis: usize, low: f64, high: f64) -> f64 {
     }
 }
 
+impl Plan {
+    /// Checks the axes, before anything is solved.
+    ///
+    /// # Errors
+    /// [`Error::AxisLength`], [`Error::AxisValue`], [`Error::TooManyNodes`], [`Error::FlushValue`], [`Error::FlushPlan`].
+    pub fn check(&self) -> Result<(), Error> {
+        Grid::start(self)?.axes().map(|_| ())
+    }
+}
+
 impl Grid {
     /// Five points on every range, the given ones elsewhere.
     ///

@@ -79,6 +79,18 @@ impl fmt::Display for HullWarning {
     }
 }
 
+/// What is odd about the size of a hull or of a mesh, along x, y and z [m].
+pub fn size_warnings(extent: [f64; 3]) -> Vec<HullWarning> {
+    let size = extent.iter().copied().fold(0.0, f64::max);
+    if size > LARGEST_EXTENT {
+        return vec![HullWarning::TooLarge { extent: size }];
+    }
+    if size < SMALLEST_EXTENT {
+        return vec![HullWarning::TooSmall { extent: size }];
+    }
+    Vec::new()
+}
+
 /// Checks a hull and says what it is like.
 ///
 /// # Errors
@@ -103,14 +115,7 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     if open_edges == 0 && volume < 0.0 {
         return Err(MeshError::InvertedHull { volume });
     }
-    let size = extent.iter().copied().fold(0.0, f64::max);
-    let mut warnings = Vec::new();
-    if size > LARGEST_EXTENT {
-        warnings.push(HullWarning::TooLarge { extent: size });
-    }
-    if size < SMALLEST_EXTENT {
-        warnings.push(HullWarning::TooSmall { extent: size });
-    }
+    let mut warnings = size_warnings(extent);
     if open_edges > 0 {
         warnings.push(HullWarning::Open { edges: open_edges });
     }

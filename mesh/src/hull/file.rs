@@ -1,15 +1,21 @@
 //! Hulls in files, by the file's ending.
 
-use std::{io::Write, path::Path};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use kufe_files::read_regular;
 
 use crate::error::MeshError;
 use crate::hull::axes::HullOptions;
 use crate::hull::check::{HullReport, check_hull};
-use crate::hull::read_gltf::read_gltf;
+use crate::hull::read_gltf::{outer_buffers, read_gltf};
 use crate::hull::read_obj::read_obj;
 use crate::hull::read_stl::read_stl;
 use crate::hull::triangles::Hull;
 use crate::hull::write::{write_glb, write_obj, write_stl};
+
+/// Most bytes of a file that belongs to a hull.
+const MOST_BYTES: u64 = 1 << 31;
 
 /// The formats that hulls come in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +70,7 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
         source: Box::new(source),
     };
     let format = HullFormat::of(path).map_err(in_file)?;
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Io {
+    let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
         path: name.clone(),
         source,
     })?;
@@ -72,11 +78,35 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
     let hull = match format {
         HullFormat::Obj => read_obj(&bytes, options),
         HullFormat::Stl => read_stl(&bytes, options),
-        HullFormat::Gltf => read_gltf(&bytes, options, |uri| std::fs::read(folder.join(uri))),
+        HullFormat::Gltf => read_gltf(&bytes, options, |uri| {
+            read_regular(&folder.join(uri), MOST_BYTES)
+        }),
     };
     let hull = hull.map_err(in_file)?;
     let report = check_hull(&hull).map_err(in_file)?;
     Ok((hull, report))
+}
+
+/// The files that a hull consists of: `path`, and the buffers that a glTF file keeps in files of their own.
+///
+/// # Errors
+/// As [`load_hull`], as far as that is looked at.
+pub fn hull_files(path: &Path) -> Result<Vec<PathBuf>, MeshError> {
+    let name = path.display().to_string();
+    let mut files = vec![path.to_path_buf()];
+    if HullFormat::of(path).is_ok_and(|format| format == HullFormat::Gltf) {
+        let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
+            path: name.clone(),
+            source,
+        })?;
+        let buffers = outer_buffers(&bytes).map_err(|source| MeshError::File {
+            path: name,
+            source: Box::new(source),
+        })?;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        files.extend(buffers.iter().map(|uri| folder.join(uri)));
+    }
+    Ok(files)
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ pub(crate) mod triangles;
 pub(crate) mod write;
 
 pub use axes::{Axis, HullOptions};
-pub use check::{HullReport, HullWarning, check_hull};
-pub use file::{HullFormat, load_hull};
+pub use check::{HullReport, HullWarning, check_hull, size_warnings};
+pub use file::{HullFormat, hull_files, load_hull};
 pub use read_gltf::read_gltf;
 pub use read_obj::read_obj;
 pub use read_stl::read_stl;

@@ -33,28 +33,14 @@ pub fn read_gltf(
     open: impl Fn(&str) -> std::io::Result<Vec<u8>>,
 ) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Y)?;
-    // The header's length counts itself; less than that would wrap around.
-    if bytes.starts_with(b"glTF") {
-        let length = bytes
-            .get(8..12)
-            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
-        if length.is_none_or(|length| length < 20 || length > bytes.len()) {
-            return Err(MeshError::GlbLength {
-                announced: length.unwrap_or(0),
-                found: bytes.len(),
-            });
-        }
-    }
+    check_length(bytes)?;
     let (document, mut blob) = parse(bytes)?;
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let data = match buffer.source() {
             Source::Bin => blob.take().unwrap_or_default(),
-            Source::Uri(uri) => match uri
-                .strip_prefix("data:")
-                .and_then(|rest| rest.split_once(";base64,"))
-            {
-                Some((_, text)) => STANDARD.decode(text).unwrap_or_default(),
+            Source::Uri(uri) => match embedded_text(uri) {
+                Some(text) => STANDARD.decode(text).unwrap_or_default(),
                 None => open(uri).map_err(|source| MeshError::GltfFile {
                     uri: uri.into(),
                     source,
@@ -91,6 +77,44 @@ pub fn read_gltf(
         }
     }
     Hull::welded(&reader.positions, reader.triangles.into_iter(), rows)
+}
+
+/// The addresses of the buffers that a glTF file keeps in files of their own.
+///
+/// # Errors
+/// As [`read_gltf`] where the file cannot be parsed.
+pub(crate) fn outer_buffers(bytes: &[u8]) -> Result<Vec<String>, MeshError> {
+    check_length(bytes)?;
+    let (document, _) = parse(bytes)?;
+    let uris = document
+        .buffers()
+        .filter_map(|buffer| match buffer.source() {
+            Source::Uri(uri) if embedded_text(uri).is_none() => Some(uri.to_owned()),
+            _ => None,
+        });
+    Ok(uris.collect())
+}
+
+/// The text of a buffer that stands in the glTF file itself.
+fn embedded_text(uri: &str) -> Option<&str> {
+    let (_, text) = uri.strip_prefix("data:")?.split_once(";base64,")?;
+    Some(text)
+}
+
+/// The header's length of a binary file counts itself; less than that would wrap around.
+fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
+    if bytes.starts_with(b"glTF") {
+        let length = bytes
+            .get(8..12)
+            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+        if length.is_none_or(|length| length < 20 || length > bytes.len()) {
+            return Err(MeshError::GlbLength {
+                announced: length.unwrap_or(0),
+                found: bytes.len(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The validated document and the binary chunk.

@@ -1,11 +1,13 @@
 //! EXR images whose pixels have a place in metres: height maps, pressure maps.
 
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{ReadChannels, ReadLayers, read};
+
+use kufe_files::read_regular;
 
 use crate::error::MeshError;
 
@@ -38,11 +40,7 @@ impl ExrImage {
             path: name.clone(),
             source,
         };
-        let file = std::fs::File::open(path).map_err(io)?;
-        let mut bytes = Vec::new();
-        file.take(MOST_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(io)?;
+        let bytes = read_regular(path, MOST_BYTES).map_err(io)?;
         Self::read(&bytes).map_err(|source| MeshError::File {
             path: name.clone(),
             source: Box::new(source),

@@ -2,9 +2,14 @@
 
 use std::path::Path;
 
+use kufe_files::read_regular;
+
 use crate::error::MeshError;
 use crate::ice::exr_image::ExrImage;
 use crate::ice::height_map::{HeightMap, Interpolation};
+
+/// Most bytes of a height map's file.
+const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the height map `path`: CSV with columns `x_m, y_m, z_m` ([`HeightMap::from_csv`]), or EXR ([`HeightMap::from_exr`]).
 ///
@@ -25,7 +30,7 @@ pub fn load_height_map(path: &Path) -> Result<HeightMap, MeshError> {
     if !["csv", "exr"].contains(&ending.as_str()) {
         return Err(in_file(MeshError::MapFormat { found: ending }));
     }
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Io {
+    let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
         path: name.clone(),
         source,
     })?;

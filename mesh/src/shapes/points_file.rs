@@ -2,7 +2,12 @@
 
 use std::path::Path;
 
+use kufe_files::read_regular;
+
 use crate::error::MeshError;
+
+/// Most bytes of a curve's file.
+const MOST_BYTES: u64 = 1 << 26;
 
 /// Reads a CSV file with exactly two columns of this name, a point a row [m].
 ///
@@ -10,7 +15,7 @@ use crate::error::MeshError;
 /// [`MeshError::File`] with the row, the column and what stands there.
 pub fn load_points(path: &Path, columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Io {
+    let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
         path: name.clone(),
         source,
     })?;

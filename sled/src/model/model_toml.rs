@@ -52,6 +52,9 @@ pub struct Friction {
     pub rear: MagicFormula,
 }
 
+/// A model file is a page of text; what is longer than this is something else [bytes].
+const LONGEST: u64 = 1 << 20;
+
 impl Model {
     /// Reads a model file and checks every number.
     ///
@@ -59,7 +62,8 @@ impl Model {
     /// [`Error::File`], [`Error::Keys`] (unknown or missing keys), [`Error::KeyRange`].
     pub fn load(path: &Path) -> Result<Model, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| Error::file(&file, error))?;
+        let text = kufe_files::text_of_regular(path, LONGEST)
+            .map_err(|error| Error::file(&file, error))?;
         let mut model = Model::from_toml(&text, &file)?;
         model.folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         model.file = file;

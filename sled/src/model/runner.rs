@@ -49,7 +49,7 @@ pub(crate) fn open_table(path: &std::path::Path) -> Result<PressureLookup, Error
     use kufe_lut::{Lookup, Mode, Quantity, Table};
     let name = path.display().to_string();
     let told = |error: kufe_lut::Error| Error::file(&name, error);
-    let mut file = std::fs::File::open(path).map_err(|error| Error::file(&name, error))?;
+    let mut file = kufe_files::open_regular(path).map_err(|error| Error::file(&name, error))?;
     let table = Table::read(&mut file).map_err(told)?;
     let lookup = Lookup::new(&table, Quantity::PMax, Mode::Smooth).map_err(told)?;
     Ok(Arc::new(move |fz, curvature| {

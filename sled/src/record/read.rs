@@ -36,5 +36,5 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
 }
 
 fn open(path: &Path) -> Result<std::fs::File, Error> {
-    std::fs::File::open(path).map_err(|error| Error::file(&path.display().to_string(), error))
+    kufe_files::open_regular(path).map_err(|error| Error::file(&path.display().to_string(), error))
 }

@@ -38,7 +38,7 @@ impl Track {
             .and_then(|stem| stem.to_str())
             .unwrap_or("track");
         let name = stem.strip_prefix("track_").unwrap_or(stem);
-        let reader = std::fs::File::open(path).map_err(|error| Error::file(&file, error))?;
+        let reader = kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
         Track::from_csv(reader, name, &file)
     }
 

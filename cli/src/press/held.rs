@@ -1,0 +1,112 @@
+//! What an output folder holds from earlier runs, and what of it goes: only files that `kufe` wrote.
+
+use std::path::{Path, PathBuf};
+
+use kufe_files::text_of_regular;
+use kufe_jobs::Failure;
+use serde_json::{Map, Value};
+
+use crate::report::read_json;
+
+/// Most bytes of a result.json.
+const LONGEST: u64 = 1 << 22;
+/// Most bytes of a series' table.json.
+const LONGEST_TABLE: u64 = 1 << 28;
+/// Most bytes of a page.
+const LONGEST_PAGE: u64 = 1 << 28;
+
+/// The key of result.json that lists the files written with it, and their lengths [bytes].
+pub const FILES: &str = "files";
+
+/// The files in `folder` that an earlier `kufe press` wrote there and that are as it wrote them: those that its result.json lists,
+/// that file itself, and a page that `kufe report` made of them.
+pub fn contact_files(folder: &Path) -> Vec<PathBuf> {
+    let result = folder.join("result.json");
+    let Some(listed) = listed(&result) else {
+        return Vec::new();
+    };
+    let as_written = |(name, length): (&String, &Value)| {
+        let path = folder.join(name);
+        let found = path.symlink_metadata().ok()?;
+        let ours = Path::new(name).file_name()? == name.as_str();
+        (ours && found.is_file() && Some(found.len()) == length.as_u64()).then_some(path)
+    };
+    let mut files: Vec<PathBuf> = listed.iter().filter_map(as_written).collect();
+    files.push(result);
+    let page = folder.join("report.html");
+    if is_page(&page) {
+        files.push(page);
+    }
+    files
+}
+
+fn listed(result: &Path) -> Option<Map<String, Value>> {
+    let mut found = read_json(result, LONGEST).ok()?;
+    found.get("kkt_residual")?;
+    match found[FILES].take() {
+        Value::Object(listed) => Some(listed),
+        _ => Some(Map::new()),
+    }
+}
+
+fn is_page(path: &Path) -> bool {
+    text_of_regular(path, LONGEST_PAGE)
+        .is_ok_and(|text| text.contains("<meta name=\"generator\" content=\"kufe "))
+}
+
+/// The folders of the steps of the series in `folder`; `None` where it holds none.
+pub fn series_steps(folder: &Path) -> Option<Vec<String>> {
+    let table = read_json(&folder.join("table.json"), LONGEST_TABLE).ok()?;
+    let step = |row: &Value| -> Option<String> {
+        row["step"].as_u64()?;
+        let name = row["folder"].as_str()?;
+        let digits = name.strip_prefix("step-")?;
+        let plain = digits.bytes().all(|byte| byte.is_ascii_digit());
+        plain.then(|| name.to_owned())
+    };
+    table.as_array()?.iter().map(step).collect()
+}
+
+/// Refuses a folder that holds a series for a single contact: its steps would stand beside another result.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the folder.
+pub fn no_series(folder: &Path) -> Result<(), Failure> {
+    match series_steps(folder) {
+        None => Ok(()),
+        Some(steps) => Err(Failure::BadInput(format!(
+            "{}: holds a series of {} steps (table.json): expected another folder for a single contact",
+            folder.display(),
+            steps.len()
+        ))),
+    }
+}
+
+/// Removes what an earlier series left in `folder`: steps that are not among `steps`, and a single contact's files.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file that cannot be removed.
+pub fn clear_before_series(folder: &Path, steps: &[&str]) -> Result<(), Failure> {
+    let mut gone = contact_files(folder);
+    let before = series_steps(folder).unwrap_or_default();
+    let left: Vec<PathBuf> = before
+        .iter()
+        .filter(|name| !steps.contains(&name.as_str()))
+        .map(|name| folder.join(name))
+        .collect();
+    gone.extend(left.iter().flat_map(|step| contact_files(step)));
+    if !before.is_empty() {
+        let lists = ["series.pvd", "runner.pvd"].map(|name| folder.join(name));
+        gone.extend(lists.into_iter().filter(|path| path.is_file()));
+    }
+    for file in &gone {
+        std::fs::remove_file(file).map_err(|error| {
+            Failure::BadInput(format!("{}: cannot be removed: {error}", file.display()))
+        })?;
+    }
+    for step in &left {
+        // Where something else stands in it, it stays.
+        let _ = std::fs::remove_dir(step);
+    }
+    Ok(())
+}

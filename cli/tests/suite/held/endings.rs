@@ -1,0 +1,200 @@
+//! How commands end: output that is taken no more, signals, accuracy out of reach, lists without end.
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::kufe::{Bench, CASE, errors, json, names};
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_is_not_taken_is_told_and_ends_with_3() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.write(
+        "t.toml",
+        "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\ncurvature_1pm = { values = [0.0] }\n",
+    );
+    bench.succeeds(&["lut", "t.toml", "-q"]);
+    let rows: [&[&str]; 3] = [
+        &["lut", "query", "t.lut", "--fz", "700", "--radius", "inf"],
+        &["schema", "case"],
+        &["press", "case.toml", "-o", "out"],
+    ];
+    for words in rows {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let output = Command::new(env!("CARGO_BIN_EXE_kufe"))
+            .current_dir(bench.folder.path())
+            .args(words)
+            .stdout(full.expect("the full device"))
+            .output()
+            .expect("the command runs");
+        let told = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{words:?}: {told}");
+        assert!(
+            told.contains("standard output: cannot be written"),
+            "{told}"
+        );
+    }
+    // The files were written all the same.
+    assert!(bench.path("out/result.json").exists());
+    // A reader that has gone away.
+    let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .current_dir(bench.folder.path())
+        .args(["schema", "model"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command runs");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    let told = errors(&output);
+    assert!(!told.contains("panicked"), "{told}");
+    assert_eq!(output.status.code(), Some(3), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_series_that_is_terminated_keeps_its_steps_leaves_5_and_resumes() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let forces: Vec<String> = (1..=400).map(|k| format!("{}", 500 + k)).collect();
+    let list = forces.join(",");
+    let words = ["press", "case.toml", "-o", "out", "--fz-n", list.as_str()];
+    let child = Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .current_dir(bench.folder.path())
+        .args(words)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command runs");
+    let begun = Instant::now();
+    while !bench.path("out/step-001/result.json").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "no first step");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let told = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status()
+        .expect("kill");
+    assert!(told.success());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(5), "{}", errors(&output));
+    let left = names(&bench.path("out"));
+    assert!(
+        left.iter().all(|name| !name.starts_with(".kufe")),
+        "{left:?}"
+    );
+    let rows = json(&bench.path("out/table.json"));
+    let done = rows.as_array().expect("rows").len();
+    assert!((1..400).contains(&done), "{done}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_single_contact_that_is_terminated_leaves_nothing() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE.replace("p_max = 0.02", "p_max = 0.0001"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .current_dir(bench.folder.path())
+        .args(["press", "case.toml", "-o", "out"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the command runs");
+    let begun = Instant::now();
+    while !bench.path("out").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // The handler is set right after the folder is made.
+    std::thread::sleep(Duration::from_millis(50));
+    Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status()
+        .expect("kill");
+    let status = child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(bench.names(), ["case.toml"]);
+}
+
+#[test]
+fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
+    // On sharp edges the pressure has no limit.
+    let bench = Bench::new();
+    let worn = "section = { worn_m = 2e-5, worn_edge = 0.0 }\n[ice]";
+    bench.write("case.toml", CASE.replacen("[ice]", worn, 1));
+    let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
+    let told = errors(&output);
+    assert_eq!(output.status.code(), Some(4), "{told}");
+    assert!(told.contains("asked 2.00e-2"), "{told}");
+    let result = json(&bench.path("out/result.json"));
+    assert_eq!(result["accuracy_reached"], false);
+    assert_eq!(result["accuracy_asked"], 0.02);
+    let figure = |key: &str| result[key].as_f64().expect("a number");
+    assert!(figure("p_max_error_pa") > 0.02 * figure("p_max_pa"));
+    assert!((figure("fz_n") / 1000.0 - 1.0).abs() < 1e-6);
+    assert!(bench.path("out/pressure.exr").exists());
+}
+
+#[test]
+fn where_hardness_fixes_the_peak_the_patch_is_what_accuracy_asks_for() {
+    let bench = Bench::new();
+    let lengths: Vec<[f64; 2]> = ["0.05", "0.02"]
+        .iter()
+        .map(|asked| {
+            let case = CASE.replace("[track]", "hardness_pa = 30e6\n[track]");
+            bench.write(
+                "case.toml",
+                case.replace("p_max = 0.02", &format!("p_max = {asked}")),
+            );
+            bench.succeeds(&["press", "case.toml", "-o", "out", "-q"]);
+            let result = json(&bench.path("out/result.json"));
+            let figure = |key: &str| result[key].as_f64().expect("a number");
+            assert!(figure("p_max_pa") <= 30e6 && figure("p_max_error_pa") == 0.0);
+            assert!(figure("p_max_mesh_pa") <= 30e6);
+            let asked: f64 = asked.parse().expect("a number");
+            for (value, error) in [("area_m2", "area_error_m2"), ("length_m", "length_error_m")] {
+                assert!(figure(error) <= 2.0 * asked * figure(value), "{value}");
+            }
+            [figure("length_m"), figure("length_error_m")]
+        })
+        .collect();
+    // Each answer is within the other's bounds.
+    let [coarse, fine] = [lengths[0], lengths[1]];
+    assert!(
+        (coarse[0] - fine[0]).abs() <= coarse[1] + fine[1],
+        "{lengths:?}"
+    );
+}
+
+#[test]
+fn endless_lists_are_refused_and_every_step_is_checked_before_the_first() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let list: String = (0..300).map(|k| format!("{},", 500 + k)).collect();
+    let list = list.trim_end_matches(',');
+    let words = [
+        "press",
+        "case.toml",
+        "--fz-n",
+        list,
+        "--radius-m",
+        list,
+        "--rocker-radius-m",
+        list,
+    ];
+    let started = Instant::now();
+    let output = bench.kufe(&words);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        errors(&output).contains("27000000 combinations"),
+        "{}",
+        errors(&output)
+    );
+    assert!(started.elapsed() < Duration::from_secs(10));
+    // The last radius is too tight for the hull: nothing is solved.
+    let output = bench.kufe(&["press", "case.toml", "-o", "out", "--radius-m", "50,25,1"]);
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    assert!(errors(&output).contains("step-003"), "{}", errors(&output));
+    assert_eq!(bench.names(), ["case.toml"]);
+}

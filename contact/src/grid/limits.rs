@@ -1,0 +1,71 @@
+//! What a mesh may be: lines of nodes that increase, and no more than memory takes.
+
+use crate::Error;
+
+/// Most nodes of a line.
+pub(crate) const MOST_ON_A_LINE: usize = 100_000;
+/// Most nodes of the ice: 12 million unknowns, some 4 GB.
+const MOST_NODES: usize = 4_000_000;
+/// Most nodes that may touch: the plane problem's matrices are dense, 0.8 GB each.
+const MOST_CANDIDATES: usize = 10_000;
+
+/// Passes a line on whose nodes increase, each by more than rounding.
+pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
+    let narrow = |w: &&[f64]| !(w[1] - w[0] > 1e-12 * (w[0].abs() + w[1].abs()));
+    match nodes.windows(2).find(narrow) {
+        None if nodes.len() > 1 => Ok(nodes),
+        found => Err(Error::TooFine {
+            from: nodes.first().copied().unwrap_or(f64::NAN),
+            to: nodes.last().copied().unwrap_or(f64::NAN),
+            spacing: found.map_or(f64::NAN, |w| w[1] - w[0]),
+        }),
+    }
+}
+
+/// Checks that a grid of this many nodes along each axis can be had.
+pub(crate) fn storable(shape: [usize; 3]) -> Result<(), Error> {
+    let nodes = shape.iter().fold(1usize, |n, &k| n.saturating_mul(k));
+    if nodes > MOST_NODES {
+        return Err(Error::MeshTooLarge {
+            shape,
+            limit: MOST_NODES,
+        });
+    }
+    Ok(())
+}
+
+/// Checks that the plane problem of so many nodes can be had.
+pub(crate) fn touchable(nodes: usize) -> Result<(), Error> {
+    if nodes > MOST_CANDIDATES {
+        return Err(Error::TooManyTouch {
+            nodes,
+            limit: MOST_CANDIDATES,
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_do_not_increase_are_refused() {
+        assert!(increasing(vec![-1.0, 0.0, 1e-9]).is_ok());
+        for nodes in [
+            vec![0.0, 1.0, 1.0],
+            vec![0.0, f64::NAN, 1.0],
+            vec![1.0],
+            vec![1.0, 1.0 + 1e-15],
+        ] {
+            assert!(increasing(nodes).is_err());
+        }
+    }
+
+    #[test]
+    fn sizes_are_bounded_without_overflow() {
+        assert!(storable([100, 100, 100]).is_ok());
+        assert!(storable([usize::MAX, 3, 1]).is_err());
+        assert!(touchable(10_000).is_ok() && touchable(10_001).is_err());
+    }
+}

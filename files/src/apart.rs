@@ -1,0 +1,132 @@
+//! What a command writes is not what it reads.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::place::{folder_of, replaceable};
+
+/// Why an output cannot be.
+#[derive(Debug, thiserror::Error)]
+pub enum Clash {
+    /// The command reads it.
+    #[error("{output}: cannot be written: this command reads it; expected another place")]
+    Input {
+        /// The output as it was given.
+        output: String,
+    },
+    /// The command writes something else there.
+    #[error(
+        "{output}: cannot be written: this command writes another of its outputs there; expected another place"
+    )]
+    Output {
+        /// The output as it was given.
+        output: String,
+    },
+    /// A folder, a device, a pipe or a lost link is there.
+    #[error("{output}: cannot be written: {reason}")]
+    NoFile {
+        /// The output as it was given.
+        output: String,
+        /// What is there.
+        reason: std::io::Error,
+    },
+}
+
+impl From<Clash> for std::io::Error {
+    fn from(clash: Clash) -> Self {
+        std::io::Error::new(std::io::ErrorKind::InvalidInput, clash)
+    }
+}
+
+/// Checks that every output is a file that may be written: none of the inputs, no two the same, and nothing but a file there.
+///
+/// # Errors
+/// [`Clash`] with the first output that is not.
+pub fn outputs_apart(
+    inputs: &[impl AsRef<Path>],
+    outputs: &[impl AsRef<Path>],
+) -> Result<(), Clash> {
+    let inputs: Vec<PathBuf> = inputs.iter().map(|input| place(input.as_ref())).collect();
+    let mut taken: Vec<PathBuf> = Vec::new();
+    for output in outputs.iter().map(AsRef::as_ref) {
+        let named = || output.display().to_string();
+        replaceable(output).map_err(|reason| Clash::NoFile {
+            output: named(),
+            reason,
+        })?;
+        let place = place(output);
+        if inputs.contains(&place) {
+            return Err(Clash::Input { output: named() });
+        }
+        if taken.contains(&place) {
+            return Err(Clash::Output { output: named() });
+        }
+        taken.push(place);
+    }
+    Ok(())
+}
+
+/// Whether two paths lead to one file, by links and by `..` too; they need not exist.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    place(a) == place(b)
+}
+
+/// One name for a file, whether it exists or not.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(found) = path.canonicalize() {
+        return found;
+    }
+    match (folder_of(path).canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => plain(path),
+    }
+}
+
+/// The path from the root, `.` and `..` taken out by their words.
+fn plain(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let mut plain = PathBuf::new();
+    for part in whole.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                plain.pop();
+            }
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_is_no_input_under_any_of_its_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("inner")).unwrap();
+        std::fs::write(at("case.toml"), "").unwrap();
+        let inputs = [at("case.toml")];
+        let said = |output: &Path| outputs_apart(&inputs, &[output]).map_err(|e| e.to_string());
+        assert_eq!(said(&at("other.toml")), Ok(()));
+        assert_eq!(said(&at("none/other.toml")), Ok(()));
+        for name in ["case.toml", "./case.toml", "inner/../case.toml"] {
+            assert!(said(&at(name)).unwrap_err().contains("reads it"), "{name}");
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("case.toml"), at("link")).unwrap();
+            assert!(said(&at("link")).unwrap_err().contains("reads it"));
+        }
+        assert!(said(&at("inner")).unwrap_err().contains("a folder"));
+    }
+
+    #[test]
+    fn two_outputs_are_two_files_also_before_there_is_a_folder() {
+        let none: [&Path; 0] = [];
+        let clash = outputs_apart(&none, &["none/a/t.csv", "none/b/../a/t.csv"]);
+        assert!(matches!(clash, Err(Clash::Output { .. })));
+        assert!(outputs_apart(&none, &["none/a/t.csv", "none/b/t.csv"]).is_ok());
+    }
+}

@@ -1,0 +1,55 @@
+//! What processes that were killed left behind.
+
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use crate::whole::PREFIX;
+
+/// Temporaries that nothing has written to for so long are nobody's any more.
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
+
+/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched for a day: those of processes
+/// that were killed. What cannot be removed stays.
+pub fn clear_temporaries(folder: &Path) {
+    clear_older_than(folder, ABANDONED);
+}
+
+fn clear_older_than(folder: &Path, age: Duration) {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        let touched = |found: &std::fs::Metadata| found.modified().unwrap_or(SystemTime::now());
+        let Ok(found) = entry.metadata() else {
+            continue;
+        };
+        if !ours || touched(&found).elapsed().unwrap_or_default() < age {
+            continue;
+        }
+        let _ = match found.is_dir() {
+            true => std::fs::remove_dir_all(entry.path()),
+            false => std::fs::remove_file(entry.path()),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_old_temporaries_go() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at(".kufe-old")).unwrap();
+        std::fs::write(at(".kufe-old").join("half.vtu"), "half").unwrap();
+        std::fs::write(at(".kufe-point"), "half").unwrap();
+        std::fs::write(at("mine"), "whole").unwrap();
+        clear_temporaries(folder.path());
+        assert!(at(".kufe-old").exists() && at(".kufe-point").exists());
+        clear_older_than(folder.path(), Duration::ZERO);
+        assert!(!at(".kufe-old").exists() && !at(".kufe-point").exists());
+        assert!(at("mine").exists());
+    }
+}

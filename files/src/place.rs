@@ -1,0 +1,56 @@
+//! Where a file may be written.
+
+use std::fs::FileType;
+use std::io::{Error, ErrorKind, Result};
+use std::path::{Path, PathBuf};
+
+/// The file that writing to `path` replaces or makes: `path` itself, or what it leads to where it is a link.
+///
+/// # Errors
+/// [`ErrorKind::InvalidInput`] where that is a folder, a device, a pipe or a socket, or a link that leads nowhere.
+pub fn replaceable(path: &Path) -> Result<PathBuf> {
+    let told = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
+    let place = match path.symlink_metadata() {
+        Ok(found) if found.is_symlink() => path
+            .canonicalize()
+            .map_err(|_| told("a link that leads nowhere is in the way"))?,
+        _ => path.to_path_buf(),
+    };
+    match place.symlink_metadata() {
+        Ok(found) if !found.is_file() => Err(told(&format!(
+            "{} of that name is in the way",
+            kind(found.file_type())
+        ))),
+        _ => Ok(place),
+    }
+}
+
+/// What a thing that is no regular file is.
+pub(crate) fn kind(found: FileType) -> &'static str {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if found.is_fifo() {
+            return "a pipe";
+        }
+        if found.is_socket() {
+            return "a socket";
+        }
+        if found.is_char_device() || found.is_block_device() {
+            return "a device";
+        }
+    }
+    if found.is_dir() {
+        "a folder"
+    } else {
+        "something that is no file"
+    }
+}
+
+/// The folder that a path's file stands in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}

@@ -1,0 +1,100 @@
+//! Reading files that end.
+
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read, Result};
+use std::path::Path;
+
+use crate::place::kind;
+
+/// The whole of a regular file of at most `most` bytes.
+///
+/// # Errors
+/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file, with what was found; the system's where the
+/// file cannot be read.
+pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let file = open_regular(path)?;
+    let long = |found: u64| {
+        let text = format!("{found} bytes or more: expected at most {most}");
+        Error::new(ErrorKind::InvalidInput, text)
+    };
+    let length = file.metadata()?.len();
+    if length > most {
+        return Err(long(length));
+    }
+    // A file that grows meanwhile ends all the same.
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(long(bytes.len() as u64));
+    }
+    Ok(bytes)
+}
+
+/// As [`read_regular`], as text.
+///
+/// # Errors
+/// As [`read_regular`]; [`ErrorKind::InvalidData`] where the bytes are no UTF-8.
+pub fn text_of_regular(path: &Path, most: u64) -> Result<String> {
+    String::from_utf8(read_regular(path, most)?)
+        .map_err(|error| Error::new(ErrorKind::InvalidData, error.utf8_error()))
+}
+
+/// Opens a regular file; a pipe is refused before it is opened, which would wait for its writer.
+///
+/// # Errors
+/// [`ErrorKind::InvalidInput`] for a folder, a device and a pipe; the system's where it cannot be opened.
+pub fn open_regular(path: &Path) -> Result<File> {
+    let refuse = |found: std::fs::FileType| {
+        let text = format!("it is {}, expected a file", kind(found));
+        Error::new(ErrorKind::InvalidInput, text)
+    };
+    let found = path.metadata()?;
+    if !found.is_file() {
+        return Err(refuse(found.file_type()));
+    }
+    let file = File::open(path)?;
+    let opened = file.metadata()?;
+    if !opened.is_file() {
+        return Err(refuse(opened.file_type()));
+    }
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_up_to_their_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ten");
+        std::fs::write(&path, "0123456789").unwrap();
+        assert_eq!(read_regular(&path, 10).unwrap(), b"0123456789");
+        assert_eq!(text_of_regular(&path, 10).unwrap(), "0123456789");
+        let error = read_regular(&path, 9).unwrap_err().to_string();
+        assert_eq!(error, "10 bytes or more: expected at most 9");
+        assert!(
+            read_regular(folder.path(), 9)
+                .unwrap_err()
+                .to_string()
+                .contains("a folder")
+        );
+        std::fs::write(&path, b"\xff").unwrap();
+        assert_eq!(
+            text_of_regular(&path, 9).unwrap_err().kind(),
+            ErrorKind::InvalidData
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_sockets_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        for (path, said) in [(Path::new("/dev/zero"), "a device"), (&socket, "a socket")] {
+            let error = read_regular(path, 100).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+    }
+}
