@@ -52,6 +52,12 @@ pub enum Error {
         /// Farthest point of the hull [m].
         reach: f64,
     },
+    /// Steady sliding was asked of a problem that it does not take.
+    #[error("steady sliding does not take {reason}")]
+    NotSliding {
+        /// What it does not take.
+        reason: &'static str,
+    },
     /// The runner cannot be meshed on the ice's columns.
     #[error("the elastic runner cannot be meshed: {reason}")]
     RunnerMesh {

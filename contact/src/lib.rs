@@ -55,6 +55,7 @@ mod active_set;
 mod bodies;
 mod error;
 mod grid;
+mod groove;
 mod map;
 mod options;
 mod precondition;
@@ -64,6 +65,9 @@ mod result;
 mod solve;
 
 pub use error::Error;
+pub use groove::profile::GrooveProfile;
+pub use groove::slide::slide;
+pub use groove::solution::{Measure, Section, SlidingMesh, SlidingSolution};
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;

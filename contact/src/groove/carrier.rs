@@ -1,0 +1,103 @@
+//! The motion under which a plane with plastic memory carries the load.
+
+use crate::Options;
+use crate::active_set::motion::{Motion, dot};
+use crate::groove::memory::{Grooved, Kind, Memory};
+
+/// A plane with memory and what the runner's motion has to answer to.
+///
+/// Force and moments rise with approach and turn, in steps: a node at the front goes from open to full within the little that its
+/// own response gives. So each motion is bracketed (bisection with the secant of Illinois: M. Dowell, P. Jarratt, BIT 11 (1971)
+/// 168-174), the approach within the pitch and the pitch within the roll.
+pub(crate) struct Carrier<'a> {
+    pub memory: &'a Memory<'a>,
+    /// The free motions and the balance they answer to.
+    pub motion: &'a Motion,
+    pub options: &'a Options,
+}
+
+/// What may be out of balance, over the load and the load's moment over the contact.
+const SLACK: f64 = 1e-10;
+/// Most motions tried for one balance.
+const TRIALS: usize = 120;
+/// First step of a motion over the depth of the contact.
+const FIRST: f64 = 0.02;
+
+impl Carrier<'_> {
+    /// Solves from a motion and sets near the solution; `None` where none is found.
+    pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<Grooved> {
+        let start = self.memory.at(motion, &kinds)?;
+        let free: Vec<usize> = (0..3).filter(|&axis| self.motion.free[axis]).collect();
+        self.balanced(start, &free)
+    }
+
+    /// Balances the last of the `free` motions with those before it.
+    fn balanced(&self, start: Grooved, free: &[usize]) -> Option<Grooved> {
+        let Some((&axis, inner)) = free.split_last() else {
+            return Some(start);
+        };
+        let scale = self.scale(axis);
+        let slack = SLACK * 10f64.powi(axis.min(1) as i32) * self.size(axis);
+        let mut at = self.balanced(start, inner)?;
+        let mut out = self.out(&at, axis);
+        let mut step = FIRST * self.deep(&at) / scale * if out > 0.0 { -1.0 } else { 1.0 };
+        // A state on the other side of the balance, once there is one, with the weight that the secant gives it.
+        let mut other: Option<(f64, f64)> = None;
+        for _ in 0..TRIALS {
+            if self.options.stopped() {
+                return None;
+            }
+            if out.abs() <= slack {
+                return Some(at);
+            }
+            let here = at.motion[axis];
+            let next = match other {
+                None => here + step,
+                Some((there, beyond)) => {
+                    let share = (out / (out - beyond)).clamp(0.05, 0.95);
+                    here + share * (there - here)
+                }
+            };
+            if next == here || other.is_some_and(|(there, _)| next == there) {
+                return Some(at);
+            }
+            let mut motion = at.motion;
+            motion[axis] = next;
+            let moved = self.balanced(self.memory.at(motion, &at.kinds)?, inner)?;
+            let now = self.out(&moved, axis);
+            if now * out <= 0.0 {
+                other = Some((here, out));
+            } else {
+                other = other.map(|(there, beyond)| (there, 0.5 * beyond));
+                step *= 2.0;
+            }
+            (at, out) = (moved, now);
+        }
+        None
+    }
+
+    /// What a state carries too much along a motion.
+    fn out(&self, state: &Grooved, axis: usize) -> f64 {
+        self.memory.resultant(&state.force)[axis] - self.motion.balance[axis]
+    }
+
+    /// The load, or its moment at the farthest node.
+    fn size(&self, axis: usize) -> f64 {
+        self.scale(axis) * self.motion.balance[0].abs()
+    }
+
+    /// What a unit of a motion moves the farthest node.
+    fn scale(&self, axis: usize) -> f64 {
+        let reach = self.memory.rows.iter().map(|row| row[axis].abs());
+        reach.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Deepest place of the runner in the undeformed ice [m].
+    fn deep(&self, state: &Grooved) -> f64 {
+        let below = |i: usize| dot(self.memory.rows[i], state.motion) - self.memory.gap[i];
+        (0..state.force.len())
+            .filter(|&i| state.force[i] > 0.0)
+            .map(|i| below(i).abs())
+            .fold(1e-9, f64::max)
+    }
+}
