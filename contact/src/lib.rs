@@ -83,6 +83,7 @@ pub use problem::mount::{LoadedPlace, Mount, Place};
 pub use problem::runner::{ElasticRunner, Runner};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
+pub use reference::rigid_plastic::{RigidPlastic, rigid_plastic};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
 pub use result::solution::{
     AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,

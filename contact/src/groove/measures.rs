@@ -14,9 +14,11 @@ pub(crate) struct Measures {
     pub p_max: f64,
     /// Largest depth of the groove that is left [m].
     pub depth: f64,
-    /// Force that ploughs [N].
+    /// Force that ploughs: of a rigid runner the mean of the next two, whose errors differ, else the first [N].
     pub ploughing: f64,
-    /// The same from pressure and slope of the rigid runner [N].
+    /// The same from the plastic work over the way [N].
+    pub plastic_work: f64,
+    /// The same from pressures and the slope of the undeformed runner [N].
     pub by_slope: f64,
     /// Ends of the patch from the lowest point [m].
     pub front: f64,
@@ -65,9 +67,19 @@ impl<'a> Reading<'a> {
         let [back, front] = self.ends(&field.chords_along(&pressure));
         let contact = &self.on.mesh.contact;
         Measures {
-            p_max: field.peak(&pressure),
+            p_max: if self.full.contains(&true) {
+                field.hardness
+            } else {
+                field.peak(&pressure)
+            },
             depth: self.profile().deepest(),
-            ploughing: self.ploughing(),
+            ploughing: match self.on.problem.runner.elastic {
+                // Nothing yields: what is left of pressures on slopes is the mesh's error.
+                _ if self.plastic_work() == 0.0 => 0.0,
+                None => 0.5 * (self.plastic_work() + self.by_slope()),
+                Some(_) => self.plastic_work(),
+            },
+            plastic_work: self.plastic_work(),
             by_slope: self.by_slope(),
             front: front - lowest,
             back: back - lowest,
@@ -92,7 +104,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Work of the plastic depth over the way: H times the section that this runner adds.
-    fn ploughing(&self) -> f64 {
+    fn plastic_work(&self) -> f64 {
         let [nx, ny] = self.shape();
         let hardness = self.on.problem.ice.hardness.unwrap_or(0.0);
         let across = &self.on.mesh.contact.lumped[1];
@@ -157,6 +169,60 @@ impl<'a> Reading<'a> {
         [back, front, right, left]
     }
 
+    /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of the plane: 1 where none is full.
+    ///
+    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes.
+    pub fn full_area(&self) -> f64 {
+        let [nx, ny] = self.shape();
+        let [along, across] = &self.on.mesh.contact.lumped;
+        let y = &self.on.mesh.grid.y;
+        let (mut nodes, mut missing) = (0.0, 0.0);
+        for i in 0..nx {
+            let part: f64 = (0..ny)
+                .filter(|j| self.full[j * nx + i])
+                .map(|j| across[j])
+                .sum();
+            nodes += along[i] * part;
+            for upper in [false, true] {
+                if let Some(([j, k], side)) = self.yielding_side(i, upper) {
+                    missing += along[i] * (side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum();
+                }
+            }
+        }
+        if nodes > 0.0 {
+            (1.0 + missing / nodes).clamp(0.9, 1.1)
+        } else {
+            1.0
+        }
+    }
+
+    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is full, and the open one beyond it.
+    fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
+        let [nx, ny] = self.shape();
+        let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
+        let j = if upper {
+            (0..ny).rfind(touching)
+        } else {
+            (0..ny).find(touching)
+        }?;
+        let k = if upper {
+            (j + 1 < ny).then_some(j + 1)
+        } else {
+            j.checked_sub(1)
+        }?;
+        let outside = self.gaps[k * nx + i] - self.grown(i, k);
+        let y = &self.on.mesh.grid.y;
+        let inside = self.grown(i, j);
+        (self.full[j * nx + i] && outside > 0.0 && outside.is_finite())
+            .then(|| ([j, k], y[j] + inside / (inside + outside) * (y[k] - y[j])))
+    }
+
+    /// Depth at a node beyond that in which the ice came [m].
+    fn grown(&self, i: usize, j: usize) -> f64 {
+        let [nx, _] = self.shape();
+        self.slid.depth[j * nx + i] - self.slid.depth[j * nx + nx - 1]
+    }
+
     /// Both sides of the contact at every column; none where it is open.
     fn sides(&self, chords: &[Vec<[f64; 2]>]) -> Vec<Option<[f64; 2]>> {
         let [nx, _] = self.shape();
@@ -192,10 +258,9 @@ impl<'a> Reading<'a> {
         };
         let Some(k) = beyond else { return known[0] };
         let y = &self.on.mesh.grid.y;
-        let grown = |j: usize| self.slid.depth[j * nx + i] - self.slid.depth[j * nx + nx - 1];
-        let (inside, outside) = (grown(j), self.gaps[k * nx + i] - grown(k));
-        if self.full[j * nx + i] && outside > 0.0 && outside.is_finite() {
-            return y[j] + inside / (inside + outside) * (y[k] - y[j]);
+        let inside = self.grown(i, j);
+        if let Some((_, side)) = self.yielding_side(i, upper) {
+            return side;
         }
         let within = if upper { j.checked_sub(1) } else { Some(j + 1) };
         if inside <= 0.0 && within.is_some_and(|w| self.full[w * nx + i]) {
@@ -203,7 +268,7 @@ impl<'a> Reading<'a> {
         }
         let [by_pressure, ahead] = known;
         let between = (y[j].min(y[k])..=y[j].max(y[k])).contains(&ahead);
-        if inside > 0.0 && grown(k) <= 0.0 && between {
+        if inside > 0.0 && self.grown(i, k) <= 0.0 && between {
             ahead
         } else {
             by_pressure

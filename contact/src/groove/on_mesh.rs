@@ -9,8 +9,10 @@ use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::groove::carrier::Carrier;
 use crate::groove::elastic_response::respond;
+use crate::groove::measures::Reading;
 use crate::groove::memory::{Grooved, Kind, Memory};
 use crate::groove::profile::GrooveProfile;
+use crate::problem::gap::Gap;
 use crate::{Error, Options, Problem};
 
 /// One mesh of a sliding contact.
@@ -96,6 +98,8 @@ impl Known {
 const CORRECTIONS: usize = 60;
 /// Change of the forces, over their sum, at which corrections end.
 const SETTLED: f64 = 1e-7;
+/// Corrections with which the nodes' shares of the plane are fitted to the area that yields; then they stay, so that the forces do.
+const FITTINGS: usize = 4;
 /// Most iterations of one response.
 const ITERATIONS: usize = 400;
 
@@ -118,8 +122,9 @@ impl OnMesh<'_> {
     /// Solves with the bodies' own response, from the far field of `forces`.
     ///
     /// The plane's response G is corrected by what the bodies answer to the forces found last, S f - G f, until the forces
-    /// stay. Then they are those of S, whatever G: it only says how fast.
-    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<Slid, Error> {
+    /// stay. Then they are those of S, whatever G: it only says how fast. Full nodes' parts of the plane add up to the area that
+    /// yields below the cell, [`Reading::full_area`], so that the load does not depend on where nodes lie beside the rim.
+    pub fn solve(&self, start: &Start, forces: &Forces, gap: &Gap) -> Result<Slid, Error> {
         let contact = &self.mesh.contact;
         let [_, green] = contact.greens();
         let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
@@ -132,7 +137,7 @@ impl OnMesh<'_> {
             tell: &|_, _| {},
         };
         outer.hold_outer_faces(forces, &mut slid.state);
-        let lines = self.lines();
+        let mut lines = self.lines();
         slid.residual = 1.0;
         while slid.corrections < CORRECTIONS {
             if slid.corrections > 0 {
@@ -146,6 +151,11 @@ impl OnMesh<'_> {
             }
             if slid.residual <= SETTLED {
                 return Ok(slid);
+            }
+            if slid.corrections < FITTINGS {
+                let full = Reading::new(self, gap, &slid).full_area();
+                let bounds = self.mesh.contact.candidates.iter().zip(&mut lines.bound);
+                bounds.for_each(|(&node, b)| *b = full * self.mesh.contact.bound[node]);
             }
             self.correct(&green, &lines, &mut slid)?;
         }

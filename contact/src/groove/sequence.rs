@@ -11,6 +11,7 @@ use crate::grid::patch::Patch;
 use crate::grid::zones::Resolution;
 use crate::groove::errors::Errors;
 use crate::groove::measures::{Measures, Reading};
+use crate::groove::memory::Kind;
 use crate::groove::on_mesh::{Known, OnMesh, Slid, Start};
 use crate::groove::patch::{fitted, sliding_guess};
 use crate::groove::profile::GrooveProfile;
@@ -107,15 +108,8 @@ impl<'a> SlidingMeshes<'a> {
         loop {
             let mesh = self.mesh(cells)?;
             let dofs = dofs(&mesh);
-            let on = OnMesh {
-                problem: self.problem,
-                material: self.material,
-                mesh: &mesh,
-                before: self.before,
-                options: self.options,
-            };
-            let slid = on.solve(&self.start, &self.forces)?;
-            self.take(&on, &slid, dofs);
+            let slid = self.on(&mesh).solve(&self.start, &self.forces, &self.gap)?;
+            self.take(&mesh, &slid, dofs);
             let hardness = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
             let errors = Errors::of(&self.measures, cells, hardness);
             let estimate = errors.largest(&self.measures[self.measures.len() - 1]);
@@ -132,6 +126,16 @@ impl<'a> SlidingMeshes<'a> {
             }
             self.next_patch(&mesh, &slid);
             cells = (cells * REFINEMENT).round();
+        }
+    }
+
+    fn on<'b>(&'b self, mesh: &'b Discretisation) -> OnMesh<'b> {
+        OnMesh {
+            problem: self.problem,
+            material: self.material,
+            mesh,
+            before: self.before,
+            options: self.options,
         }
     }
 
@@ -154,22 +158,17 @@ impl<'a> SlidingMeshes<'a> {
     /// Fits the next mesh to the rims that this one found.
     fn next_patch(&mut self, mesh: &Discretisation, slid: &Slid) {
         let field = Field::new(mesh, self.problem, &self.patch);
-        let on = OnMesh {
-            problem: self.problem,
-            material: self.material,
-            mesh,
-            before: self.before,
-            options: self.options,
-        };
+        let on = self.on(mesh);
         let rims = Reading::new(&on, &self.gap, slid).rims(&field.pressure_field(&slid.state));
         self.patch = fitted(field.of(&slid.state).patch, rims);
         self.start = Start::From(Known::of(mesh, slid));
     }
 
     /// Keeps what a mesh says.
-    fn take(&mut self, on: &OnMesh, slid: &Slid, dofs: usize) {
-        let field = Field::new(on.mesh, self.problem, &self.patch);
-        let reading = Reading::new(on, &self.gap, slid);
+    fn take(&mut self, mesh: &Discretisation, slid: &Slid, dofs: usize) {
+        let field = Field::new(mesh, self.problem, &self.patch);
+        let on = self.on(mesh);
+        let reading = Reading::new(&on, &self.gap, slid);
         let measures = reading.measures(&field.pressure_field(&slid.state));
         self.meshes.push(SlidingMesh {
             dofs,
@@ -178,11 +177,11 @@ impl<'a> SlidingMeshes<'a> {
             iterations: slid.iterations,
             residual: slid.residual,
             groove_depth: measures.depth,
-            ploughing: measures.ploughing,
+            plastic_work: measures.plastic_work,
             ploughing_by_slope: measures.by_slope,
         });
         self.measures.push(measures);
-        self.forces = Forces::of(on.mesh, &slid.state);
+        self.forces = Forces::of(mesh, &slid.state);
     }
 }
 
@@ -201,7 +200,12 @@ impl SlidingMeshes<'_> {
             reading.profile(),
             reading.sections(&field.pressure_field(&slid.state)),
         );
-        let pressure = field.of(&slid.state);
+        let mut pressure = field.of(&slid.state);
+        for (k, &node) in mesh.contact.candidates.iter().enumerate() {
+            if slid.grooved.kinds[k] == Kind::Full {
+                pressure.values[node] = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
+            }
+        }
         let m = self.measures[self.measures.len() - 1];
         let depth = unfolded(&slid.depth, &mesh);
         // The ice that is met lies lower by the groove.

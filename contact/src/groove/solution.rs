@@ -29,7 +29,8 @@ pub struct SlidingSolution {
     pub contact: Solution,
     /// Largest plastic depth that the runner leaves, with what was there before [m].
     pub groove_depth: Measure,
-    /// Force against the motion that deepens the groove: the plastic work over the way, H times the section added [N].
+    /// Force against the motion that deepens the groove, F = H A with the area A of the section added, or the sum of pressure times
+    /// the runner's slope: the mean of both for a rigid runner, the first for one that bends [N].
     pub ploughing: Measure,
     /// Front end of the patch ahead of the lowest point [m].
     pub front: Measure,
@@ -64,8 +65,8 @@ pub struct SlidingMesh {
     pub residual: f64,
     /// Groove's depth on this mesh alone [m].
     pub groove_depth: f64,
-    /// Ploughing force on this mesh alone [N].
-    pub ploughing: f64,
+    /// Ploughing force on this mesh alone, from the plastic work over the way [N].
+    pub plastic_work: f64,
     /// Ploughing force on this mesh alone from pressures and the slope of the undeformed runner [N].
     pub ploughing_by_slope: f64,
 }
