@@ -8,7 +8,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::CaseError;
-use crate::table::{AccuracyTable, IceTable, LoadTable, RunnerTable, SolverTable, TrackTable};
+use crate::table::{
+    AccuracyTable, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable, TrackTable,
+};
 
 /// One contact problem as a file states it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +26,9 @@ pub struct Case {
     pub track: TrackTable,
     /// The load.
     pub load: LoadTable,
+    /// Steady sliding on ice that yields; at rest where the table is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<SlidingTable>,
     /// The accuracy asked; one per cent of the peak pressure where the table is absent.
     #[serde(default)]
     pub accuracy: AccuracyTable,

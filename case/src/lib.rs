@@ -33,6 +33,6 @@ pub use error::CaseError;
 pub use problem::{FittedHull, StatedProblem};
 pub use table::{
     AccuracyTable, BedTable, CarriesTable, ForwardAxis, Hardness, HeldTable, IceTable, LoadTable,
-    MountTable, RunnerTable, SectionTable, Shape, SolverTable, StiffnessWord, Thickness, TiltWord,
-    TrackTable, UpAxis, WavinessTable,
+    MountTable, RunnerTable, SectionTable, Shape, SlidingTable, SolverTable, StiffnessWord,
+    Thickness, TiltWord, TrackTable, UpAxis, WavinessTable,
 };

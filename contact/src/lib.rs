@@ -76,7 +76,7 @@ pub use problem::contact_problem::Problem;
 pub use problem::gap::track_height;
 pub use problem::ice::{Bed, Foundation, Ice};
 pub use problem::ice_properties::{
-    ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus,
+    ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_melting_pressure, ice_youngs_modulus,
 };
 pub use problem::load::{Load, Tilt};
 pub use problem::mount::{LoadedPlace, Mount, Place};

@@ -68,11 +68,25 @@ impl LoadedCase {
         })
     }
 
-    /// The problem that the case states.
+    /// The problem that the case states, of a contact at rest.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be had.
+    /// [`Failure::BadInput`] where the hull cannot be had, and for a case that slides.
     pub fn stated(&self) -> Result<StatedProblem, Failure> {
+        if self.case.sliding.is_some() {
+            return Err(Failure::BadInput(format!(
+                "{}: [sliding]: expected a case at rest: `kufe press` and `kufe friction --ice` take one that slides",
+                self.name
+            )));
+        }
+        self.stated_sliding()
+    }
+
+    /// The problem that the case states, sliding or not.
+    ///
+    /// # Errors
+    /// As [`stated`](Self::stated).
+    pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
         self.case
             .stated(&self.base)
             .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))

@@ -11,10 +11,10 @@ use crate::bodies::placed_hull::placed_hull;
 use crate::bodies::volume_vtu;
 use crate::map::{draw, write_exr};
 use crate::output::staging::Staging;
-use crate::press::{subsurface, summary};
+use crate::press::{sliding, subsurface, summary};
 
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; with a centre line
-/// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; where it
+/// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -47,6 +47,9 @@ pub fn write(
         staging.write("runner.vtu", |file| {
             volume_vtu::write_runner(file, field, elastic, shear)
         })?;
+    }
+    if let Some(slid) = &pressed.sliding {
+        sliding::write(staging, pressed, &map, slid)?;
     }
     if let Some(line) = line {
         staging.write("subsurface.csv", |file| subsurface::write_csv(file, line))?;

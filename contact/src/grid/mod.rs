@@ -7,5 +7,6 @@ pub(crate) mod discretise;
 pub(crate) mod first_guess;
 pub(crate) mod grading;
 pub(crate) mod patch;
+pub(crate) mod sliding_patch;
 pub(crate) mod stretch;
 pub(crate) mod zones;

@@ -43,7 +43,7 @@ pub(crate) enum Kind {
 
 /// Forces, motion and groove.
 #[derive(Clone, Debug)]
-pub(crate) struct Grooved {
+pub(crate) struct MemoryState {
     pub kinds: Vec<Kind>,
     /// Contact forces [N].
     pub force: Vec<f64>,
@@ -68,7 +68,7 @@ const SLACK: f64 = 1e-11;
 
 impl Memory<'_> {
     /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm themselves.
-    pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<Grooved> {
+    pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<MemoryState> {
         let mut kinds = kinds.to_vec();
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
         for _ in 0..STEPS {
@@ -109,7 +109,7 @@ impl Memory<'_> {
     }
 
     /// Forces and groove under which the sets hold, whatever their signs.
-    fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<Grooved> {
+    fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<MemoryState> {
         let n = kinds.len();
         let closed: Vec<usize> = (0..n).filter(|&i| kinds[i] == Kind::Closed).collect();
         let anchor = self.anchors(&kinds);
@@ -160,7 +160,7 @@ impl Memory<'_> {
     }
 
     /// The groove that full nodes leave, and the gaps over it.
-    fn state(&self, kinds: Vec<Kind>, force: Vec<f64>, motion: [f64; 3]) -> Grooved {
+    fn state(&self, kinds: Vec<Kind>, force: Vec<f64>, motion: [f64; 3]) -> MemoryState {
         let n = kinds.len();
         let deflection = self.deflection(&force);
         let (mut depth, mut rise, mut gap) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -179,7 +179,7 @@ impl Memory<'_> {
             rise[i] = depth[i] - ahead;
             gap[i] = above + depth[i];
         }
-        Grooved {
+        MemoryState {
             kinds,
             force,
             motion,
@@ -190,7 +190,7 @@ impl Memory<'_> {
     }
 
     /// The sets that signs ask for, and how many nodes they move.
-    fn corrected(&self, state: &Grooved) -> (Vec<Kind>, usize) {
+    fn corrected(&self, state: &MemoryState) -> (Vec<Kind>, usize) {
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let deep = (0..state.gap.len())
             .map(|i| (dot(self.rows[i], state.motion) - self.gap[i]).abs())

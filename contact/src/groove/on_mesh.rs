@@ -7,12 +7,12 @@ use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::plane_problem::PlaneState;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
-use crate::groove::carrier::Carrier;
 use crate::groove::elastic_response::respond;
-use crate::groove::measures::Reading;
-use crate::groove::memory::{Grooved, Kind, Memory};
+use crate::groove::load_balance::LoadBalance;
+use crate::groove::memory::{Memory, MemoryState};
 use crate::groove::profile::GrooveProfile;
-use crate::problem::gap::Gap;
+use crate::groove::rims::Rims;
+use crate::groove::slid::{Slid, Start};
 use crate::{Error, Options, Problem};
 
 /// One mesh of a sliding contact.
@@ -22,76 +22,6 @@ pub(crate) struct OnMesh<'a> {
     pub mesh: &'a Discretisation,
     pub before: Option<&'a GrooveProfile>,
     pub options: &'a Options,
-}
-
-/// The state on one mesh with its groove.
-pub(crate) struct Slid {
-    pub state: State,
-    /// On the candidates.
-    pub grooved: Grooved,
-    /// Plastic depth on the whole plane, x fastest [m].
-    pub depth: Vec<f64>,
-    /// Conjugate-gradient iterations.
-    pub iterations: usize,
-    /// Corrections of the plane's response by the bodies.
-    pub corrections: usize,
-    /// What the last correction changed: the sum of the forces' changes over the load.
-    pub residual: f64,
-}
-
-/// Where a mesh's solve begins.
-pub(crate) enum Start {
-    /// At the indentation at rest, looked for near this motion [m].
-    AtRest(f64),
-    /// At what another mesh found.
-    From(Known),
-}
-
-/// What nodes do, and the motion, as another mesh found them.
-pub(crate) struct Known {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    kinds: Vec<Kind>,
-    motion: [f64; 3],
-}
-
-impl Known {
-    /// The states of a mesh.
-    pub fn of(mesh: &Discretisation, slid: &Slid) -> Self {
-        let (x, y) = (mesh.grid.x.clone(), mesh.grid.y.clone());
-        let mut kinds = vec![Kind::Open; x.len() * y.len()];
-        for (&node, &kind) in mesh.contact.candidates.iter().zip(&slid.grooved.kinds) {
-            kinds[node] = kind;
-        }
-        let motion = slid.grooved.motion;
-        Known {
-            x,
-            y,
-            kinds,
-            motion,
-        }
-    }
-
-    /// Those of the nearest nodes, for another mesh's candidates.
-    fn on(&self, mesh: &Discretisation) -> Vec<Kind> {
-        let nearest = |places: &[f64], at: f64| {
-            let next = places
-                .partition_point(|&p| p < at)
-                .clamp(1, places.len() - 1);
-            if at - places[next - 1] < places[next] - at {
-                next - 1
-            } else {
-                next
-            }
-        };
-        let columns: Vec<usize> = mesh.grid.x.iter().map(|&x| nearest(&self.x, x)).collect();
-        let rows: Vec<usize> = mesh.grid.y.iter().map(|&y| nearest(&self.y, y)).collect();
-        let nodes = mesh.contact.candidates.iter();
-        let nx = mesh.grid.x.len();
-        nodes
-            .map(|n| self.kinds[rows[n / nx] * self.x.len() + columns[n % nx]])
-            .collect()
-    }
 }
 
 /// Most corrections of the response.
@@ -123,8 +53,8 @@ impl OnMesh<'_> {
     ///
     /// The plane's response G is corrected by what the bodies answer to the forces found last, S f - G f, until the forces
     /// stay. Then they are those of S, whatever G: it only says how fast. Full nodes' parts of the plane add up to the area that
-    /// yields below the cell, [`Reading::full_area`], so that the load does not depend on where nodes lie beside the rim.
-    pub fn solve(&self, start: &Start, forces: &Forces, gap: &Gap) -> Result<Slid, Error> {
+    /// yields below the cell, [`Rims::full_area`], so that the load does not depend on where nodes lie beside the rim.
+    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<Slid, Error> {
         let contact = &self.mesh.contact;
         let [_, green] = contact.greens();
         let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
@@ -149,11 +79,11 @@ impl OnMesh<'_> {
             if self.options.stopped() {
                 return Err(Error::Stopped);
             }
-            if slid.residual <= SETTLED {
+            if slid.residual <= SETTLED && slid.corrections >= FITTINGS {
                 return Ok(slid);
             }
             if slid.corrections < FITTINGS {
-                let full = Reading::new(self, gap, &slid).full_area();
+                let full = Rims::new(self.mesh, &slid).full_area();
                 let bounds = self.mesh.contact.candidates.iter().zip(&mut lines.bound);
                 bounds.for_each(|(&node, b)| *b = full * self.mesh.contact.bound[node]);
             }
@@ -176,14 +106,14 @@ impl OnMesh<'_> {
             }
             Start::From(known) => (known.on(self.mesh), known.motion),
         };
-        let grooved = self
-            .carrier(&memory)
-            .from(motion, kinds)
-            .ok_or(Error::NotConverged {
-                iterations: 0,
-                residual: 1.0,
-                tolerance: SETTLED,
-            })?;
+        let grooved =
+            self.load_balance(&memory)
+                .from(motion, kinds)
+                .ok_or(Error::NotConverged {
+                    iterations: 0,
+                    residual: 1.0,
+                    tolerance: SETTLED,
+                })?;
         Ok(Slid {
             state: contact.state_of(&grooved.force, grooved.motion),
             depth: self.whole(&grooved),
@@ -211,7 +141,7 @@ impl OnMesh<'_> {
             .for_each(|(gap, known)| *gap -= known);
         let memory = self.memory(green, &gap, lines);
         let kinds = slid.grooved.kinds.clone();
-        let next = self.carrier(&memory).from(slid.grooved.motion, kinds);
+        let next = self.load_balance(&memory).from(slid.grooved.motion, kinds);
         let next = next.ok_or_else(|| not_converged(slid))?;
         let pairs = next.force.iter().zip(&slid.grooved.force);
         let change: f64 = pairs.map(|(a, b)| (a - b).abs()).sum();
@@ -261,8 +191,8 @@ impl OnMesh<'_> {
         }
     }
 
-    fn carrier<'b>(&'b self, memory: &'b Memory<'b>) -> Carrier<'b> {
-        Carrier {
+    fn load_balance<'b>(&'b self, memory: &'b Memory<'b>) -> LoadBalance<'b> {
+        LoadBalance {
             memory,
             motion: &self.mesh.contact.motion,
             options: self.options,
@@ -270,7 +200,7 @@ impl OnMesh<'_> {
     }
 
     /// The depth on the whole plane: each row keeps towards the back what it had.
-    fn whole(&self, grooved: &Grooved) -> Vec<f64> {
+    fn whole(&self, grooved: &MemoryState) -> Vec<f64> {
         let [nx, ny] = [self.mesh.grid.x.len(), self.mesh.grid.y.len()];
         let mut known = vec![f64::NAN; nx * ny];
         for (&node, &depth) in self.mesh.contact.candidates.iter().zip(&grooved.depth) {

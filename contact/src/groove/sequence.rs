@@ -8,13 +8,15 @@ use crate::active_set::progress::Progress;
 use crate::bodies::elastic_body::ElasticBody;
 use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
 use crate::grid::patch::Patch;
+use crate::grid::sliding_patch::{fitted, sliding_guess};
 use crate::grid::zones::Resolution;
 use crate::groove::errors::Errors;
 use crate::groove::measures::{Measures, Reading};
 use crate::groove::memory::Kind;
-use crate::groove::on_mesh::{Known, OnMesh, Slid, Start};
-use crate::groove::patch::{fitted, sliding_guess};
+use crate::groove::on_mesh::OnMesh;
 use crate::groove::profile::GrooveProfile;
+use crate::groove::rims::Rims;
+use crate::groove::slid::{Known, Slid, Start};
 use crate::groove::solution::{Measure, SlidingMesh, SlidingSolution};
 use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
@@ -70,7 +72,7 @@ impl<'a> SlidingMeshes<'a> {
             };
             let slid = on.on_plane(&start)?;
             let field = Field::new(&mesh, problem, &patch);
-            let rims = Reading::new(&on, &gap, &slid).rims(&field.pressure_field(&slid.state));
+            let rims = Rims::new(&mesh, &slid).rims(&field.pressure_field(&slid.state));
             let found = fitted(field.of(&slid.state).patch, rims);
             start = Start::From(Known::of(&mesh, &slid));
             let settled = similar(&patch, &found);
@@ -108,7 +110,7 @@ impl<'a> SlidingMeshes<'a> {
         loop {
             let mesh = self.mesh(cells)?;
             let dofs = dofs(&mesh);
-            let slid = self.on(&mesh).solve(&self.start, &self.forces, &self.gap)?;
+            let slid = self.on(&mesh).solve(&self.start, &self.forces)?;
             self.take(&mesh, &slid, dofs);
             let hardness = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
             let errors = Errors::of(&self.measures, cells, hardness);
@@ -158,8 +160,7 @@ impl<'a> SlidingMeshes<'a> {
     /// Fits the next mesh to the rims that this one found.
     fn next_patch(&mut self, mesh: &Discretisation, slid: &Slid) {
         let field = Field::new(mesh, self.problem, &self.patch);
-        let on = self.on(mesh);
-        let rims = Reading::new(&on, &self.gap, slid).rims(&field.pressure_field(&slid.state));
+        let rims = Rims::new(mesh, slid).rims(&field.pressure_field(&slid.state));
         self.patch = fitted(field.of(&slid.state).patch, rims);
         self.start = Start::From(Known::of(mesh, slid));
     }

@@ -7,6 +7,7 @@ use kufe_contact::{Options, Problem, Solution, Watcher, solve};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
+use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
 /// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
@@ -22,6 +23,8 @@ pub struct Pressed {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
+    /// Groove, film and friction, where the case slides.
+    pub sliding: Option<Slid>,
     /// Wall time of the solve [s].
     pub seconds: f64,
     /// What the reader of the result should know.
@@ -50,7 +53,7 @@ pub fn press(
 /// # Errors
 /// As [`press`]; [`Failure::Partial`] where it was stopped.
 pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
-    let StatedProblem { problem, hull } = loaded.stated()?;
+    let StatedProblem { problem, hull } = loaded.stated_sliding()?;
     let mut warnings = loaded.hull_warnings(hull.as_ref());
     warnings.iter().for_each(|warning| watch.warn(warning));
     let started = Instant::now();
@@ -59,7 +62,16 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         stiffness: loaded.case.solver.stiffness.into(),
         ..options
     };
-    let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;
+    let (solution, sliding) = match &loaded.case.sliding {
+        None => (
+            solve(&problem, &options).map_err(|error| loaded.failure(&error))?,
+            None,
+        ),
+        Some(table) => {
+            let (solution, slid) = solve_sliding(&loaded, table, &problem, &options)?;
+            (solution, Some(slid))
+        }
+    };
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
     if let Some(warning) = beyond_ice(&problem, &solution) {
@@ -71,6 +83,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         problem,
         hull,
         solution,
+        sliding,
         seconds,
         warnings,
     })

@@ -2,14 +2,14 @@
 
 use crate::Options;
 use crate::active_set::motion::{Motion, dot};
-use crate::groove::memory::{Grooved, Kind, Memory};
+use crate::groove::memory::{Kind, Memory, MemoryState};
 
 /// A plane with memory and what the runner's motion has to answer to.
 ///
 /// Force and moments rise with approach and turn, in steps: a node at the front goes from open to full within the little that its
 /// own response gives. So each motion is bracketed (bisection with the secant of Illinois: M. Dowell, P. Jarratt, BIT 11 (1971)
 /// 168-174), the approach within the pitch and the pitch within the roll.
-pub(crate) struct Carrier<'a> {
+pub(crate) struct LoadBalance<'a> {
     pub memory: &'a Memory<'a>,
     /// The free motions and the balance they answer to.
     pub motion: &'a Motion,
@@ -23,16 +23,16 @@ const TRIALS: usize = 120;
 /// First step of a motion over the depth of the contact.
 const FIRST: f64 = 0.02;
 
-impl Carrier<'_> {
+impl LoadBalance<'_> {
     /// Solves from a motion and sets near the solution; `None` where none is found.
-    pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<Grooved> {
+    pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<MemoryState> {
         let start = self.memory.at(motion, &kinds)?;
         let free: Vec<usize> = (0..3).filter(|&axis| self.motion.free[axis]).collect();
         self.balanced(start, &free)
     }
 
     /// Balances the last of the `free` motions with those before it.
-    fn balanced(&self, start: Grooved, free: &[usize]) -> Option<Grooved> {
+    fn balanced(&self, start: MemoryState, free: &[usize]) -> Option<MemoryState> {
         let Some((&axis, inner)) = free.split_last() else {
             return Some(start);
         };
@@ -77,7 +77,7 @@ impl Carrier<'_> {
     }
 
     /// What a state carries too much along a motion.
-    fn out(&self, state: &Grooved, axis: usize) -> f64 {
+    fn out(&self, state: &MemoryState, axis: usize) -> f64 {
         self.memory.resultant(&state.force)[axis] - self.motion.balance[axis]
     }
 
@@ -93,7 +93,7 @@ impl Carrier<'_> {
     }
 
     /// Deepest place of the runner in the undeformed ice [m].
-    fn deep(&self, state: &Grooved) -> f64 {
+    fn deep(&self, state: &MemoryState) -> f64 {
         let below = |i: usize| dot(self.memory.rows[i], state.motion) - self.memory.gap[i];
         (0..state.force.len())
             .filter(|&i| state.force[i] > 0.0)
