@@ -103,6 +103,19 @@ pub enum Error {
         /// The solution of the finest mesh, with that error.
         best: Box<Solution>,
     },
+    /// The accuracy asked of a sliding contact was not reached within the largest mesh allowed.
+    #[error(
+        "estimated error {estimate:.2e} (relative; the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
+         unknowns, asked {tolerance:.2e}"
+    )]
+    SlidingAccuracyNotReached {
+        /// Unknowns of the finest solve.
+        dofs: usize,
+        /// Estimated relative error.
+        estimate: f64,
+        /// Relative error asked.
+        tolerance: f64,
+    },
     /// The assembled stiffness does not fit into the memory that it may take.
     #[error(
         "the assembled stiffness of a body of {dofs} displacements needs {:.2} GB, {:.2} GB are left of what it may take; expected \

@@ -6,7 +6,8 @@
 //! | [`Options`] | accuracy and limits |
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
-//! | [`hertz`] | closed form for smooth point contacts |
+//! | [`slide`], [`SlidingSolution`] | a runner that slides on ice that yields: groove, ploughing force |
+//! | [`hertz`], [`rigid_plastic`] | closed forms for smooth point contacts, and for grooves in ice that does not spring back |
 //!
 //! How a problem becomes a pressure, room by room:
 //!
@@ -24,7 +25,8 @@
 //!    with an error.
 //! 6. `result`: `pressure` turns nodal forces into pressures and figures, `answer` puts the solution together.
 //! 7. `map`: the solution on the pixels of a regular grid, as files and pages show it.
-//! 8. `reference`: closed forms and plain methods to compare with.
+//! 8. `groove`: steady sliding on ice that yields, on the rooms above.
+//! 9. `reference`: closed forms and plain methods to compare with.
 //!
 //! What falls is the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T f with S the bodies' response and g
 //! the gap without forces, over forces between 0 and what the ice bears that balance the load and its moments; its least

@@ -128,9 +128,9 @@ impl LoadedCase {
     pub fn failure(&self, error: &Error) -> Failure {
         let text = format!("{}: {error}", self.name);
         match error {
-            Error::NotConverged { .. } | Error::AccuracyNotReached { .. } => {
-                Failure::NotConverged(text)
-            }
+            Error::NotConverged { .. }
+            | Error::AccuracyNotReached { .. }
+            | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),
         }

@@ -1,5 +1,7 @@
 //! The motion under which a plane with plastic memory carries the load.
 
+use nalgebra::{Matrix3, Vector3};
+
 use crate::Options;
 use crate::active_set::motion::{Motion, dot};
 use crate::groove::memory::{Kind, Memory, MemoryState};
@@ -7,7 +9,7 @@ use crate::groove::memory::{Kind, Memory, MemoryState};
 /// A plane with memory and what the runner's motion has to answer to.
 ///
 /// Force and moments rise with approach and turn, in steps: a node at the front goes from open to full within the little that its
-/// own response gives. So each motion is bracketed (bisection with the secant of Illinois: M. Dowell, P. Jarratt, BIT 11 (1971)
+/// own response gives. Newton's steps lead near the balance where they can; from there each motion is bracketed (bisection with the secant of Illinois: M. Dowell, P. Jarratt, BIT 11 (1971)
 /// 168-174), the approach within the pitch and the pitch within the roll.
 pub(crate) struct LoadBalance<'a> {
     pub memory: &'a Memory<'a>,
@@ -22,13 +24,65 @@ const SLACK: f64 = 1e-10;
 const TRIALS: usize = 120;
 /// First step of a motion over the depth of the contact.
 const FIRST: f64 = 0.02;
+/// Most steps of all motions at once, and the largest that is trusted, over the depth of the contact.
+const NEWTON_STEPS: usize = 12;
+const LARGEST: f64 = 0.5;
 
 impl LoadBalance<'_> {
     /// Solves from a motion and sets near the solution; `None` where none is found.
     pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<MemoryState> {
         let start = self.memory.at(motion, &kinds)?;
         let free: Vec<usize> = (0..3).filter(|&axis| self.motion.free[axis]).collect();
-        self.balanced(start, &free)
+        let near = self.near(start, &free);
+        self.balanced(near, &free)
+    }
+
+    /// Towards the balance of all motions at once, by Newton's method on the sets as they are, for as long as that leads there.
+    fn near(&self, start: MemoryState, free: &[usize]) -> MemoryState {
+        let mut at = start;
+        for _ in 0..NEWTON_STEPS {
+            let missing = self.missing(&at, free);
+            if missing <= SLACK {
+                break;
+            }
+            let slopes = self.memory.slopes(&at.kinds);
+            let held = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
+            let is_free = |a: usize| free.contains(&a);
+            let matrix = Matrix3::from_fn(|a, b| match is_free(a) && is_free(b) {
+                true => slopes[a][b] / self.size(a) * self.unit(b, &at),
+                false => held(a, b),
+            });
+            let out = Vector3::from_fn(|a, _| match is_free(a) {
+                true => self.out(&at, a) / self.size(a),
+                false => 0.0,
+            });
+            let Some(inverse) = matrix.try_inverse() else {
+                break;
+            };
+            let step = -(inverse * out);
+            if !(step.amax() <= LARGEST) {
+                break;
+            }
+            let motion = [0, 1, 2].map(|a| at.motion[a] + step[a] * self.unit(a, &at));
+            match self.memory.at(motion, &at.kinds) {
+                Some(next) if self.missing(&next, free) < 0.7 * missing => at = next,
+                _ => break,
+            }
+        }
+        at
+    }
+
+    /// Largest part that is out of balance.
+    fn missing(&self, state: &MemoryState, free: &[usize]) -> f64 {
+        let parts = free
+            .iter()
+            .map(|&axis| self.out(state, axis).abs() / self.size(axis));
+        parts.fold(0.0, f64::max)
+    }
+
+    /// The motion that moves the farthest node by the contact's depth.
+    fn unit(&self, axis: usize, state: &MemoryState) -> f64 {
+        self.deep(state) / self.scale(axis)
     }
 
     /// Balances the last of the `free` motions with those before it.

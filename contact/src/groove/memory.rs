@@ -110,39 +110,66 @@ impl Memory<'_> {
 
     /// Forces and groove under which the sets hold, whatever their signs.
     fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<MemoryState> {
-        let n = kinds.len();
-        let closed: Vec<usize> = (0..n).filter(|&i| kinds[i] == Kind::Closed).collect();
-        let anchor = self.anchors(&kinds);
-        let mut force: Vec<f64> = (0..n)
-            .map(|i| {
-                if kinds[i] == Kind::Full {
-                    self.bound[i]
-                } else {
-                    0.0
-                }
-            })
-            .collect();
+        let full = |i: usize| match kinds[i] {
+            Kind::Full => self.bound[i],
+            _ => 0.0,
+        };
+        let mut force: Vec<f64> = (0..kinds.len()).map(full).collect();
+        let closed = self.closed(&kinds);
         if !closed.is_empty() {
+            let anchor = self.anchors(&kinds);
             let pressed = self.deflection(&force);
             // What a node lacks to the closed ones' forces.
             let lack = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
-            let m = closed.len();
-            let matrix = Mat::from_fn(m, m, |row, column| {
-                let (i, j) = (closed[row], closed[column]);
-                let ahead = anchor[i].map_or(0.0, |a| self.green[(a, j)]);
-                self.green[(i, j)] - ahead
-            });
-            let side = Mat::from_fn(m, 1, |row, _| {
+            let side = Mat::from_fn(closed.len(), 1, |row, _| {
                 let i = closed[row];
                 anchor[i].map_or(-self.before[i], lack) - lack(i)
             });
-            let solved = PartialPivLu::new(matrix.as_ref()).solve(&side);
+            let solved = self.response(&closed, &anchor).solve(&side);
             for (row, &i) in closed.iter().enumerate() {
                 force[i] = solved[(row, 0)];
             }
         }
         let finite = force.iter().all(|f| f.is_finite());
         finite.then(|| self.state(kinds, force, motion))
+    }
+
+    /// Change of N^T f with the motion while the sets hold: row by row the resultant's parts, column by column the motion's.
+    pub fn slopes(&self, kinds: &[Kind]) -> [[f64; 3]; 3] {
+        let closed = self.closed(kinds);
+        let mut slopes = [[0.0; 3]; 3];
+        if closed.is_empty() {
+            return slopes;
+        }
+        let anchor = self.anchors(kinds);
+        let side = Mat::from_fn(closed.len(), 3, |row, b| {
+            let i = closed[row];
+            self.rows[i][b] - anchor[i].map_or(0.0, |a| self.rows[a][b])
+        });
+        let solved = self.response(&closed, &anchor).solve(&side);
+        for (row, &i) in closed.iter().enumerate() {
+            for (a, slopes) in slopes.iter_mut().enumerate() {
+                for (b, slope) in slopes.iter_mut().enumerate() {
+                    *slope += self.rows[i][a] * solved[(row, b)];
+                }
+            }
+        }
+        slopes
+    }
+
+    fn closed(&self, kinds: &[Kind]) -> Vec<usize> {
+        (0..kinds.len())
+            .filter(|&i| kinds[i] == Kind::Closed)
+            .collect()
+    }
+
+    /// The closed nodes' response, each against the full one ahead whose depth it meets.
+    fn response(&self, closed: &[usize], anchor: &[Option<usize>]) -> PartialPivLu<f64> {
+        let matrix = Mat::from_fn(closed.len(), closed.len(), |row, column| {
+            let (i, j) = (closed[row], closed[column]);
+            self.green[(i, j)] - anchor[i].map_or(0.0, |a| self.green[(a, j)])
+        });
+        PartialPivLu::new(matrix.as_ref())
     }
 
     /// For each node the nearest full one ahead, whose depth it meets.

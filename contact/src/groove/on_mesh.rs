@@ -27,7 +27,7 @@ pub(crate) struct OnMesh<'a> {
 /// Most corrections of the response.
 const CORRECTIONS: usize = 60;
 /// Change of the forces, over their sum, at which corrections end.
-const SETTLED: f64 = 1e-7;
+const SETTLED: f64 = 1e-6;
 /// Corrections with which the nodes' shares of the plane are fitted to the area that yields; then they stay, so that the forces do.
 const FITTINGS: usize = 4;
 /// Most iterations of one response.

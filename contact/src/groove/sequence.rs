@@ -30,8 +30,9 @@ const SCOUTING: Resolution = Resolution {
 };
 /// Meshes on the contact plane alone until one fits the patch found on it.
 const SCOUTS: usize = 30;
-/// Ratio of the resolutions of successive meshes.
+/// Ratio of the resolutions of successive meshes, and the least where the largest mesh allowed leaves no more.
 const REFINEMENT: f64 = 1.5;
+const LEAST_REFINEMENT: f64 = 1.1;
 
 /// What is known of a sliding contact, mesh by mesh.
 pub(crate) struct SlidingMeshes<'a> {
@@ -118,16 +119,16 @@ impl<'a> SlidingMeshes<'a> {
             if self.options.cells.is_some() || estimate <= tolerance {
                 return Ok(self.put_together(mesh, slid, errors));
             }
-            if dofs as f64 * REFINEMENT.powi(3) > self.options.max_dofs as f64 {
-                return Err(Error::AccuracyNotReached {
+            let room = (self.options.max_dofs as f64 / dofs as f64).cbrt();
+            if room < LEAST_REFINEMENT {
+                return Err(Error::SlidingAccuracyNotReached {
                     dofs,
                     estimate,
                     tolerance,
-                    best: Box::new(self.put_together(mesh, slid, errors).contact),
                 });
             }
             self.next_patch(&mesh, &slid);
-            cells = (cells * REFINEMENT).round();
+            cells = (cells * REFINEMENT.min(room)).round();
         }
     }
 
