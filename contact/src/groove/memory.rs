@@ -1,9 +1,9 @@
 //! The contact plane with plastic memory.
 
 use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 
 use crate::active_set::motion::dot;
+use crate::precondition::dense_lu::DenseLu;
 
 /// Contact forces f and the ice's plastic depth u on the contact plane, as one complementarity problem.
 ///
@@ -121,11 +121,11 @@ impl Memory<'_> {
             let pressed = self.deflection(&force);
             // What a node lacks to the closed ones' forces.
             let lack = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
-            let side = Mat::from_fn(closed.len(), 1, |row, _| {
+            let mut solved = Mat::from_fn(closed.len(), 1, |row, _| {
                 let i = closed[row];
                 anchor[i].map_or(-self.before[i], lack) - lack(i)
             });
-            let solved = self.response(&closed, &anchor).solve(&side);
+            self.response(&closed, &anchor).solve_in_place(&mut solved);
             for (row, &i) in closed.iter().enumerate() {
                 force[i] = solved[(row, 0)];
             }
@@ -142,11 +142,11 @@ impl Memory<'_> {
             return slopes;
         }
         let anchor = self.anchors(kinds);
-        let side = Mat::from_fn(closed.len(), 3, |row, b| {
+        let mut solved = Mat::from_fn(closed.len(), 3, |row, b| {
             let i = closed[row];
             self.rows[i][b] - anchor[i].map_or(0.0, |a| self.rows[a][b])
         });
-        let solved = self.response(&closed, &anchor).solve(&side);
+        self.response(&closed, &anchor).solve_in_place(&mut solved);
         for (row, &i) in closed.iter().enumerate() {
             for (a, slopes) in slopes.iter_mut().enumerate() {
                 for (b, slope) in slopes.iter_mut().enumerate() {
@@ -164,12 +164,12 @@ impl Memory<'_> {
     }
 
     /// The closed nodes' response, each against the full one ahead whose depth it meets.
-    fn response(&self, closed: &[usize], anchor: &[Option<usize>]) -> PartialPivLu<f64> {
+    fn response(&self, closed: &[usize], anchor: &[Option<usize>]) -> DenseLu {
         let matrix = Mat::from_fn(closed.len(), closed.len(), |row, column| {
             let (i, j) = (closed[row], closed[column]);
             self.green[(i, j)] - anchor[i].map_or(0.0, |a| self.green[(a, j)])
         });
-        PartialPivLu::new(matrix.as_ref())
+        DenseLu::new(matrix)
     }
 
     /// For each node the nearest full one ahead, whose depth it meets.

@@ -201,6 +201,24 @@ fn a_second_runner_in_the_groove_ploughs_less_and_leaves_it_no_shallower() {
 }
 
 #[test]
+fn sliding_has_the_same_bits_on_one_and_on_two_threads() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(10)).unwrap())
+    };
+    let (one, two) = (with(1), with(2));
+    assert_eq!(one.depth, two.depth);
+    assert_eq!(one.contact.surface.pressure, two.contact.surface.pressure);
+    assert_eq!(
+        (one.ploughing.value, one.front.value),
+        (two.ploughing.value, two.front.value)
+    );
+}
+
+#[test]
 fn what_does_not_slide_steadily_is_refused_by_name() {
     let mut soft = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
     soft.ice_surface = Some(Arc::new(Waviness::new(1e-6, 0.1).unwrap()));
