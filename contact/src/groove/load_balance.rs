@@ -60,7 +60,11 @@ impl LoadBalance<'_> {
                 break;
             };
             let step = -(inverse * out);
-            if !(step.amax() <= LARGEST) {
+            // A step that is no number is not trusted either.
+            if step
+                .iter()
+                .any(|part| part.is_nan() || part.abs() > LARGEST)
+            {
                 break;
             }
             let motion = [0, 1, 2].map(|a| at.motion[a] + step[a] * self.unit(a, &at));

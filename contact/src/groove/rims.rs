@@ -57,15 +57,15 @@ impl<'a> Rims<'a> {
         let [along, across] = &self.mesh.contact.lumped;
         let y = &self.mesh.grid.y;
         let (mut nodes, mut missing) = (0.0, 0.0);
-        for i in 0..nx {
+        for (i, length) in along.iter().enumerate() {
             let part: f64 = (0..ny)
                 .filter(|j| self.full[j * nx + i])
                 .map(|j| across[j])
                 .sum();
-            nodes += along[i] * part;
+            nodes += length * part;
             for upper in [false, true] {
                 if let Some(([j, k], side)) = self.yielding_side(i, upper) {
-                    missing += along[i] * (side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum();
+                    missing += length * (side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum();
                 }
             }
         }
