@@ -1,14 +1,19 @@
 //! One contact problem as a file states it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use kufe_contact::Options;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::CaseError;
-use crate::table::{AccuracyTable, IceTable, LoadTable, RunnerTable, SolverTable, TrackTable};
+use crate::table::{
+    AccuracyTable, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable, TrackTable,
+};
+
+/// File of an output folder that holds the groove of a runner that slid.
+pub const GROOVE_FILE: &str = "groove.exr";
 
 /// One contact problem as a file states it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +29,9 @@ pub struct Case {
     pub track: TrackTable,
     /// The load.
     pub load: LoadTable,
+    /// Steady sliding on ice that yields; at rest where the table is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<SlidingTable>,
     /// The accuracy asked; one per cent of the peak pressure where the table is absent.
     #[serde(default)]
     pub accuracy: AccuracyTable,
@@ -57,13 +65,18 @@ impl Case {
         }
     }
 
-    /// The files that the case names, as it names them: hull, mesh, section, ice surface.
-    pub fn files(&self) -> Vec<&Path> {
+    /// The files that the case names, as it names them: hull, mesh, section, ice surface, the groove of an earlier runner.
+    pub fn files(&self) -> Vec<PathBuf> {
         let profile = self
             .runner
             .section
             .as_ref()
             .and_then(|s| s.profile.as_ref());
+        let groove = self
+            .sliding
+            .as_ref()
+            .and_then(|s| s.previous.as_ref())
+            .map(|folder| folder.join(GROOVE_FILE));
         [
             self.runner.hull.as_ref(),
             self.runner.mesh.as_ref(),
@@ -72,7 +85,8 @@ impl Case {
         ]
         .into_iter()
         .flatten()
-        .map(PathBuf::as_path)
+        .cloned()
+        .chain(groove)
         .collect()
     }
 

@@ -28,12 +28,12 @@ mod error;
 mod problem;
 mod table;
 
-pub use case::Case;
+pub use case::{Case, GROOVE_FILE};
 pub use check::range::{RANGES, Range};
 pub use error::CaseError;
 pub use problem::{FittedHull, StatedProblem};
 pub use table::{
     AccuracyTable, BedTable, CarriesTable, ForwardAxis, Hardness, HeldTable, IceTable, LoadTable,
-    MountTable, RunnerTable, SectionTable, Shape, SolverTable, StiffnessWord, Thickness, TiltWord,
-    TrackTable, UpAxis, WavinessTable,
+    MountTable, RunnerTable, SectionTable, Shape, SlidingTable, SolverTable, StiffnessWord,
+    Thickness, TiltWord, TrackTable, UpAxis, WavinessTable,
 };

@@ -62,9 +62,13 @@ impl Case {
                 (underside, hull, elastic.transpose()?)
             }
         };
+        let mut ice = self.ice.ice();
+        if let Some(sliding) = &self.sliding {
+            ice.hardness = ice.hardness.or(Some(sliding.hardness()));
+        }
         let mut problem = Problem {
             runner: Runner { underside, elastic },
-            ice: self.ice.ice(),
+            ice,
             ice_surface: self.ice.surface(base)?,
             track_curvature: self.track.curvature(),
             load: self.load.load(),

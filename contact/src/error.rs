@@ -87,6 +87,12 @@ pub enum Error {
         /// Farthest point of the hull [m].
         reach: f64,
     },
+    /// Steady sliding was asked of a problem that it does not take.
+    #[error("steady sliding does not take {reason}")]
+    NotSliding {
+        /// What it does not take.
+        reason: &'static str,
+    },
     /// The runner cannot be meshed on the ice's columns.
     #[error("the elastic runner cannot be meshed: {reason}")]
     RunnerMesh {
@@ -185,6 +191,19 @@ pub enum Error {
         tolerance: f64,
         /// The solution of the finest mesh, with that error.
         best: Box<Solution>,
+    },
+    /// The accuracy asked of a sliding contact was not reached within the largest mesh allowed.
+    #[error(
+        "estimated error {estimate:.2e} (relative; the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
+         unknowns, asked {tolerance:.2e}"
+    )]
+    SlidingAccuracyNotReached {
+        /// Unknowns of the finest solve.
+        dofs: usize,
+        /// Estimated relative error.
+        estimate: f64,
+        /// Relative error asked.
+        tolerance: f64,
     },
     /// The assembled stiffness does not fit into the memory that it may take.
     #[error(

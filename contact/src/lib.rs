@@ -6,7 +6,8 @@
 //! | [`Options`] | accuracy and limits |
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
-//! | [`hertz`] | closed form for smooth point contacts |
+//! | [`slide`], [`SlidingSolution`] | a runner that slides on ice that yields: groove, ploughing force |
+//! | [`hertz`], [`rigid_plastic`] | closed forms for smooth point contacts, and for grooves in ice that does not spring back |
 //!
 //! How a problem becomes a pressure, room by room:
 //!
@@ -24,7 +25,8 @@
 //!    with an error.
 //! 6. `result`: `pressure` turns nodal forces into pressures and figures, `answer` puts the solution together.
 //! 7. `map`: the solution on the pixels of a regular grid, as files and pages show it.
-//! 8. `reference`: closed forms and plain methods to compare with.
+//! 8. `groove`: steady sliding on ice that yields, on the rooms above.
+//! 9. `reference`: closed forms and plain methods to compare with.
 //!
 //! What falls is the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T f with S the bodies' response and g
 //! the gap without forces, over forces between 0 and what the ice bears that balance the load and its moments; its least
@@ -55,6 +57,7 @@ mod active_set;
 mod bodies;
 mod error;
 mod grid;
+mod groove;
 mod map;
 mod options;
 mod precondition;
@@ -64,6 +67,9 @@ mod result;
 mod solve;
 
 pub use error::Error;
+pub use groove::profile::GrooveProfile;
+pub use groove::slide::slide;
+pub use groove::solution::{Measure, Section, SlidingMesh, SlidingSolution};
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;
@@ -72,13 +78,14 @@ pub use problem::contact_problem::Problem;
 pub use problem::gap::track_height;
 pub use problem::ice::{Bed, Foundation, Ice};
 pub use problem::ice_properties::{
-    ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_youngs_modulus,
+    ICE_POISSONS_RATIO, ICE_TEMPERATURES, ice_hardness, ice_melting_pressure, ice_youngs_modulus,
 };
 pub use problem::load::{Load, Tilt};
 pub use problem::mount::{LoadedPlace, Mount, Place};
 pub use problem::runner::{ElasticRunner, Runner};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
+pub use reference::rigid_plastic::{RigidPlastic, rigid_plastic};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
 pub use result::solution::{
     AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,

@@ -62,7 +62,7 @@ impl LoadedCase {
         })
     }
 
-    /// Every file that is read for the case beside its own: hull and its buffers, mesh, section, ice surface.
+    /// Every file that is read for the case beside its own: hull and its buffers, mesh, section, ice surface, groove.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
@@ -70,8 +70,8 @@ impl LoadedCase {
         let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
         let mut files = Vec::new();
         for file in self.case.files() {
-            let path = self.base.join(file);
-            if self.case.runner.hull.as_deref() == Some(file) {
+            let path = self.base.join(&file);
+            if self.case.runner.hull.as_ref() == Some(&file) {
                 files.extend(hull_files(&path).map_err(told)?);
             } else {
                 files.push(path);
@@ -80,11 +80,25 @@ impl LoadedCase {
         Ok(files)
     }
 
-    /// The problem that the case states.
+    /// The problem that the case states, of a contact at rest.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be had.
+    /// [`Failure::BadInput`] where the hull cannot be had, and for a case that slides.
     pub fn stated(&self) -> Result<StatedProblem, Failure> {
+        if self.case.sliding.is_some() {
+            return Err(Failure::BadInput(format!(
+                "{}: [sliding]: expected a case at rest: `kufe press` and `kufe friction --ice` take one that slides",
+                self.name
+            )));
+        }
+        self.stated_sliding()
+    }
+
+    /// The problem that the case states, sliding or not.
+    ///
+    /// # Errors
+    /// As [`stated`](Self::stated).
+    pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
         self.case
             .stated(&self.base)
             .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
@@ -140,7 +154,8 @@ impl LoadedCase {
             | Error::MeshTooLarge { .. }
             | Error::TooManyTouch { .. }
             | Error::NoPatch { .. }
-            | Error::NoAnswer { .. } => Failure::NotConverged(text),
+            | Error::NoAnswer { .. }
+            | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),
         }

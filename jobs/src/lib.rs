@@ -6,6 +6,7 @@
 //! | item | the job |
 //! |---|---|
 //! | [`case_file::LoadedCase`], [`press()`] | a case and its solution, with what there is to say about it |
+//! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
 //! | [`table`] | a table file and the lookup table that it asks for |
 //! | [`runs`] | recorded runs, chosen and prepared |
 //! | [`Failure`] | how a job fails: in a sentence, of one of four kinds |
@@ -24,6 +25,7 @@ mod case_json;
 pub mod failure;
 mod press;
 pub mod runs;
+pub mod slide;
 pub mod table;
 mod watch;
 mod write_whole;

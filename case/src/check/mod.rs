@@ -4,6 +4,7 @@ mod ice;
 mod mount;
 pub(crate) mod range;
 mod runner;
+mod sliding;
 
 use crate::case::Case;
 use crate::table::{LoadTable, TiltWord};
@@ -11,6 +12,7 @@ use ice::check_ice;
 use mount::check_mount;
 use range::{Checked, combination, in_range, require};
 use runner::check_runner;
+use sliding::check_sliding;
 
 impl Case {
     /// Checks every value against its range.
@@ -39,6 +41,7 @@ impl Case {
             }
         }
         check_load(&self.load)?;
+        check_sliding(self)?;
         in_range("accuracy.p_max", self.accuracy.p_max)
     }
 }

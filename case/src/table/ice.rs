@@ -7,8 +7,7 @@ use kufe_mesh::{IceSurface, Waviness, load_height_map};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::hardness::Hardness;
-use super::thickness::Thickness;
+use super::words::{Hardness, Thickness};
 use crate::CaseError;
 use kufe_contact::{Bed, Foundation, ICE_POISSONS_RATIO, Ice, ice_hardness, ice_youngs_modulus};
 

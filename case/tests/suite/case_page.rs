@@ -8,7 +8,7 @@ use serde_json::Value;
 const PAGE: &str = include_str!("../../../docs/case.md");
 
 /// Tables of a case, each as a text in which the key `nowhere` is the first thing wrong.
-const TABLES: [(&str, &str); 13] = [
+const TABLES: [(&str, &str); 14] = [
     ("", "nowhere = 1"),
     ("runner", "[runner]\nnowhere = 1"),
     (
@@ -29,6 +29,7 @@ const TABLES: [(&str, &str); 13] = [
     ("ice.waviness", "[ice.waviness]\nnowhere = 1"),
     ("track", "[track]\nnowhere = 1"),
     ("load", "[load]\nnowhere = 1"),
+    ("sliding", "[sliding]\nnowhere = 1"),
     ("accuracy", "[accuracy]\nnowhere = 1"),
     ("solver", "[solver]\nnowhere = 1"),
 ];
@@ -80,6 +81,7 @@ fn units_on_the_page_are_those_of_the_keys_suffixes() {
         let expected = [
             ("_1pm", "1/m"),
             ("_pa", "Pa"),
+            ("_mps", "m/s"),
             ("_rad", "rad"),
             ("_c", "C"),
             ("_n", "N"),

@@ -2,13 +2,14 @@
 
 use kufe_jobs::Failure;
 
-use crate::friction::{fit, point};
+use crate::friction::{fit, point, sliding};
 use crate::output::global::Global;
 
 const EXAMPLES: &str = "\
 Examples:
   kufe friction case.toml --speed 30 --alpha 0.01     solve the contact; mu, F_x and the power lost
   kufe friction case.toml --speed 30 --model model.toml   with the model's law and effects
+  kufe friction case.toml --speed 5,20,35 --ice -10,-5,-1   groove and melt film over speed and temperature
   kufe friction fit experiments.csv -o out/           fit mu over pressure, written in model.toml's form";
 
 /// Arguments of `kufe friction`.
@@ -34,6 +35,9 @@ enum Task {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.task {
         Some(Task::Fit(args)) => fit::run(args, global),
-        None => point::run(&args.point, global),
+        None => match args.point.sliding() {
+            Some(asked) => sliding::run(&asked, global),
+            None => point::run(&args.point, global),
+        },
     }
 }

@@ -5,5 +5,6 @@ mod failure;
 mod fit;
 pub mod icehouse;
 mod point;
+mod sliding;
 
 pub use command::{Args, run};

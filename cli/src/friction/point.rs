@@ -12,6 +12,7 @@ use kufe_sled::Model;
 use kufe_sled::effects::{Effects, Kind};
 use serde_json::json;
 
+use crate::friction::sliding::Asked;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -21,14 +22,28 @@ pub struct Args {
     /// The case
     #[arg(required = true)]
     pub case: Option<PathBuf>,
-    /// Speed along the track [m/s]
+    /// Speed along the track [m/s]; with --ice a list
     #[arg(
         long,
         value_name = "M/S",
         required = true,
+        value_delimiter = ',',
         allow_negative_numbers = true
     )]
-    pub speed: Option<f64>,
+    pub speed: Vec<f64>,
+    /// Temperatures of the ice [degrees Celsius], as -10,-5,-1: friction of the groove that the runner ploughs and of the melt film
+    /// in it, over speed and temperature, instead of a law over the pressure
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        conflicts_with_all = ["alpha", "model", "ice_c", "air_c", "air_pa", "humidity_pct"]
+    )]
+    pub ice: Vec<f64>,
+    /// With --ice: folder for friction.csv, friction.json and friction.png
+    #[arg(long, short, value_name = "FOLDER", requires = "ice")]
+    pub out: Option<PathBuf>,
     /// Slip angle [rad]
     #[arg(
         long,
@@ -54,14 +69,28 @@ pub struct Args {
     pub humidity_pct: Option<f64>,
 }
 
+impl Args {
+    /// The table over speed and temperature, where one is asked for.
+    pub fn sliding(&self) -> Option<Asked<'_>> {
+        let case = self.case.as_deref().filter(|_| !self.ice.is_empty())?;
+        Some(Asked {
+            case,
+            speeds: &self.speed,
+            temperatures: &self.ice,
+            out: self.out.as_ref(),
+        })
+    }
+}
+
 /// Solves and prints.
 ///
 /// # Errors
 /// [`Failure::Usage`] for numbers out of range, [`Failure::BadInput`] for the files,
 /// [`Failure::NotConverged`] where the solver stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let (Some(path), Some(speed)) = (&args.case, args.speed) else {
-        return Err(Failure::Usage("a case and --speed are needed".into()));
+    let (Some(path), &[speed]) = (&args.case, &args.speed[..]) else {
+        let text = "a case and one --speed are needed; a list goes with --ice";
+        return Err(Failure::Usage(text.into()));
     };
     check(args, speed)?;
     let (law, effects, drag_area) = model(args)?;

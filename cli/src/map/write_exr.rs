@@ -12,53 +12,64 @@ use kufe_contact::PressureMap;
 const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is p_max_mesh_pa; p_max_pa: the peak in the limit of fine meshes; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
     row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
 
-/// Writes channels `p` [Pa], `gap` [m] and `uz` [m], one pixel a cell, as ZIP-compressed scanlines.
-///
-/// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
-/// attributes are doubles. The pixel's aspect stays 1, or viewers would show a needle as a line.
+/// Writes channels `p` [Pa], `gap` [m] and `uz` [m] of a contact, as [`write_channels`].
 ///
 /// `figures` are further numbers of the contact, by name.
 ///
 /// # Errors
 /// The EXR writer's, which are those of `writer`.
 pub fn write(
-    mut writer: impl Write,
+    writer: impl Write,
     map: &PressureMap,
     track_curvature: f64,
     figures: &[(&str, f64)],
 ) -> exr::error::UnitResult {
-    let mut attributes = LayerAttributes {
-        software_name: Some(Text::from(concat!("kufe ", env!("CARGO_PKG_VERSION")))),
-        comments: Some(Text::from(COMMENTS)),
-        ..LayerAttributes::default()
-    };
     let radius = if track_curvature == 0.0 {
         f64::INFINITY
     } else {
         1.0 / track_curvature
     };
-    let numbers = [
+    let numbers = [("radius_m", radius), ("curvature_1pm", track_curvature)];
+    let numbers = [&numbers[..], figures].concat();
+    let channels = [("p", &map.pressure[..]), ("gap", &map.gap), ("uz", &map.uz)];
+    write_channels(writer, map, COMMENTS, &numbers, &channels)
+}
+
+/// Writes channels on the pixels of `map`, one pixel a cell, as ZIP-compressed scanlines.
+///
+/// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
+/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers would show a needle as a line.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_channels(
+    mut writer: impl Write,
+    map: &PressureMap,
+    comments: &str,
+    numbers: &[(&str, f64)],
+    channels: &[(&str, &[f64])],
+) -> exr::error::UnitResult {
+    let mut attributes = LayerAttributes {
+        software_name: Some(Text::from(concat!("kufe ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(Text::from(comments)),
+        ..LayerAttributes::default()
+    };
+    let place = [
         ("origin_x_m", map.x0),
         ("origin_y_m", map.y0),
         ("pixel_x_m", map.dx),
         ("pixel_y_m", map.dy),
-        ("radius_m", radius),
-        ("curvature_1pm", track_curvature),
     ];
-    for &(name, value) in numbers.iter().chain(figures) {
+    for (name, value) in place.iter().chain(numbers) {
         attributes
             .other
-            .insert(Text::from(name), AttributeValue::F64(value));
+            .insert(Text::from(*name), AttributeValue::F64(*value));
     }
-    let channel = |name: &str, values: &[f64]| {
+    let channel = |(name, values): &(&str, &[f64])| {
         let samples = values.iter().map(|&value| value as f32).collect();
-        AnyChannel::new(name, FlatSamples::F32(samples))
+        AnyChannel::new(*name, FlatSamples::F32(samples))
     };
-    let channels = AnyChannels::sort(SmallVec::from_vec(vec![
-        channel("p", &map.pressure),
-        channel("gap", &map.gap),
-        channel("uz", &map.uz),
-    ]));
+    let channels = AnyChannels::sort(channels.iter().map(channel).collect::<SmallVec<_>>());
     let layer = Layer::new(
         (map.nx, map.ny),
         attributes,

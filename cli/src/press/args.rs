@@ -9,7 +9,8 @@ use crate::press::lists::Lists;
 pub struct Args {
     /// The case; a built-in bobsled runner on flat ice where none is given
     pub case: Option<PathBuf>,
-    /// Folder for result.json, pressure.exr, pressure.png, field.vtu and hull.glb (runner.vtu too where the runner deforms)
+    /// Folder for result.json, pressure.exr, pressure.png, field.vtu and hull.glb (runner.vtu too where the runner deforms, groove.exr, groove.png and
+    /// film.csv where it slides)
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
     /// Stress on the line under the peak too: subsurface.csv and subsurface.png, figures in result.json, maximum shear in

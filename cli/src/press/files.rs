@@ -12,22 +12,25 @@ use crate::bodies::volume_vtu;
 use crate::map::{draw, write_exr};
 use crate::output::staging::Staging;
 use crate::press::held::FILES;
-use crate::press::{subsurface, summary};
+use crate::press::{sliding, subsurface, summary};
 
 /// The files that a solved case may be written to.
-pub const NAMES: [&str; 8] = [
+pub const NAMES: [&str; 11] = [
     "result.json",
     "pressure.exr",
     "pressure.png",
     "field.vtu",
     "hull.glb",
     "runner.vtu",
+    "groove.exr",
+    "groove.png",
+    "film.csv",
     "subsurface.csv",
     "subsurface.png",
 ];
 
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; with a centre line
-/// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; where it
+/// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -84,6 +87,10 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
             volume_vtu::write_runner(file, field, elastic, shear)
         })?;
         names.push("runner.vtu");
+    }
+    if let Some(slid) = &pressed.sliding {
+        sliding::write(staging, pressed, &map, slid)?;
+        names.extend(["groove.exr", "groove.png", "film.csv"]);
     }
     Ok(names)
 }

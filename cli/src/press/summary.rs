@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use kufe_contact::{Iterate, Solution};
+use kufe_contact::{Iterate, Measure, Solution};
 use kufe_jobs::Pressed;
+use kufe_jobs::slide::Slid;
 
 use crate::press::series_table::Row;
 
@@ -90,11 +91,67 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         );
         rows.insert(rows.len() - 2, ("hull's fit", fit));
     }
+    if let Some(slid) = &pressed.sliding {
+        let place = rows.len() - 2;
+        rows.splice(place..place, sliding(slid));
+    }
     let mut text = format!("{}\n", pressed.loaded.name);
     for (name, value) in rows {
         text.push_str(&format!("  {name:<15} {value}\n"));
     }
     text
+}
+
+/// What sliding adds.
+fn sliding(slid: &Slid) -> [(&'static str, String); 5] {
+    let with = |m: Measure, factor: f64, digits: usize| {
+        format!(
+            "{:.digits$} +- {:.digits$}",
+            factor * m.value,
+            factor * m.error
+        )
+    };
+    let film = &slid.film.film;
+    let thickest = film.thickest().map_or(0.0, |station| station.thickness);
+    [
+        (
+            "friction",
+            format!(
+                "mu {}e-3: ploughing {}, film {}",
+                with(slid.friction.mu, 1e3, 3),
+                with(slid.friction.ploughing, 1e3, 3),
+                with(slid.friction.viscous, 1e3, 3),
+            ),
+        ),
+        (
+            "groove",
+            format!(
+                "{} um deep, {:.4} mm2",
+                with(slid.groove_depth, 1e6, 2),
+                slid.groove.area() * 1e6
+            ),
+        ),
+        (
+            "patch",
+            format!(
+                "from {} mm ahead of the lowest point to {} mm",
+                with(slid.front, 1e3, 2),
+                with(slid.back, 1e3, 2)
+            ),
+        ),
+        (
+            "load ahead",
+            format!("{} mm", with(slid.load_ahead, 1e3, 2)),
+        ),
+        (
+            "film",
+            format!(
+                "{:.3} um on average, at most {:.3} um",
+                1e6 * film.totals.mean_thickness,
+                1e6 * thickest
+            ),
+        ),
+    ]
 }
 
 /// The steps of a series, a line each.

@@ -102,7 +102,7 @@ impl MeshSolve<'_> {
     }
 
     /// Writes the far field of the contact forces onto the outer faces of a half-space.
-    fn hold_outer_faces(&self, forces: &Forces, state: &mut State) {
+    pub fn hold_outer_faces(&self, forces: &Forces, state: &mut State) {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
         let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());

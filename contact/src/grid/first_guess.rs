@@ -11,6 +11,11 @@ use crate::{Load, Problem};
 /// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that
 /// E* d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor of 2.
 pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
+    guess(problem, gap, &|_, _| f64::INFINITY)
+}
+
+/// Guesses the patch as [`first_guess`] does where a cut of some length and width [m] bears at `most` so much [N].
+pub(crate) fn guess(problem: &Problem, gap: &Gap, most: &dyn Fn(f64, f64) -> f64) -> Patch {
     let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
     let underside = problem.runner.underside.as_ref();
     let stations = Stations::new(underside, gap);
@@ -23,8 +28,9 @@ pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
                 let depth = middle.exp();
                 let patch = stations.cut(gap, depth);
                 let length: f64 = patch.x.iter().map(|s| 2.0 * s.half()).sum();
-                let force = contact_modulus * depth * (length * 2.0 * patch.y.half()).sqrt();
-                if force < fz {
+                let width = 2.0 * patch.y.half();
+                let elastic = contact_modulus * depth * (length * width).sqrt();
+                if elastic.min(most(length, width)) < fz {
                     low = middle;
                 } else {
                     high = middle;

@@ -8,5 +8,6 @@ pub(crate) mod first_guess;
 pub(crate) mod grading;
 pub(crate) mod limits;
 pub(crate) mod patch;
+pub(crate) mod sliding_patch;
 pub(crate) mod stretch;
 pub(crate) mod zones;

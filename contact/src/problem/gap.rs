@@ -18,6 +18,8 @@ pub(crate) struct Gap<'a> {
     pub free_motion: [bool; 3],
     /// A rotation taken out of g when pitch and roll are free, so that g is level at the line of action [rad].
     pub levelling: [f64; 2],
+    /// The mirror planes x = 0 and y = 0 that nothing but hull, ice, track and load keeps from being used.
+    mirrored: [bool; 2],
 }
 
 impl<'a> Gap<'a> {
@@ -70,11 +72,18 @@ impl<'a> Gap<'a> {
             fixed_tilt,
             free_motion,
             levelling: [0.0; 2],
+            mirrored: [true; 2],
         };
         if free_motion[1] {
             gap.levelling = gap.slope();
         }
         Ok(gap)
+    }
+
+    /// The same with no more mirror planes than these: sliding has none across the runner.
+    pub fn mirrored_at_most(mut self, planes: [bool; 2]) -> Self {
+        self.mirrored = planes;
+        self
     }
 
     /// g at (x, y) [m]; infinite where there is no hull.
@@ -127,8 +136,8 @@ impl<'a> Gap<'a> {
             .map_or([true; 2], |surface| surface.mirror_symmetric());
         let [x0, y0] = self.line_of_action;
         [
-            hull[0] && ice[0] && x0 == 0.0 && self.fixed_tilt[0] == 0.0,
-            hull[1] && ice[1] && y0 == 0.0 && self.fixed_tilt[1] == 0.0,
+            self.mirrored[0] && hull[0] && ice[0] && x0 == 0.0 && self.fixed_tilt[0] == 0.0,
+            self.mirrored[1] && hull[1] && ice[1] && y0 == 0.0 && self.fixed_tilt[1] == 0.0,
         ]
     }
 

@@ -34,6 +34,17 @@ pub fn ice_hardness(temperature: f64) -> f64 {
     14.7e6 - 0.6e6 * temperature
 }
 
+/// Pressure that melts ice of `temperature` [C], below which no contact lasts, in [Pa].
+///
+/// p = -T/(0.074 K/MPa): 13.5 MPa a kelvin below 0 C (V. F. Petrenko and R. W. Whitworth, Physics of Ice, Oxford 1999).
+///
+/// ```
+/// assert!((kufe_contact::ice_melting_pressure(-1.0) / 13.5e6 - 1.0).abs() < 2e-3);
+/// ```
+pub fn ice_melting_pressure(temperature: f64) -> f64 {
+    (-temperature / 7.4e-8).max(0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

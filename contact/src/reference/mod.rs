@@ -3,3 +3,4 @@
 pub(crate) mod hertz;
 pub(crate) mod plain;
 pub(crate) mod plain_runner;
+pub(crate) mod rigid_plastic;

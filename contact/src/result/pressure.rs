@@ -31,7 +31,8 @@ impl<'a> Field<'a> {
         }
     }
 
-    fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
+    /// Its pressures, to be read line by line.
+    pub fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
         let [along, across] = &self.mesh.contact.lumped;
         PressureField {
             x: &self.mesh.grid.x,

@@ -7,6 +7,7 @@ use kufe_contact::{Error, Options, Problem, Solution, Watcher, solve};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
+use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
 /// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
@@ -22,6 +23,8 @@ pub struct Pressed {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
+    /// Groove, film and friction, where the case slides.
+    pub sliding: Option<Slid>,
     /// Wall time of the solve [s].
     pub seconds: f64,
     /// Why the accuracy asked was not reached, where it was not: the solution is the best there is, with its error.
@@ -60,7 +63,7 @@ pub fn press(
 /// As [`press`] for all else; [`Failure::Partial`] where it was stopped.
 pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
     let content = loaded.content()?;
-    let StatedProblem { problem, hull } = loaded.stated()?;
+    let StatedProblem { problem, hull } = loaded.stated_sliding()?;
     let mut warnings = loaded.hull_warnings(hull.as_ref());
     warnings.iter().for_each(|warning| watch.warn(warning));
     let started = Instant::now();
@@ -69,14 +72,20 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         stiffness: loaded.case.solver.stiffness.into(),
         ..options
     };
-    let (solution, short) = match solve(&problem, &options) {
-        Ok(solution) => (solution, None),
-        Err(error) => {
-            let failure = loaded.failure(&error);
-            match error {
-                Error::AccuracyNotReached { best, .. } => (*best, Some(failure)),
-                _ => return Err(failure),
+    let (solution, sliding, short) = match &loaded.case.sliding {
+        None => match solve(&problem, &options) {
+            Ok(solution) => (solution, None, None),
+            Err(error) => {
+                let failure = loaded.failure(&error);
+                match error {
+                    Error::AccuracyNotReached { best, .. } => (*best, None, Some(failure)),
+                    _ => return Err(failure),
+                }
             }
+        },
+        Some(table) => {
+            let (solution, slid) = solve_sliding(&loaded, table, &problem, &options)?;
+            (solution, Some(slid), None)
         }
     };
     let seconds = started.elapsed().as_secs_f64();
@@ -90,6 +99,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         problem,
         hull,
         solution,
+        sliding,
         seconds,
         short,
         content,

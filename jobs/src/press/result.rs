@@ -21,7 +21,7 @@ impl Pressed {
                 "vertices": quality.vertices,
             })
         });
-        json!({
+        let mut document = json!({
             "p_max_pa": solution.p_max,
             "p_max_error_pa": solution.p_max_error,
             "p_max_mesh_pa": solution.p_max_mesh,
@@ -49,7 +49,11 @@ impl Pressed {
             "warnings": self.warnings,
             "history": history,
             "case": case_json(&self.loaded.case),
-        })
+        });
+        if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
+            document.extend(slid.keys());
+        }
+        document
     }
 }
 

@@ -266,6 +266,8 @@ fn with_rocker(case: &Case, radius: f64) -> Case {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     fn paraboloid() -> Problem {

@@ -8,5 +8,6 @@ mod methods;
 mod mounts;
 mod shapes;
 mod slender;
+mod sliding;
 mod solid;
 mod stress;

@@ -7,4 +7,5 @@ mod hull_rocker;
 mod mesh;
 mod one_case;
 mod series;
+mod sliding;
 mod stiffness;

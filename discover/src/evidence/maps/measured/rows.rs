@@ -78,6 +78,12 @@ pub fn read(
                 file.parent().unwrap_or(Path::new("")),
             )
         };
+        if case.sliding.is_some() {
+            return Err(Error::File {
+                file: file.display().to_string(),
+                reason: "[sliding]: expected a case at rest".to_owned(),
+            });
+        }
         let mut problem = case.problem(base).map_err(told)?;
         if let Load::Force { fz: force, .. } = &mut problem.load {
             *force = fz[i];

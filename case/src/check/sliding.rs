@@ -1,0 +1,29 @@
+//! The ranges of `[sliding]`, and what it does not go with.
+
+use crate::case::Case;
+use crate::check::range::{Checked, combination, in_range};
+
+/// Checks the table where there is one.
+pub(crate) fn check_sliding(case: &Case) -> Checked {
+    let Some(sliding) = &case.sliding else {
+        return Ok(());
+    };
+    in_range("sliding.v_mps", sliding.v_mps)?;
+    in_range("sliding.ice_c", sliding.ice_c)?;
+    if let Some(factor) = sliding.viscosity_factor {
+        in_range("sliding.viscosity_factor", factor)?;
+    }
+    if case.ice.temperature_c.is_some_and(|t| t != sliding.ice_c) {
+        return Err(combination(
+            "sliding.ice_c",
+            "the same temperature as ice.temperature_c",
+        ));
+    }
+    if case.ice.waviness.is_some() || case.ice.surface.is_some() {
+        return Err(combination(
+            "sliding",
+            "even ice: on ice of varying height no sliding is steady, expected no ice.waviness and no ice.surface",
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,276 @@
+//! The contact plane with plastic memory.
+
+use faer::Mat;
+
+use crate::active_set::motion::dot;
+use crate::precondition::dense_lu::DenseLu;
+
+/// Contact forces f and the ice's plastic depth u on the contact plane, as one complementarity problem.
+///
+/// Nodes are rows of one y, x ascending; the ice reaches the last node of a row first. With the rise r of the depth at a node
+/// over that at the next one ahead,
+///
+/// ```text
+/// gap = g - N q + G f + u,   u_i = before + sum over i and all ahead of r
+/// 0 <= f  _|_  gap >= 0,     0 <= r  _|_  f <= bound
+/// ```
+///
+/// It is no minimum problem (r couples to the nodes behind alone), and is solved, at a given motion q, by Newton's method on the
+/// sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r = 0) or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J.
+/// Optim. 13 (2003) 865-888. Where the sets come back to earlier ones, sweeps from the front to the back lead on.
+pub(crate) struct Memory<'a> {
+    /// G, the response of the gap to forces [m/N].
+    pub green: &'a Mat<f64>,
+    /// g, the gap without motion, forces and groove [m].
+    pub gap: &'a [f64],
+    /// Rows N.
+    pub rows: &'a [[f64; 3]],
+    /// Forces at the ice's hardness [N].
+    pub bound: &'a [f64],
+    /// Whether the next node is the next one ahead in the same row.
+    pub has_ahead: &'a [bool],
+    /// Depth of the groove that is there when the ice comes [m].
+    pub before: &'a [f64],
+}
+
+/// What a node does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Open,
+    Closed,
+    Full,
+}
+
+/// Forces, motion and groove.
+#[derive(Clone, Debug)]
+pub(crate) struct MemoryState {
+    pub kinds: Vec<Kind>,
+    /// Contact forces [N].
+    pub force: Vec<f64>,
+    /// Approach [m], pitch and roll [rad].
+    pub motion: [f64; 3],
+    /// Plastic depth u [m].
+    pub depth: Vec<f64>,
+    /// Rise r over the depth ahead [m].
+    pub rise: Vec<f64>,
+    /// Gap [m].
+    pub gap: Vec<f64>,
+}
+
+/// Newton steps in all.
+const STEPS: usize = 300;
+/// Newton steps without fewer contradictions before sweeps lead on.
+const PATIENCE: usize = 12;
+/// Sweeps at a time.
+const SWEEPS: usize = 12;
+/// Contradictions below this part of the largest force or depth are rounding.
+const SLACK: f64 = 1e-11;
+
+impl Memory<'_> {
+    /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm themselves.
+    pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<MemoryState> {
+        let mut kinds = kinds.to_vec();
+        let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
+        for _ in 0..STEPS {
+            let state = self.newton(kinds, motion)?;
+            let (next, changes) = self.corrected(&state);
+            if changes == 0 {
+                return Some(state);
+            }
+            kinds = next;
+            if changes < fewest {
+                (fewest, patience) = (changes, PATIENCE);
+            } else if patience == 0 {
+                let bounded = state.force.iter().zip(self.bound);
+                let mut force: Vec<f64> = bounded.map(|(f, b)| f.clamp(0.0, *b)).collect();
+                self.sweep(&mut force, motion);
+                kinds = self.kinds(&force);
+                (fewest, patience) = (usize::MAX, 2 * PATIENCE);
+            } else {
+                patience -= 1;
+            }
+        }
+        None
+    }
+
+    /// The sets that forces belong to.
+    pub fn kinds(&self, force: &[f64]) -> Vec<Kind> {
+        let of = |(&force, &bound): (&f64, &f64)| match force {
+            f if f <= 0.0 => Kind::Open,
+            f if f >= bound => Kind::Full,
+            _ => Kind::Closed,
+        };
+        force.iter().zip(self.bound).map(of).collect()
+    }
+
+    /// N^T f.
+    pub fn resultant(&self, force: &[f64]) -> [f64; 3] {
+        [0, 1, 2].map(|a| force.iter().zip(self.rows).map(|(f, row)| f * row[a]).sum())
+    }
+
+    /// Forces and groove under which the sets hold, whatever their signs.
+    fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<MemoryState> {
+        let full = |i: usize| match kinds[i] {
+            Kind::Full => self.bound[i],
+            _ => 0.0,
+        };
+        let mut force: Vec<f64> = (0..kinds.len()).map(full).collect();
+        let closed = self.closed(&kinds);
+        if !closed.is_empty() {
+            let anchor = self.anchors(&kinds);
+            let pressed = self.deflection(&force);
+            // What a node lacks to the closed ones' forces.
+            let lack = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
+            let mut solved = Mat::from_fn(closed.len(), 1, |row, _| {
+                let i = closed[row];
+                anchor[i].map_or(-self.before[i], lack) - lack(i)
+            });
+            self.response(&closed, &anchor).solve_in_place(&mut solved);
+            for (row, &i) in closed.iter().enumerate() {
+                force[i] = solved[(row, 0)];
+            }
+        }
+        let finite = force.iter().all(|f| f.is_finite());
+        finite.then(|| self.state(kinds, force, motion))
+    }
+
+    /// Change of N^T f with the motion while the sets hold: row by row the resultant's parts, column by column the motion's.
+    pub fn slopes(&self, kinds: &[Kind]) -> [[f64; 3]; 3] {
+        let closed = self.closed(kinds);
+        let mut slopes = [[0.0; 3]; 3];
+        if closed.is_empty() {
+            return slopes;
+        }
+        let anchor = self.anchors(kinds);
+        let mut solved = Mat::from_fn(closed.len(), 3, |row, b| {
+            let i = closed[row];
+            self.rows[i][b] - anchor[i].map_or(0.0, |a| self.rows[a][b])
+        });
+        self.response(&closed, &anchor).solve_in_place(&mut solved);
+        for (row, &i) in closed.iter().enumerate() {
+            for (a, slopes) in slopes.iter_mut().enumerate() {
+                for (b, slope) in slopes.iter_mut().enumerate() {
+                    *slope += self.rows[i][a] * solved[(row, b)];
+                }
+            }
+        }
+        slopes
+    }
+
+    fn closed(&self, kinds: &[Kind]) -> Vec<usize> {
+        (0..kinds.len())
+            .filter(|&i| kinds[i] == Kind::Closed)
+            .collect()
+    }
+
+    /// The closed nodes' response, each against the full one ahead whose depth it meets.
+    fn response(&self, closed: &[usize], anchor: &[Option<usize>]) -> DenseLu {
+        let matrix = Mat::from_fn(closed.len(), closed.len(), |row, column| {
+            let (i, j) = (closed[row], closed[column]);
+            self.green[(i, j)] - anchor[i].map_or(0.0, |a| self.green[(a, j)])
+        });
+        DenseLu::new(matrix)
+    }
+
+    /// For each node the nearest full one ahead, whose depth it meets.
+    fn anchors(&self, kinds: &[Kind]) -> Vec<Option<usize>> {
+        let mut anchor = vec![None; kinds.len()];
+        for i in (0..kinds.len().saturating_sub(1)).rev() {
+            if self.has_ahead[i] {
+                anchor[i] = match kinds[i + 1] {
+                    Kind::Full => Some(i + 1),
+                    _ => anchor[i + 1],
+                };
+            }
+        }
+        anchor
+    }
+
+    /// The groove that full nodes leave, and the gaps over it.
+    fn state(&self, kinds: Vec<Kind>, force: Vec<f64>, motion: [f64; 3]) -> MemoryState {
+        let n = kinds.len();
+        let deflection = self.deflection(&force);
+        let (mut depth, mut rise, mut gap) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for i in (0..n).rev() {
+            let ahead = if self.has_ahead[i] {
+                depth[i + 1]
+            } else {
+                self.before[i]
+            };
+            let above = self.gap[i] - dot(self.rows[i], motion) + deflection[i];
+            depth[i] = if kinds[i] == Kind::Full {
+                -above
+            } else {
+                ahead
+            };
+            rise[i] = depth[i] - ahead;
+            gap[i] = above + depth[i];
+        }
+        MemoryState {
+            kinds,
+            force,
+            motion,
+            depth,
+            rise,
+            gap,
+        }
+    }
+
+    /// The sets that signs ask for, and how many nodes they move.
+    fn corrected(&self, state: &MemoryState) -> (Vec<Kind>, usize) {
+        let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        let deep = (0..state.gap.len())
+            .map(|i| (dot(self.rows[i], state.motion) - self.gap[i]).abs())
+            .filter(|d| d.is_finite())
+            .fold(0.0f64, f64::max);
+        let mut changes = 0;
+        let next = (0..state.kinds.len()).map(|i| {
+            let wanted = match state.kinds[i] {
+                Kind::Open if state.gap[i] < -SLACK * deep => Kind::Closed,
+                Kind::Closed if state.force[i] < -SLACK * largest => Kind::Open,
+                Kind::Closed if state.force[i] > self.bound[i] * (1.0 + SLACK) => Kind::Full,
+                Kind::Full if state.rise[i] < -SLACK * deep => Kind::Closed,
+                same => same,
+            };
+            changes += usize::from(wanted != state.kinds[i]);
+            wanted
+        });
+        let next = next.collect();
+        (next, changes)
+    }
+
+    /// Projected sweeps at fixed motion, each row from its front to its back with the groove that it leaves on the way.
+    fn sweep(&self, force: &mut [f64], motion: [f64; 3]) {
+        let mut deflection = self.deflection(force);
+        for _ in 0..SWEEPS {
+            let mut depth = 0.0;
+            for i in (0..force.len()).rev() {
+                if !self.has_ahead[i] {
+                    depth = self.before[i];
+                }
+                let stiff = self.green[(i, i)];
+                let gap = self.gap[i] - dot(self.rows[i], motion) + deflection[i] + depth;
+                let wanted = force[i] - gap / stiff;
+                depth += stiff * (wanted - self.bound[i]).max(0.0);
+                let change = wanted.clamp(0.0, self.bound[i]) - force[i];
+                if change != 0.0 {
+                    force[i] += change;
+                    for (d, g) in deflection.iter_mut().zip(self.green.col(i).iter()) {
+                        *d += change * g;
+                    }
+                }
+            }
+        }
+    }
+
+    /// G f.
+    pub fn deflection(&self, force: &[f64]) -> Vec<f64> {
+        let mut deflection = vec![0.0; force.len()];
+        for (j, &f) in force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
+            for (d, g) in deflection.iter_mut().zip(self.green.col(j).iter()) {
+                *d += f * g;
+            }
+        }
+        deflection
+    }
+}

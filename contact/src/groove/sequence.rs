@@ -1,0 +1,303 @@
+//! Finer and finer meshes of one sliding contact.
+
+use kufe_fem::Material;
+
+use crate::accuracy::extrapolation::Extrapolation;
+use crate::accuracy::mesh_solve::Forces;
+use crate::accuracy::watched::Limits;
+use crate::active_set::progress::Progress;
+use crate::bodies::elastic_body::ElasticBody;
+use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::patch::Patch;
+use crate::grid::sliding_patch::{fitted, sliding_guess};
+use crate::grid::zones::Resolution;
+use crate::groove::errors::Errors;
+use crate::groove::measures::{Measures, Reading};
+use crate::groove::memory::Kind;
+use crate::groove::on_mesh::OnMesh;
+use crate::groove::profile::GrooveProfile;
+use crate::groove::rims::Rims;
+use crate::groove::slid::{Known, Slid, Start};
+use crate::groove::solution::{Measure, SlidingMesh, SlidingSolution};
+use crate::problem::gap::Gap;
+use crate::result::answer::Answer;
+use crate::result::pressure::Field;
+use crate::{Error, Options, Problem};
+
+/// Cells over half the patch while it is being found.
+const SCOUTING: Resolution = Resolution {
+    cells: 6.0,
+    growth: 0.7,
+};
+/// Meshes on the contact plane alone until one fits the patch found on it.
+const SCOUTS: usize = 30;
+/// Ratio of the resolutions of successive meshes, and the least where the largest mesh allowed leaves no more.
+const REFINEMENT: f64 = 1.5;
+const LEAST_REFINEMENT: f64 = 1.1;
+
+/// What is known of a sliding contact, mesh by mesh.
+pub(crate) struct SlidingMeshes<'a> {
+    problem: &'a Problem,
+    options: &'a Options,
+    gap: Gap<'a>,
+    material: Material,
+    before: Option<&'a GrooveProfile>,
+    patch: Patch,
+    forces: Forces,
+    start: Start,
+    measures: Vec<Measures>,
+    meshes: Vec<SlidingMesh>,
+}
+
+impl<'a> SlidingMeshes<'a> {
+    /// Finds the patch on the contact plane alone.
+    pub fn scout(
+        problem: &'a Problem,
+        gap: Gap<'a>,
+        material: Material,
+        before: Option<&'a GrooveProfile>,
+        options: &'a Options,
+    ) -> Result<Self, Error> {
+        let mut patch = sliding_guess(problem, &gap);
+        let mut start = Start::AtRest(patch.motion);
+        for _ in 0..SCOUTS {
+            if options.stopped() {
+                return Err(Error::Stopped);
+            }
+            let mesh = plan(problem, &gap, material, &patch, SCOUTING, Reach::WholeHull).mesh()?;
+            let on = OnMesh {
+                problem,
+                material,
+                mesh: &mesh,
+                before,
+                options,
+            };
+            let slid = on.on_plane(&start)?;
+            let field = Field::new(&mesh, problem, &patch);
+            let rims = Rims::new(&mesh, &slid).rims(&field.pressure_field(&slid.state));
+            let found = fitted(field.of(&slid.state).patch, rims);
+            start = Start::From(Known::of(&mesh, &slid));
+            let settled = similar(&patch, &found);
+            patch = found;
+            if settled {
+                let forces = Forces::of(&mesh, &slid.state);
+                return Ok(SlidingMeshes {
+                    problem,
+                    options,
+                    gap,
+                    material,
+                    before,
+                    patch,
+                    forces,
+                    start,
+                    measures: Vec::new(),
+                    meshes: Vec::new(),
+                });
+            }
+        }
+        Err(Error::NotConverged {
+            iterations: SCOUTS,
+            residual: f64::INFINITY,
+            tolerance: 0.15,
+        })
+    }
+
+    /// Solves mesh after mesh until two agree, and puts together what they say.
+    pub fn solve(mut self) -> Result<SlidingSolution, Error> {
+        let tolerance = self.options.p_max_tolerance;
+        let mut cells = self
+            .options
+            .cells
+            .map_or_else(|| first_cells(tolerance), |c| c as f64);
+        loop {
+            let mesh = self.mesh(cells)?;
+            let dofs = dofs(&mesh);
+            let slid = self.on(&mesh).solve(&self.start, &self.forces)?;
+            self.take(&mesh, &slid, dofs);
+            let hardness = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
+            let errors = Errors::of(&self.measures, cells, hardness);
+            let estimate = errors.largest(&self.measures[self.measures.len() - 1]);
+            if self.options.cells.is_some() || estimate <= tolerance {
+                return Ok(self.put_together(mesh, slid, errors));
+            }
+            let room = (self.options.max_dofs as f64 / dofs as f64).cbrt();
+            if room < LEAST_REFINEMENT {
+                return Err(Error::SlidingAccuracyNotReached {
+                    dofs,
+                    estimate,
+                    tolerance,
+                });
+            }
+            self.next_patch(&mesh, &slid);
+            cells = (cells * REFINEMENT.min(room)).round();
+        }
+    }
+
+    fn on<'b>(&'b self, mesh: &'b Discretisation) -> OnMesh<'b> {
+        OnMesh {
+            problem: self.problem,
+            material: self.material,
+            mesh,
+            before: self.before,
+            options: self.options,
+        }
+    }
+
+    fn mesh(&self, cells: f64) -> Result<Discretisation, Error> {
+        let resolution = Resolution {
+            cells,
+            growth: 3.0 / cells,
+        };
+        plan(
+            self.problem,
+            &self.gap,
+            self.material,
+            &self.patch,
+            resolution,
+            Reach::Patch,
+        )
+        .mesh()
+    }
+
+    /// Fits the next mesh to the rims that this one found.
+    fn next_patch(&mut self, mesh: &Discretisation, slid: &Slid) {
+        let field = Field::new(mesh, self.problem, &self.patch);
+        let rims = Rims::new(mesh, slid).rims(&field.pressure_field(&slid.state));
+        self.patch = fitted(field.of(&slid.state).patch, rims);
+        self.start = Start::From(Known::of(mesh, slid));
+    }
+
+    /// Keeps what a mesh says.
+    fn take(&mut self, mesh: &Discretisation, slid: &Slid, dofs: usize) {
+        let field = Field::new(mesh, self.problem, &self.patch);
+        let on = self.on(mesh);
+        let reading = Reading::new(&on, &self.gap, slid);
+        let measures = reading.measures(&field.pressure_field(&slid.state));
+        self.meshes.push(SlidingMesh {
+            dofs,
+            contact_nodes: slid.state.force.iter().filter(|f| **f > 0.0).count(),
+            corrections: slid.corrections,
+            iterations: slid.iterations,
+            residual: slid.residual,
+            groove_depth: measures.depth,
+            plastic_work: measures.plastic_work,
+            ploughing_by_slope: measures.by_slope,
+        });
+        self.measures.push(measures);
+        self.forces = Forces::of(mesh, &slid.state);
+    }
+}
+
+impl SlidingMeshes<'_> {
+    fn put_together(self, mut mesh: Discretisation, slid: Slid, errors: Errors) -> SlidingSolution {
+        let on = OnMesh {
+            problem: self.problem,
+            material: self.material,
+            mesh: &mesh,
+            before: self.before,
+            options: self.options,
+        };
+        let field = Field::new(&mesh, self.problem, &self.patch);
+        let reading = Reading::new(&on, &self.gap, &slid);
+        let (groove, sections) = (
+            reading.profile(),
+            reading.sections(&field.pressure_field(&slid.state)),
+        );
+        let mut pressure = field.of(&slid.state);
+        for (k, &node) in mesh.contact.candidates.iter().enumerate() {
+            if slid.grooved.kinds[k] == Kind::Full {
+                pressure.values[node] = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
+            }
+        }
+        let m = self.measures[self.measures.len() - 1];
+        let depth = unfolded(&slid.depth, &mesh);
+        // The ice that is met lies lower by the groove.
+        for (gap, depth) in mesh.contact.gap.iter_mut().zip(&slid.depth) {
+            *gap += depth;
+        }
+        let dofs = dofs(&mesh);
+        let (area, length_error) = (pressure.figures.area, errors.front + errors.back);
+        let answer = Answer {
+            problem: self.problem,
+            gap: &self.gap,
+            mesh,
+            progress: Progress {
+                iterations: slid.iterations,
+                residual: slid.residual,
+                converged: true,
+            },
+            state: slid.state,
+            pressure,
+            dofs,
+        };
+        let limits = Limits {
+            peak: Extrapolation {
+                value: m.p_max,
+                error: errors.p_max,
+                approach: m.approach,
+            },
+            // The width is taken to be as uncertain as the length.
+            area_error: 2.0 * length_error / (m.front - m.back) * area,
+            length_error,
+            relative: errors.largest(&m),
+        };
+        let of = |value, error| Measure { value, error };
+        SlidingSolution {
+            contact: answer.solution(limits, Vec::new()),
+            groove_depth: of(m.depth, errors.depth),
+            ploughing: of(m.ploughing, errors.ploughing),
+            front: of(m.front, errors.front),
+            back: of(m.back, errors.back),
+            load_ahead: of(m.load_ahead, errors.load_ahead),
+            lowest: m.lowest,
+            groove,
+            depth,
+            sections,
+            meshes: self.meshes,
+        }
+    }
+}
+
+/// Cells over half the patch of the first mesh.
+fn first_cells(tolerance: f64) -> f64 {
+    (0.8 / tolerance.sqrt()).ceil().clamp(4.0, 16.0)
+}
+
+fn plan<'a>(
+    problem: &'a Problem,
+    gap: &'a Gap<'a>,
+    material: Material,
+    patch: &'a Patch,
+    resolution: Resolution,
+    reach: Reach,
+) -> MeshPlan<'a> {
+    MeshPlan {
+        problem,
+        gap,
+        material,
+        patch,
+        resolution,
+        reach,
+    }
+}
+
+/// Whether a grid made for one patch resolves the other.
+fn similar(a: &Patch, b: &Patch) -> bool {
+    let close = |a: &crate::grid::stretch::Stretch, b: &crate::grid::stretch::Stretch| {
+        (a.low - b.low).abs() < 0.2 * a.half() && (a.high - b.high).abs() < 0.2 * a.half()
+    };
+    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(a, b)) && close(&a.y, &b.y)
+}
+
+/// A plane field over the mirror plane y = 0, where it was used.
+fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
+    let [nx, ny] = [mesh.grid.x.len(), mesh.grid.y.len()];
+    let mirrored = (1..ny).rev().filter(|_| mesh.symmetry[1]);
+    let rows = mirrored.chain(0..ny);
+    rows.flat_map(|j| values[j * nx..(j + 1) * nx].iter().copied())
+        .collect()
+}
+
+fn dofs(mesh: &Discretisation) -> usize {
+    mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
+}

@@ -1,0 +1,54 @@
+//! What `result.json` says of sliding.
+
+use kufe_contact::{Measure, SlidingMesh};
+use serde_json::{Map, Value, json};
+
+use crate::slide::slid::Slid;
+
+impl Slid {
+    /// Keys and values of `result.json`: each figure with its error.
+    pub fn keys(&self) -> Map<String, Value> {
+        let film = &self.film.film;
+        let mut keys = Map::new();
+        let mut put = |name: &str, unit: &str, measure: Measure| {
+            keys.insert(format!("{name}{unit}"), json!(measure.value));
+            keys.insert(format!("{name}_error{unit}"), json!(measure.error));
+        };
+        put("mu", "", self.friction.mu);
+        put("mu_ploughing", "", self.friction.ploughing);
+        put("mu_viscous", "", self.friction.viscous);
+        put("groove_depth", "_m", self.groove_depth);
+        put("load_ahead", "_m", self.load_ahead);
+        put("front", "_m", self.front);
+        put("back", "_m", self.back);
+        let of = |value, error| Measure { value, error };
+        let mean = self.film.error(|totals| totals.mean_thickness);
+        put("film_mean", "_m", of(film.totals.mean_thickness, mean));
+        let (thickest, error) = film
+            .thickest()
+            .map_or((0.0, 0.0), |s| (s.thickness, s.thickness_error));
+        put("film_max", "_m", of(thickest, error));
+        let melted = self.film.error(|totals| totals.melted);
+        put("melt_rate", "_kgps", of(film.totals.melted, melted));
+        keys.insert("hardness_pa".into(), json!(self.hardness));
+        keys.insert("groove_area_m2".into(), json!(self.groove.area()));
+        keys.insert(
+            "sliding_history".into(),
+            self.meshes.iter().map(mesh).collect(),
+        );
+        keys
+    }
+}
+
+fn mesh(mesh: &SlidingMesh) -> Value {
+    json!({
+        "dofs": mesh.dofs,
+        "contact_nodes": mesh.contact_nodes,
+        "corrections": mesh.corrections,
+        "iterations": mesh.iterations,
+        "residual": mesh.residual,
+        "groove_depth_m": mesh.groove_depth,
+        "ploughing_by_work_n": mesh.plastic_work,
+        "ploughing_by_slope_n": mesh.ploughing_by_slope,
+    })
+}

@@ -1,0 +1,231 @@
+//! Steady sliding on ice that yields: the rigid-plastic and the elastic limit, boundary elements, and what has to balance.
+
+use std::sync::Arc;
+
+use kufe_contact::{
+    Error, GrooveProfile, Ice, Load, Options, Problem, Runner, SlidingSolution, Tilt, hertz,
+    rigid_plastic, slide,
+};
+use kufe_mesh::{Paraboloid, Waviness};
+
+const POISSONS_RATIO: f64 = 0.33;
+
+fn problem([rocker, section]: [f64; 2], fz: f64, hardness: f64, modulus: f64) -> Problem {
+    let hull = Paraboloid::new(rocker, section).unwrap();
+    let mut ice = Ice::half_space(modulus, POISSONS_RATIO);
+    ice.hardness = Some(hardness);
+    Problem::new(
+        Runner::rigid(Arc::new(hull)),
+        ice,
+        Load::central(fz, Tilt::LEVEL),
+    )
+}
+
+fn on(cells: usize) -> Options {
+    Options {
+        cells: Some(cells),
+        ..Options::default()
+    }
+}
+
+fn near(found: f64, expected: f64, share: f64) -> bool {
+    (found / expected - 1.0).abs() <= share
+}
+
+/// Ice a thousand times as stiff hardly springs back: 1 % in length, depth and ploughing.
+#[test]
+fn stiff_ice_has_the_rigid_plastic_groove() {
+    for (radii, fz, hardness) in [
+        ([30.0, 0.004], 950.0, 17.7e6),
+        ([24.0, 0.0045], 800.0, 16e6),
+    ] {
+        let s = slide(&problem(radii, fz, hardness, 9e12), None, &on(12)).unwrap();
+        let exact = rigid_plastic(radii[0], radii[1], fz, hardness).unwrap();
+        assert!(
+            near(s.front.value, exact.length, 0.01),
+            "{:?} {exact:?}",
+            s.front
+        );
+        assert!(s.back.value.abs() < 0.01 * exact.length, "{:?}", s.back);
+        assert!(
+            near(s.groove_depth.value, exact.depth, 0.01),
+            "{:?} {exact:?}",
+            s.groove_depth
+        );
+        let mu = s.ploughing.value / fz;
+        assert!(near(mu, exact.ploughing_friction, 0.01), "{mu} {exact:?}");
+        let widest = s.sections.iter().map(|s| s.width).fold(0.0, f64::max);
+        assert!(near(widest, exact.width, 0.02), "{widest} {exact:?}");
+    }
+}
+
+/// Ice that never yields keeps nothing: Hertz's contact, the same to the front and to the back.
+#[test]
+fn hard_ice_has_hertzs_contact_and_no_groove() {
+    let s = slide(
+        &problem([30.0, 0.005], 1000.0, 1e12, 9e9),
+        None,
+        &Options::default(),
+    )
+    .unwrap();
+    let exact = hertz(30.0, 0.005, 9e9 / (1.0 - POISSONS_RATIO.powi(2)), 1000.0);
+    assert!(
+        near(s.contact.p_max, exact.p_max, 0.01),
+        "{} {exact:?}",
+        s.contact.p_max
+    );
+    assert_eq!((s.groove_depth.value, s.ploughing.value), (0.0, 0.0));
+    assert!((s.front.value + s.back.value).abs() < 5e-3 * s.front.value);
+    assert!(s.load_ahead.value.abs() < 1e-3 * s.front.value);
+}
+
+/// The references are boundary elements' (`python tests/data/groove.py > tests/data/groove.csv`), whose grid leaves 1 % open.
+#[test]
+fn grooves_agree_with_boundary_elements() {
+    let mut rows = include_str!("../../data/groove.csv").lines();
+    let header = "rocker_radius_m,section_radius_m,fz_n,hardness_pa,depth_m,mu_ploughing,load_ahead_m,side_m,front_m";
+    assert_eq!(rows.next(), Some(header));
+    let mut compared = 0;
+    for row in rows {
+        let values: Vec<f64> = row.split(',').map(|v| v.parse().unwrap()).collect();
+        let [rocker, section, fz, hardness, depth, mu, ahead, side, front] = values[..] else {
+            panic!("{row}");
+        };
+        let s = slide(
+            &problem([rocker, section], fz, hardness, 9e9),
+            None,
+            &Options::default(),
+        )
+        .unwrap();
+        assert!(
+            near(s.groove_depth.value, depth, 0.015),
+            "{row}: {:?}",
+            s.groove_depth
+        );
+        assert!(
+            near(s.ploughing.value / fz, mu, 0.02),
+            "{row}: {:?}",
+            s.ploughing
+        );
+        assert!(
+            near(s.load_ahead.value, ahead, 0.025),
+            "{row}: {:?}",
+            s.load_ahead
+        );
+        assert!(near(s.front.value, front, 0.015), "{row}: {:?}", s.front);
+        let widest = s.sections.iter().map(|s| s.width).fold(0.0, f64::max);
+        assert!(near(widest, 2.0 * side, 0.02), "{row}: {widest}");
+        assert!(
+            s.ploughing.error <= 0.01 * s.ploughing.value,
+            "{:?}",
+            s.ploughing
+        );
+        compared += 1;
+    }
+    assert!(compared >= 2, "{compared} rows");
+}
+
+/// Whether what was solved is the problem: load, pressures within bounds, no node within the ice, and a groove that only deepens.
+fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
+    assert!(near(s.contact.fz, fz, 1e-6), "{}", s.contact.fz);
+    assert!(s.contact.kkt_residual < 1e-5, "{}", s.contact.kkt_residual);
+    let field = &s.contact.surface;
+    let nx = field.x.len();
+    for (row, gaps) in s.depth.chunks_exact(nx).zip(field.gap.chunks_exact(nx)) {
+        assert!(row.windows(2).all(|pair| pair[0] >= pair[1] - 1e-15));
+        assert!(gaps.iter().all(|gap| *gap > -1e-5 * s.contact.approach));
+    }
+    for (k, &p) in field.pressure.iter().enumerate() {
+        assert!((0.0..=hardness).contains(&p));
+        let deepens = k % nx + 1 < nx && s.depth[k] > s.depth[k + 1] * (1.0 + 1e-9) + 1e-12;
+        assert!(!deepens || p == hardness, "{} {p}", s.depth[k]);
+    }
+    // Two ways to the same force: the plastic work over the way, and pressures on the runner's slope.
+    for mesh in &s.meshes {
+        assert!(
+            near(mesh.plastic_work, mesh.ploughing_by_slope, 0.03),
+            "{mesh:?}"
+        );
+    }
+}
+
+#[test]
+fn forces_pressures_gaps_and_groove_hold_what_is_asked_of_them() {
+    let s = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(10)).unwrap();
+    holds(&s, 950.0, 17.7e6);
+    let strip: f64 = s
+        .sections
+        .windows(2)
+        .map(|w| {
+            0.5 * (w[0].x - w[1].x) * (w[0].width * w[0].pressure + w[1].width * w[1].pressure)
+        })
+        .sum();
+    assert!(near(strip, 950.0, 0.02), "{strip}");
+}
+
+/// On a rocker a turn is a shift: a free runner turns until its centre of pressure stands under the load.
+#[test]
+fn a_free_runner_pitches_until_the_pressure_stands_under_the_load() {
+    let held = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(8)).unwrap();
+    let mut free = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
+    free.load = Load::central(950.0, Tilt::Free);
+    let s = slide(&free, None, &on(8)).unwrap();
+    assert!(s.contact.centre_of_pressure[0].abs() < 1e-8);
+    assert!(
+        near(-30.0 * s.contact.pitch, s.load_ahead.value, 1e-3),
+        "{}",
+        s.contact.pitch
+    );
+    assert!(near(s.load_ahead.value, held.load_ahead.value, 0.03));
+    assert!(near(s.groove_depth.value, held.groove_depth.value, 0.02));
+}
+
+#[test]
+fn a_second_runner_in_the_groove_ploughs_less_and_leaves_it_no_shallower() {
+    let problem = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
+    let first = slide(&problem, None, &on(8)).unwrap();
+    let second = slide(&problem, Some(&first.groove), &on(8)).unwrap();
+    holds(&second, 950.0, 17.7e6);
+    assert!(
+        second.ploughing.value < 0.8 * first.ploughing.value,
+        "{:?}",
+        second.ploughing
+    );
+    assert!(second.groove_depth.value >= first.groove_depth.value);
+    assert!(second.front.value < first.front.value);
+    // A groove to one side takes the mirror plane away.
+    let aside = GrooveProfile::new(vec![0.0, 2e-4, 4e-4], vec![0.0, 2e-5, 0.0]).unwrap();
+    let third = slide(&problem, Some(&aside), &on(6)).unwrap();
+    assert!(near(third.contact.fz, 950.0, 1e-6));
+    assert!(third.contact.centre_of_pressure[1] < -1e-6);
+}
+
+#[test]
+fn sliding_has_the_same_bits_on_one_and_on_two_threads() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(10)).unwrap())
+    };
+    let (one, two) = (with(1), with(2));
+    assert_eq!(one.depth, two.depth);
+    assert_eq!(one.contact.surface.pressure, two.contact.surface.pressure);
+    assert_eq!(
+        (one.ploughing.value, one.front.value),
+        (two.ploughing.value, two.front.value)
+    );
+}
+
+#[test]
+fn what_does_not_slide_steadily_is_refused_by_name() {
+    let mut soft = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
+    soft.ice_surface = Some(Arc::new(Waviness::new(1e-6, 0.1).unwrap()));
+    let refused = slide(&soft, None, &Options::default()).unwrap_err();
+    assert!(matches!(refused, Error::NotSliding { .. }), "{refused}");
+    soft.ice_surface = None;
+    soft.ice.hardness = None;
+    let refused = slide(&soft, None, &Options::default()).unwrap_err();
+    assert!(refused.to_string().contains("hardness"), "{refused}");
+}
