@@ -8,7 +8,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{BASE, CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::regression::inverse::ridge_inverse;
+use crate::regression::prior::Prior;
 
 /// Residuals of all runs.
 pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
@@ -58,7 +58,8 @@ pub fn free_base(
 
 /// Fits base and effects by Gauss-Newton, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
+/// Minimises `sum_c n_c ln(rms_c / s_c)`, whose minimum is that of least squares with the deviations found along the way; s_c is
+/// the mass or the inertia by which a channel's accelerations enter it, without which a fit could make a balance small. Steps
 /// are halved until it falls; amplitudes stay in their bounds.
 ///
 /// # Errors
@@ -88,7 +89,7 @@ pub fn fit(
             local: &[],
             windows: &[],
         };
-        let p = design.fitted();
+        let (p, prior) = (design.fitted(), design.prior());
         let blocks: Vec<Vec<(DMatrix<f64>, usize)>> = frames
             .par_iter()
             .map(|frame| channel_grams(&design, frame))
@@ -109,19 +110,23 @@ pub fn fit(
             }
             sums.clear();
         }
+        let scales = trial.scales();
         let mut whitener = plain.clone();
         let mut total = DMatrix::zeros(m, m);
-        let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
+        let mut criterion = match sums.is_empty() {
+            true => f64::INFINITY,
+            false => 0.5 * prior.penalty(),
+        };
         for (k, (gram, n)) in sums.iter().enumerate() {
             let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
             let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
             whitener.sd[plain.channel(k)] = sd;
             total += gram / (sd * sd);
-            criterion += *n as f64 * sd.ln();
+            criterion += *n as f64 * (sd / scales[plain.channel(k)]).ln();
         }
         let gained = best.as_ref().map_or(f64::INFINITY, |b| b.0 - criterion);
         if gained >= 0.0 {
-            let step = joint_step(&total, p);
+            let step = joint_step(&total, &prior);
             best = Some((criterion, trial.clone(), whitener, step));
             share = 1.0;
             if gained < ENOUGH {
@@ -152,14 +157,16 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
         .collect()
 }
 
-/// The Gauss-Newton step of base and effects together.
-fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
+/// The Gauss-Newton step of base, effects and installation together.
+fn joint_step(total: &DMatrix<f64>, prior: &Prior) -> DVector<f64> {
+    let p = prior.len();
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    (ridge_inverse(jj) * jr).column(0).into_owned()
+    prior.inverse(jj) * (jr.column(0) + prior.scores())
 }
 
-/// The model moved by a share of a step: base multipliers, then amplitudes in their units; all stay in their bounds.
+/// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off
+/// by; all stay in their bounds.
 pub fn stepped(
     residual_model: &ResidualModel,
     free_base: &[usize],
@@ -188,5 +195,8 @@ pub fn stepped(
             value.clamp(low, high)
         };
     }
+    let first = step.len() - trial.installation.fitted();
+    let installed = step[first..].iter().map(|step| share * step);
+    trial.installation.step(installed);
     trial
 }

@@ -11,6 +11,7 @@ use crate::evidence::runs::model::windows::{BIN_M, Window};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 use crate::regression::gram::Gram;
+use crate::regression::prior::Prior;
 
 /// Columns that stand for each run's own level: of friction and of lateral grip.
 pub const OWN_LEVELS: usize = 2;
@@ -31,9 +32,23 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Number of fitted parameters.
+    /// Number of fitted parameters: base, amplitudes, installation.
     pub fn fitted(&self) -> usize {
-        self.free_base.len() + self.residual_model.free().len()
+        self.free_base.len()
+            + self.residual_model.free().len()
+            + self.residual_model.installation.fitted()
+    }
+
+    /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
+    pub fn prior(&self) -> Prior {
+        let installation = &self.residual_model.installation;
+        let known = self.fitted() - installation.fitted();
+        let mut prior = Prior::none(self.fitted());
+        for k in 0..installation.fitted() {
+            prior.precision[known + k] = 1.0;
+            prior.at[known + k] = installation.sizes[k];
+        }
+        prior
     }
 
     /// Columns of one run: its levels, fitted parameters, candidates, and the residual last; all whitened.
@@ -64,6 +79,16 @@ impl Design<'_> {
             })
             .collect();
         let moved: Vec<ModelOnRun> = moved.iter().map(|c| ModelOnRun::new(c, frame)).collect();
+        let installed: Vec<ResidualModel> = (0..residual_model.installation.fitted())
+            .map(|part| ResidualModel {
+                installation: residual_model.installation.moved(part, 0.01),
+                ..residual_model.clone()
+            })
+            .collect();
+        let installed: Vec<ModelOnRun> = installed
+            .iter()
+            .map(|c| ModelOnRun::new(c, frame))
+            .collect();
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
             .iter()
@@ -71,7 +96,8 @@ impl Design<'_> {
             .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
             .collect();
         let n = frame.len();
-        let (first_trial, count) = (BASE + moved.len(), BASE + moved.len() + trials.len() + 1);
+        let first_trial = BASE + moved.len() + installed.len();
+        let count = first_trial + trials.len() + 1;
         let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
             let samples = if self.whitener.used[c] { n } else { 0 };
             vec![vec![0.0; samples]; count]
@@ -100,6 +126,11 @@ impl Design<'_> {
             }
             for (k, other) in moved.iter().enumerate() {
                 put(BASE + k, other.balances_beside(i, &at), 0.01);
+            }
+            for (k, other) in installed.iter().enumerate() {
+                let near = on_run.instant_near(i, &other.measured(i), &at);
+                let values = on_run.balances(&near, &on_run.forces(&near));
+                put(BASE + moved.len() + k, values, 0.01);
             }
             for b in 0..BASE {
                 put(b, on_run.balances_with_base(&at, b, STEP), STEP);

@@ -1,7 +1,7 @@
 //! Which claims the others have made superfluous.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::whiten::Whitener;
@@ -35,7 +35,7 @@ impl Campaign<'_> {
     ///
     /// # Errors
     /// Those of the fit.
-    pub fn without(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+    pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
         let already = fit.already();
         let mut residual_model = fit.residual_model.clone();
         let mut place = 0;
@@ -49,6 +49,12 @@ impl Campaign<'_> {
             .filter(|o| **o != step)
             .map(|o| o - usize::from(*o > step))
             .collect();
-        self.fitted(&residual_model, owners)
+        let mut next = self.fitted(&residual_model, owners)?;
+        let told = fit.told.clone().filter(|told| told.step != step);
+        next.told = told.map(|told| Told {
+            step: told.step - usize::from(told.step > step),
+            ..told
+        });
+        Ok(next)
     }
 }

@@ -1,6 +1,24 @@
 //! White noise of each sensor: as stated, or as the recordings show it.
 
+use std::ops::Range;
+
 use kufe_sled::{Noise, Run};
+
+/// Rows of a run that are learned from.
+#[derive(Clone, Debug)]
+pub struct Learned<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Its rows.
+    pub rows: Range<usize>,
+}
+
+impl Learned<'_> {
+    /// A column of these rows; `None` where it is not recorded.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.run.columns.get(name)?.get(self.rows.clone())
+    }
+}
 
 /// What is stated, where the recordings are not quieter still: white noise shows in full in third differences.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
@@ -33,11 +51,11 @@ pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise
 }
 
 /// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.
-pub fn estimate(runs: &[Run]) -> Noise {
+pub fn estimate(learned: &[Learned]) -> Noise {
     let sd = |name: &str| -> f64 {
-        let mut each: Vec<f64> = runs
+        let mut each: Vec<f64> = learned
             .iter()
-            .filter_map(|run| run.columns.get(name))
+            .filter_map(|piece| piece.column(name))
             .map(|x| {
                 let sum: f64 = x
                     .windows(4)

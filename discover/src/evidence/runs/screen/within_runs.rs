@@ -12,6 +12,7 @@ use crate::evidence::runs::screen::on_track::Surveyed;
 use crate::evidence::runs::screen::residual_screen::{
     RunScreen, ScreenOptions, best_windows, screen_runs,
 };
+use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim, Screen};
 use crate::regression::scores::{Scores, cross_information};
@@ -43,7 +44,11 @@ impl Campaign<'_> {
         let options = self.screen_options(account);
         let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
-        let detectable = detectable(&screen, &regular[..named]);
+        // Where no p-value can pass there is no size that would be claimed.
+        let detectable = match self.least_p() > options.alpha {
+            true => Vec::new(),
+            false => detectable(&screen, &regular[..named]),
+        };
         self.by_forces = regular
             .iter()
             .zip(&screen.seen)
@@ -124,7 +129,7 @@ impl Campaign<'_> {
             .collect();
         let mut together = RunScreen {
             seen: screen.seen[..regular.len()].to_vec(),
-            u: screen.u.rows(0, regular.len()).into_owned(),
+            sums: screen.sums.first(regular.len()),
             cross: screen.cross.clone(),
         };
         if !close.is_empty() {
@@ -136,17 +141,13 @@ impl Campaign<'_> {
                 .zip(&noise)
                 .map(|(p, d)| p.corrected(d, 1.0))
                 .collect();
-            let scores = Scores::new(&grams, design.fitted());
-            together.cross = cross_information(&grams, design.fitted());
-            let rows = together.u.nrows();
-            together.u = together.u.insert_rows(rows, close.len(), 0.0);
+            let scores = Scores::new(&grams, &design.prior());
+            together.cross = cross_information(&grams, &design.prior());
+            let (sums, rows) = (ScoreSums::of(&scores), regular.len());
             for (k, (candidate, c)) in close.iter().enumerate() {
-                together
-                    .u
-                    .row_mut(rows + k)
-                    .copy_from(&scores.u.row(rows + k));
+                together.sums.push(&sums, rows + k);
                 let information = scores.total_information(rows + k).max(1e-300);
-                let sum: f64 = scores.u.row(rows + k).sum();
+                let sum = scores.sum(rows + k);
                 let mut seen = screen.seen[*c].clone();
                 seen.size = sum / information * candidate.typical;
                 seen.gain = sum * sum / information;

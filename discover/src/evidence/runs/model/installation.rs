@@ -1,0 +1,267 @@
+//! What the installation may be off by: delays, scales, biases, places, mass and inertia, as random effects.
+//!
+//! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns beside
+//! those of the base, J, the fit is that of least squares with a penalty, and rows have a covariance of their own:
+//!
+//! ```text
+//! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
+//! ```
+//!
+//! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical Science 6 (1991) 15.
+
+use kufe_sled::Tolerances;
+use kufe_sled::effects::{Constants, Sensor};
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// What an installation error does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wrong {
+    /// A channel is late.
+    Late(Sensor),
+    /// A channel reads a share too much.
+    Scaled(Sensor),
+    /// A channel reads a constant too much.
+    Biased(Sensor),
+    /// The accelerometer stands further along an axis.
+    Accelerometer(usize),
+    /// The slip sensor stands further ahead.
+    SlipSensor,
+    /// The centre of gravity lies further ahead.
+    Centre,
+    /// The sled is heavier by a share.
+    Mass,
+    /// Its pitch or yaw inertia is larger by a share.
+    PitchInertia,
+    /// The same about the vertical.
+    YawInertia,
+}
+
+/// One thing that may be off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What it is, in words.
+    pub what: String,
+    /// Unit of its size.
+    pub unit: &'static str,
+    /// Standard deviation, in its unit.
+    pub sd: f64,
+    wrong: Wrong,
+}
+
+/// Everything that may be off, and by how much it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Installation {
+    /// What may be off.
+    pub parts: Vec<Part>,
+    /// By how much, in standard deviations.
+    pub sizes: Vec<f64>,
+}
+
+/// Standard deviations beyond which no fit looks for an installation error.
+const FARTHEST: f64 = 10.0;
+
+impl Installation {
+    /// What the tolerances leave open; a standard deviation of 0 leaves nothing.
+    pub fn new(tolerances: &Tolerances) -> Self {
+        let t = tolerances;
+        let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+        let accelerometers = [Sensor::Ax, Sensor::Ay, Sensor::Az];
+        let mut parts = Vec::new();
+        let mut add = |what: String, unit, sd, wrong| {
+            if sd > 0.0 {
+                let part = Part {
+                    what,
+                    unit,
+                    sd,
+                    wrong,
+                };
+                parts.push(part);
+            }
+        };
+        for s in Sensor::ALL {
+            let what = format!("delay of {}", s.name());
+            add(what, "s", t.delay_s, Wrong::Late(s));
+        }
+        for s in gyros {
+            let name = s.name();
+            add(
+                format!("scale of {name}"),
+                "",
+                t.gyro_scale,
+                Wrong::Scaled(s),
+            );
+            let (sd, what) = (t.gyro_bias_radps, format!("bias of {name}"));
+            add(what, "rad/s", sd, Wrong::Biased(s));
+        }
+        for s in accelerometers {
+            let name = s.name();
+            add(
+                format!("scale of {name}"),
+                "",
+                t.accel_scale,
+                Wrong::Scaled(s),
+            );
+            let (sd, what) = (t.accel_bias_mps2, format!("bias of {name}"));
+            add(what, "m/s2", sd, Wrong::Biased(s));
+        }
+        let steer = Sensor::Steering;
+        let what = format!("scale of {}", steer.name());
+        add(what, "", t.steer_scale, Wrong::Scaled(steer));
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let what = format!("place of the accelerometer, {name}");
+            add(what, "m", t.place_m, Wrong::Accelerometer(axis));
+        }
+        let places = [
+            ("place of the slip sensor, x", Wrong::SlipSensor),
+            ("place of the centre of gravity, x", Wrong::Centre),
+        ];
+        for (what, wrong) in places {
+            add(what.to_owned(), "m", t.place_m, wrong);
+        }
+        add("mass, relative".to_owned(), "", t.mass, Wrong::Mass);
+        let inertias = [("pitch", Wrong::PitchInertia), ("yaw", Wrong::YawInertia)];
+        for (axis, wrong) in inertias {
+            add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
+        }
+        let sizes = vec![0.0; parts.len()];
+        Self { parts, sizes }
+    }
+
+    /// Number of parts, all of which are fitted.
+    pub fn fitted(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The parts for which this holds, by their place.
+    pub fn only(&self, holds: impl Fn(usize) -> bool) -> Self {
+        let kept = |k: &usize| holds(*k);
+        Self {
+            parts: (0..self.parts.len())
+                .filter(kept)
+                .map(|k| self.parts[k].clone())
+                .collect(),
+            sizes: (0..self.parts.len())
+                .filter(kept)
+                .map(|k| self.sizes[k])
+                .collect(),
+        }
+    }
+
+    /// Moves all parts, in standard deviations.
+    pub fn step(&mut self, by: impl Iterator<Item = f64>) {
+        for (size, by) in self.sizes.iter_mut().zip(by) {
+            *size = (*size + by).clamp(-FARTHEST, FARTHEST);
+        }
+    }
+
+    /// The same with one part moved by so many standard deviations.
+    pub fn moved(&self, part: usize, by: f64) -> Self {
+        let mut moved = self.clone();
+        moved.sizes[part] += by;
+        moved
+    }
+
+    /// From the stated constants of a sled to the true ones.
+    pub fn find_constants(&self, sled: &mut Constants) {
+        for (part, size) in self.parts.iter().zip(&self.sizes) {
+            let size = size * part.sd;
+            match part.wrong {
+                Wrong::Accelerometer(axis) => sled.accelerometer[axis] += size,
+                Wrong::SlipSensor => sled.slip_sensor += size,
+                Wrong::Centre => {
+                    sled.axles[0] -= size;
+                    sled.axles[1] += size;
+                    sled.accelerometer[0] -= size;
+                    sled.slip_sensor -= size;
+                }
+                Wrong::Mass => sled.mass *= 1.0 + size,
+                Wrong::PitchInertia => sled.pitch_inertia *= 1.0 + size,
+                Wrong::YawInertia => sled.yaw_inertia *= 1.0 + size,
+                Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
+            }
+        }
+    }
+
+    /// From what the sensors said to what was true; `None` where no sensor is off.
+    pub fn corrected(&self, frame: &Frame) -> Option<Frame> {
+        let off = self
+            .parts
+            .iter()
+            .zip(&self.sizes)
+            .filter(|(_, size)| **size != 0.0);
+        let mut corrected: Option<Frame> = None;
+        for (part, size) in off {
+            let size = size * part.sd;
+            let (Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor)) = part.wrong
+            else {
+                continue;
+            };
+            let frame = corrected.get_or_insert_with(|| frame.clone());
+            let samples = size / frame.sample_s();
+            let (value, slope) = frame.channel(sensor);
+            if matches!(part.wrong, Wrong::Biased(_)) {
+                value.iter_mut().for_each(|x| *x -= size);
+                continue;
+            }
+            for x in [Some(value), slope].into_iter().flatten() {
+                match part.wrong {
+                    Wrong::Late(_) => *x = ahead(x, samples),
+                    _ => x.iter_mut().for_each(|x| *x /= 1.0 + size),
+                }
+            }
+        }
+        corrected
+    }
+}
+
+/// A series read so many samples ahead, by the cubic through the four nearest; constant beyond its ends.
+fn ahead(x: &[f64], by: f64) -> Vec<f64> {
+    let last = x.len() as isize - 1;
+    let at = |i: isize| x[i.clamp(0, last) as usize];
+    let whole = by.floor();
+    let f = by - whole;
+    let weights = [
+        -f * (f - 1.0) * (f - 2.0) / 6.0,
+        (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
+        -(f + 1.0) * f * (f - 2.0) / 2.0,
+        (f + 1.0) * f * (f - 1.0) / 6.0,
+    ];
+    (0..x.len() as isize)
+        .map(|i| {
+            let first = i + whole as isize - 1;
+            let near = weights.iter().zip(first..);
+            near.map(|(w, k)| w * at(k)).sum()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_read_ahead_is_the_wave_a_moment_later() {
+        // Four samples a radian: the cubic's error is below (1/4)^4 / 24.
+        let wave = |t: f64| (0.25 * t).sin();
+        let x: Vec<f64> = (0..200).map(|k| wave(f64::from(k))).collect();
+        for by in [-2.3, -0.4, 0.0, 0.7, 3.0] {
+            let moved = ahead(&x, by);
+            for (k, moved) in moved.iter().enumerate().take(190).skip(10) {
+                assert!((moved - wave(k as f64 + by)).abs() < 2e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_exact_has_no_part_and_the_rest_one_each() {
+        assert_eq!(Installation::new(&Tolerances::EXACT).fitted(), 0);
+        let delays = Tolerances {
+            delay_s: 0.002,
+            ..Tolerances::EXACT
+        };
+        let parts = Installation::new(&delays).parts;
+        assert_eq!(parts.len(), Sensor::ALL.len());
+        assert_eq!(parts[5].what, "delay of yaw_rate_radps");
+    }
+}
