@@ -89,7 +89,6 @@ pub fn estimate(
         errors = e;
         settled = stepped(&settled, free, step.as_slice(), 1.0);
     }
-    let fitted_parts = residual_model.installation.fitted();
     let scales: Vec<f64> = vec![1.0; free.len()]
         .into_iter()
         .chain(
@@ -98,14 +97,7 @@ pub fn estimate(
                 .iter()
                 .map(|(e, q)| residual_model.scale(*e, *q)),
         )
-        .chain(
-            residual_model
-                .installation
-                .parts
-                .iter()
-                .map(|p| p.sd)
-                .take(fitted_parts),
-        )
+        .chain(residual_model.installation.parts.iter().map(|p| p.sd))
         .collect();
     let values = |residual_model: &ResidualModel, like: &ResidualModel| -> Vec<f64> {
         let amplitudes = like.free();
@@ -116,7 +108,7 @@ pub fn estimate(
                     .iter()
                     .map(|(e, q)| residual_model.effects.active[*e].values[*q]),
             )
-            .chain(residual_model.installation.found().take(fitted_parts))
+            .chain(residual_model.installation.found())
             .collect()
     };
     let (fitted, moved) = (

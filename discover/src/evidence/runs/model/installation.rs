@@ -155,6 +155,12 @@ impl Installation {
         }
     }
 
+    /// By how much each part is off, in its unit.
+    pub fn found(&self) -> impl Iterator<Item = f64> {
+        let each = self.parts.iter().zip(&self.sizes);
+        each.map(|(part, size)| part.sd * size)
+    }
+
     /// The same with one part moved by so many standard deviations.
     pub fn moved(&self, part: usize, by: f64) -> Self {
         let mut moved = self.clone();

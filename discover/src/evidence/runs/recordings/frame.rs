@@ -13,6 +13,8 @@ pub struct Frame {
     pub name: String,
     /// Track.
     pub track: String,
+    /// Driver.
+    pub driver: String,
     /// Session.
     pub session: String,
     /// Ice and air temperature [deg C], air pressure [Pa].

@@ -8,7 +8,7 @@ use kufe_sled::{Model, Noise, Run};
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::sensor_noise::{Learned, estimate, quieter};
+use crate::evidence::runs::recordings::sensor_noise::{Learned, doubted, estimate, quieter};
 use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
 use crate::procedure::lock::{LockRules, Locked, Place};
@@ -22,6 +22,8 @@ pub struct Data {
     pub noise: Noise,
     /// Names of the sensors whose noise was estimated rather than stated.
     pub noise_estimated: bool,
+    /// Whether the recordings contradict the noise that is stated.
+    pub noise_doubted: bool,
     /// Columns that were recorded and vary.
     pub available: Vec<Column>,
     /// Whether one run was cut into segments.
@@ -98,6 +100,7 @@ pub fn prepare(
         Some(stated) => (quieter(&stated, &seen, &mut remarks), false),
         None => (seen, true),
     };
+    let noise_doubted = model.noise.is_some_and(|stated| doubted(&stated, &seen));
     turn_slopes(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
     let mut available = available(runs, &learned, &training, &mut remarks);
@@ -108,6 +111,7 @@ pub fn prepare(
         frames,
         noise,
         noise_estimated,
+        noise_doubted,
         available,
         segmented,
         locked,

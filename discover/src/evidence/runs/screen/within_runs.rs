@@ -41,7 +41,7 @@ impl Campaign<'_> {
             windows: &all_windows,
             ..at.design(&regular)
         };
-        let options = self.screen_options(account);
+        let options = self.screen_options(at, account);
         let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
         // Where no p-value can pass there is no size that would be claimed.
@@ -66,7 +66,7 @@ impl Campaign<'_> {
         }
     }
 
-    fn screen_options(&self, account: &Account) -> ScreenOptions {
+    fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
         let (rules, share) = (self.rules(), self.share(account));
         ScreenOptions {
             pairs: self.options.twins.div_ceil(40).max(1),
@@ -74,9 +74,14 @@ impl Campaign<'_> {
             alpha: share * rules.alpha,
             alpha_local: share * rules.alpha_window,
             alpha_beyond: share * rules.alpha_beyond,
-            trust: match self.data.noise_estimated {
-                true => rules.estimated_noise_trust,
-                false => rules.noise_trust,
+            trust: match (self.data.noise_estimated, self.data.noise_doubted) {
+                (false, false) => rules.noise_trust,
+                (true, _) => rules.estimated_noise_trust,
+                // All that is known is that it makes no more than the residual.
+                (false, true) => {
+                    let [low, high] = rules.estimated_noise_trust;
+                    [low, high.max(at.simulator.most_noise(self.used))]
+                }
             },
             holds: [rules.holds, rules.window_holds],
             least: [rules.least_left, rules.least_signal],
@@ -93,7 +98,7 @@ impl Campaign<'_> {
         places: &[(Candidate<Amplitude>, usize)],
         account: &Account,
     ) -> Option<Claim<Amplitude>> {
-        let options = self.screen_options(account);
+        let options = self.screen_options(at, account);
         let rules = self.rules();
         let gain = |c: usize| screen.seen[c].gain;
         let alpha_of = |candidate: &Candidate<Amplitude>| match (
