@@ -48,7 +48,7 @@ impl Scores {
             to_windows += gram.windows.columns(0, base).transpose();
         }
         let inverse = prior.inverse(total.columns(0, base).into_owned());
-        let by_residual: DVector<f64> = &inverse * (total.column(m - 1) + prior.scores());
+        let by_residual: DVector<f64> = &inverse * (total.column(m - 1) + prior.scores(&prior.at));
         let fitted = &prior.at + &by_residual;
         let mut betas = DMatrix::zeros(base, count);
         betas
@@ -62,7 +62,7 @@ impl Scores {
         let common = DMatrix::from_fn(count, random.len(), |c, k| {
             prior.precision[random[k]].sqrt() * betas[(random[k], c)]
         });
-        let weighted = prior.precision.component_mul(&fitted);
+        let weighted = -prior.scores(&fitted);
         let shared = (0..count).map(|c| betas.column(c).dot(&weighted)).collect();
         let runs = grams.len();
         let mut u = DMatrix::zeros(count, runs);

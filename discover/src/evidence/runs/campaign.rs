@@ -8,7 +8,7 @@ use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -18,6 +18,9 @@ use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Account;
 use crate::procedure::rules::RunRules;
+use crate::regression::gram::Gram;
+use crate::regression::prior::Prior;
+use crate::regression::scores::cross_information;
 
 /// A campaign of runs.
 pub struct Campaign<'a> {
@@ -200,8 +203,8 @@ impl Campaign<'_> {
         estimate(&rows, pairs, trust, settle)
     }
 
-    /// A fitted model with those errors of its installation that could be seen: of one standard deviation, the effect on all
-    /// training rows is a quarter of what noise is in one of them, or more.
+    /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
+    /// standard deviation moves a statistic by half of its own or more.
     ///
     /// # Errors
     /// Those of the fit.
@@ -224,15 +227,16 @@ impl Campaign<'_> {
             local: &[],
             windows: &[],
         };
-        let first = OWN_LEVELS + design.fitted() - parts;
-        let mut seen = vec![0.0; parts];
-        for products in design.products(&self.training) {
-            for (k, seen) in seen.iter_mut().enumerate() {
-                *seen += products.full[(first + k, first + k)];
-            }
-        }
+        let grams: Vec<Gram> = design
+            .products(&self.training)
+            .iter()
+            .map(Products::plain)
+            .collect();
+        let base = Prior::none(design.fitted() - parts);
+        // The installation's columns stand where those of candidates would.
+        let beyond = cross_information(&grams, &base);
         let start = ResidualModel {
-            installation: all.installation.only(|k| seen[k] >= LEAST),
+            installation: all.installation.told_apart(&beyond, LEAST),
             ..all
         };
         self.fitted(&start, fit.owners.clone())

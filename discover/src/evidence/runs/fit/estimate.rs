@@ -80,12 +80,12 @@ pub fn estimate(
             .iter()
             .zip(&noise)
             .map(|(x, d)| {
-                let c = &x.full - d;
+                let c = x.less(d, 1.0, &design.installed());
                 c.view((OWN_LEVELS, OWN_LEVELS), (p + 1, p + 1))
                     .into_owned()
             })
             .collect();
-        let (step, e) = solve(&runs, &design.prior());
+        let (step, e) = solve(&runs, &design.prior(frames));
         errors = e;
         settled = stepped(&settled, free, step.as_slice(), 1.0);
     }
@@ -97,7 +97,6 @@ pub fn estimate(
                 .iter()
                 .map(|(e, q)| residual_model.scale(*e, *q)),
         )
-        .chain(residual_model.installation.parts.iter().map(|p| p.sd))
         .collect();
     let values = |residual_model: &ResidualModel, like: &ResidualModel| -> Vec<f64> {
         let amplitudes = like.free();
@@ -108,7 +107,6 @@ pub fn estimate(
                     .iter()
                     .map(|(e, q)| residual_model.effects.active[*e].values[*q]),
             )
-            .chain(residual_model.installation.found())
             .collect()
     };
     let (fitted, moved) = (
@@ -118,6 +116,14 @@ pub fn estimate(
     let n = frames.len() as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
+    let known = errors[fitted.len()..].to_vec();
+    let parts = settled.installation.found(&known).into_iter();
+    let parts = parts.map(|(value, error)| Estimate {
+        value,
+        error,
+        low: value - quantile * error,
+        high: value + quantile * error,
+    });
     let estimates = (0..fitted.len())
         .map(|k| {
             let value = if settle { moved[k] } else { fitted[k] };
@@ -129,6 +135,7 @@ pub fn estimate(
                 high: value + quantile * error,
             }
         })
+        .chain(parts)
         .collect();
     (
         estimates,
@@ -148,7 +155,7 @@ fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) {
         total += gram;
     }
     let inverse = prior.inverse(total.view((0, 0), (p, p)).into_owned());
-    let step = &inverse * (total.view((0, p), (p, 1)).column(0) + prior.scores());
+    let step = &inverse * (total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at));
     let mut meat = DMatrix::zeros(p, p);
     for gram in grams {
         let own = gram.view((0, 0), (p, p));

@@ -89,7 +89,7 @@ pub fn fit(
             local: &[],
             windows: &[],
         };
-        let (p, prior) = (design.fitted(), design.prior());
+        let (p, prior) = (design.fitted(), design.prior(frames));
         let blocks: Vec<Vec<(DMatrix<f64>, usize)>> = frames
             .par_iter()
             .map(|frame| channel_grams(&design, frame))
@@ -162,7 +162,7 @@ fn joint_step(total: &DMatrix<f64>, prior: &Prior) -> DVector<f64> {
     let p = prior.len();
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    prior.inverse(jj) * (jr.column(0) + prior.scores())
+    prior.inverse(jj) * (jr.column(0) + prior.scores(&prior.at))
 }
 
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off
@@ -196,7 +196,7 @@ pub fn stepped(
         };
     }
     let first = step.len() - trial.installation.fitted();
-    let installed = step[first..].iter().map(|step| share * step);
-    trial.installation.step(installed);
+    let installed: Vec<f64> = step[first..].iter().map(|step| share * step).collect();
+    trial.installation.step(&installed);
     trial
 }

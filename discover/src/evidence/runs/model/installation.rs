@@ -11,6 +11,7 @@
 
 use kufe_sled::Tolerances;
 use kufe_sled::effects::{Constants, Sensor};
+use nalgebra::DMatrix;
 
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -56,10 +57,9 @@ pub struct Installation {
     pub parts: Vec<Part>,
     /// By how much, in standard deviations.
     pub sizes: Vec<f64>,
+    /// Orthonormal combinations of the parts that are fitted, by the share of each part in them.
+    pub directions: Vec<Vec<f64>>,
 }
-
-/// Standard deviations beyond which no fit looks for an installation error.
-const FARTHEST: f64 = 10.0;
 
 impl Installation {
     /// What the tolerances leave open; a standard deviation of 0 leaves nothing.
@@ -124,48 +124,93 @@ impl Installation {
         for (axis, wrong) in inertias {
             add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
         }
-        let sizes = vec![0.0; parts.len()];
-        Self { parts, sizes }
+        Self::of(parts)
     }
 
-    /// Number of parts, all of which are fitted.
-    pub fn fitted(&self) -> usize {
-        self.parts.len()
-    }
-
-    /// The parts for which this holds, by their place.
-    pub fn only(&self, holds: impl Fn(usize) -> bool) -> Self {
-        let kept = |k: &usize| holds(*k);
+    /// All parts, each by itself.
+    fn of(parts: Vec<Part>) -> Self {
+        let count = parts.len();
+        let alone = |k: usize| (0..count).map(|j| f64::from(u8::from(j == k))).collect();
         Self {
-            parts: (0..self.parts.len())
-                .filter(kept)
-                .map(|k| self.parts[k].clone())
-                .collect(),
-            sizes: (0..self.parts.len())
-                .filter(kept)
-                .map(|k| self.sizes[k])
-                .collect(),
+            sizes: vec![0.0; count],
+            directions: (0..count).map(alone).collect(),
+            parts,
         }
     }
 
-    /// Moves all parts, in standard deviations.
-    pub fn step(&mut self, by: impl Iterator<Item = f64>) {
-        for (size, by) in self.sizes.iter_mut().zip(by) {
-            *size = (*size + by).clamp(-FARTHEST, FARTHEST);
+    /// Number of combinations that are fitted.
+    pub fn fitted(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// By how much a combination is off, in standard deviations.
+    pub fn along(&self, direction: usize) -> f64 {
+        let shares = self.directions[direction].iter();
+        shares.zip(&self.sizes).map(|(v, size)| v * size).sum()
+    }
+
+    /// The combinations of parts of which one standard deviation shows, from their products in the rows (parts by parts).
+    ///
+    /// With G these products beyond the base, the eigenvectors of G are told apart by the data, and one of eigenvalue g moves no
+    /// statistic by more than the root of g: those below `least` are left out, and with them what no fit could hold.
+    pub fn told_apart(&self, products: &DMatrix<f64>, least: f64) -> Self {
+        let eigen = products.clone().symmetric_eigen();
+        let kept = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
+        Self {
+            directions: kept
+                .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
+                .collect(),
+            ..self.clone()
         }
     }
 
-    /// By how much each part is off, in its unit.
-    pub fn found(&self) -> impl Iterator<Item = f64> {
-        let each = self.parts.iter().zip(&self.sizes);
-        each.map(|(part, size)| part.sd * size)
+    /// Moves all combinations, in standard deviations.
+    pub fn step(&mut self, by: &[f64]) {
+        for (direction, by) in self.directions.iter().zip(by) {
+            for (size, share) in self.sizes.iter_mut().zip(direction) {
+                *size += by * share;
+            }
+        }
     }
 
-    /// The same with one part moved by so many standard deviations.
-    pub fn moved(&self, part: usize, by: f64) -> Self {
+    /// The same with one combination moved by so many standard deviations.
+    pub fn moved(&self, direction: usize, by: f64) -> Self {
         let mut moved = self.clone();
-        moved.sizes[part] += by;
+        for (size, share) in moved.sizes.iter_mut().zip(&self.directions[direction]) {
+            *size += by * share;
+        }
         moved
+    }
+
+    /// Size and standard error of each part, in its unit, from the errors of the combinations in standard deviations: what no
+    /// combination holds is open as it was stated.
+    pub fn found(&self, errors: &[f64]) -> Vec<(f64, f64)> {
+        let part = |(j, part): (usize, &Part)| {
+            let (mut open, mut known) = (1.0, 0.0);
+            for (direction, error) in self.directions.iter().zip(errors) {
+                let share = direction[j].powi(2);
+                (open, known) = (open - share, known + share * error * error);
+            }
+            let error = (known + f64::max(open, 0.0)).sqrt();
+            (part.sd * self.sizes[j], part.sd * error)
+        };
+        self.parts.iter().enumerate().map(part).collect()
+    }
+
+    /// By what mass, yaw inertia and the scales of sensors change how accelerations enter the balances along, aside and about
+    /// the vertical.
+    pub fn scales(&self) -> [f64; 3] {
+        let mut scales = [1.0; 3];
+        for (part, size) in self.parts.iter().zip(&self.sizes) {
+            let size = 1.0 + size * part.sd;
+            match part.wrong {
+                Wrong::Scaled(Sensor::Ax) => scales[0] /= size,
+                Wrong::Scaled(Sensor::Ay) => scales[1] /= size,
+                Wrong::Scaled(Sensor::YawRate) => scales[2] /= size,
+                _ => {}
+            }
+        }
+        scales
     }
 
     /// From the stated constants of a sled to the true ones.

@@ -96,7 +96,14 @@ impl ResidualModel {
         let mut sled = self.vehicle.sled.constants();
         self.installation.find_constants(&mut sled);
         self.effects.find_constants(&mut sled);
-        [sled.mass, sled.mass, sled.yaw_inertia, 1.0].map(|scale| scale.max(1e-9))
+        let [along, aside, about] = self.installation.scales();
+        let scales = [
+            sled.mass * along,
+            sled.mass * aside,
+            sled.yaw_inertia * about,
+        ];
+        let [along, aside, about] = scales.map(|scale| scale.max(1e-9));
+        [along, aside, about, 1.0]
     }
 
     /// The unit in which an active amplitude is fitted.

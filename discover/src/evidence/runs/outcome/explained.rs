@@ -28,7 +28,7 @@ pub fn explainable_closed(
     simulator: &RunSimulator,
     seed: u64,
 ) -> Interval {
-    let prior = before.prior();
+    let prior = before.prior(training);
     let products = before.products(training);
     let noise = noise_products(before, training, simulator, 3_000_017);
     let grams: Vec<_> = products
@@ -36,7 +36,7 @@ pub fn explainable_closed(
         .zip(&noise)
         .map(|(x, d)| {
             let m = x.full.ncols() - OWN_LEVELS;
-            (&x.full - d)
+            x.less(d, 1.0, &before.installed())
                 .view((OWN_LEVELS, OWN_LEVELS), (m, m))
                 .into_owned()
         })
@@ -125,7 +125,7 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior) -> DVector<f64> {
     let base = prior.inverse(total.view((0, 0), (p, p)).into_owned());
     // The base's part of each candidate, and of the residual.
     let of_candidates = &base * total.view((0, p), (p, q));
-    let of_residual = &base * (total.view((0, m - 1), (p, 1)).column(0) + prior.scores());
+    let of_residual = &base * (total.view((0, m - 1), (p, 1)).column(0) + prior.scores(&prior.at));
     let beyond = total.view((p, p), (q, q)) - total.view((p, 0), (q, p)) * &of_candidates;
     let scale = DVector::from_fn(q, |c, _| {
         let own = total[(p + c, p + c)];

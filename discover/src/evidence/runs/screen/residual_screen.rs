@@ -84,20 +84,20 @@ pub fn screen_runs(
     simulator: &RunSimulator,
     options: &ScreenOptions,
 ) -> RunScreen {
-    let prior = design.prior();
+    let prior = design.prior(frames);
     let products = design.products(frames);
     let noise = mean_noise_products(design, frames, simulator, 0..options.pairs);
     let grams: Vec<_> = products
         .iter()
         .zip(&noise)
-        .map(|(p, d)| p.corrected(d, 1.0))
+        .map(|(p, d)| p.corrected(d, 1.0, &design.installed()))
         .collect();
     let scores = Scores::new(&grams, &prior);
     let at = |share: f64| {
         let grams: Vec<_> = products
             .iter()
             .zip(&noise)
-            .map(|(p, d)| p.corrected(d, share))
+            .map(|(p, d)| p.corrected(d, share, &design.installed()))
             .collect();
         Scores::new(&grams, &prior)
     };

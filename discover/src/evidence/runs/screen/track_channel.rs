@@ -18,6 +18,9 @@ use crate::procedure::candidate::Candidate;
 /// Width of a bin [m].
 const BIN_M: f64 = 20.0;
 
+/// Bins on either side from which the scatter between drivers is taken.
+const NEAR: usize = 3;
+
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
 pub struct TrackScore {
@@ -107,7 +110,7 @@ impl TrackChannel {
             let m = mean(0);
             let variance = runs.iter().map(|(_, r)| (r[0] - m).powi(2)).sum::<f64>() / (n - 1.0);
             scatter.push(variance);
-            by_driver.extend(between_drivers(runs));
+            by_driver.push(between_drivers(runs));
             bins.push((track.clone(), *bin as f64 * BIN_M, m, n));
             for (c, direction) in directions.iter_mut().enumerate() {
                 direction.push(mean(c + 1));
@@ -117,10 +120,16 @@ impl TrackChannel {
             return None;
         }
         let common = scatter.iter().sum::<f64>() / scatter.len() as f64;
-        // Drivers who take lines of their own, run after run, count as one run each.
-        let of_drivers = by_driver.iter().sum::<f64>() / by_driver.len().max(1) as f64;
-        bins.iter_mut()
-            .for_each(|bin| bin.3 = of_drivers.max(common / bin.3));
+        // Drivers who take lines of their own, run after run, count as one run each, by their scatter near the bin.
+        for k in 0..bins.len() {
+            let near = k.saturating_sub(NEAR)..(k + NEAR + 1).min(bins.len());
+            let there: Vec<f64> = near
+                .filter(|j| bins[*j].0 == bins[k].0)
+                .filter_map(|j| by_driver[j])
+                .collect();
+            let of_drivers = there.iter().sum::<f64>() / there.len().max(1) as f64;
+            bins[k].3 = of_drivers.max(common / bins[k].3);
+        }
         let mean = bins.iter().map(|b| b.2).sum::<f64>() / bins.len() as f64;
         let pairs: Vec<(f64, f64)> = bins
             .windows(2)

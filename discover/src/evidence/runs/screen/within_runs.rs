@@ -144,10 +144,10 @@ impl Campaign<'_> {
                 .products(&self.training)
                 .iter()
                 .zip(&noise)
-                .map(|(p, d)| p.corrected(d, 1.0))
+                .map(|(p, d)| p.corrected(d, 1.0, &design.installed()))
                 .collect();
-            let scores = Scores::new(&grams, &design.prior());
-            together.cross = cross_information(&grams, &design.prior());
+            let scores = Scores::new(&grams, &design.prior(&self.training));
+            together.cross = cross_information(&grams, &design.prior(&self.training));
             let (sums, rows) = (ScoreSums::of(&scores), regular.len());
             for (k, (candidate, c)) in close.iter().enumerate() {
                 together.sums.push(&sums, rows + k);
