@@ -11,8 +11,6 @@ pub struct Prior {
     pub precision: DVector<f64>,
     /// Where the model that is differentiated stands.
     pub at: DVector<f64>,
-    /// What is added to the scores of each parameter because its column holds the residual's own noise.
-    pub slopes: DVector<f64>,
 }
 
 impl Prior {
@@ -21,7 +19,6 @@ impl Prior {
         Self {
             precision: DVector::zeros(count),
             at: DVector::zeros(count),
-            slopes: DVector::zeros(count),
         }
     }
 
@@ -38,13 +35,8 @@ impl Prior {
         ridge_inverse(products)
     }
 
-    /// What is added to the scores `J'r` at these parameters: `s - P a`.
+    /// What is added to the scores `J'r` at these parameters: `-P a`.
     pub fn scores(&self, at: &DVector<f64>) -> DVector<f64> {
-        &self.slopes - self.precision.component_mul(at)
-    }
-
-    /// `a'P a`.
-    pub fn penalty(&self) -> f64 {
-        self.at.dot(&self.precision.component_mul(&self.at))
+        -self.precision.component_mul(at)
     }
 }

@@ -208,7 +208,12 @@ fn validated(at: &Path, model: &str, out: &str, held: &[&str]) -> f64 {
     let runs = validation["runs"].as_array().expect("a list").iter();
     let squares: Vec<f64> = runs
         .filter(|run| held.iter().any(|name| run["run"] == **name))
-        .map(|run| run["left_rms"]["side_n"].as_f64().expect("a number").powi(2))
+        .map(|run| {
+            run["left_rms"]["side_n"]
+                .as_f64()
+                .expect("a number")
+                .powi(2)
+        })
         .collect();
     assert_eq!(squares.len(), held.len());
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
@@ -221,13 +226,16 @@ fn the_gaps_of_the_report_are_those_that_validate_shows() {
     drive(at, "12");
     // The slip sensor reads 12 mrad too much: some hundreds of newtons.
     for run in 1..=12 {
-        change(&at.join(format!("run_{run:03}.csv")), |row, column, cell| {
-            let off = |cell: &str| cell.parse::<f64>().expect("a number") + 0.012;
-            Some(match (row, column) {
-                (1.., "alpha_rad") => format!("{:.7}", off(cell)),
-                _ => cell.to_owned(),
-            })
-        });
+        change(
+            &at.join(format!("run_{run:03}.csv")),
+            |row, column, cell| {
+                let off = |cell: &str| cell.parse::<f64>().expect("a number") + 0.012;
+                Some(match (row, column) {
+                    (1.., "alpha_rad") => format!("{:.7}", off(cell)),
+                    _ => cell.to_owned(),
+                })
+            },
+        );
     }
     let output = discover(at);
     assert_eq!(output.status.code(), Some(0));
@@ -241,7 +249,10 @@ fn the_gaps_of_the_report_are_those_that_validate_shows() {
         .collect();
     assert!(!held.is_empty());
     let channels = report["held_out"]["channels"].as_array().expect("a list");
-    let side = channels.iter().find(|c| c["channel"] == "side").expect("side");
+    let side = channels
+        .iter()
+        .find(|c| c["channel"] == "side")
+        .expect("side");
     let reported = ["before", "after"].map(|key| side[key].as_f64().expect("a number"));
     let shown = [
         validated(at, "model.toml", "given", &held),

@@ -155,7 +155,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Fits base and effects.
+    /// Fits base and effects, and what the installation is off by beside them.
     ///
     /// # Errors
     /// [`Error::BaseFit`] where a residual is not finite.
@@ -164,8 +164,16 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
-        let (residual_model, whitener) =
-            fit(residual_model, &self.training, &self.free, self.used)?;
+        let least_squares =
+            |model: &ResidualModel| fit(&model.hold(true), &self.training, &self.free, self.used);
+        let (mut residual_model, mut whitener) = least_squares(residual_model)?;
+        if !residual_model.installation.directions.is_empty() {
+            // By corrected scores: least squares would shrink what scales the residual's own noise.
+            let off = self
+                .newton(&residual_model.hold(false), &whitener, &[2], true)
+                .1;
+            (residual_model, whitener) = least_squares(&off)?;
+        }
         Ok(RunFit {
             settled: residual_model.clone(),
             residual_model,
@@ -183,9 +191,26 @@ impl Campaign<'_> {
         whitener: &Whitener,
     ) -> (Vec<Estimate>, ResidualModel) {
         // Where the noise is only estimated its bias is not known well enough to be taken off.
-        let (trust, settle) = match self.data.noise_estimated {
-            true => (self.rules().estimated_noise_error, false),
-            false => (self.rules().stated_noise_error, true),
+        let settle = !self.data.noise_estimated;
+        // An installation makes many columns, and its errors are known by no more than their tolerance.
+        let pairs: &[u64] = match residual_model.installation.fitted() {
+            0 => &[1, 4, 16],
+            _ => &[1, 2],
+        };
+        self.newton(residual_model, whitener, pairs, settle)
+    }
+
+    /// Newton steps on corrected scores, by so many pairs of twins each.
+    fn newton(
+        &self,
+        residual_model: &ResidualModel,
+        whitener: &Whitener,
+        pairs: &[u64],
+        settle: bool,
+    ) -> (Vec<Estimate>, ResidualModel) {
+        let trust = match self.data.noise_estimated {
+            true => self.rules().estimated_noise_error,
+            false => self.rules().stated_noise_error,
         };
         let simulator = self.simulator(residual_model);
         let rows = FittedRows {
@@ -195,21 +220,16 @@ impl Campaign<'_> {
             free: &self.free,
             simulator: &simulator,
         };
-        // An installation makes many columns, and its errors are known by no more than their tolerance.
-        let pairs: &[u64] = match residual_model.installation.fitted() {
-            0 => &[1, 4, 16],
-            _ => &[1, 2],
-        };
         estimate(&rows, pairs, trust, settle)
     }
 
     /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
-    /// standard deviation moves a statistic by half of its own or more.
+    /// standard deviation moves a statistic by its own or more.
     ///
     /// # Errors
     /// Those of the fit.
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
-        const LEAST: f64 = 0.25;
+        const LEAST: f64 = 1.0;
         let tolerances = self.model.tolerances.unwrap_or_default();
         let all = ResidualModel {
             installation: Installation::new(&tolerances),

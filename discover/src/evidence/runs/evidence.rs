@@ -112,7 +112,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
-        let residual_model = &fit.residual_model;
+        let residual_model = &fit.residual_model.hold(false);
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();

@@ -85,7 +85,7 @@ pub fn estimate(
                     .into_owned()
             })
             .collect();
-        let (step, e) = solve(&runs, &design.prior(frames));
+        let (step, e) = solve(&runs, &design.prior());
         errors = e;
         settled = stepped(&settled, free, step.as_slice(), 1.0);
     }

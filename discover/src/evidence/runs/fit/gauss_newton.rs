@@ -8,7 +8,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{BASE, CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::regression::prior::Prior;
+use crate::regression::inverse::ridge_inverse;
 
 /// Residuals of all runs.
 pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
@@ -56,10 +56,9 @@ pub fn free_base(
     free
 }
 
-/// Fits base and effects by Gauss-Newton, each channel over its own residual's deviation.
+/// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c ln(rms_c / s_c)`, whose minimum is that of least squares with the deviations found along the way; s_c is
-/// the mass or the inertia by which a channel's accelerations enter it, without which a fit could make a balance small. Steps
+/// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
 /// are halved until it falls; amplitudes stay in their bounds.
 ///
 /// # Errors
@@ -89,7 +88,7 @@ pub fn fit(
             local: &[],
             windows: &[],
         };
-        let (p, prior) = (design.fitted(), design.prior(frames));
+        let p = design.fitted();
         let blocks: Vec<Vec<(DMatrix<f64>, usize)>> = frames
             .par_iter()
             .map(|frame| channel_grams(&design, frame))
@@ -110,23 +109,19 @@ pub fn fit(
             }
             sums.clear();
         }
-        let scales = trial.scales();
         let mut whitener = plain.clone();
         let mut total = DMatrix::zeros(m, m);
-        let mut criterion = match sums.is_empty() {
-            true => f64::INFINITY,
-            false => 0.5 * prior.penalty(),
-        };
+        let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
         for (k, (gram, n)) in sums.iter().enumerate() {
             let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
             let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
             whitener.sd[plain.channel(k)] = sd;
             total += gram / (sd * sd);
-            criterion += *n as f64 * (sd / scales[plain.channel(k)]).ln();
+            criterion += *n as f64 * sd.ln();
         }
         let gained = best.as_ref().map_or(f64::INFINITY, |b| b.0 - criterion);
         if gained >= 0.0 {
-            let step = joint_step(&total, &prior);
+            let step = joint_step(&total, p);
             best = Some((criterion, trial.clone(), whitener, step));
             share = 1.0;
             if gained < ENOUGH {
@@ -157,12 +152,11 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
         .collect()
 }
 
-/// The Gauss-Newton step of base, effects and installation together.
-fn joint_step(total: &DMatrix<f64>, prior: &Prior) -> DVector<f64> {
-    let p = prior.len();
+/// The Gauss-Newton step of base and effects together.
+fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    prior.inverse(jj) * (jr.column(0) + prior.scores(&prior.at))
+    (ridge_inverse(jj) * jr).column(0).into_owned()
 }
 
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off

@@ -47,28 +47,14 @@ impl Design<'_> {
         end - self.residual_model.installation.fitted()..end
     }
 
-    /// What is known of the fitted parameters before the data of these runs are: nothing of base and amplitudes.
-    ///
-    /// A combination that scales how accelerations enter a balance scales the noise, too: its slope of `sum_c n_c ln(s_c)`, s_c
-    /// being [`ResidualModel::scales`] and n_c the rows, is what its column's product with that noise lacks.
-    pub fn prior(&self, frames: &[Frame]) -> Prior {
-        const STEP: f64 = 1e-3;
-        let model = self.residual_model;
-        let known = self.fitted() - model.installation.fitted();
+    /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
+    pub fn prior(&self) -> Prior {
+        let installation = &self.residual_model.installation;
+        let known = self.fitted() - installation.fitted();
         let mut prior = Prior::none(self.fitted());
-        let rows = frames.iter().map(Frame::row_count).sum::<usize>() as f64;
-        let own = model.scales();
-        for k in 0..model.installation.fitted() {
+        for k in 0..installation.fitted() {
             prior.precision[known + k] = 1.0;
-            prior.at[known + k] = model.installation.along(k);
-            let moved = ResidualModel {
-                installation: model.installation.moved(k, STEP),
-                ..model.clone()
-            };
-            let scales = moved.scales();
-            let used = (0..BALANCES).filter(|c| self.whitener.used[*c]);
-            let grown: f64 = used.map(|c| (scales[c] / own[c]).ln()).sum();
-            prior.slopes[known + k] = rows * grown / STEP;
+            prior.at[known + k] = installation.along(k);
         }
         prior
     }
@@ -298,17 +284,13 @@ pub struct Products {
 impl Products {
     /// The products of columns, `share` of what noise adds taken off.
     ///
-    /// Of the installation's columns it is taken off in full whatever the share, and not of their products with the residual: the
-    /// slopes of [`Design::prior`] stand for that.
+    /// Of the installation's columns it is taken off in full, whatever the share: what their fit holds no more would come back as
+    /// a step.
     pub fn less(&self, noise: &DMatrix<f64>, share: f64, installed: &Range<usize>) -> DMatrix<f64> {
         let m = self.full.ncols();
         let inside = |k: usize| installed.contains(&k);
         DMatrix::from_fn(m, m, |i, j| {
-            let share = match (inside(i) || inside(j), i == m - 1 || j == m - 1) {
-                (false, _) => share,
-                (true, false) => 1.0,
-                (true, true) => 0.0,
-            };
+            let share = if inside(i) || inside(j) { 1.0 } else { share };
             self.full[(i, j)] - share * noise[(i, j)]
         })
     }

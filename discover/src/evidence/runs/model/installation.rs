@@ -59,6 +59,8 @@ pub struct Installation {
     pub sizes: Vec<f64>,
     /// Orthonormal combinations of the parts that are fitted, by the share of each part in them.
     pub directions: Vec<Vec<f64>>,
+    /// Whether fits leave the sizes as they are.
+    pub held: bool,
 }
 
 impl Installation {
@@ -134,13 +136,25 @@ impl Installation {
         Self {
             sizes: vec![0.0; count],
             directions: (0..count).map(alone).collect(),
+            held: false,
             parts,
         }
     }
 
     /// Number of combinations that are fitted.
     pub fn fitted(&self) -> usize {
-        self.directions.len()
+        match self.held {
+            true => 0,
+            false => self.directions.len(),
+        }
+    }
+
+    /// The same, held or not.
+    pub fn hold(&self, held: bool) -> Self {
+        Self {
+            held,
+            ..self.clone()
+        }
     }
 
     /// By how much a combination is off, in standard deviations.
@@ -195,22 +209,6 @@ impl Installation {
             (part.sd * self.sizes[j], part.sd * error)
         };
         self.parts.iter().enumerate().map(part).collect()
-    }
-
-    /// By what mass, yaw inertia and the scales of sensors change how accelerations enter the balances along, aside and about
-    /// the vertical.
-    pub fn scales(&self) -> [f64; 3] {
-        let mut scales = [1.0; 3];
-        for (part, size) in self.parts.iter().zip(&self.sizes) {
-            let size = 1.0 + size * part.sd;
-            match part.wrong {
-                Wrong::Scaled(Sensor::Ax) => scales[0] /= size,
-                Wrong::Scaled(Sensor::Ay) => scales[1] /= size,
-                Wrong::Scaled(Sensor::YawRate) => scales[2] /= size,
-                _ => {}
-            }
-        }
-        scales
     }
 
     /// From the stated constants of a sled to the true ones.

@@ -91,19 +91,12 @@ impl ResidualModel {
         [vehicle.front.lateral, vehicle.rear.lateral]
     }
 
-    /// By what the accelerations of a channel enter its balance: mass [kg], yaw inertia [kg m2], 1.
-    pub fn scales(&self) -> [f64; CHANNELS] {
-        let mut sled = self.vehicle.sled.constants();
-        self.installation.find_constants(&mut sled);
-        self.effects.find_constants(&mut sled);
-        let [along, aside, about] = self.installation.scales();
-        let scales = [
-            sled.mass * along,
-            sled.mass * aside,
-            sled.yaw_inertia * about,
-        ];
-        let [along, aside, about] = scales.map(|scale| scale.max(1e-9));
-        [along, aside, about, 1.0]
+    /// The same, with the installation held or not.
+    pub fn hold(&self, held: bool) -> Self {
+        Self {
+            installation: self.installation.hold(held),
+            ..self.clone()
+        }
     }
 
     /// The unit in which an active amplitude is fitted.

@@ -28,7 +28,7 @@ pub fn explainable_closed(
     simulator: &RunSimulator,
     seed: u64,
 ) -> Interval {
-    let prior = before.prior(training);
+    let prior = before.prior();
     let products = before.products(training);
     let noise = noise_products(before, training, simulator, 3_000_017);
     let grams: Vec<_> = products

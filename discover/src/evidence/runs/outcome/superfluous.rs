@@ -10,7 +10,7 @@ use crate::finding::report::Step;
 impl Campaign<'_> {
     /// The first step whose every amplitude has become weak beside the others.
     pub fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
-        let residual_model = &fit.residual_model;
+        let residual_model = &fit.residual_model.hold(false);
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
         if steps.len() < 2 {
             return None;

@@ -16,7 +16,7 @@ impl Campaign<'_> {
     /// # Errors
     /// Those of the fit.
     pub fn write(&self, fit: &mut RunFit) -> Result<(), Error> {
-        let (estimates, settled) = self.estimates(&fit.residual_model, &fit.whitener);
+        let (estimates, settled) = self.estimates(&fit.residual_model.hold(false), &fit.whitener);
         (fit.estimates, fit.settled) = (estimates, settled);
         if fit.residual_model.installation.parts.is_empty() {
             return Ok(());

@@ -38,7 +38,7 @@ impl Campaign<'_> {
                 .iter()
                 .map(Products::plain)
                 .collect();
-            let scores = Scores::new(&grams, &design.prior(&there));
+            let scores = Scores::new(&grams, &design.prior());
             let gain = |c: usize| -> f64 {
                 scores.sum(c).powi(2) / scores.total_information(c).max(1e-300)
             };

@@ -84,7 +84,7 @@ pub fn screen_runs(
     simulator: &RunSimulator,
     options: &ScreenOptions,
 ) -> RunScreen {
-    let prior = design.prior(frames);
+    let prior = design.prior();
     let products = design.products(frames);
     let noise = mean_noise_products(design, frames, simulator, 0..options.pairs);
     let grams: Vec<_> = products

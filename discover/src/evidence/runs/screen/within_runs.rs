@@ -146,8 +146,8 @@ impl Campaign<'_> {
                 .zip(&noise)
                 .map(|(p, d)| p.corrected(d, 1.0, &design.installed()))
                 .collect();
-            let scores = Scores::new(&grams, &design.prior(&self.training));
-            together.cross = cross_information(&grams, &design.prior(&self.training));
+            let scores = Scores::new(&grams, &design.prior());
+            together.cross = cross_information(&grams, &design.prior());
             let (sums, rows) = (ScoreSums::of(&scores), regular.len());
             for (k, (candidate, c)) in close.iter().enumerate() {
                 together.sums.push(&sums, rows + k);
