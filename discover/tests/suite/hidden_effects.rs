@@ -92,6 +92,40 @@ fn a_hidden_effect_is_in_the_class_that_is_named() {
 }
 
 #[test]
+fn a_delay_within_its_tolerance_is_told_and_not_named() {
+    let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
+    assert!(report.steps.is_empty(), "{}", told(&report));
+    let delay = report
+        .within_tolerance
+        .iter()
+        .find(|part| part.what == "delay of alpha_rad");
+    let size = delay.map_or(0.0, |part| part.size);
+    // Other delays, each with its tolerance of 2 ms, take a part of it.
+    assert!(
+        (0.0015..0.0045).contains(&size),
+        "{:?}",
+        report.within_tolerance
+    );
+}
+
+#[test]
+fn too_few_runs_are_told_of_first_and_no_size_would_be_seen() {
+    let report = searched("", 5, 8);
+    assert_eq!(report.verdict, Verdict::None, "{}", told(&report));
+    let first = &report.remarks[0];
+    assert!(
+        first.contains("runs to learn from") && first.contains("9 runs"),
+        "{first}"
+    );
+    assert!(
+        report.sentence.starts_with("Too few runs"),
+        "{}",
+        report.sentence
+    );
+    assert!(report.minimum_detectable.is_empty());
+}
+
+#[test]
 fn a_model_whose_effect_nothing_feeds_is_refused_by_name() {
     let base = Model::published();
     let humid = "\n[effects.humidity]\nslope_per_pct = 0.002\n";

@@ -313,4 +313,24 @@ mod tests {
         assert_eq!(parts.len(), Sensor::ALL.len());
         assert_eq!(parts[5].what, "delay of yaw_rate_radps");
     }
+
+    #[test]
+    fn what_no_combination_holds_stays_as_open_as_it_was_stated() {
+        let places = Tolerances {
+            mass: 0.01,
+            steer_scale: 0.03,
+            ..Tolerances::EXACT
+        };
+        let both = Installation::new(&places);
+        // Only the sum of the two shows.
+        let products = DMatrix::from_element(2, 2, 50.0);
+        let mut told = both.told_apart(&products, 1.0);
+        assert_eq!(told.fitted(), 1);
+        told.step(&[told.directions[0][0].signum() * 2.0_f64.sqrt()]);
+        assert!(told.sizes.iter().all(|size| (size - 1.0).abs() < 1e-12));
+        for ((size, error), part) in told.found(&[0.1]).iter().zip(&told.parts) {
+            assert!((size - part.sd).abs() < 1e-12);
+            assert!((error / part.sd - 0.505_f64.sqrt()).abs() < 1e-12);
+        }
+    }
 }

@@ -271,18 +271,20 @@ fn typical(design: &Design, c: usize) -> f64 {
     }
 }
 
-/// What sizes fitted on four fifths of the runs explain on the rest.
+/// What sizes fitted on four fifths of the runs explain on the rest; of what the installation adds each run has its share.
 fn held_gain(scores: &Scores, c: usize) -> f64 {
     let (u, information) = (&scores.u, &scores.information);
     let runs = u.ncols();
     let folds = 5.min(runs);
     let (all_u, all_i) = (scores.sum(c), scores.total_information(c));
+    let [shared, variance] =
+        [scores.shared[c], scores.shared_variance(c)].map(|sum| sum / runs as f64);
     (0..folds)
         .map(|fold| {
             let (mut u_out, mut i_out) = (0.0, 0.0);
             for i in (fold..runs).step_by(folds) {
-                u_out += u[(c, i)];
-                i_out += information[(c, i)];
+                u_out += u[(c, i)] + shared;
+                i_out += information[(c, i)] + variance;
             }
             let size = (all_u - u_out) / (all_i - i_out).max(1e-300);
             2.0 * size * u_out - size * size * i_out
