@@ -80,7 +80,7 @@ pub fn estimate(
             .iter()
             .zip(&noise)
             .map(|(x, d)| {
-                let c = x.less(d, 1.0, &design.installed());
+                let c = &x.full - d;
                 c.view((OWN_LEVELS, OWN_LEVELS), (p + 1, p + 1))
                     .into_owned()
             })

@@ -184,7 +184,7 @@ impl RunSimulator {
 }
 
 /// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
-fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
+pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
     let mut twin = frame.clone();
     let sled = &residual_model.vehicle.sled;
     for (i, ((along, side), moment)) in rows[0].iter().zip(&rows[1]).zip(&rows[2]).enumerate() {

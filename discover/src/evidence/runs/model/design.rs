@@ -1,12 +1,11 @@
 //! Directions: how the rows change with each parameter.
 
-use std::ops::Range;
-
 use kufe_sled::effects::Active;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ModelOnRun, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::{BIN_M, Window};
@@ -39,12 +38,6 @@ impl Design<'_> {
         self.free_base.len()
             + self.residual_model.free().len()
             + self.residual_model.installation.fitted()
-    }
-
-    /// Columns of the installation among all of [`Design::columns`].
-    pub fn installed(&self) -> Range<usize> {
-        let end = OWN_LEVELS + self.fitted();
-        end - self.residual_model.installation.fitted()..end
     }
 
     /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
@@ -93,9 +86,14 @@ impl Design<'_> {
                 ..residual_model.clone()
             })
             .collect();
+        // As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
+        let modelled = (!installed.is_empty())
+            .then(|| truth(frame, residual_model, &residual_model.raw(frame)));
+        let modelled = modelled.as_ref().unwrap_or(frame);
+        let on_modelled = ModelOnRun::new(residual_model, modelled);
         let installed: Vec<ModelOnRun> = installed
             .iter()
-            .map(|c| ModelOnRun::new(c, frame))
+            .map(|c| ModelOnRun::new(c, modelled))
             .collect();
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
@@ -135,10 +133,19 @@ impl Design<'_> {
             for (k, other) in moved.iter().enumerate() {
                 put(BASE + k, other.balances_beside(i, &at), 0.01);
             }
-            for (k, other) in installed.iter().enumerate() {
-                let near = on_run.instant_near(i, &other.measured(i), &at);
-                let values = on_run.balances(&near, &on_run.forces(&near));
-                put(BASE + moved.len() + k, values, 0.01);
+            if !installed.is_empty() {
+                let there = on_modelled.instant(i, &on_modelled.measured(i));
+                let modelled = on_modelled.balances(&there, &on_modelled.forces(&there));
+                for (k, other) in installed.iter().enumerate() {
+                    let near = on_modelled.instant_near(i, &other.measured(i), &there);
+                    let values = on_modelled.balances(&near, &on_modelled.forces(&near));
+                    let moved_by = |c: usize| rest[c] + values[c] - modelled[c];
+                    put(
+                        BASE + moved.len() + k,
+                        [moved_by(0), moved_by(1), moved_by(2)],
+                        0.01,
+                    );
+                }
             }
             for b in 0..BASE {
                 put(b, on_run.balances_with_base(&at, b, STEP), STEP);
@@ -282,26 +289,13 @@ pub struct Products {
 }
 
 impl Products {
-    /// The products of columns, `share` of what noise adds taken off.
-    ///
-    /// Of the installation's columns it is taken off in full, whatever the share: what their fit holds no more would come back as
-    /// a step.
-    pub fn less(&self, noise: &DMatrix<f64>, share: f64, installed: &Range<usize>) -> DMatrix<f64> {
-        let m = self.full.ncols();
-        let inside = |k: usize| installed.contains(&k);
-        DMatrix::from_fn(m, m, |i, j| {
-            let share = if inside(i) || inside(j) { 1.0 } else { share };
-            self.full[(i, j)] - share * noise[(i, j)]
-        })
-    }
-
     /// The run's sums for scores, `share` of what noise adds taken off.
     ///
     /// `noise` belongs to the columns with the local candidates behind them; what it adds to a window is taken to be even
     /// along the run.
-    pub fn corrected(&self, noise: &DMatrix<f64>, share: f64, installed: &Range<usize>) -> Gram {
+    pub fn corrected(&self, noise: &DMatrix<f64>, share: f64) -> Gram {
         let m = self.full.ncols();
-        let full = self.less(noise, share, installed);
+        let full = &self.full - noise.view((0, 0), (m, m)) * share;
         let mut windows = self.windows.clone();
         let mut norms = self.window_norms.clone();
         for (w, (local, part)) in self.shares.iter().enumerate() {

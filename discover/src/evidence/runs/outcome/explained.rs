@@ -36,7 +36,7 @@ pub fn explainable_closed(
         .zip(&noise)
         .map(|(x, d)| {
             let m = x.full.ncols() - OWN_LEVELS;
-            x.less(d, 1.0, &before.installed())
+            (&x.full - d)
                 .view((OWN_LEVELS, OWN_LEVELS), (m, m))
                 .into_owned()
         })

@@ -90,14 +90,14 @@ pub fn screen_runs(
     let grams: Vec<_> = products
         .iter()
         .zip(&noise)
-        .map(|(p, d)| p.corrected(d, 1.0, &design.installed()))
+        .map(|(p, d)| p.corrected(d, 1.0))
         .collect();
     let scores = Scores::new(&grams, &prior);
     let at = |share: f64| {
         let grams: Vec<_> = products
             .iter()
             .zip(&noise)
-            .map(|(p, d)| p.corrected(d, share, &design.installed()))
+            .map(|(p, d)| p.corrected(d, share))
             .collect();
         Scores::new(&grams, &prior)
     };

@@ -144,7 +144,7 @@ impl Campaign<'_> {
                 .products(&self.training)
                 .iter()
                 .zip(&noise)
-                .map(|(p, d)| p.corrected(d, 1.0, &design.installed()))
+                .map(|(p, d)| p.corrected(d, 1.0))
                 .collect();
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
