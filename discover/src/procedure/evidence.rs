@@ -6,7 +6,7 @@ use crate::finding::report::{
     Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step, Tolerated,
 };
 use crate::procedure::candidate::Candidate;
-use crate::procedure::outlast::Lowered;
+use crate::procedure::lowered::Lowered;
 
 /// Data of one kind, a part of them locked away, and the model that is judged by them.
 pub trait Evidence {

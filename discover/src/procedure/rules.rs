@@ -90,6 +90,8 @@ pub struct RunRules {
     pub window_holds: f64,
     /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
     pub least_left: f64,
+    /// The same where what the installation may be off by is refitted, too. Chosen.
+    pub least_left_installed: f64,
     /// Share of a direction's products that must not be noise. Chosen.
     pub least_signal: f64,
     /// Share of the strongest claim's gain from which a window competes with it. Chosen.
@@ -140,6 +142,7 @@ impl Default for RunRules {
             holds: 0.85,
             window_holds: 1.5,
             least_left: 2e-3,
+            least_left_installed: 2e-4,
             least_signal: 0.2,
             window_competes: 0.3,
             column_wins: [2.0, 3.0],

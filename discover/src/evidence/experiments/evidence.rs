@@ -27,7 +27,7 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
 };
-use crate::procedure::outlast::Lowered;
+use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
 
 /// Rows of friction experiments, and the model that they are judged against.

@@ -34,7 +34,7 @@ use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
 };
-use crate::procedure::outlast::Lowered;
+use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
 

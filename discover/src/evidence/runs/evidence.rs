@@ -23,7 +23,7 @@ use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
 };
-use crate::procedure::outlast::Lowered;
+use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
 
 impl<'a> Campaign<'a> {

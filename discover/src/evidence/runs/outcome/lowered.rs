@@ -17,7 +17,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::procedure::outlast::Lowered;
+use crate::procedure::lowered::Lowered;
 
 /// Rows of a piece of a run: four seconds, beyond which residuals no longer go together.
 const PIECE_ROWS: usize = 40;

@@ -84,7 +84,10 @@ impl Campaign<'_> {
                 }
             },
             holds: [rules.holds, rules.window_holds],
-            least: [rules.least_left, rules.least_signal],
+            least: match at.residual_model.installation.fitted() {
+                0 => [rules.least_left, rules.least_signal],
+                _ => [rules.least_left_installed, rules.least_signal],
+            },
             nine_in_ten: self.options.rules.search.nine_in_ten,
             seed: self.options.seed,
         }
