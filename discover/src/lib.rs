@@ -11,8 +11,9 @@
 //! ```no_run
 //! use kufe_discover::{Options, runs};
 //! let model = kufe_sled::Model::load("model.toml".as_ref())?;
-//! let data = runs::read("runs.csv".as_ref(), &model)?;
-//! let found = runs::search(&data, &model, &Options::default(), &|_| {})?;
+//! let options = Options::default();
+//! let data = runs::read("runs.csv".as_ref(), &model, &options.rules.lock)?;
+//! let found = runs::search(&data, &model, &options, &|_| {})?;
 //! println!("{}", found.report.sentence);
 //! # Ok::<(), kufe_discover::Error>(())
 //! ```
@@ -32,7 +33,7 @@ pub use error::Error;
 pub use evidence::{experiments, maps, runs};
 pub use finding::{
     Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, Picture, Plot, Report,
-    Rival, RunMean, Series, Step, Verdict,
+    Rival, RunMean, Series, Step, Tolerated, Verdict,
 };
 pub use input::{read_map, read_map_bytes};
 pub use null::{MaxT, by_session_permutation, gumbel_tail};
@@ -40,4 +41,4 @@ pub use options::Options;
 pub use procedure::{
     ExperimentRules, Found, LockRules, MapRules, RivalRule, Rules, RunRules, SearchRules,
 };
-pub use regression::{Gram, Scores};
+pub use regression::{Gram, Prior, Scores};

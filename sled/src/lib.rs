@@ -50,7 +50,7 @@ pub use fit::samples::{FitOptions, lateral_samples};
 pub use model::model_toml::{Friction, Model};
 pub use model::refuse::refuse_effects;
 pub use model::runner::{PressureLookup, RunnerFriction};
-pub use model::sled::{ModelConditions, Noise, Sled, Survey};
+pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use model::vehicle::{BaseParameter, Vehicle};
 pub use motion::balance::{Balance, Left};
 pub use motion::law_forces::LawForces;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use kufe_benches::{Chart, Line, again, best_of, needle_block, on_half_space, peak_bytes};
 use kufe_contact::{Options, Runner, solve};
-use kufe_discover::{Gram, Scores};
+use kufe_discover::{Gram, Prior, Scores};
 use kufe_fem::cg;
 use kufe_mesh::Paraboloid;
 use kufe_sled::sample_data::{drive_sample, sample_plan};
@@ -226,7 +226,7 @@ fn candidates(count: usize) -> [f64; 2] {
             .par_iter()
             .map(|columns| Gram::new(&columns.tr_mul(columns), LEVELS, &windows, &[]))
             .collect();
-        Scores::new(&grams, BASE).total_information(0)
+        Scores::new(&grams, &Prior::none(BASE)).total_information(0)
     });
     [count as f64, seconds]
 }

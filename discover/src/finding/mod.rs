@@ -6,5 +6,5 @@ pub(crate) mod report;
 pub use picture::{Curve, Picture, Plot, Series};
 pub use report::{
     Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, RunMean, Step,
-    Verdict,
+    Tolerated, Verdict,
 };

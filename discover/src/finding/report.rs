@@ -48,6 +48,17 @@ pub struct Fitted {
     pub unit: String,
 }
 
+/// What an installation is off by.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tolerated {
+    /// What it is, such as the delay of a channel.
+    pub what: String,
+    /// By how much.
+    pub size: f64,
+    /// Its unit.
+    pub unit: String,
+}
+
 /// A rival and why it is in the class or not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rival {
@@ -219,6 +230,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
+    /// What the installation is off by within its tolerances: allowed for, and no finding.
+    pub within_tolerance: Vec<Tolerated>,
     /// The effects found, in order.
     pub steps: Vec<Step>,
     /// Locked-away data.

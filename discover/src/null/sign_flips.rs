@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::null::random::{sign, stream};
+use crate::null::random::{normal, sign, stream};
 use crate::regression::scores::studentised;
 
 /// The null distribution of the largest |T| over all candidates.
@@ -18,11 +18,19 @@ impl MaxT {
     /// correlation within it. Westfall and Young's single-step max-T over the rows of `u` (candidates by runs).
     pub fn by_sign_flips(u: &DMatrix<f64>, flips: usize, seed: u64) -> Self {
         let norms: Vec<f64> = (0..u.nrows()).map(|c| u.row(c).norm()).collect();
-        Self::with_norms(u, &norms, flips, seed)
+        Self::with_norms(u, &norms, &DMatrix::zeros(u.nrows(), 0), flips, seed)
     }
 
-    /// The same for sums of scores over given norms, which signs must not change; rows of norm 0 take no part.
-    pub fn with_norms(u: &DMatrix<f64>, norms: &[f64], flips: usize, seed: u64) -> Self {
+    /// The same for sums of scores over given norms, which signs must not change; rows of norm 0 take no part. Random effects
+    /// that are the same in all runs are drawn beside the signs; `common` (candidates by random effects) says by how much a
+    /// standard deviation of each moves the sums.
+    pub fn with_norms(
+        u: &DMatrix<f64>,
+        norms: &[f64],
+        common: &DMatrix<f64>,
+        flips: usize,
+        seed: u64,
+    ) -> Self {
         let (count, runs) = u.shape();
         let mut maxima: Vec<f64> = (0..flips)
             .into_par_iter()
@@ -33,6 +41,12 @@ impl MaxT {
                 for (i, s) in signs.iter().enumerate() {
                     for (sum, value) in sums.iter_mut().zip(u.column(i).iter()) {
                         *sum += s * value;
+                    }
+                }
+                for effect in common.column_iter() {
+                    let size = normal(&mut rng);
+                    for (sum, value) in sums.iter_mut().zip(effect.iter()) {
+                        *sum += size * value;
                     }
                 }
                 sums.iter()
@@ -68,7 +82,6 @@ pub fn statistics(u: &DMatrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::null::random::normal;
 
     #[test]
     fn noise_is_claimed_in_the_stated_share_of_data_sets() {

@@ -3,9 +3,10 @@
 use crate::error::Error;
 use crate::finding::picture::Picture;
 use crate::finding::report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step,
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step, Tolerated,
 };
 use crate::procedure::candidate::Candidate;
+use crate::procedure::lowered::Lowered;
 
 /// Data of one kind, a part of them locked away, and the model that is judged by them.
 pub trait Evidence {
@@ -47,7 +48,20 @@ pub trait Evidence {
     /// Those of the fit.
     fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit, Error>;
 
-    /// Opens the locked-away data, once, and says what the two fits leave and close there.
+    /// The fit without the effects of a step, what remains fitted again.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit, Error>;
+
+    /// By how much the locked-away data's gap is lower with the second fit than with the first, all channels together; `None`
+    /// where nothing is locked away.
+    ///
+    /// # Errors
+    /// Those of the simulations it needs.
+    fn lowered(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Lowered>, Error>;
+
+    /// Opens the locked-away data and says what the two fits leave and close there.
     ///
     /// # Errors
     /// Those of the simulations it needs.
@@ -128,8 +142,10 @@ pub struct Claim<A> {
 
 /// A model with one more effect.
 pub struct Added<F> {
-    /// The fit; `None` where no model could be told the effect, which ends the search.
-    pub fit: Option<F>,
+    /// The fit.
+    pub fit: F,
+    /// Whether a model can be told the effect; where not, the search ends.
+    pub written: bool,
     /// Root mean square of the claim's channel before and after.
     pub gap: [f64; 2],
     /// Where it acts, if that is known only now; beside the places of an effect that acts elsewhere already.
@@ -153,6 +169,8 @@ pub struct Description {
     pub training: Vec<ChannelGap>,
     /// Parameters of each step.
     pub parameters: Vec<Vec<Fitted>>,
+    /// What the installation is off by, within its tolerance.
+    pub within_tolerance: Vec<Tolerated>,
     /// Base parameters.
     pub base: Vec<Fitted>,
     /// Bins that stand out before.

@@ -4,6 +4,8 @@ pub(crate) mod candidate;
 pub(crate) mod closed;
 pub(crate) mod evidence;
 pub(crate) mod lock;
+pub(crate) mod lowered;
+pub(crate) mod outlast;
 pub(crate) mod rivals;
 pub(crate) mod rules;
 pub(crate) mod search;

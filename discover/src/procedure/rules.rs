@@ -34,6 +34,11 @@ pub struct SearchRules {
     pub most_screens: usize,
     /// |t| beside all others below which a claim has become superfluous. Chosen.
     pub superfluous_t: f64,
+    /// Standard errors by which the gap on locked-away data must fall for a step, and for the whole answer, to be named. Chosen:
+    /// it is asked once more of what has stood out already.
+    pub beyond_scatter: f64,
+    /// Share of the gap that repeats from run to run, on locked-away data, that a step must close to be worth saying. Chosen.
+    pub material: f64,
     /// Standard deviations by which a size must exceed its critical value to be claimed nine times in ten. Derived: the
     /// normal law's 90 % quantile.
     pub nine_in_ten: f64,
@@ -47,6 +52,8 @@ impl Default for SearchRules {
             most_claims: 4,
             most_screens: 8,
             superfluous_t: 1.5,
+            beyond_scatter: 1.0,
+            material: 0.05,
             nine_in_ten: 1.28,
             interval: 1.96,
         }
@@ -83,6 +90,8 @@ pub struct RunRules {
     pub window_holds: f64,
     /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
     pub least_left: f64,
+    /// The same where what the installation may be off by is refitted, too. Chosen.
+    pub least_left_installed: f64,
     /// Share of a direction's products that must not be noise. Chosen.
     pub least_signal: f64,
     /// Share of the strongest claim's gain from which a window competes with it. Chosen.
@@ -133,6 +142,7 @@ impl Default for RunRules {
             holds: 0.85,
             window_holds: 1.5,
             least_left: 2e-3,
+            least_left_installed: 2e-4,
             least_signal: 0.2,
             window_competes: 0.3,
             column_wins: [2.0, 3.0],

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::finding::report::{Interval, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Claim, Evidence};
+use crate::procedure::outlast::outlast;
 use crate::procedure::sentence::sentence;
 use crate::procedure::verdict::{next_experiment, verdict};
 
@@ -60,25 +61,24 @@ pub fn search_evidence<E: Evidence>(
             None => {
                 let remark = claim.remark.clone();
                 account.steps.push(step(claim, added.place, added.gap));
-                account
-                    .remarks
-                    .extend(remark.filter(|_| added.fit.is_some()));
+                account.remarks.extend(remark.filter(|_| added.written));
             }
         }
-        match added.fit {
-            Some(next) => fit = next,
-            None => {
-                let effect = &account.steps[at].effect;
-                let told = format!(
-                    "{effect}: the model has no such column, so that nothing was switched on"
-                );
-                account.remarks.push(told);
-                break;
-            }
+        fit = added.fit;
+        if !added.written {
+            let effect = &account.steps[at].effect;
+            let told =
+                format!("{effect}: the model has no such column, so that nothing was switched on");
+            account.remarks.push(told);
+            break;
         }
     }
-    let last = evidence.settle(fit, &mut account)?;
+    let mut last = evidence.settle(fit, &mut account)?;
     progress("opening the locked-away data");
+    if !account.steps.is_empty() {
+        let written = evidence.settle(base.clone(), &mut Account::default())?;
+        last = outlast(evidence, &written, last, &mut account, rules)?;
+    }
     let opened = evidence.open(&base, &last, &mut account)?;
     progress("writing the report");
     let described = evidence.describe(&base, &last, &mut account)?;
@@ -107,6 +107,7 @@ pub fn search_evidence<E: Evidence>(
     let report = Report {
         verdict,
         sentence,
+        within_tolerance: described.within_tolerance,
         steps,
         held_out: opened.held_out,
         minimum_detectable: detectable.unwrap_or_default(),

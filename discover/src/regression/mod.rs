@@ -2,7 +2,9 @@
 
 pub(crate) mod gram;
 pub(crate) mod inverse;
+pub(crate) mod prior;
 pub(crate) mod scores;
 
 pub use gram::Gram;
+pub use prior::Prior;
 pub use scores::Scores;

@@ -8,11 +8,15 @@
 //! ```
 //!
 //! sum U / sum I is the candidate's size, (sum U)^2 / sum I what it explains, T = sum U / sqrt(sum U^2) what is tested.
+//!
+//! Where J holds random effects with a prior precision P, c' = c - J B with B = (J'J + P)^-1 J'c, and sums are those of
+//! generalised least squares: sum U gains B'P a, a being where the fit has them, sum I gains B'P B, which is also the variance
+//! that the random effects give to sum U, the same in all runs.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::regression::gram::Gram;
-use crate::regression::inverse::ridge_inverse;
+use crate::regression::prior::Prior;
 
 /// Scores of all candidates, the windows after the regular ones.
 #[derive(Clone, Debug)]
@@ -23,11 +27,16 @@ pub struct Scores {
     pub information: DMatrix<f64>,
     /// c.c by candidate, before the base is projected out.
     pub raw: Vec<f64>,
+    /// What random effects as they are fitted add to a candidate's sum over runs.
+    pub shared: Vec<f64>,
+    /// How each random effect moves that sum, per standard deviation: candidates by random effects.
+    pub common: DMatrix<f64>,
 }
 
 impl Scores {
-    /// Scores with `base` leading base columns.
-    pub fn new(grams: &[Gram], base: usize) -> Self {
+    /// Scores with as many leading base columns as the prior has parameters.
+    pub fn new(grams: &[Gram], prior: &Prior) -> Self {
+        let base = prior.len();
         let m = grams[0].g.ncols();
         let regular = m - base - 1;
         let windows = grams[0].windows.nrows();
@@ -38,8 +47,9 @@ impl Scores {
             total += gram.g.rows(0, base);
             to_windows += gram.windows.columns(0, base).transpose();
         }
-        let inverse = ridge_inverse(total.columns(0, base).into_owned());
-        let by_residual: DVector<f64> = &inverse * total.column(m - 1);
+        let inverse = prior.inverse(total.columns(0, base).into_owned());
+        let by_residual: DVector<f64> = &inverse * (total.column(m - 1) + prior.scores(&prior.at));
+        let fitted = &prior.at + &by_residual;
         let mut betas = DMatrix::zeros(base, count);
         betas
             .columns_mut(0, regular)
@@ -48,6 +58,12 @@ impl Scores {
             .columns_mut(regular, windows)
             .copy_from(&(&inverse * &to_windows));
 
+        let random: Vec<usize> = (0..base).filter(|k| prior.precision[*k] > 0.0).collect();
+        let common = DMatrix::from_fn(count, random.len(), |c, k| {
+            prior.precision[random[k]].sqrt() * betas[(random[k], c)]
+        });
+        let weighted = -prior.scores(&fitted);
+        let shared = (0..count).map(|c| betas.column(c).dot(&weighted)).collect();
         let runs = grams.len();
         let mut u = DMatrix::zeros(count, runs);
         let mut information = DMatrix::zeros(count, runs);
@@ -86,12 +102,24 @@ impl Scores {
             u,
             information,
             raw,
+            shared,
+            common,
         }
     }
 
     /// Total information of a candidate.
     pub fn total_information(&self, candidate: usize) -> f64 {
-        self.information.row(candidate).sum().max(0.0)
+        (self.information.row(candidate).sum() + self.shared_variance(candidate)).max(0.0)
+    }
+
+    /// Sum of a candidate's scores.
+    pub fn sum(&self, candidate: usize) -> f64 {
+        self.u.row(candidate).sum() + self.shared[candidate]
+    }
+
+    /// Variance of that sum by random effects, the same in all runs.
+    pub fn shared_variance(&self, candidate: usize) -> f64 {
+        self.common.row(candidate).norm_squared()
     }
 
     /// Share of a candidate that is left after the base is refitted.
@@ -119,14 +147,15 @@ pub fn studentised(u: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Products of two candidates after the base is projected out, summed over runs; regular candidates only.
-pub fn cross_information(grams: &[Gram], base: usize) -> DMatrix<f64> {
+pub fn cross_information(grams: &[Gram], prior: &Prior) -> DMatrix<f64> {
+    let base = prior.len();
     let m = grams[0].g.ncols();
     let mut total = DMatrix::zeros(m, m);
     for gram in grams {
         total += &gram.g;
     }
     let q = m - base - 1;
-    let inverse = ridge_inverse(total.view((0, 0), (base, base)).into_owned());
+    let inverse = prior.inverse(total.view((0, 0), (base, base)).into_owned());
     let jc = total.view((0, base), (base, q)).into_owned();
     total.view((base, base), (q, q)) - jc.tr_mul(&(inverse * &jc))
 }
@@ -154,7 +183,7 @@ mod tests {
                 Gram::new(&x.tr_mul(x), levels, &w, &[norm])
             })
             .collect();
-        let scores = Scores::new(&grams, base);
+        let scores = Scores::new(&grams, &Prior::none(base));
         // Explicitly: take each run's level out, stack, project on the base.
         let free: Vec<DMatrix<f64>> = all
             .iter()
@@ -182,5 +211,50 @@ mod tests {
             assert!((scores.u[(q, i)] - scores.u[(0, i)]).abs() < 1e-9);
             assert!((scores.information[(q, i)] - scores.information[(0, i)]).abs() < 1e-9);
         }
+    }
+
+    /// Against the covariance written out: V = 1 + N N' over the rows of all runs.
+    #[test]
+    fn with_random_effects_sums_are_those_of_generalised_least_squares() {
+        let mut rng = stream(4, 5, 6);
+        let (rows, runs, base, q) = (20, 3, 2, 2);
+        let m = base + q + 1;
+        let all: Vec<DMatrix<f64>> = (0..runs)
+            .map(|_| DMatrix::from_fn(rows, 1 + m, |_, _| normal(&mut rng)))
+            .collect();
+        let grams: Vec<Gram> = all
+            .iter()
+            .map(|x| Gram::new(&x.tr_mul(x), 1, &DMatrix::zeros(0, 1 + m), &[]))
+            .collect();
+        let mut prior = Prior::none(base);
+        (prior.precision[1], prior.at[1]) = (1.0, 0.4);
+        let scores = Scores::new(&grams, &prior);
+        let free: Vec<DMatrix<f64>> = all
+            .iter()
+            .map(|x| {
+                let n = x.column(0).normalize();
+                let rest = x.columns(1, m).into_owned();
+                &rest - &n * (n.transpose() * &rest)
+            })
+            .collect();
+        let x = DMatrix::from_fn(rows * runs, m, |i, j| free[i / rows][(i % rows, j)]);
+        let n = x.column(1);
+        // The residual is that of a model in which the random effect already stands at 0.4.
+        let y = x.column(m - 1) + n * 0.4;
+        let v = DMatrix::identity(rows * runs, rows * runs) + n * n.transpose();
+        let inverse = v.try_inverse().unwrap();
+        let j = x.column(0);
+        let weighted = &inverse * j;
+        let along =
+            |a: &DVector<f64>| &inverse * a - &weighted * (weighted.dot(a) / weighted.dot(&j));
+        for c in 0..q {
+            let column = x.column(base + c).into_owned();
+            let (u, information) = (along(&y).dot(&column), along(&column).dot(&column));
+            assert!((scores.sum(c) - u).abs() < 1e-9);
+            assert!((scores.total_information(c) - information).abs() < 1e-9);
+        }
+        let cross = cross_information(&grams, &prior);
+        let (a, b) = (x.column(base).into_owned(), x.column(base + 1));
+        assert!((cross[(0, 1)] - along(&a).dot(&b)).abs() < 1e-9);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_discover::{Options, Report, Verdict, runs};
+use kufe_discover::{LockRules, Options, Report, Verdict, runs};
 use kufe_sled::Model;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 
@@ -39,7 +39,7 @@ fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
                 .collect(),
         );
     }
-    let data = runs::prepare(&recorded, &base, &surveys).unwrap();
+    let data = runs::prepare(&recorded, &base, &surveys, &LockRules::default()).unwrap();
     let options = Options {
         twins: 16,
         flips: 999,
@@ -92,6 +92,40 @@ fn a_hidden_effect_is_in_the_class_that_is_named() {
 }
 
 #[test]
+fn a_delay_within_its_tolerance_is_told_and_not_named() {
+    let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
+    assert!(report.steps.is_empty(), "{}", told(&report));
+    let delay = report
+        .within_tolerance
+        .iter()
+        .find(|part| part.what == "delay of alpha_rad");
+    let size = delay.map_or(0.0, |part| part.size);
+    // Other delays, each with its tolerance of 2 ms, take a part of it.
+    assert!(
+        (0.0015..0.0045).contains(&size),
+        "{:?}",
+        report.within_tolerance
+    );
+}
+
+#[test]
+fn too_few_runs_are_told_of_first_and_no_size_would_be_seen() {
+    let report = searched("", 5, 8);
+    assert_eq!(report.verdict, Verdict::None, "{}", told(&report));
+    let first = &report.remarks[0];
+    assert!(
+        first.contains("runs to learn from") && first.contains("9 runs"),
+        "{first}"
+    );
+    assert!(
+        report.sentence.starts_with("Too few runs"),
+        "{}",
+        report.sentence
+    );
+    assert!(report.minimum_detectable.is_empty());
+}
+
+#[test]
 fn a_model_whose_effect_nothing_feeds_is_refused_by_name() {
     let base = Model::published();
     let humid = "\n[effects.humidity]\nslope_per_pct = 0.002\n";
@@ -105,7 +139,8 @@ fn a_model_whose_effect_nothing_feeds_is_refused_by_name() {
     let recorded = drive_sample(&plan, &base).unwrap();
     let model = Model::from_toml(&(base.to_toml() + humid), "humid").unwrap();
     let search = |model: &Model| {
-        let data = runs::prepare(&recorded, model, &BTreeMap::new()).unwrap();
+        let data =
+            runs::prepare(&recorded, model, &BTreeMap::new(), &LockRules::default()).unwrap();
         let options = Options {
             twins: 2,
             flips: 99,

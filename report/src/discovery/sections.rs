@@ -86,6 +86,14 @@ pub fn discovery_page(report: &Value) -> String {
         out.push_str("<h2>Base parameters, refitted</h2>\n");
         parameters(&mut out, &report.list("base"));
     }
+    list(
+        &mut out,
+        "Within the tolerance of the installation",
+        report.list("within_tolerance").iter().map(|part| {
+            let size = quantity(part.number("size"), part.text("unit"));
+            format!("{}: {size}", part.text("what"))
+        }),
+    );
     detectable_section(&mut out, report);
     list(
         &mut out,
@@ -269,6 +277,9 @@ fn runs_section(out: &mut String, report: Data) {
 }
 
 fn detectable_section(out: &mut String, report: Data) {
+    if report.list("minimum_detectable").is_empty() {
+        return;
+    }
     out.push_str("<h2>What could be told apart with these data</h2>\n<p>Before any residual is judged: the smallest size that would be claimed nine times in ten, \
 the share of each effect that a refit of the base leaves, and the effect that looks most like it.</p>\n\
 <div class=\"wide\"><table><tr><th>effect<th>parameter<th class=n>smallest size<th class=n>left<th>most like<th class=n>correlation</tr>\n");

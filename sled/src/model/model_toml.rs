@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::model::sled::{ModelConditions, Noise, Sled, Survey, published_yaw_drag};
+use crate::model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances, published_yaw_drag};
 
 /// A whole model file: what simulations, fits and evaluations are made with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,6 +28,9 @@ pub struct Model {
     /// Standard deviations of the sensors; estimated from the data where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
+    /// What the installation may be off by, standard deviations; defaults where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<Tolerances>,
     /// Effects beyond the base model, by name; an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(schema_with = "kufe_effect::schema")]
@@ -139,6 +142,9 @@ impl Model {
                 ("noise.roll_split_rad", noise.roll_split_rad),
             ]);
         }
+        if let Some(tolerances) = &self.tolerances {
+            zero_or_more.extend(tolerances.named());
+        }
         for (key, value) in zero_or_more {
             require(file, key, value, value >= 0.0, "0 or more")?;
         }
@@ -219,6 +225,7 @@ impl Model {
                 steer_rad: 0.0004,
                 roll_split_rad: 0.0004,
             }),
+            tolerances: None,
             conditions: None,
             effects: BTreeMap::new(),
             folder: PathBuf::new(),
@@ -280,6 +287,8 @@ mod tests {
         assert!(message.contains("sled.mass_kg = -390"), "{message}");
         let message = refused(|text| text.replace("cda_m2 = 0.28", "cda_m2 = nan"));
         assert!(message.contains("sled.cda_m2"), "{message}");
+        let message = refused(|text| text + "\n[tolerances]\ndelay_s = -0.001\n");
+        assert!(message.contains("tolerances.delay_s = -0.001"), "{message}");
         let message = refused(|text| text.replace("mu = 0.004", "mu = 4.0"));
         assert!(message.contains("friction.longitudinal"), "{message}");
     }

@@ -96,6 +96,78 @@ pub struct Noise {
     pub roll_split_rad: f64,
 }
 
+/// `[tolerances]`: what the installation may be off by, standard deviations; 0: exactly as stated.
+///
+/// The defaults are what careful work with a tape, a scale, a spirit level and a data sheet leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Tolerances {
+    /// Delay of a channel against the others [s].
+    pub delay_s: f64,
+    /// Places of sensors and of the centre of gravity [m].
+    pub place_m: f64,
+    /// Scale of a gyroscope's axis.
+    pub gyro_scale: f64,
+    /// Bias of a gyroscope's axis [rad/s].
+    pub gyro_bias_radps: f64,
+    /// Scale of an accelerometer's axis.
+    pub accel_scale: f64,
+    /// Bias of an accelerometer's axis [m/s2].
+    pub accel_bias_mps2: f64,
+    /// Mass, relative.
+    pub mass: f64,
+    /// Pitch and yaw inertia, relative.
+    pub inertia: f64,
+    /// Scale of the steering angle.
+    pub steer_scale: f64,
+}
+
+impl Tolerances {
+    /// An installation that is exactly as stated.
+    pub const EXACT: Tolerances = Tolerances {
+        delay_s: 0.0,
+        place_m: 0.0,
+        gyro_scale: 0.0,
+        gyro_bias_radps: 0.0,
+        accel_scale: 0.0,
+        accel_bias_mps2: 0.0,
+        mass: 0.0,
+        inertia: 0.0,
+        steer_scale: 0.0,
+    };
+
+    /// Keys and values.
+    pub(crate) fn named(&self) -> [(&'static str, f64); 9] {
+        [
+            ("tolerances.delay_s", self.delay_s),
+            ("tolerances.place_m", self.place_m),
+            ("tolerances.gyro_scale", self.gyro_scale),
+            ("tolerances.gyro_bias_radps", self.gyro_bias_radps),
+            ("tolerances.accel_scale", self.accel_scale),
+            ("tolerances.accel_bias_mps2", self.accel_bias_mps2),
+            ("tolerances.mass", self.mass),
+            ("tolerances.inertia", self.inertia),
+            ("tolerances.steer_scale", self.steer_scale),
+        ]
+    }
+}
+
+impl Default for Tolerances {
+    fn default() -> Self {
+        Self {
+            delay_s: 0.002,
+            place_m: 0.02,
+            gyro_scale: 0.005,
+            gyro_bias_radps: 0.001,
+            accel_scale: 0.005,
+            accel_bias_mps2: 0.02,
+            mass: 0.01,
+            inertia: 0.05,
+            steer_scale: 0.01,
+        }
+    }
+}
+
 /// `[conditions]`: what only effects ask for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

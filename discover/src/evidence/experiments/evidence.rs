@@ -27,6 +27,7 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
 };
+use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
 
 /// Rows of friction experiments, and the model that they are judged against.
@@ -205,7 +206,8 @@ impl Evidence for Experiments<'_> {
         let next = self.fitted(chosen);
         Ok(Added {
             gap: [fit.fit.rms, next.fit.rms],
-            fit: Some(next),
+            fit: next,
+            written: true,
             place: None,
         })
     }
@@ -226,6 +228,27 @@ impl Evidence for Experiments<'_> {
             fit = self.fitted(fit.chosen);
         }
         Ok(fit)
+    }
+
+    fn without(&mut self, fit: &TableFit, step: usize) -> Result<TableFit, Error> {
+        let mut chosen = fit.chosen.clone();
+        chosen.remove(step);
+        Ok(self.fitted(chosen))
+    }
+
+    fn lowered(&self, from: &TableFit, to: &TableFit) -> Result<Option<Lowered>, Error> {
+        let falls: Vec<f64> = self
+            .held
+            .iter()
+            .map(|row| {
+                let square = |of: &TableFit| {
+                    let left = row.mu - of.fit.predict(&self.setting, row, &of.chosen).1;
+                    (left / from.fit.deviation(&self.setting, row)).powi(2)
+                };
+                square(from) - square(to)
+            })
+            .collect();
+        Ok(Lowered::over(&falls, 0.0))
     }
 
     fn open(

@@ -34,6 +34,7 @@ use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
 };
+use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
 
@@ -282,7 +283,8 @@ impl Evidence for Maps<'_> {
         Ok(Added {
             gap: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
-            fit: Some(next),
+            fit: next,
+            written: true,
         })
     }
 
@@ -300,6 +302,22 @@ impl Evidence for Maps<'_> {
             account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which tells the sensor from the runner".to_owned());
         }
         Ok(fit)
+    }
+
+    fn without(&mut self, fit: &MapFit, step: usize) -> Result<MapFit, Error> {
+        let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
+        active.remove(step);
+        errors.remove(step);
+        self.polished(&active, &errors)
+    }
+
+    fn lowered(&self, from: &MapFit, to: &MapFit) -> Result<Option<Lowered>, Error> {
+        if self.held.rows.is_empty() {
+            return Ok(None);
+        }
+        let of = |fit: &MapFit| self.held.misfit(&fit.active, REPORTING);
+        let falls = of(from)?.falls(&of(to)?);
+        Ok(Lowered::over(&falls, 0.0))
     }
 
     fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {

@@ -62,6 +62,17 @@ impl Misfit {
     pub fn mean_square(&self) -> f64 {
         (self.chi2 / (self.count - 1.0).max(1.0)).max(1.0)
     }
+
+    /// By how much the sum of squares of another misfit of the same rows is lower, piece by piece: neighbouring pixels go
+    /// together, so that maps tell as much as their pieces differ.
+    pub fn falls(&self, other: &Self) -> Vec<f64> {
+        const PIECES: usize = 16;
+        let size = self.rest.len().div_ceil(PIECES).max(1);
+        let pieces = self.rest.chunks(size).zip(other.rest.chunks(size));
+        pieces
+            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * a - b * b).sum())
+            .collect()
+    }
 }
 
 impl<'a> Simulations<'a> {

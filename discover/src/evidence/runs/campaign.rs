@@ -8,7 +8,8 @@ use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::design::{Design, Products};
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -17,6 +18,9 @@ use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Account;
 use crate::procedure::rules::RunRules;
+use crate::regression::gram::Gram;
+use crate::regression::prior::Prior;
+use crate::regression::scores::cross_information;
 
 /// A campaign of runs.
 pub struct Campaign<'a> {
@@ -42,6 +46,17 @@ pub struct Campaign<'a> {
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
 }
 
+/// A dependence on a column that no simulation knows.
+#[derive(Clone)]
+pub struct Told {
+    /// Its step.
+    pub step: usize,
+    /// How it acts.
+    pub candidate: Candidate<Amplitude>,
+    /// Its size.
+    pub size: f64,
+}
+
 /// The model with its effects, fitted.
 #[derive(Clone)]
 pub struct RunFit {
@@ -51,7 +66,9 @@ pub struct RunFit {
     pub whitener: Whitener,
     /// The step of each effect that was added.
     pub owners: Vec<usize>,
-    /// What is left of noisy inputs taken off, at the end: base multipliers, then amplitudes.
+    /// What is told, not written.
+    pub told: Option<Told>,
+    /// What is left of noisy inputs taken off, at the end: base multipliers, amplitudes, installation.
     pub estimates: Vec<Estimate>,
     /// The model that holds these estimates.
     pub settled: ResidualModel,
@@ -107,6 +124,29 @@ impl Campaign<'_> {
         &self.options.rules.runs
     }
 
+    /// The smallest p-value that sign-flips of the training runs can give: `2^(1 - R)`.
+    pub fn least_p(&self) -> f64 {
+        2.0_f64.powi(1 - i32::try_from(self.training.len()).unwrap_or(i32::MAX))
+    }
+
+    /// What the training runs are too few for, in a sentence; `None` where they can carry every kind of claim.
+    pub fn too_few(&self) -> Option<String> {
+        let (rules, least) = (self.rules(), self.least_p());
+        let alpha = rules.alpha.max(rules.alpha_window);
+        let (what, asked) = match () {
+            () if least > alpha => ("an effect within runs", alpha),
+            () if least > rules.alpha_beyond => {
+                ("a column beyond the catalogue", rules.alpha_beyond)
+            }
+            () => return None,
+        };
+        let needed = (1.0 - asked.log2()).ceil();
+        Some(format!(
+            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {asked}, so that none can be claimed: {needed} runs are needed beside those locked away",
+            self.training.len()
+        ))
+    }
+
     /// After a first name the next ones are held to half of the chance of an error.
     pub fn share(&self, account: &Account) -> f64 {
         match account.steps.is_empty() {
@@ -115,7 +155,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Fits base and effects.
+    /// Fits base and effects, and what the installation is off by beside them.
     ///
     /// # Errors
     /// [`Error::BaseFit`] where a residual is not finite.
@@ -124,27 +164,53 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
-        let (residual_model, whitener) =
-            fit(residual_model, &self.training, &self.free, self.used)?;
+        let least_squares =
+            |model: &ResidualModel| fit(&model.hold(true), &self.training, &self.free, self.used);
+        let (mut residual_model, mut whitener) = least_squares(residual_model)?;
+        if !residual_model.installation.directions.is_empty() {
+            // By corrected scores: least squares would shrink what scales the residual's own noise.
+            let off = self
+                .newton(&residual_model.hold(false), &whitener, &[2], true)
+                .1;
+            (residual_model, whitener) = least_squares(&off)?;
+        }
         Ok(RunFit {
             settled: residual_model.clone(),
             residual_model,
             whitener,
             owners,
+            told: None,
             estimates: Vec::new(),
         })
     }
 
-    /// Base parameters (as multipliers) first, then the effects' amplitudes, and the model that holds them.
+    /// Base parameters (as multipliers) first, then the effects' amplitudes and the installation, and the model that holds them.
     pub fn estimates(
         &self,
         residual_model: &ResidualModel,
         whitener: &Whitener,
     ) -> (Vec<Estimate>, ResidualModel) {
         // Where the noise is only estimated its bias is not known well enough to be taken off.
-        let (trust, settle) = match self.data.noise_estimated {
-            true => (self.rules().estimated_noise_error, false),
-            false => (self.rules().stated_noise_error, true),
+        let settle = !self.data.noise_estimated;
+        // An installation makes many columns, and its errors are known by no more than their tolerance.
+        let pairs: &[u64] = match residual_model.installation.fitted() {
+            0 => &[1, 4, 16],
+            _ => &[1, 2],
+        };
+        self.newton(residual_model, whitener, pairs, settle)
+    }
+
+    /// Newton steps on corrected scores, by so many pairs of twins each.
+    fn newton(
+        &self,
+        residual_model: &ResidualModel,
+        whitener: &Whitener,
+        pairs: &[u64],
+        settle: bool,
+    ) -> (Vec<Estimate>, ResidualModel) {
+        let trust = match self.data.noise_estimated {
+            true => self.rules().estimated_noise_error,
+            false => self.rules().stated_noise_error,
         };
         let simulator = self.simulator(residual_model);
         let rows = FittedRows {
@@ -154,7 +220,46 @@ impl Campaign<'_> {
             free: &self.free,
             simulator: &simulator,
         };
-        estimate(&rows, trust, settle)
+        estimate(&rows, pairs, trust, settle)
+    }
+
+    /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
+    /// standard deviation moves a statistic by its own or more.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
+        const LEAST: f64 = 1.0;
+        let tolerances = self.model.tolerances.unwrap_or_default();
+        let all = ResidualModel {
+            installation: Installation::new(&tolerances),
+            ..fit.residual_model.clone()
+        };
+        let parts = all.installation.fitted();
+        if parts == 0 {
+            return Ok(fit.clone());
+        }
+        let design = Design {
+            residual_model: &all,
+            whitener: &fit.whitener,
+            free_base: &self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        };
+        let grams: Vec<Gram> = design
+            .products(&self.training)
+            .iter()
+            .map(Products::plain)
+            .collect();
+        let base = Prior::none(design.fitted() - parts);
+        // The installation's columns stand where those of candidates would.
+        let beyond = cross_information(&grams, &base);
+        let start = ResidualModel {
+            installation: all.installation.told_apart(&beyond, LEAST),
+            ..all
+        };
+        self.fitted(&start, fit.owners.clone())
     }
 
     /// Candidates that are not already part of the model.

@@ -4,11 +4,12 @@ use kufe_sled::effects::{CATALOGUE, Effects, Kind};
 use kufe_sled::{Model, Vehicle, refuse_effects};
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, Current, RunFit, gap_of};
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Told, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
@@ -22,7 +23,7 @@ use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
 };
-use crate::procedure::lock::Place;
+use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
 
 impl<'a> Campaign<'a> {
@@ -48,20 +49,10 @@ impl<'a> Campaign<'a> {
             base: [1.0; 5],
             effects: own,
             along_path: false,
+            installation: Installation::default(),
             frozen: Vec::new(),
         };
-        let places: Vec<Place> = data
-            .frames
-            .iter()
-            .map(|f| Place {
-                session: &f.session,
-                track: &f.track,
-            })
-            .collect();
-        let locked = match data.segmented {
-            true => options.rules.lock.segments(places.len()),
-            false => options.rules.lock.runs(&places),
-        };
+        let locked = &data.locked;
         let pick = |which: &[usize]| -> Vec<Frame> {
             which.iter().map(|i| data.frames[*i].clone()).collect()
         };
@@ -97,11 +88,13 @@ impl Evidence for Campaign<'_> {
     type Fit = RunFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
+        account.remarks.extend(self.too_few());
         account.remarks.extend(self.data.remarks.iter().cloned());
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
         let base = self.fitted(&self.given, Vec::new())?;
+        let base = self.installed(&base)?;
         if self.data.noise_estimated {
             let n = &self.data.noise;
             let [low, high] = self.rules().estimated_noise_trust;
@@ -119,7 +112,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
-        let residual_model = &fit.residual_model;
+        let residual_model = &fit.residual_model.hold(false);
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
@@ -153,8 +146,15 @@ impl Evidence for Campaign<'_> {
         };
         let before = gap(residual_model);
         if claim.candidate.act.carrier.is_some() {
+            let mut told = fit.clone();
+            told.told = Some(Told {
+                step,
+                candidate: claim.candidate.clone(),
+                size: claim.size,
+            });
             return Ok(Added {
-                fit: None,
+                fit: told,
+                written: false,
                 gap: [before, before],
                 place: None,
             });
@@ -175,7 +175,8 @@ impl Evidence for Campaign<'_> {
         Ok(Added {
             gap: [before, gap(&next.residual_model)],
             place: stretch.then(|| claim.place.clone()),
-            fit: Some(next),
+            fit: next,
+            written: true,
         })
     }
 
@@ -183,11 +184,27 @@ impl Evidence for Campaign<'_> {
         let mut fit = fit;
         while let Some(step) = self.superfluous(&fit, &account.steps) {
             account.leave_out(step);
-            fit = self.without(&fit, step)?;
+            fit = self.without_step(&fit, step)?;
         }
         let mut last = self.fitted(&fit.residual_model, fit.owners)?;
-        (last.estimates, last.settled) = self.estimates(&last.residual_model, &last.whitener);
+        last.told = fit.told;
+        self.write(&mut last)?;
+        // A refit of the base alone is written only where it is better than what was given.
+        let refitted = last.owners.is_empty();
+        let better = self.lowered_between(&self.given, &last.settled, None);
+        let least = self.options.rules.search.beyond_scatter;
+        if refitted && better.is_some_and(|l| l.by <= least * l.error) {
+            last.settled = self.given.clone();
+        }
         Ok(last)
+    }
+
+    fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+        self.without_step(fit, step)
+    }
+
+    fn lowered(&self, from: &RunFit, to: &RunFit) -> Result<Option<Lowered>, Error> {
+        Ok(self.lowered_by(from, to))
     }
 
     fn open(
@@ -198,8 +215,8 @@ impl Evidence for Campaign<'_> {
     ) -> Result<Opened, Error> {
         let simulator = self.simulator(&last.settled);
         let channels = channels(
-            &base.residual_model,
-            &last.residual_model,
+            &self.given,
+            &last.settled,
             &self.held,
             &simulator,
             self.used,
@@ -243,6 +260,10 @@ impl Evidence for Campaign<'_> {
             )
         };
         let bins_after = bins(last);
+        if account.steps.is_empty() && last.settled.base == self.given.base && !self.held.is_empty()
+        {
+            account.remarks.push("a refit of friction and grip leaves no smaller gap on the locked-away runs: model.next.toml is the model as given".to_owned());
+        }
         let data = match self.data.segmented {
             true => "one run, in segments",
             false => "runs",
@@ -250,7 +271,8 @@ impl Evidence for Campaign<'_> {
         let infos = CATALOGUE.iter().map(|e| e.info());
         Ok(Description {
             data: data.to_owned(),
-            training: channels(&base.residual_model, &last.residual_model, &self.training, &simulator, self.used),
+            training: channels(&self.given, &last.settled, &self.training, &simulator, self.used),
+            within_tolerance: self.within_tolerance(last, account),
             parameters: self.parameters(last, account.steps.len()),
             base: self.base_parameters(last),
             bins: bins(base),
@@ -263,6 +285,10 @@ impl Evidence for Campaign<'_> {
                 .map(|i| (i.name.to_owned(), i.decides.to_owned()))
                 .collect(),
             words: Words {
+                nothing: self.too_few().filter(|_| self.least_p() > rules.alpha).map_or(
+                    String::new(),
+                    |few| format!("Too few runs to find what acts within them: {few}."),
+                ),
                 next_after_nothing:
                     "more runs lower the smallest detectable sizes as one over the root of their number"
                         .to_owned(),

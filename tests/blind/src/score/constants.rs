@@ -34,8 +34,10 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 23] = [
+const RUN_KEYS: [&str; 26] = [
     "search.superfluous_t",
+    "search.beyond_scatter",
+    "search.material",
     "runs.alpha",
     "runs.alpha_window",
     "runs.alpha_sessions",
@@ -46,6 +48,7 @@ const RUN_KEYS: [&str; 23] = [
     "runs.holds",
     "runs.window_holds",
     "runs.least_left",
+    "runs.least_left_installed",
     "runs.least_signal",
     "runs.window_competes",
     "runs.rivals.needed_t",

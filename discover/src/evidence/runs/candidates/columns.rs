@@ -90,7 +90,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
 
 fn spread(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
     let mut all: Vec<f64> = Vec::new();
-    for frame in &data.frames {
+    for frame in data.training() {
         let column: &[f64] = match name {
             "v_mps" => &frame.v,
             "fz_n" => &frame.acceleration[2],

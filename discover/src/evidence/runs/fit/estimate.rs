@@ -10,7 +10,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::regression::inverse::ridge_inverse;
+use crate::regression::prior::Prior;
 
 /// A parameter in its own unit (base parameters: as multipliers).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,14 +39,20 @@ pub struct FittedRows<'a> {
     pub simulator: &'a RunSimulator,
 }
 
-/// Estimates of all fitted parameters, and the model that holds them.
+/// Estimates of all fitted parameters (base, amplitudes, installation), and the model that holds them.
 ///
 /// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
 /// errors are the sandwich over runs, `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`, `s_i = inv(1 - C_i,JJ inv(C_JJ)) u_i` the
 /// corrected score of run i as the fit without it leaves it (the jackknife: R. M. Bell and D. F. McCaffrey, Survey Methodology
 /// 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
-/// values stay at least squares.
-pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, ResidualModel) {
+/// values stay at least squares. `pairs` says how many pairs of twins are behind each step: a single one leaves a tenth of what
+/// it takes off in doubt.
+pub fn estimate(
+    rows: &FittedRows,
+    pairs: &[u64],
+    trust: f64,
+    settle: bool,
+) -> (Vec<Estimate>, ResidualModel) {
     let FittedRows {
         residual_model,
         whitener,
@@ -54,12 +60,10 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
         free,
         simulator,
     } = *rows;
-    /// Pairs of twins behind each step: a single pair leaves a tenth of what it takes off in doubt.
-    const PAIRS: [u64; 3] = [1, 4, 16];
     let mut settled = residual_model.clone();
     let mut errors = Vec::new();
     let mut drawn = 4_000_037;
-    for pairs in PAIRS {
+    for pairs in pairs.iter().copied() {
         let design = Design {
             residual_model: &settled,
             whitener,
@@ -81,7 +85,7 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
                     .into_owned()
             })
             .collect();
-        let (step, e) = solve(&runs, p);
+        let (step, e) = solve(&runs, &design.prior());
         errors = e;
         settled = stepped(&settled, free, step.as_slice(), 1.0);
     }
@@ -112,6 +116,14 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
     let n = frames.len() as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
+    let known = errors[fitted.len()..].to_vec();
+    let parts = settled.installation.found(&known).into_iter();
+    let parts = parts.map(|(value, error)| Estimate {
+        value,
+        error,
+        low: value - quantile * error,
+        high: value + quantile * error,
+    });
     let estimates = (0..fitted.len())
         .map(|k| {
             let value = if settle { moved[k] } else { fitted[k] };
@@ -123,6 +135,7 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
                 high: value + quantile * error,
             }
         })
+        .chain(parts)
         .collect();
     (
         estimates,
@@ -134,16 +147,15 @@ pub fn estimate(rows: &FittedRows, trust: f64, settle: bool) -> (Vec<Estimate>, 
     )
 }
 
-/// One step and its sandwich errors.
-fn solve(grams: &[DMatrix<f64>], p: usize) -> (DVector<f64>, Vec<f64>) {
+/// One step and its sandwich errors, with what the prior leaves open.
+fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) {
+    let p = prior.len();
     let mut total = DMatrix::zeros(p + 1, p + 1);
     for gram in grams {
         total += gram;
     }
-    let inverse = ridge_inverse(total.view((0, 0), (p, p)).into_owned());
-    let step = (&inverse * total.view((0, p), (p, 1)))
-        .column(0)
-        .into_owned();
+    let inverse = prior.inverse(total.view((0, 0), (p, p)).into_owned());
+    let step = &inverse * (total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at));
     let mut meat = DMatrix::zeros(p, p);
     for gram in grams {
         let own = gram.view((0, 0), (p, p));
@@ -154,7 +166,8 @@ fn solve(grams: &[DMatrix<f64>], p: usize) -> (DVector<f64>, Vec<f64>) {
         meat += &score * score.transpose();
     }
     let n = grams.len() as f64;
-    let covariance = &inverse * meat * &inverse * ((n - 1.0) / n);
+    let random = DMatrix::from_diagonal(&prior.precision);
+    let covariance = &inverse * (meat * ((n - 1.0) / n) + random) * &inverse;
     let errors = (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
     (step, errors)
 }

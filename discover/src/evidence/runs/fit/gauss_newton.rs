@@ -56,7 +56,7 @@ pub fn free_base(
     free
 }
 
-/// Fits base and effects by Gauss-Newton, each channel over its own residual's deviation.
+/// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
 /// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
 /// are halved until it falls; amplitudes stay in their bounds.
@@ -159,7 +159,8 @@ fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
     (ridge_inverse(jj) * jr).column(0).into_owned()
 }
 
-/// The model moved by a share of a step: base multipliers, then amplitudes in their units; all stay in their bounds.
+/// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off
+/// by; all stay in their bounds.
 pub fn stepped(
     residual_model: &ResidualModel,
     free_base: &[usize],
@@ -188,5 +189,8 @@ pub fn stepped(
             value.clamp(low, high)
         };
     }
+    let first = step.len() - trial.installation.fitted();
+    let installed: Vec<f64> = step[first..].iter().map(|step| share * step).collect();
+    trial.installation.step(&installed);
     trial
 }

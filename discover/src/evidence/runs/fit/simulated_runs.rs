@@ -70,6 +70,13 @@ impl RunSimulator {
         simulator
     }
 
+    /// By which factor the sensors' noise, as a variance, may be larger before it explains more than a channel's whole residual.
+    pub fn most_noise(&self, used: [bool; CHANNELS]) -> f64 {
+        let explained = |c: usize| (1.0 - self.beyond[c].powi(2)).max(1e-3);
+        let factors = (0..3).filter(|c| used[*c]).map(|c| 1.0 / explained(c));
+        factors.fold(1e3, f64::min)
+    }
+
     /// The same with the sensors' noise alone.
     pub fn sensors_only(&self) -> Self {
         Self {
@@ -177,7 +184,7 @@ impl RunSimulator {
 }
 
 /// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
-fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
+pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
     let mut twin = frame.clone();
     let sled = &residual_model.vehicle.sled;
     for (i, ((along, side), moment)) in rows[0].iter().zip(&rows[1]).zip(&rows[2]).enumerate() {

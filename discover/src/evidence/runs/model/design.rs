@@ -5,12 +5,14 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ModelOnRun, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::{BIN_M, Window};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 use crate::regression::gram::Gram;
+use crate::regression::prior::Prior;
 
 /// Columns that stand for each run's own level: of friction and of lateral grip.
 pub const OWN_LEVELS: usize = 2;
@@ -31,9 +33,23 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Number of fitted parameters.
+    /// Number of fitted parameters: base, amplitudes, installation.
     pub fn fitted(&self) -> usize {
-        self.free_base.len() + self.residual_model.free().len()
+        self.free_base.len()
+            + self.residual_model.free().len()
+            + self.residual_model.installation.fitted()
+    }
+
+    /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
+    pub fn prior(&self) -> Prior {
+        let installation = &self.residual_model.installation;
+        let known = self.fitted() - installation.fitted();
+        let mut prior = Prior::none(self.fitted());
+        for k in 0..installation.fitted() {
+            prior.precision[known + k] = 1.0;
+            prior.at[known + k] = installation.along(k);
+        }
+        prior
     }
 
     /// Columns of one run: its levels, fitted parameters, candidates, and the residual last; all whitened.
@@ -64,6 +80,21 @@ impl Design<'_> {
             })
             .collect();
         let moved: Vec<ModelOnRun> = moved.iter().map(|c| ModelOnRun::new(c, frame)).collect();
+        let installed: Vec<ResidualModel> = (0..residual_model.installation.fitted())
+            .map(|part| ResidualModel {
+                installation: residual_model.installation.moved(part, 0.01),
+                ..residual_model.clone()
+            })
+            .collect();
+        // As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
+        let modelled = (!installed.is_empty())
+            .then(|| truth(frame, residual_model, &residual_model.raw(frame)));
+        let modelled = modelled.as_ref().unwrap_or(frame);
+        let on_modelled = ModelOnRun::new(residual_model, modelled);
+        let installed: Vec<ModelOnRun> = installed
+            .iter()
+            .map(|c| ModelOnRun::new(c, modelled))
+            .collect();
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
             .iter()
@@ -71,7 +102,8 @@ impl Design<'_> {
             .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
             .collect();
         let n = frame.len();
-        let (first_trial, count) = (BASE + moved.len(), BASE + moved.len() + trials.len() + 1);
+        let first_trial = BASE + moved.len() + installed.len();
+        let count = first_trial + trials.len() + 1;
         let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
             let samples = if self.whitener.used[c] { n } else { 0 };
             vec![vec![0.0; samples]; count]
@@ -100,6 +132,20 @@ impl Design<'_> {
             }
             for (k, other) in moved.iter().enumerate() {
                 put(BASE + k, other.balances_beside(i, &at), 0.01);
+            }
+            if !installed.is_empty() {
+                let there = on_modelled.instant(i, &on_modelled.measured(i));
+                let modelled = on_modelled.balances(&there, &on_modelled.forces(&there));
+                for (k, other) in installed.iter().enumerate() {
+                    let near = on_modelled.instant_near(i, &other.measured(i), &there);
+                    let values = on_modelled.balances(&near, &on_modelled.forces(&near));
+                    let moved_by = |c: usize| rest[c] + values[c] - modelled[c];
+                    put(
+                        BASE + moved.len() + k,
+                        [moved_by(0), moved_by(1), moved_by(2)],
+                        0.01,
+                    );
+                }
             }
             for b in 0..BASE {
                 put(b, on_run.balances_with_base(&at, b, STEP), STEP);

@@ -1,6 +1,7 @@
 //! Residuals of the one-track model and how they change with its parameters.
 
 pub(crate) mod design;
+pub(crate) mod installation;
 pub(crate) mod residual_model;
 pub(crate) mod whiten;
 pub(crate) mod windows;

@@ -3,10 +3,15 @@
 //! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
 //! signals is not the smoothed product.
 
+use std::borrow::Cow;
+
 use kufe_friction::MagicFormula;
-use kufe_sled::effects::{self, Active, Conditions, Effects, Forces, Kind, Sensor, Signals};
+use kufe_sled::effects::{
+    self, Active, Conditions, Constants, Effects, Forces, Kind, Sensor, Signals,
+};
 use kufe_sled::{Balance, BaseParameter, LawForces, Vehicle, aero, from_sensors};
 
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Number of residual channels.
@@ -42,6 +47,8 @@ pub struct ResidualModel {
     pub effects: Effects,
     /// Whether the track's slope holds along the sled's way rather than along its axis.
     pub along_path: bool,
+    /// What the installation may be off by, and by how much it is.
+    pub installation: Installation,
     /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
     pub frozen: Vec<String>,
 }
@@ -82,6 +89,14 @@ impl ResidualModel {
     pub fn laws(&self) -> [MagicFormula; 2] {
         let vehicle = self.vehicle.scaled(&self.base);
         [vehicle.front.lateral, vehicle.rear.lateral]
+    }
+
+    /// The same, with the installation held or not.
+    pub fn hold(&self, held: bool) -> Self {
+        Self {
+            installation: self.installation.hold(held),
+            ..self.clone()
+        }
     }
 
     /// The unit in which an active amplitude is fitted.
@@ -128,7 +143,8 @@ pub struct Instant {
 /// A model on one run: the vehicle with the effects that act there, and the weather.
 pub struct ModelOnRun<'a> {
     residual_model: &'a ResidualModel,
-    frame: &'a Frame,
+    frame: Cow<'a, Frame>,
+    constants: Constants,
     vehicle: Vehicle,
     air_density: f64,
     humidity: Option<&'a Vec<f64>>,
@@ -140,9 +156,16 @@ impl<'a> ModelOnRun<'a> {
     pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
         let mut vehicle = residual_model.vehicle.scaled(&residual_model.base);
         vehicle.effects = residual_model.effects.on_track(&frame.track);
+        let mut constants = vehicle.sled.constants();
+        let installation = &residual_model.installation;
+        installation.find_constants(&mut constants);
         Self {
             residual_model,
-            frame,
+            frame: match installation.corrected(frame) {
+                Some(corrected) => Cow::Owned(corrected),
+                None => Cow::Borrowed(frame),
+            },
+            constants,
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),
             humidity: frame.extra.get("humidity_pct"),
@@ -152,9 +175,9 @@ impl<'a> ModelOnRun<'a> {
 
     /// The signals of a sample, corrected by the active effects.
     pub fn measured(&self, i: usize) -> Signals {
-        let frame = self.frame;
+        let frame = &self.frame;
         let mut signals = Signals {
-            sled: self.vehicle.sled.constants(),
+            sled: self.constants,
             ..Signals::default()
         };
         let axes = [Sensor::Ax, Sensor::Ay, Sensor::Az];
@@ -176,7 +199,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// Time, place and weather of a sample at a speed [m/s].
     fn conditions(&self, i: usize, v: f64) -> Conditions {
-        let frame = self.frame;
+        let frame = &self.frame;
         Conditions {
             t: frame.t[i],
             s: frame.s[i],
@@ -217,7 +240,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// The same from the laws of a motion close by, to first order.
-    fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
+    pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
         let balance = self.balance(i, signals);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant {

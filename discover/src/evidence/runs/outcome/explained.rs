@@ -11,7 +11,7 @@ use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::report::Interval;
 use crate::null::random::{below, stream};
-use crate::regression::inverse::ridge_inverse;
+use crate::regression::prior::Prior;
 use crate::regression::scores::studentised;
 
 /// Share of the explainable gap that is closed.
@@ -28,7 +28,7 @@ pub fn explainable_closed(
     simulator: &RunSimulator,
     seed: u64,
 ) -> Interval {
-    let p = before.fitted();
+    let prior = before.prior();
     let products = before.products(training);
     let noise = noise_products(before, training, simulator, 3_000_017);
     let grams: Vec<_> = products
@@ -42,7 +42,7 @@ pub fn explainable_closed(
         })
         .collect();
     let m = grams[0].ncols();
-    let coefficients = explained(&grams, p);
+    let coefficients = explained(&grams, &prior);
     let pair = |frame: &Frame| -> (f64, f64) {
         let x = before.columns(frame);
         let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
@@ -115,18 +115,17 @@ pub fn explainable_closed(
 /// The candidates' products beyond the base, scaled to a unit diagonal, are split into principal directions. A direction takes
 /// part where it is not all but collinear with others, and where its scores stand out by two errors over runs: what the rest
 /// adds to f is noise, which would hide how much of the rest is closed.
-fn explained(grams: &[DMatrix<f64>], p: usize) -> DVector<f64> {
+fn explained(grams: &[DMatrix<f64>], prior: &Prior) -> DVector<f64> {
     const LEAST_SHARE: f64 = 1e-2;
     const STANDS_OUT: f64 = 2.0;
     let m = grams[0].ncols();
+    let p = prior.len();
     let q = m - 1 - p;
     let total = grams.iter().fold(DMatrix::zeros(m, m), |sum, g| sum + g);
-    let base = ridge_inverse(total.view((0, 0), (p, p)).into_owned());
+    let base = prior.inverse(total.view((0, 0), (p, p)).into_owned());
     // The base's part of each candidate, and of the residual.
     let of_candidates = &base * total.view((0, p), (p, q));
-    let of_residual = (&base * total.view((0, m - 1), (p, 1)))
-        .column(0)
-        .into_owned();
+    let of_residual = &base * (total.view((0, m - 1), (p, 1)).column(0) + prior.scores(&prior.at));
     let beyond = total.view((p, p), (q, q)) - total.view((p, 0), (q, p)) * &of_candidates;
     let scale = DVector::from_fn(q, |c, _| {
         let own = total[(p + c, p + c)];

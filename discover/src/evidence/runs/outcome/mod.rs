@@ -5,5 +5,7 @@ pub(crate) mod by_run;
 pub(crate) mod conclude;
 pub(crate) mod explained;
 pub(crate) mod gap;
+pub(crate) mod lowered;
 pub(crate) mod next_model;
 pub(crate) mod superfluous;
+pub(crate) mod written;

@@ -1,7 +1,7 @@
 //! Which claims the others have made superfluous.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::whiten::Whitener;
@@ -10,7 +10,7 @@ use crate::finding::report::Step;
 impl Campaign<'_> {
     /// The first step whose every amplitude has become weak beside the others.
     pub fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
-        let residual_model = &fit.residual_model;
+        let residual_model = &fit.residual_model.hold(false);
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
         if steps.len() < 2 {
             return None;
@@ -35,7 +35,7 @@ impl Campaign<'_> {
     ///
     /// # Errors
     /// Those of the fit.
-    pub fn without(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+    pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
         let already = fit.already();
         let mut residual_model = fit.residual_model.clone();
         let mut place = 0;
@@ -49,6 +49,12 @@ impl Campaign<'_> {
             .filter(|o| **o != step)
             .map(|o| o - usize::from(*o > step))
             .collect();
-        self.fitted(&residual_model, owners)
+        let mut next = self.fitted(&residual_model, owners)?;
+        let told = fit.told.clone().filter(|told| told.step != step);
+        next.told = told.map(|told| Told {
+            step: told.step - usize::from(told.step > step),
+            ..told
+        });
+        Ok(next)
     }
 }

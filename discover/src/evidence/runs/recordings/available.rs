@@ -4,16 +4,26 @@ use kufe_sled::Run;
 use kufe_sled::effects::Column;
 
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::sensor_noise::Learned;
 
-/// The columns that effects may need; what is missing or constant is told in `remarks`.
-pub fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> Vec<Column> {
+/// The columns that effects may need, recorded in every run and varying in those that are learned from; what is missing or
+/// constant is told in `remarks`.
+pub fn available(
+    runs: &[Run],
+    learned: &[Learned],
+    frames: &[&Frame],
+    remarks: &mut Vec<String>,
+) -> Vec<Column> {
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
-    let first = |name: &str| runs[0].columns.get(name).and_then(|x| x.first());
+    let first = |name: &str| {
+        learned
+            .first()
+            .and_then(|piece| piece.column(name)?.first())
+    };
     let varies = |name: &str| {
-        runs.iter().any(|run| {
-            run.columns
-                .get(name)
-                .is_some_and(|x| x.iter().any(|value| Some(value) != first(name)))
+        learned.iter().any(|piece| {
+            let column = piece.column(name);
+            column.is_some_and(|x| x.iter().any(|value| Some(value) != first(name)))
         })
     };
     let mut list = vec![Column::Time];
@@ -43,7 +53,7 @@ pub fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> V
             ));
         }
     }
-    let spread = |value: fn(&Frame) -> f64| frames.iter().any(|f| value(f) != value(&frames[0]));
+    let spread = |value: fn(&Frame) -> f64| frames.iter().any(|f| value(f) != value(frames[0]));
     for (column, varies) in [
         (Column::IceTemperature, spread(|f| f.ice_c)),
         (Column::AirTemperature, spread(|f| f.air_c)),
@@ -65,9 +75,6 @@ pub fn available(runs: &[Run], frames: &[Frame], remarks: &mut Vec<String>) -> V
     }
     if runs.len() > 1 || recorded("s_m") {
         list.push(Column::Distance);
-    }
-    if frames.iter().all(|f| f.slope.len() == f.len()) {
-        list.push(Column::Slope);
     }
     list
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use kufe_sled::effects::Sensor;
+
 use crate::evidence::runs::recordings::smooth::Kernel;
 
 /// One run, or one segment of a single long run.
@@ -11,6 +13,8 @@ pub struct Frame {
     pub name: String,
     /// Track.
     pub track: String,
+    /// Driver.
+    pub driver: String,
     /// Session.
     pub session: String,
     /// Ice and air temperature [deg C], air pressure [Pa].
@@ -61,6 +65,30 @@ impl Frame {
     /// Number of kept samples.
     pub fn len(&self) -> usize {
         self.t.len()
+    }
+
+    /// Time between kept samples [s].
+    pub fn sample_s(&self) -> f64 {
+        match self.t.as_slice() {
+            [first, .., last] => (last - first) / (self.t.len() - 1) as f64,
+            _ => self.recorded_dt,
+        }
+    }
+
+    /// The values of a sensor, and their derivatives where there are any.
+    pub fn channel(&mut self, sensor: Sensor) -> (&mut Vec<f64>, Option<&mut Vec<f64>>) {
+        match sensor {
+            Sensor::Ax => (&mut self.acceleration[0], None),
+            Sensor::Ay => (&mut self.acceleration[1], None),
+            Sensor::Az => (&mut self.acceleration[2], None),
+            Sensor::RollRate => (&mut self.rate[0], Some(&mut self.rate_slope[0])),
+            Sensor::PitchRate => (&mut self.rate[1], Some(&mut self.rate_slope[1])),
+            Sensor::YawRate => (&mut self.rate[2], Some(&mut self.rate_slope[2])),
+            Sensor::Speed => (&mut self.v, Some(&mut self.v_slope)),
+            Sensor::Slip => (&mut self.slip, Some(&mut self.slip_rate)),
+            Sensor::Steering => (&mut self.steer, Some(&mut self.steer_rate)),
+            Sensor::RollSplit => (&mut self.roll_split, None),
+        }
     }
 
     /// Columns that effects may ask for and that nothing states for this run.

@@ -8,9 +8,10 @@ use kufe_sled::{Model, Noise, Run};
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::sensor_noise::{estimate, quieter};
+use crate::evidence::runs::recordings::sensor_noise::{Learned, doubted, estimate, quieter};
 use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
+use crate::procedure::lock::{LockRules, Locked, Place};
 
 /// All runs with what is known of the whole set.
 #[derive(Clone, Debug)]
@@ -21,19 +22,37 @@ pub struct Data {
     pub noise: Noise,
     /// Names of the sensors whose noise was estimated rather than stated.
     pub noise_estimated: bool,
+    /// Whether the recordings contradict the noise that is stated.
+    pub noise_doubted: bool,
     /// Columns that were recorded and vary.
     pub available: Vec<Column>,
     /// Whether one run was cut into segments.
     pub segmented: bool,
+    /// Which frames are learned from and which are locked away.
+    pub(crate) locked: Locked,
     /// What a reader should know: constant columns, segments, remarks of the reader.
     pub remarks: Vec<String>,
 }
 
+impl Data {
+    /// The frames that are learned from.
+    pub(crate) fn training(&self) -> impl Iterator<Item = &Frame> {
+        self.locked.training.iter().map(|i| &self.frames[*i])
+    }
+}
+
 /// Smooths, decimates and completes runs that are already read.
+///
+/// A part is locked away by `lock` before noise, signs and availability are looked at: these come from the rest.
 ///
 /// # Errors
 /// [`Error::TooFew`] where a run is shorter than the smoothing needs.
-pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, Error> {
+pub fn prepare(
+    runs: &[Run],
+    model: &Model,
+    surveys: &Surveys,
+    lock: &LockRules,
+) -> Result<Data, Error> {
     if runs.is_empty() {
         return Err(Error::TooFew {
             what: "runs".to_owned(),
@@ -74,21 +93,69 @@ pub fn prepare(runs: &[Run], model: &Model, surveys: &Surveys) -> Result<Data, E
             frames.push(frame);
         }
     }
-    let seen = estimate(runs);
+    let locked = locked(&frames, segmented, lock);
+    let learned = learned(runs, &frames, segmented, &locked);
+    let seen = estimate(&learned);
     let (noise, noise_estimated) = match model.noise {
         Some(stated) => (quieter(&stated, &seen, &mut remarks), false),
         None => (seen, true),
     };
-    turn_slopes(&mut frames, &mut remarks);
-    let available = available(runs, &frames, &mut remarks);
+    let noise_doubted = model.noise.is_some_and(|stated| doubted(&stated, &seen));
+    turn_slopes(&mut frames, &locked.training, &mut remarks);
+    let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
+    let mut available = available(runs, &learned, &training, &mut remarks);
+    if frames.iter().all(|f| f.slope.len() == f.len()) {
+        available.push(Column::Slope);
+    }
     Ok(Data {
         frames,
         noise,
         noise_estimated,
+        noise_doubted,
         available,
         segmented,
+        locked,
         remarks,
     })
+}
+
+fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Locked {
+    if segmented {
+        return lock.segments(frames.len());
+    }
+    let places: Vec<Place> = frames
+        .iter()
+        .map(|f| Place {
+            session: &f.session,
+            track: &f.track,
+        })
+        .collect();
+    lock.runs(&places)
+}
+
+/// The recorded samples that are learned from.
+fn learned<'a>(
+    runs: &'a [Run],
+    frames: &[Frame],
+    segmented: bool,
+    locked: &Locked,
+) -> Vec<Learned<'a>> {
+    let piece = |i: &usize| {
+        if !segmented {
+            let run = &runs[*i];
+            return Learned {
+                run,
+                rows: 0..run.len(),
+            };
+        }
+        let (run, t) = (&runs[0], &frames[*i].t);
+        let at = |t: Option<&f64>| (t.unwrap_or(&0.0) / run.dt_s).round() as usize;
+        Learned {
+            run,
+            rows: at(t.first())..(at(t.last()) + 1).min(run.len()),
+        }
+    };
+    locked.training.iter().map(piece).collect()
 }
 
 /// Cuts one long run into segments of at least 10 s, about 24 of them, with a second left out between neighbours.

@@ -1,6 +1,24 @@
 //! White noise of each sensor: as stated, or as the recordings show it.
 
+use std::ops::Range;
+
 use kufe_sled::{Noise, Run};
+
+/// Rows of a run that are learned from.
+#[derive(Clone, Debug)]
+pub struct Learned<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Its rows.
+    pub rows: Range<usize>,
+}
+
+impl Learned<'_> {
+    /// A column of these rows; `None` where it is not recorded.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.run.columns.get(name)?.get(self.rows.clone())
+    }
+}
 
 /// What is stated, where the recordings are not quieter still: white noise shows in full in third differences.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
@@ -32,12 +50,27 @@ pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise
     noise
 }
 
+/// Whether a sensor that forces are computed from is noisier or quieter from sample to sample than stated: its noise is not
+/// white, or was filtered, or is not what is stated, so that little is known of it at the frequencies of the motion.
+pub fn doubted(stated: &Noise, seen: &Noise) -> bool {
+    const AS_STATED: std::ops::RangeInclusive<f64> = 0.7..=1.4;
+    [
+        (stated.rate_radps, seen.rate_radps),
+        (stated.speed_mps, seen.speed_mps),
+        (stated.slip_rad, seen.slip_rad),
+        (stated.steer_rad, seen.steer_rad),
+        (stated.roll_split_rad, seen.roll_split_rad),
+    ]
+    .iter()
+    .any(|(stated, seen)| *seen > 0.0 && !AS_STATED.contains(&(seen / stated.max(1e-300))))
+}
+
 /// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.
-pub fn estimate(runs: &[Run]) -> Noise {
+pub fn estimate(learned: &[Learned]) -> Noise {
     let sd = |name: &str| -> f64 {
-        let mut each: Vec<f64> = runs
+        let mut each: Vec<f64> = learned
             .iter()
-            .filter_map(|run| run.columns.get(name))
+            .filter_map(|piece| piece.column(name))
             .map(|x| {
                 let sum: f64 = x
                     .windows(4)

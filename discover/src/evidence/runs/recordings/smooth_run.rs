@@ -74,6 +74,7 @@ pub fn frame(run: &Run, kernel: &Kernel, surveys: &Surveys) -> Result<Frame, Err
     Ok(Frame {
         name: run.entry.run.clone(),
         track: run.entry.track.clone(),
+        driver: run.entry.driver.clone(),
         session: run.entry.session.clone(),
         ice_c: run.entry.conditions.ice_c,
         air_c: run.entry.conditions.air_c,

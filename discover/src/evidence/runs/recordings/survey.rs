@@ -38,10 +38,11 @@ pub fn surveys(folder: &Path, runs: &[Run]) -> Result<Surveys, Error> {
     Ok(surveys)
 }
 
-/// A track table may count slope uphill: the sign that the speed agrees with is taken, downhill positive from here on.
-pub fn turn_slopes(frames: &mut [Frame], remarks: &mut Vec<String>) {
+/// A track table may count slope uphill: the sign that the speeds of these frames agree with is taken, downhill positive from
+/// here on.
+pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<String>) {
     let mut agreement = 0.0;
-    for frame in frames.iter() {
+    for frame in learned.iter().map(|i| &frames[*i]) {
         for (i, slope) in frame.slope.iter().enumerate() {
             agreement += (frame.v_slope[i] - frame.acceleration[0][i]) * slope;
         }

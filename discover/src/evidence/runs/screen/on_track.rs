@@ -1,5 +1,7 @@
 //! Claims in the track channel: slope, profile and the accelerometer's faults that look like them.
 
+use kufe_sled::GRAVITY;
+
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
@@ -50,7 +52,8 @@ impl Campaign<'_> {
             .into_iter()
             .filter(|c| !c.is_profile())
             .collect();
-        let channel = TrackChannel::new(residual_model, &self.training, &list)?;
+        let mut channel = TrackChannel::new(residual_model, &self.training, &list)?;
+        channel.tolerances = list.iter().map(|c| self.tolerance(c)).collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
@@ -82,6 +85,16 @@ impl Campaign<'_> {
             sd: stated.unwrap_or(self.rules().slope_sd_rad),
             within: self.rules().track_and_forces,
         })
+    }
+
+    /// What the accelerometer's tolerance leaves open of a candidate of the track channel, a standard deviation in its unit.
+    fn tolerance(&self, candidate: &Candidate<Amplitude>) -> f64 {
+        let bias = self.model.tolerances.unwrap_or_default().accel_bias_mps2;
+        match candidate.unit.as_str() {
+            "rad" => bias / GRAVITY,
+            "m/s2" => bias,
+            _ => 0.0,
+        }
     }
 
     /// The claim in the track channel, where one stands out.

@@ -38,9 +38,9 @@ impl Campaign<'_> {
                 .iter()
                 .map(Products::plain)
                 .collect();
-            let scores = Scores::new(&grams, design.fitted());
+            let scores = Scores::new(&grams, &design.prior());
             let gain = |c: usize| -> f64 {
-                scores.u.row(c).sum().powi(2) / scores.total_information(c).max(1e-300)
+                scores.sum(c).powi(2) / scores.total_information(c).max(1e-300)
             };
             let Some(most) = (0..trials.len()).max_by(|a, b| gain(*a).total_cmp(&gain(*b))) else {
                 break;

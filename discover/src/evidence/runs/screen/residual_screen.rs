@@ -8,9 +8,10 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
-use crate::regression::scores::{Scores, cross_information, studentised};
+use crate::regression::scores::{Scores, cross_information};
 
 /// How a screen is made.
 #[derive(Clone, Copy, Debug)]
@@ -70,8 +71,8 @@ pub struct CandidateScore {
 pub struct RunScreen {
     /// Regular candidates, then windows.
     pub seen: Vec<CandidateScore>,
-    /// Scores, candidates by runs.
-    pub u: DMatrix<f64>,
+    /// Scores of candidates and windows.
+    pub sums: ScoreSums,
     /// Products of the regular candidates beyond the base.
     pub cross: DMatrix<f64>,
 }
@@ -83,7 +84,7 @@ pub fn screen_runs(
     simulator: &RunSimulator,
     options: &ScreenOptions,
 ) -> RunScreen {
-    let base = design.fitted();
+    let prior = design.prior();
     let products = design.products(frames);
     let noise = mean_noise_products(design, frames, simulator, 0..options.pairs);
     let grams: Vec<_> = products
@@ -91,14 +92,14 @@ pub fn screen_runs(
         .zip(&noise)
         .map(|(p, d)| p.corrected(d, 1.0))
         .collect();
-    let scores = Scores::new(&grams, base);
+    let scores = Scores::new(&grams, &prior);
     let at = |share: f64| {
         let grams: Vec<_> = products
             .iter()
             .zip(&noise)
             .map(|(p, d)| p.corrected(d, share))
             .collect();
-        Scores::new(&grams, base)
+        Scores::new(&grams, &prior)
     };
     let plain = at(0.0);
     let ends: Vec<Scores> = options.trust.iter().map(|share| at(*share)).collect();
@@ -125,7 +126,8 @@ pub fn screen_runs(
     let norms = norms(&scores, &usable, design);
     let part = |u: &DMatrix<f64>, from: usize, to: usize, seed: u64| {
         let rows = u.rows(from, to - from).into_owned();
-        MaxT::with_norms(&rows, &norms[from..to], options.flips, seed)
+        let common = scores.common.rows(from, to - from).into_owned();
+        MaxT::with_norms(&rows, &norms[from..to], &common, options.flips, seed)
     };
     let scattered = scattered(&scores, regular);
     let named = design.candidates.iter().filter(|c| !c.is_column()).count();
@@ -147,20 +149,21 @@ pub fn screen_runs(
     ];
     let criticals = nulls.each_ref().map(|(null, alpha)| null.critical(*alpha));
     let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
-    let t_all = ts(&u, &norms);
-    let ends: Vec<Vec<f64>> = ends.iter().map(|s| ts(&s.u, &norms)).collect();
+    let t_all = ts(&scores, &norms);
+    let ends: Vec<Vec<f64>> = ends.iter().map(|s| ts(s, &norms)).collect();
     let seen = (0..count)
         .map(|c| {
             let information = scores.total_information(c).max(1e-300);
             let scale = typical(design, c);
-            let sum: f64 = u.row(c).sum();
+            let sum = scores.sum(c);
             let t = t_all[c];
             let size = sum / information;
             let n = runs as f64;
             let spread: f64 = (0..runs)
                 .map(|i| (u[(c, i)] - size * scores.information[(c, i)]).powi(2))
                 .sum();
-            let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / information;
+            let scatter = spread * n / (n - 1.0).max(1.0);
+            let error = (scatter + scores.shared_variance(c)).sqrt() / information;
             let robust_t = if ends.iter().all(|e| e[c].signum() == t.signum()) {
                 ends.iter().fold(t.abs(), |m, e| m.min(e[c].abs()))
             } else {
@@ -173,7 +176,7 @@ pub fn screen_runs(
                 error: error * scale,
                 t,
                 bias_t: if norms[c] > 0.0 {
-                    (plain.u.row(c).sum() - sum) / norms[c]
+                    (plain.sum(c) - sum) / norms[c]
                 } else {
                     0.0
                 },
@@ -181,7 +184,7 @@ pub fn screen_runs(
                 holds_again: robust_t >= critical,
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 gain: sum * sum / information,
-                held_gain: held_gain(&u, &scores.information, c),
+                held_gain: held_gain(&scores, c),
                 detectable: (critical + options.nine_in_ten) * error * scale,
                 usable: usable[c],
             }
@@ -189,8 +192,8 @@ pub fn screen_runs(
         .collect();
     RunScreen {
         seen,
-        u,
-        cross: cross_information(&grams, base),
+        sums: ScoreSums::of(&scores),
+        cross: cross_information(&grams, &prior),
     }
 }
 
@@ -220,18 +223,12 @@ fn scattered(scores: &Scores, regular: usize) -> DMatrix<f64> {
     u
 }
 
-fn ts(u: &DMatrix<f64>, norms: &[f64]) -> Vec<f64> {
-    norms
-        .iter()
-        .enumerate()
-        .map(|(c, norm)| {
-            if *norm > 0.0 {
-                u.row(c).sum() / norm
-            } else {
-                0.0
-            }
-        })
-        .collect()
+fn ts(scores: &Scores, norms: &[f64]) -> Vec<f64> {
+    let t = |(c, norm): (usize, &f64)| match *norm > 0.0 {
+        true => scores.sum(c) / norm,
+        false => 0.0,
+    };
+    norms.iter().enumerate().map(t).collect()
 }
 
 /// What sums of scores are measured in: a regular candidate's own scatter; a window's information times what the windows
@@ -239,12 +236,9 @@ fn ts(u: &DMatrix<f64>, norms: &[f64]) -> Vec<f64> {
 fn norms(scores: &Scores, usable: &[bool], design: &Design) -> Vec<f64> {
     let regular = design.candidates.len();
     let mut norms: Vec<f64> = (0..scores.u.nrows())
-        .map(|c| {
-            if usable[c] {
-                scores.u.row(c).norm()
-            } else {
-                0.0
-            }
+        .map(|c| match usable[c] {
+            true => scores.u.row(c).norm(),
+            false => 0.0,
         })
         .collect();
     for l in 0..design.local.len() {
@@ -263,6 +257,10 @@ fn norms(scores: &Scores, usable: &[bool], design: &Design) -> Vec<f64> {
             norms[*c] = (middle * scores.total_information(*c)).sqrt();
         }
     }
+    // What the installation may add goes with every run alike.
+    for (c, norm) in norms.iter_mut().enumerate().filter(|(_, n)| **n > 0.0) {
+        *norm = norm.hypot(scores.shared_variance(c).sqrt());
+    }
     norms
 }
 
@@ -273,17 +271,20 @@ fn typical(design: &Design, c: usize) -> f64 {
     }
 }
 
-/// What sizes fitted on four fifths of the runs explain on the rest.
-fn held_gain(u: &DMatrix<f64>, information: &DMatrix<f64>, c: usize) -> f64 {
+/// What sizes fitted on four fifths of the runs explain on the rest; of what the installation adds each run has its share.
+fn held_gain(scores: &Scores, c: usize) -> f64 {
+    let (u, information) = (&scores.u, &scores.information);
     let runs = u.ncols();
     let folds = 5.min(runs);
-    let (all_u, all_i): (f64, f64) = (u.row(c).sum(), information.row(c).sum());
+    let (all_u, all_i) = (scores.sum(c), scores.total_information(c));
+    let [shared, variance] =
+        [scores.shared[c], scores.shared_variance(c)].map(|sum| sum / runs as f64);
     (0..folds)
         .map(|fold| {
             let (mut u_out, mut i_out) = (0.0, 0.0);
             for i in (fold..runs).step_by(folds) {
-                u_out += u[(c, i)];
-                i_out += information[(c, i)];
+                u_out += u[(c, i)] + shared;
+                i_out += information[(c, i)] + variance;
             }
             let size = (all_u - u_out) / (all_i - i_out).max(1e-300);
             2.0 * size * u_out - size * size * i_out
@@ -295,8 +296,7 @@ impl RunScreen {
     /// T of regular candidate `a` once `b` has taken its part.
     pub fn beyond(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
-        let left = self.u.row(a) - self.u.row(b) * share;
-        studentised(left.iter().copied())
+        self.sums.t_less(a, b, share)
     }
 
     /// Correlation of two regular candidates beyond the base.

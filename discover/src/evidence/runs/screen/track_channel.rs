@@ -18,6 +18,9 @@ use crate::procedure::candidate::Candidate;
 /// Width of a bin [m].
 const BIN_M: f64 = 20.0;
 
+/// Bins on either side from which the scatter between drivers is taken.
+const NEAR: usize = 3;
+
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
 pub struct TrackScore {
@@ -36,6 +39,8 @@ pub struct TrackChannel {
     /// Directions by candidate and bin, per typical size.
     directions: Vec<Vec<f64>>,
     typical: Vec<f64>,
+    /// Standard deviation that an installation leaves open of each candidate, in its unit.
+    pub tolerances: Vec<f64>,
     inflation: f64,
     scatter: f64,
 }
@@ -68,7 +73,7 @@ impl TrackChannel {
         };
         let all: Vec<Vec<Vec<f64>>> = frames.par_iter().map(directions_of).collect();
         // By track and bin: one mean a run, then the mean and scatter over runs.
-        let mut by_bin: BTreeMap<(String, i64), Vec<Vec<f64>>> = BTreeMap::new();
+        let mut by_bin: BTreeMap<(String, i64), Vec<(&str, Vec<f64>)>> = BTreeMap::new();
         for (frame, columns) in frames.iter().zip(&all) {
             let mut sums: BTreeMap<i64, (f64, Vec<f64>)> = BTreeMap::new();
             for (i, s) in frame.rows(&frame.s).iter().enumerate() {
@@ -90,21 +95,22 @@ impl TrackChannel {
                 by_bin
                     .entry((frame.track.clone(), bin))
                     .or_default()
-                    .push(sum.iter().map(|x| x / count).collect());
+                    .push((&frame.driver, sum.iter().map(|x| x / count).collect()));
             }
         }
         let mut bins = Vec::new();
         let mut directions = vec![Vec::new(); candidates.len()];
-        let mut scatter = Vec::new();
+        let (mut scatter, mut by_driver) = (Vec::new(), Vec::new());
         for ((track, bin), runs) in &by_bin {
             let n = runs.len() as f64;
             if runs.len() < 3 {
                 continue;
             }
-            let mean = |k: usize| runs.iter().map(|r| r[k]).sum::<f64>() / n;
+            let mean = |k: usize| runs.iter().map(|(_, r)| r[k]).sum::<f64>() / n;
             let m = mean(0);
-            let variance = runs.iter().map(|r| (r[0] - m).powi(2)).sum::<f64>() / (n - 1.0);
+            let variance = runs.iter().map(|(_, r)| (r[0] - m).powi(2)).sum::<f64>() / (n - 1.0);
             scatter.push(variance);
+            by_driver.push(between_drivers(runs));
             bins.push((track.clone(), *bin as f64 * BIN_M, m, n));
             for (c, direction) in directions.iter_mut().enumerate() {
                 direction.push(mean(c + 1));
@@ -114,7 +120,16 @@ impl TrackChannel {
             return None;
         }
         let common = scatter.iter().sum::<f64>() / scatter.len() as f64;
-        bins.iter_mut().for_each(|bin| bin.3 = common / bin.3);
+        // Drivers who take lines of their own, run after run, count as one run each, by their scatter near the bin.
+        for k in 0..bins.len() {
+            let near = k.saturating_sub(NEAR)..(k + NEAR + 1).min(bins.len());
+            let there: Vec<f64> = near
+                .filter(|j| bins[*j].0 == bins[k].0)
+                .filter_map(|j| by_driver[j])
+                .collect();
+            let of_drivers = there.iter().sum::<f64>() / there.len().max(1) as f64;
+            bins[k].3 = of_drivers.max(common / bins[k].3);
+        }
         let mean = bins.iter().map(|b| b.2).sum::<f64>() / bins.len() as f64;
         let pairs: Vec<(f64, f64)> = bins
             .windows(2)
@@ -129,6 +144,7 @@ impl TrackChannel {
             bins,
             directions,
             typical: candidates.iter().map(|c| c.typical).collect(),
+            tolerances: vec![0.0; candidates.len()],
             inflation: (1.0 + rho) / (1.0 - rho),
             scatter: common.sqrt(),
         })
@@ -165,7 +181,10 @@ impl TrackChannel {
             .zip(&self.bins)
             .map(|((d, w), b)| d * w * b.2)
             .sum();
-        let error = (self.inflation / information.max(1e-300)).sqrt();
+        let tolerance = self.tolerances[c] / self.typical[c];
+        let error = (self.inflation / information.max(1e-300))
+            .sqrt()
+            .hypot(tolerance);
         let size = score / information.max(1e-300);
         TrackScore {
             size: size * self.typical[c],
@@ -262,6 +281,20 @@ impl TrackChannel {
             excess.max(0.0).sqrt() / GRAVITY,
         )
     }
+}
+
+/// Variance of a bin's mean by the scatter between its drivers; `None` where there is but one.
+fn between_drivers(runs: &[(&str, Vec<f64>)]) -> Option<f64> {
+    let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+    for (driver, run) in runs {
+        let sum = drivers.entry(driver).or_default();
+        (sum.0, sum.1) = (sum.0 + run[0], sum.1 + 1.0);
+    }
+    let means: Vec<f64> = drivers.values().map(|(sum, count)| sum / count).collect();
+    let n = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+    (means.len() > 1).then(|| squares / (n - 1.0) / n)
 }
 
 fn two_sided(z: f64) -> f64 {

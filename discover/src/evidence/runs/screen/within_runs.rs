@@ -12,6 +12,7 @@ use crate::evidence::runs::screen::on_track::Surveyed;
 use crate::evidence::runs::screen::residual_screen::{
     RunScreen, ScreenOptions, best_windows, screen_runs,
 };
+use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim, Screen};
 use crate::regression::scores::{Scores, cross_information};
@@ -40,10 +41,14 @@ impl Campaign<'_> {
             windows: &all_windows,
             ..at.design(&regular)
         };
-        let options = self.screen_options(account);
+        let options = self.screen_options(at, account);
         let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
-        let detectable = detectable(&screen, &regular[..named]);
+        // Where no p-value can pass there is no size that would be claimed.
+        let detectable = match self.least_p() > options.alpha {
+            true => Vec::new(),
+            false => detectable(&screen, &regular[..named]),
+        };
         self.by_forces = regular
             .iter()
             .zip(&screen.seen)
@@ -61,7 +66,7 @@ impl Campaign<'_> {
         }
     }
 
-    fn screen_options(&self, account: &Account) -> ScreenOptions {
+    fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
         let (rules, share) = (self.rules(), self.share(account));
         ScreenOptions {
             pairs: self.options.twins.div_ceil(40).max(1),
@@ -69,12 +74,20 @@ impl Campaign<'_> {
             alpha: share * rules.alpha,
             alpha_local: share * rules.alpha_window,
             alpha_beyond: share * rules.alpha_beyond,
-            trust: match self.data.noise_estimated {
-                true => rules.estimated_noise_trust,
-                false => rules.noise_trust,
+            trust: match (self.data.noise_estimated, self.data.noise_doubted) {
+                (false, false) => rules.noise_trust,
+                (true, _) => rules.estimated_noise_trust,
+                // All that is known is that it makes no more than the residual.
+                (false, true) => {
+                    let [low, high] = rules.estimated_noise_trust;
+                    [low, high.max(at.simulator.most_noise(self.used))]
+                }
             },
             holds: [rules.holds, rules.window_holds],
-            least: [rules.least_left, rules.least_signal],
+            least: match at.residual_model.installation.fitted() {
+                0 => [rules.least_left, rules.least_signal],
+                _ => [rules.least_left_installed, rules.least_signal],
+            },
             nine_in_ten: self.options.rules.search.nine_in_ten,
             seed: self.options.seed,
         }
@@ -88,7 +101,7 @@ impl Campaign<'_> {
         places: &[(Candidate<Amplitude>, usize)],
         account: &Account,
     ) -> Option<Claim<Amplitude>> {
-        let options = self.screen_options(account);
+        let options = self.screen_options(at, account);
         let rules = self.rules();
         let gain = |c: usize| screen.seen[c].gain;
         let alpha_of = |candidate: &Candidate<Amplitude>| match (
@@ -124,7 +137,7 @@ impl Campaign<'_> {
             .collect();
         let mut together = RunScreen {
             seen: screen.seen[..regular.len()].to_vec(),
-            u: screen.u.rows(0, regular.len()).into_owned(),
+            sums: screen.sums.first(regular.len()),
             cross: screen.cross.clone(),
         };
         if !close.is_empty() {
@@ -136,17 +149,13 @@ impl Campaign<'_> {
                 .zip(&noise)
                 .map(|(p, d)| p.corrected(d, 1.0))
                 .collect();
-            let scores = Scores::new(&grams, design.fitted());
-            together.cross = cross_information(&grams, design.fitted());
-            let rows = together.u.nrows();
-            together.u = together.u.insert_rows(rows, close.len(), 0.0);
+            let scores = Scores::new(&grams, &design.prior());
+            together.cross = cross_information(&grams, &design.prior());
+            let (sums, rows) = (ScoreSums::of(&scores), regular.len());
             for (k, (candidate, c)) in close.iter().enumerate() {
-                together
-                    .u
-                    .row_mut(rows + k)
-                    .copy_from(&scores.u.row(rows + k));
+                together.sums.push(&sums, rows + k);
                 let information = scores.total_information(rows + k).max(1e-300);
-                let sum: f64 = scores.u.row(rows + k).sum();
+                let sum = scores.sum(rows + k);
                 let mut seen = screen.seen[*c].clone();
                 seen.size = sum / information * candidate.typical;
                 seen.gain = sum * sum / information;

@@ -1,0 +1,336 @@
+//! What the installation may be off by: delays, scales, biases, places, mass and inertia, as random effects.
+//!
+//! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns beside
+//! those of the base, J, the fit is that of least squares with a penalty, and rows have a covariance of their own:
+//!
+//! ```text
+//! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
+//! ```
+//!
+//! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical Science 6 (1991) 15.
+
+use kufe_sled::Tolerances;
+use kufe_sled::effects::{Constants, Sensor};
+use nalgebra::DMatrix;
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// What an installation error does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wrong {
+    /// A channel is late.
+    Late(Sensor),
+    /// A channel reads a share too much.
+    Scaled(Sensor),
+    /// A channel reads a constant too much.
+    Biased(Sensor),
+    /// The accelerometer stands further along an axis.
+    Accelerometer(usize),
+    /// The slip sensor stands further ahead.
+    SlipSensor,
+    /// The centre of gravity lies further ahead.
+    Centre,
+    /// The sled is heavier by a share.
+    Mass,
+    /// Its pitch or yaw inertia is larger by a share.
+    PitchInertia,
+    /// The same about the vertical.
+    YawInertia,
+}
+
+/// One thing that may be off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What it is, in words.
+    pub what: String,
+    /// Unit of its size.
+    pub unit: &'static str,
+    /// Standard deviation, in its unit.
+    pub sd: f64,
+    wrong: Wrong,
+}
+
+/// Everything that may be off, and by how much it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Installation {
+    /// What may be off.
+    pub parts: Vec<Part>,
+    /// By how much, in standard deviations.
+    pub sizes: Vec<f64>,
+    /// Orthonormal combinations of the parts that are fitted, by the share of each part in them.
+    pub directions: Vec<Vec<f64>>,
+    /// Whether fits leave the sizes as they are.
+    pub held: bool,
+}
+
+impl Installation {
+    /// What the tolerances leave open; a standard deviation of 0 leaves nothing.
+    pub fn new(tolerances: &Tolerances) -> Self {
+        let t = tolerances;
+        let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+        let accelerometers = [Sensor::Ax, Sensor::Ay, Sensor::Az];
+        let mut parts = Vec::new();
+        let mut add = |what: String, unit, sd, wrong| {
+            if sd > 0.0 {
+                let part = Part {
+                    what,
+                    unit,
+                    sd,
+                    wrong,
+                };
+                parts.push(part);
+            }
+        };
+        for s in Sensor::ALL {
+            let what = format!("delay of {}", s.name());
+            add(what, "s", t.delay_s, Wrong::Late(s));
+        }
+        for s in gyros {
+            let name = s.name();
+            add(
+                format!("scale of {name}"),
+                "",
+                t.gyro_scale,
+                Wrong::Scaled(s),
+            );
+            let (sd, what) = (t.gyro_bias_radps, format!("bias of {name}"));
+            add(what, "rad/s", sd, Wrong::Biased(s));
+        }
+        for s in accelerometers {
+            let name = s.name();
+            add(
+                format!("scale of {name}"),
+                "",
+                t.accel_scale,
+                Wrong::Scaled(s),
+            );
+            let (sd, what) = (t.accel_bias_mps2, format!("bias of {name}"));
+            add(what, "m/s2", sd, Wrong::Biased(s));
+        }
+        let steer = Sensor::Steering;
+        let what = format!("scale of {}", steer.name());
+        add(what, "", t.steer_scale, Wrong::Scaled(steer));
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let what = format!("place of the accelerometer, {name}");
+            add(what, "m", t.place_m, Wrong::Accelerometer(axis));
+        }
+        let places = [
+            ("place of the slip sensor, x", Wrong::SlipSensor),
+            ("place of the centre of gravity, x", Wrong::Centre),
+        ];
+        for (what, wrong) in places {
+            add(what.to_owned(), "m", t.place_m, wrong);
+        }
+        add("mass, relative".to_owned(), "", t.mass, Wrong::Mass);
+        let inertias = [("pitch", Wrong::PitchInertia), ("yaw", Wrong::YawInertia)];
+        for (axis, wrong) in inertias {
+            add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
+        }
+        Self::of(parts)
+    }
+
+    /// All parts, each by itself.
+    fn of(parts: Vec<Part>) -> Self {
+        let count = parts.len();
+        let alone = |k: usize| (0..count).map(|j| f64::from(u8::from(j == k))).collect();
+        Self {
+            sizes: vec![0.0; count],
+            directions: (0..count).map(alone).collect(),
+            held: false,
+            parts,
+        }
+    }
+
+    /// Number of combinations that are fitted.
+    pub fn fitted(&self) -> usize {
+        match self.held {
+            true => 0,
+            false => self.directions.len(),
+        }
+    }
+
+    /// The same, held or not.
+    pub fn hold(&self, held: bool) -> Self {
+        Self {
+            held,
+            ..self.clone()
+        }
+    }
+
+    /// By how much a combination is off, in standard deviations.
+    pub fn along(&self, direction: usize) -> f64 {
+        let shares = self.directions[direction].iter();
+        shares.zip(&self.sizes).map(|(v, size)| v * size).sum()
+    }
+
+    /// The combinations of parts of which one standard deviation shows, from their products in the rows (parts by parts).
+    ///
+    /// With G these products beyond the base, the eigenvectors of G are told apart by the data, and one of eigenvalue g moves no
+    /// statistic by more than the root of g: those below `least` are left out, and with them what no fit could hold.
+    pub fn told_apart(&self, products: &DMatrix<f64>, least: f64) -> Self {
+        let eigen = products.clone().symmetric_eigen();
+        let kept = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
+        Self {
+            directions: kept
+                .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
+                .collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Moves all combinations, in standard deviations.
+    pub fn step(&mut self, by: &[f64]) {
+        for (direction, by) in self.directions.iter().zip(by) {
+            for (size, share) in self.sizes.iter_mut().zip(direction) {
+                *size += by * share;
+            }
+        }
+    }
+
+    /// The same with one combination moved by so many standard deviations.
+    pub fn moved(&self, direction: usize, by: f64) -> Self {
+        let mut moved = self.clone();
+        for (size, share) in moved.sizes.iter_mut().zip(&self.directions[direction]) {
+            *size += by * share;
+        }
+        moved
+    }
+
+    /// Size and standard error of each part, in its unit, from the errors of the combinations in standard deviations: what no
+    /// combination holds is open as it was stated.
+    pub fn found(&self, errors: &[f64]) -> Vec<(f64, f64)> {
+        let part = |(j, part): (usize, &Part)| {
+            let (mut open, mut known) = (1.0, 0.0);
+            for (direction, error) in self.directions.iter().zip(errors) {
+                let share = direction[j].powi(2);
+                (open, known) = (open - share, known + share * error * error);
+            }
+            let error = (known + f64::max(open, 0.0)).sqrt();
+            (part.sd * self.sizes[j], part.sd * error)
+        };
+        self.parts.iter().enumerate().map(part).collect()
+    }
+
+    /// From the stated constants of a sled to the true ones.
+    pub fn find_constants(&self, sled: &mut Constants) {
+        for (part, size) in self.parts.iter().zip(&self.sizes) {
+            let size = size * part.sd;
+            match part.wrong {
+                Wrong::Accelerometer(axis) => sled.accelerometer[axis] += size,
+                Wrong::SlipSensor => sled.slip_sensor += size,
+                Wrong::Centre => {
+                    sled.axles[0] -= size;
+                    sled.axles[1] += size;
+                    sled.accelerometer[0] -= size;
+                    sled.slip_sensor -= size;
+                }
+                Wrong::Mass => sled.mass *= 1.0 + size,
+                Wrong::PitchInertia => sled.pitch_inertia *= 1.0 + size,
+                Wrong::YawInertia => sled.yaw_inertia *= 1.0 + size,
+                Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
+            }
+        }
+    }
+
+    /// From what the sensors said to what was true; `None` where no sensor is off.
+    pub fn corrected(&self, frame: &Frame) -> Option<Frame> {
+        let off = self
+            .parts
+            .iter()
+            .zip(&self.sizes)
+            .filter(|(_, size)| **size != 0.0);
+        let mut corrected: Option<Frame> = None;
+        for (part, size) in off {
+            let size = size * part.sd;
+            let (Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor)) = part.wrong
+            else {
+                continue;
+            };
+            let frame = corrected.get_or_insert_with(|| frame.clone());
+            let samples = size / frame.sample_s();
+            let (value, slope) = frame.channel(sensor);
+            if matches!(part.wrong, Wrong::Biased(_)) {
+                value.iter_mut().for_each(|x| *x -= size);
+                continue;
+            }
+            for x in [Some(value), slope].into_iter().flatten() {
+                match part.wrong {
+                    Wrong::Late(_) => *x = ahead(x, samples),
+                    _ => x.iter_mut().for_each(|x| *x /= 1.0 + size),
+                }
+            }
+        }
+        corrected
+    }
+}
+
+/// A series read so many samples ahead, by the cubic through the four nearest; constant beyond its ends.
+fn ahead(x: &[f64], by: f64) -> Vec<f64> {
+    let last = x.len() as isize - 1;
+    let at = |i: isize| x[i.clamp(0, last) as usize];
+    let whole = by.floor();
+    let f = by - whole;
+    let weights = [
+        -f * (f - 1.0) * (f - 2.0) / 6.0,
+        (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
+        -(f + 1.0) * f * (f - 2.0) / 2.0,
+        (f + 1.0) * f * (f - 1.0) / 6.0,
+    ];
+    (0..x.len() as isize)
+        .map(|i| {
+            let first = i + whole as isize - 1;
+            let near = weights.iter().zip(first..);
+            near.map(|(w, k)| w * at(k)).sum()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_read_ahead_is_the_wave_a_moment_later() {
+        // Four samples a radian: the cubic's error is below (1/4)^4 / 24.
+        let wave = |t: f64| (0.25 * t).sin();
+        let x: Vec<f64> = (0..200).map(|k| wave(f64::from(k))).collect();
+        for by in [-2.3, -0.4, 0.0, 0.7, 3.0] {
+            let moved = ahead(&x, by);
+            for (k, moved) in moved.iter().enumerate().take(190).skip(10) {
+                assert!((moved - wave(k as f64 + by)).abs() < 2e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_exact_has_no_part_and_the_rest_one_each() {
+        assert_eq!(Installation::new(&Tolerances::EXACT).fitted(), 0);
+        let delays = Tolerances {
+            delay_s: 0.002,
+            ..Tolerances::EXACT
+        };
+        let parts = Installation::new(&delays).parts;
+        assert_eq!(parts.len(), Sensor::ALL.len());
+        assert_eq!(parts[5].what, "delay of yaw_rate_radps");
+    }
+
+    #[test]
+    fn what_no_combination_holds_stays_as_open_as_it_was_stated() {
+        let places = Tolerances {
+            mass: 0.01,
+            steer_scale: 0.03,
+            ..Tolerances::EXACT
+        };
+        let both = Installation::new(&places);
+        // Only the sum of the two shows.
+        let products = DMatrix::from_element(2, 2, 50.0);
+        let mut told = both.told_apart(&products, 1.0);
+        assert_eq!(told.fitted(), 1);
+        told.step(&[told.directions[0][0].signum() * 2.0_f64.sqrt()]);
+        assert!(told.sizes.iter().all(|size| (size - 1.0).abs() < 1e-12));
+        for ((size, error), part) in told.found(&[0.1]).iter().zip(&told.parts) {
+            assert!((size - part.sd).abs() < 1e-12);
+            assert!((error / part.sd - 0.505_f64.sqrt()).abs() < 1e-12);
+        }
+    }
+}

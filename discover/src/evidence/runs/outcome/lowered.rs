@@ -1,0 +1,149 @@
+//! What the locked-away runs say of one model beside another, all channels together.
+//!
+//! With residuals r in units of their deviations on the training runs, pieces k of the locked-away runs, and m the mean residual
+//! of the training runs at the same place of the same track:
+//!
+//! ```text
+//! by = sum_k (r_from^2 - r_to^2)        repeats = sum r_from . m
+//! ```
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::lowered::Lowered;
+
+/// Rows of a piece of a run: four seconds, beyond which residuals no longer go together.
+const PIECE_ROWS: usize = 40;
+/// Length of track over which runs are held against one another [m].
+const PLACE_M: f64 = 10.0;
+
+/// Channel, track and place.
+type Place<'a> = (usize, &'a str, i64);
+
+impl Campaign<'_> {
+    /// By how much the locked-away runs' gap is lower with `to` than with `from`.
+    ///
+    /// Models freed of what noisy inputs add are held against one another, or, where one has not been, both without.
+    pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
+        let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
+        let model = |fit: &RunFit| match freed {
+            true => fit.settled.clone(),
+            false => fit.residual_model.clone(),
+        };
+        self.lowered_between(&model(from), &model(to), to.told.as_ref())
+    }
+
+    /// The same for two models, the second with an effect beside it that no simulation knows.
+    pub fn lowered_between(
+        &self,
+        before: &ResidualModel,
+        after: &ResidualModel,
+        told: Option<&Told>,
+    ) -> Option<Lowered> {
+        let learned = residuals(before, &self.training);
+        let whitener = Whitener::estimate(&learned, self.used);
+        let means = self.means(&learned, &whitener);
+        let each: Vec<(Vec<f64>, f64)> = self
+            .held
+            .par_iter()
+            .map(|frame| {
+                let rows = whitened(&before.residuals(frame), &whitener);
+                let mut left = whitened(&after.residuals(frame), &whitener);
+                if let Some(Told {
+                    candidate, size, ..
+                }) = told
+                {
+                    let design = Design {
+                        residual_model: after,
+                        whitener: &whitener,
+                        free_base: &self.free,
+                        candidates: std::slice::from_ref(candidate),
+                        local: &[],
+                        windows: &[],
+                    };
+                    let columns = design.columns(frame);
+                    let own = columns.column(OWN_LEVELS + design.fitted());
+                    let used = (0..3).filter(|c| self.used[*c]);
+                    let places = used.flat_map(|c| (0..frame.row_count()).map(move |i| (c, i)));
+                    for ((c, i), change) in places.zip(own.iter()) {
+                        left[c][i] -= change * size / candidate.typical;
+                    }
+                }
+                (falls(&rows, &left), repeating(frame, &rows, &means))
+            })
+            .collect();
+        let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
+        let repeats: f64 = each.iter().map(|(_, repeats)| repeats).sum();
+        Lowered::over(&falls, repeats.max(0.0))
+    }
+
+    /// Mean whitened residuals of the training runs by place, where two runs or more went.
+    fn means(&self, rows: &[ChannelRows], whitener: &Whitener) -> BTreeMap<Place<'_>, f64> {
+        let mut sums: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
+        let mut visits: BTreeMap<Place, usize> = BTreeMap::new();
+        for (frame, rows) in self.training.iter().zip(rows) {
+            let rows = whitened(rows, whitener);
+            let mut here: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
+            for (place, r) in placed(frame, &rows) {
+                let sum = here.entry(place).or_default();
+                (sum.0, sum.1) = (sum.0 + r, sum.1 + 1.0);
+            }
+            for (place, (sum, count)) in here {
+                let all = sums.entry(place).or_default();
+                (all.0, all.1) = (all.0 + sum, all.1 + count);
+                *visits.entry(place).or_default() += 1;
+            }
+        }
+        sums.into_iter()
+            .filter(|(place, _)| visits[place] > 1)
+            .map(|(place, (sum, count))| (place, sum / count))
+            .collect()
+    }
+}
+
+/// Residuals of the channels that take part, each over its deviation.
+fn whitened(rows: &ChannelRows, whitener: &Whitener) -> ChannelRows {
+    std::array::from_fn(|c| match whitener.used[c] {
+        true => rows[c].iter().map(|r| r / whitener.sd[c]).collect(),
+        false => Vec::new(),
+    })
+}
+
+/// Rows with where they are.
+fn placed<'a>(frame: &'a Frame, rows: &ChannelRows) -> Vec<(Place<'a>, f64)> {
+    let s = frame.rows(&frame.s);
+    let mut placed = Vec::new();
+    for (c, rows) in rows.iter().enumerate() {
+        for (s, r) in s.iter().zip(rows) {
+            let cell = (s / PLACE_M).floor() as i64;
+            placed.push(((c, frame.track.as_str(), cell), *r));
+        }
+    }
+    placed
+}
+
+fn repeating(frame: &Frame, rows: &ChannelRows, means: &BTreeMap<Place, f64>) -> f64 {
+    placed(frame, rows)
+        .iter()
+        .filter_map(|(place, r)| means.get(place).map(|mean| mean * r))
+        .sum()
+}
+
+/// The fall of the sum of squares, piece by piece of a run.
+fn falls(before: &ChannelRows, after: &ChannelRows) -> Vec<f64> {
+    let rows = before.iter().map(Vec::len).max().unwrap_or(0);
+    let mut falls = vec![0.0; rows.div_ceil(PIECE_ROWS)];
+    for (before, after) in before.iter().zip(after) {
+        for (i, (b, a)) in before.iter().zip(after).enumerate() {
+            falls[i / PIECE_ROWS] += b * b - a * a;
+        }
+    }
+    falls
+}

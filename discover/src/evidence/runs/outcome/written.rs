@@ -1,0 +1,70 @@
+//! What a model file can state of a fit, and what the installation was found to be off by.
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::finding::report::Tolerated;
+use crate::procedure::evidence::Account;
+
+impl Campaign<'_> {
+    /// Estimates of a fit, and the model that is written of it.
+    ///
+    /// Sizes of effects are those beside an installation that may be off. A model file states no such errors: friction and grip
+    /// are fitted once more to the runs as they were recorded.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn write(&self, fit: &mut RunFit) -> Result<(), Error> {
+        let (estimates, settled) = self.estimates(&fit.residual_model.hold(false), &fit.whitener);
+        (fit.estimates, fit.settled) = (estimates, settled);
+        if fit.residual_model.installation.parts.is_empty() {
+            return Ok(());
+        }
+        let frozen = fit.settled.frozen.clone();
+        let sized = ResidualModel {
+            installation: Installation::default(),
+            frozen: fit
+                .settled
+                .effects
+                .active
+                .iter()
+                .map(|e| e.name.clone())
+                .collect(),
+            ..fit.settled.clone()
+        };
+        let refitted = self.fitted(&sized, fit.owners.clone())?;
+        let (base, written) = self.estimates(&refitted.residual_model, &refitted.whitener);
+        fit.estimates[..base.len()].copy_from_slice(&base);
+        fit.settled = ResidualModel { frozen, ..written };
+        Ok(())
+    }
+
+    /// What the installation is off by, where that stands out of its error: within its tolerance here, beyond it in the remarks.
+    pub fn within_tolerance(&self, last: &RunFit, account: &mut Account) -> Vec<Tolerated> {
+        let rules = &self.options.rules.search;
+        let parts = &last.residual_model.installation.parts;
+        let first = last.estimates.len().saturating_sub(parts.len());
+        let mut within = Vec::new();
+        for (part, estimate) in parts.iter().zip(&last.estimates[first..]) {
+            let (size, half) = (estimate.value, rules.interval * estimate.error);
+            if size.abs() <= half {
+                continue;
+            }
+            let tolerated = Tolerated {
+                what: part.what.clone(),
+                size,
+                unit: part.unit.to_owned(),
+            };
+            if size.abs() - half <= rules.interval * part.sd {
+                within.push(tolerated);
+                continue;
+            }
+            account.remarks.push(format!(
+                "{}: {size:.2e} {} +- {half:.1e}, beyond its tolerance of {} (a standard deviation): it was allowed for and not named",
+                part.what, part.unit, part.sd
+            ));
+        }
+        within
+    }
+}

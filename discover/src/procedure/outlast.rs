@@ -1,0 +1,69 @@
+//! Never worse: what is named must lower the gap on data that were locked away, as a whole and step by step.
+
+use crate::error::Error;
+use crate::procedure::evidence::{Account, Evidence};
+use crate::procedure::lowered::Lowered;
+use crate::procedure::rules::SearchRules;
+
+/// Takes back every step, and at last the whole answer, without which the locked-away data leave no larger gap.
+///
+/// Steps are left out one at a time, the weakest first, each with a refit of what remains. Nothing but the decision to leave
+/// something out is made of the locked-away data. `base` and the result are models as they would be written.
+///
+/// # Errors
+/// Those of the fits.
+pub fn outlast<E: Evidence>(
+    evidence: &mut E,
+    base: &E::Fit,
+    last: E::Fit,
+    account: &mut Account,
+    rules: &SearchRules,
+) -> Result<E::Fit, Error> {
+    let mut last = last;
+    let mut tried = Vec::new();
+    while account.steps.len() > 1 {
+        let mut weakest: Option<(usize, Lowered)> = None;
+        for step in 0..account.steps.len() {
+            let without = evidence.without(&last, step)?;
+            let Some(lowered) = evidence.lowered(&without, &last)? else {
+                continue;
+            };
+            let weaker = weakest.is_none_or(|(_, w)| lowered.strength() < w.strength());
+            if !lowered.holds(rules) && weaker {
+                weakest = Some((step, lowered));
+            }
+        }
+        let Some((step, lowered)) = weakest else {
+            break;
+        };
+        tried.push(take_back(account, step, &lowered));
+        let without = evidence.without(&last, step)?;
+        last = evidence.settle(without, account)?;
+    }
+    if !account.steps.is_empty()
+        && let Some(lowered) = evidence.lowered(base, &last)?
+        && !lowered.holds(rules)
+    {
+        while !account.steps.is_empty() {
+            tried.push(take_back(account, 0, &lowered));
+        }
+        last = base.clone();
+    }
+    if account.steps.is_empty() && !tried.is_empty() {
+        account.depends.clear();
+        account.unexplained.get_or_insert(tried.join("; "));
+    }
+    account.remarks.extend(tried);
+    Ok(last)
+}
+
+/// Takes a step out of the account and says why.
+fn take_back(account: &mut Account, step: usize, lowered: &Lowered) -> String {
+    let gone = account.steps.remove(step);
+    format!(
+        "{} stood out where it was learned (p = {:.1e}), but the model with it does not lower the gap on locked-away data enough ({}): neither named nor written",
+        gone.effect,
+        gone.p_value,
+        lowered.told()
+    )
+}
