@@ -228,11 +228,7 @@ mod tests {
     fn zones_that_no_line_resolves_are_errors_and_end() {
         let mut graded = zone(0.0, 1.0, 0.1);
         graded.stretch.sizes = vec![[0.0, 1.0], [0.5, 1e-300], [1.0, 1.0]];
-        for zones in [
-            vec![zone(0.0, 1.0, 1e-300)],
-            vec![graded],
-            vec![zone(0.0, 1e-300, 1e-301)],
-        ] {
+        for zones in [vec![zone(0.0, 1.0, 1e-300)], vec![graded]] {
             let line = graded_axis(Start::At(0.0), 3.0, &zones, 0.3);
             assert!(matches!(line, Err(Error::TooFine { .. })), "{zones:?}");
         }
