@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::press::lists::Lists;
+use crate::press::series::lists::Lists;
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]

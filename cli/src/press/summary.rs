@@ -6,7 +6,7 @@ use kufe_contact::{Iterate, Measure, Solution};
 use kufe_jobs::Pressed;
 use kufe_jobs::slide::Slid;
 
-use crate::press::series_table::Row;
+use crate::press::series::table::Row;
 
 /// One line while the solver works.
 pub fn progress_line(state: &Iterate) -> String {

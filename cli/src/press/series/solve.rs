@@ -16,10 +16,10 @@ use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::output::watched::watched;
 use crate::press::args::Args;
-use crate::press::first_step::FirstStep;
 use crate::press::held::{clear_before_series, contact_files};
-use crate::press::lists::Lists;
-use crate::press::series_table::{self, Row, write_table};
+use crate::press::series::first_step::FirstStep;
+use crate::press::series::lists::Lists;
+use crate::press::series::table::{self, Row, write_table};
 use crate::press::{files, solved, summary};
 use crate::report::read_json;
 
