@@ -277,7 +277,10 @@ impl Evidence for Campaign<'_> {
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
-            located: account.steps.is_empty() && self.stands_out(last, &bins_after),
+            // Noise that is not what it is said to be makes bins stand out, too.
+            located: account.steps.is_empty()
+                && !self.data.noise_doubted
+                && self.stands_out(last, &bins_after),
             bins_after,
             by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),
             untestable: self.candidates.untestable.clone(),
