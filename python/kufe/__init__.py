@@ -25,6 +25,7 @@ from ._kufe import (
     evaluate,
     fill_table,
     press,
+    slide,
 )
 
 __all__ = [
@@ -42,4 +43,5 @@ __all__ = [
     "evaluate",
     "fill_table",
     "press",
+    "slide",
 ]

@@ -72,6 +72,8 @@ class Contact:
     @property
     def uz_m(self) -> NDArray[np.float64]: ...
     @property
+    def groove_m(self) -> NDArray[np.float64] | None: ...
+    @property
     def warnings(self) -> list[str]: ...
     @property
     def result(self) -> dict[str, Any]: ...
@@ -181,6 +183,16 @@ def press(
     case: Case | _Path, *, accuracy: float | None = None, progress: _Progress = None
 ) -> Contact:
     """Solve one contact problem."""
+
+def slide(
+    case: Case | _Path,
+    v_mps: float,
+    ice_c: float,
+    *,
+    accuracy: float | None = None,
+    progress: _Progress = None,
+) -> Contact:
+    """Solve steady sliding on ice that yields: groove, melt film and friction."""
 
 def fill_table(
     table: _Path, out: _Path | None = None, *, progress: _Progress = None

@@ -125,16 +125,58 @@ pub fn press(
     accuracy: Option<f64>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
-    let mut loaded = match case.cast::<Case>() {
+    let keys: Vec<(&str, toml::Value)> = accuracy.map(asked).into_iter().collect();
+    solved(py, replaced(case, &keys)?, progress)
+}
+
+/// Solves steady sliding on ice that yields: the groove that the runner ploughs and the melt film in it.
+///
+/// As `press` on a case with `sliding.v_mps` and `sliding.ice_c`; what else `[sliding]` says is the case's. `result` holds
+/// the coefficient of friction with its parts, `groove_m` the plastic depth of the ice.
+#[pyfunction]
+#[pyo3(signature = (case, v_mps, ice_c, *, accuracy = None, progress = None))]
+pub fn slide(
+    py: Python<'_>,
+    case: &Bound<'_, PyAny>,
+    v_mps: f64,
+    ice_c: f64,
+    accuracy: Option<f64>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Contact> {
+    let mut keys = vec![
+        ("sliding.v_mps", v_mps.into()),
+        ("sliding.ice_c", ice_c.into()),
+    ];
+    keys.extend(accuracy.map(asked));
+    solved(py, replaced(case, &keys)?, progress)
+}
+
+fn asked(accuracy: f64) -> (&'static str, toml::Value) {
+    ("accuracy.p_max", accuracy.into())
+}
+
+/// A case, or that at a path, with these keys replaced.
+fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<LoadedCase> {
+    let loaded = match case.cast::<Case>() {
         Ok(case) => case.get().loaded.clone(),
         Err(_) => LoadedCase::read(&case.extract::<PathBuf>()?).map_err(raised)?,
     };
-    if let Some(accuracy) = accuracy {
-        let mut table = toml::Table::try_from(&loaded.case).map_err(bad_input)?;
-        set(&mut table, "accuracy.p_max", accuracy.into())?;
-        let text = toml::to_string(&table).map_err(bad_input)?;
-        loaded = LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)?;
+    if keys.is_empty() {
+        return Ok(loaded);
     }
+    let mut table = toml::Table::try_from(&loaded.case).map_err(bad_input)?;
+    for (key, value) in keys {
+        set(&mut table, key, value.clone())?;
+    }
+    let text = toml::to_string(&table).map_err(bad_input)?;
+    LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)
+}
+
+fn solved(
+    py: Python<'_>,
+    loaded: LoadedCase,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Contact> {
     let watched = progress.is_some();
     let worked = work(py, progress, |watch, teller| {
         let watcher: Option<Watcher> = watched
@@ -246,6 +288,14 @@ impl Contact {
     #[getter]
     fn uz_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.on_surface(py, &self.pressed.solution.surface.uz)
+    }
+
+    /// Plastic depth of the ice at the nodes, `None` for a runner at rest [m].
+    #[getter]
+    fn groove_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let slid = self.pressed.sliding.as_ref();
+        slid.map(|slid| self.on_surface(py, &slid.depth))
+            .transpose()
     }
 
     /// What the reader of the result should know.

@@ -2,7 +2,7 @@
 //!
 //! | module | what it binds |
 //! |---|---|
-//! | `contact` | `Case`, `press`, `Contact` |
+//! | `contact` | `Case`, `press`, `slide`, `Contact` |
 //! | `hull` | `Hull` |
 //! | `table` | `Table`, `fill_table` |
 //! | `evaluation` | `evaluate`, `Evaluation` |
@@ -25,7 +25,7 @@ mod _kufe {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::contact::{Case, Contact, press};
+    use crate::contact::{Case, Contact, press, slide};
     #[pymodule_export]
     use crate::discovery::{Discovery, discover};
     #[pymodule_export]

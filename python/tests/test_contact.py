@@ -126,3 +126,22 @@ def test_other_threads_run_while_a_case_is_solved():
     done.set()
     counter.join()
     assert during > 3
+
+
+def test_a_sliding_runner_has_its_groove_and_its_friction():
+    case = kufe.Case(PARABOLOID).replace({"load.tilt": "fixed", "load.fz_n": 950.0})
+    slid = kufe.slide(case, 20.0, -5.0, accuracy=0.03)
+    result = slid.result
+    assert result["hardness_pa"] == pytest.approx(17.7e6)
+    assert result["mu"] == pytest.approx(result["mu_ploughing"] + result["mu_viscous"])
+    groove = slid.groove_m
+    assert groove.shape == slid.pressure_pa.shape
+    assert groove.max() == pytest.approx(result["groove_depth_m"])
+    # It never falls towards the back, which is where x is least.
+    assert (np.diff(groove, axis=1) <= 1e-15).all()
+    # The plastic work over the way is the ploughing force: hardness times the section that is left.
+    work = slid.result["hardness_pa"] * np.trapezoid(groove[:, 0], slid.y_m)
+    assert work / 950.0 == pytest.approx(result["mu_ploughing"], rel=0.03)
+    assert kufe.press(case).groove_m is None
+    with pytest.raises(kufe.InputError, match="ice_c"):
+        kufe.slide(case, 20.0, 1.0)

@@ -274,3 +274,106 @@ impl Memory<'_> {
         deflection
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: usize = 13;
+
+    /// Nodes under a round bottom, five rows of thirteen: point loads on a half-space, and a stiff spring under each.
+    fn place(i: usize) -> [f64; 2] {
+        let at = |k: usize| k as f64 / 6.0 - 1.0;
+        [at(i % N), 0.5 * at(3 * (i / N))]
+    }
+
+    /// Hundreds of plain sweeps from the front to the back at the same motion come to the same forces and the same groove.
+    #[test]
+    fn the_sets_found_are_those_of_plain_sweeps() {
+        let n = 5 * N;
+        let green = Mat::from_fn(n, n, |i, j| {
+            let ([x, y], [s, t]) = (place(i), place(j));
+            1.0 / (x - s).hypot(y - t).max(0.05)
+        });
+        let gap: Vec<f64> = (0..n)
+            .map(|i| place(i).iter().map(|v| 0.5 * v * v).sum())
+            .collect();
+        let rows: Vec<[f64; 3]> = (0..n).map(|i| [1.0, place(i)[0], -place(i)[1]]).collect();
+        let has_ahead: Vec<bool> = (0..n).map(|i| i % N + 1 < N).collect();
+        for (bound, before) in [(f64::INFINITY, 0.0), (6e-3, 0.0), (3e-3, 0.0), (3e-3, 0.02)] {
+            let memory = Memory {
+                green: &green,
+                gap: &gap,
+                rows: &rows,
+                bound: &vec![bound; n],
+                has_ahead: &has_ahead,
+                before: &vec![before; n],
+            };
+            let motion = [0.35, 0.02, 0.0];
+            let found = memory
+                .at(motion, &vec![Kind::Closed; n])
+                .expect("sets that hold");
+            let mut force = vec![0.0; n];
+            (0..300).for_each(|_| memory.sweep(&mut force, motion));
+            for i in 0..n {
+                assert!(
+                    (force[i] - found.force[i]).abs() < 1e-9,
+                    "{bound} {i}: {} {}",
+                    force[i],
+                    found.force[i]
+                );
+                let ahead = if has_ahead[i] {
+                    found.depth[i + 1]
+                } else {
+                    before
+                };
+                assert!(found.depth[i] >= ahead - 1e-12 && found.gap[i] > -1e-12);
+                assert!(found.depth[i] <= ahead + 1e-12 || force[i] == bound);
+            }
+            let yields = found.kinds.contains(&Kind::Full);
+            assert_eq!(yields, bound.is_finite(), "{bound}");
+        }
+    }
+
+    /// The slopes are differences of resultants, while no node changes sides.
+    #[test]
+    fn slopes_are_differences_of_the_resultant() {
+        let n = 2 * N;
+        let green = Mat::from_fn(n, n, |i, j| {
+            let ([x, y], [s, t]) = (place(i), place(j));
+            1.0 / (x - s).hypot(y - t).max(0.05)
+        });
+        let gap: Vec<f64> = (0..n).map(|i| 0.5 * place(i)[0].powi(2)).collect();
+        let rows: Vec<[f64; 3]> = (0..n).map(|i| [1.0, place(i)[0], -place(i)[1]]).collect();
+        let has_ahead: Vec<bool> = (0..n).map(|i| i % N + 1 < N).collect();
+        let memory = Memory {
+            green: &green,
+            gap: &gap,
+            rows: &rows,
+            bound: &vec![4e-3; n],
+            has_ahead: &has_ahead,
+            before: &vec![0.0; n],
+        };
+        let motion = [0.2, 0.01, 0.0];
+        let here = memory
+            .at(motion, &vec![Kind::Closed; n])
+            .expect("sets that hold");
+        let slopes = memory.slopes(&here.kinds);
+        for b in 0..3 {
+            let step = 1e-9;
+            let mut moved = motion;
+            moved[b] += step;
+            let there = memory.at(moved, &here.kinds).expect("sets that hold");
+            assert_eq!(there.kinds, here.kinds);
+            let [from, to] = [&here, &there].map(|state| memory.resultant(&state.force));
+            for a in 0..3 {
+                let difference = (to[a] - from[a]) / step;
+                assert!(
+                    (difference - slopes[a][b]).abs() < 1e-4,
+                    "{a} {b}: {difference} {}",
+                    slopes[a][b]
+                );
+            }
+        }
+    }
+}

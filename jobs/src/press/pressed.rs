@@ -94,6 +94,10 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         watch.warn(&warning);
         warnings.push(warning);
     }
+    if let Some(warning) = sliding.as_ref().and_then(Slid::too_deep) {
+        watch.warn(&warning);
+        warnings.push(warning);
+    }
     Ok(Pressed {
         loaded,
         problem,

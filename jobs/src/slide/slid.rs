@@ -84,6 +84,25 @@ pub struct Slid {
     pub meshes: Vec<SlidingMesh>,
 }
 
+/// Depth of a groove over its width beyond which its sides are steep.
+const STEEP: f64 = 0.2;
+
+impl Slid {
+    /// A warning where the groove is too deep for what the model takes a contact to be: a height over a plane.
+    pub(crate) fn too_deep(&self) -> Option<String> {
+        let widest = self.sections.iter().map(|s| s.width).fold(0.0, f64::max);
+        let depth = self.groove_depth.value;
+        (depth > STEEP * widest).then(|| {
+            format!(
+                "the groove is {:.2} mm deep and {:.2} mm wide: so steep a contact is no height over a plane, read its figures as those of \
+                 a runner that sinks in",
+                1e3 * depth,
+                1e3 * widest
+            )
+        })
+    }
+}
+
 /// Solves the sliding of a case's problem.
 pub(crate) fn solve_sliding(
     loaded: &LoadedCase,
