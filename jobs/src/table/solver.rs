@@ -267,6 +267,7 @@ fn with_rocker(case: &Case, radius: f64) -> Case {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     fn paraboloid() -> Problem {
         let text = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }\n\
