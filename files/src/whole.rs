@@ -98,12 +98,12 @@ mod tests {
         std::os::unix::fs::symlink("file", &link).unwrap();
         write_whole(&link, |writer| writer.write_all(b"after")).unwrap();
         assert_eq!(std::fs::read(&file).unwrap(), b"after");
-        assert!(link.symlink_metadata().unwrap().is_std::os::unix::fs::symlink());
+        assert!(link.symlink_metadata().unwrap().is_symlink());
         let lost = folder.path().join("lost");
         std::os::unix::fs::symlink("nowhere", &lost).unwrap();
         let error = write_whole(&lost, |writer| writer.write_all(b"x")).unwrap_err();
         assert!(error.to_string().contains("leads nowhere"), "{error}");
-        assert!(lost.symlink_metadata().unwrap().is_std::os::unix::fs::symlink());
+        assert!(lost.symlink_metadata().unwrap().is_symlink());
     }
 
     #[cfg(unix)]
