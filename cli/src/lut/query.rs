@@ -119,7 +119,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if global.json {
         say(&format!("{:#}\n", Value::Object(answer)));
     } else {
-        say(&format!("{}", in_words(&answer)));
+        say(&in_words(&answer));
     }
     Ok(())
 }

@@ -11,8 +11,8 @@ const MOST_CANDIDATES: usize = 10_000;
 
 /// Passes a line on whose nodes increase, each by more than rounding.
 pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
-    let narrow = |w: &&[f64]| !(w[1] - w[0] > 1e-12 * (w[0].abs() + w[1].abs()));
-    match nodes.windows(2).find(narrow) {
+    let apart = |w: &[f64]| w[1] - w[0] > 1e-12 * (w[0].abs() + w[1].abs());
+    match nodes.windows(2).find(|w| !apart(w)) {
         None if nodes.len() > 1 => Ok(nodes),
         found => Err(Error::TooFine {
             from: nodes.first().copied().unwrap_or(f64::NAN),

@@ -269,6 +269,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use std::path::Path;
 
     fn paraboloid() -> Problem {
         let text = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }\n\
