@@ -79,9 +79,9 @@ pub fn run(
     });
     write_overview(&args.out, &rows, &args.lists, steps.len())?;
     let (kept, short) = solved?;
-    let table = series_table::document(&rows);
+    let document = table::document(&rows);
     if global.json {
-        say(&format!("{table:#}\n"));
+        say(&format!("{document:#}\n"));
     } else if !global.quiet {
         say(&summary::series(&rows, kept, &args.out));
     }
