@@ -266,8 +266,6 @@ fn with_rocker(case: &Case, radius: f64) -> Case {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use std::path::Path;
 
