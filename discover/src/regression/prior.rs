@@ -23,7 +23,7 @@ impl Prior {
     }
 
     /// Number of parameters.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.precision.len()
     }
 

@@ -36,7 +36,7 @@ pub struct Scores {
 impl Scores {
     /// Scores with as many leading base columns as the prior has parameters.
     pub fn new(grams: &[Gram], prior: &Prior) -> Self {
-        let base = prior.len();
+        let base = prior.count();
         let m = grams[0].g.ncols();
         let regular = m - base - 1;
         let windows = grams[0].windows.nrows();
@@ -148,7 +148,7 @@ pub fn studentised(u: impl Iterator<Item = f64>) -> f64 {
 
 /// Products of two candidates after the base is projected out, summed over runs; regular candidates only.
 pub fn cross_information(grams: &[Gram], prior: &Prior) -> DMatrix<f64> {
-    let base = prior.len();
+    let base = prior.count();
     let m = grams[0].g.ncols();
     let mut total = DMatrix::zeros(m, m);
     for gram in grams {

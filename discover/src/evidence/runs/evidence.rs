@@ -297,7 +297,6 @@ impl Evidence for Campaign<'_> {
                         .to_owned(),
                 next_after_name: "more runs in other conditions would narrow the parameter"
                     .to_owned(),
-                ..Words::default()
             },
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
             ..Description::default()

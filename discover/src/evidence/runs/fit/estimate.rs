@@ -149,7 +149,7 @@ pub fn estimate(
 
 /// One step and its sandwich errors, with what the prior leaves open.
 fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) {
-    let p = prior.len();
+    let p = prior.count();
     let mut total = DMatrix::zeros(p + 1, p + 1);
     for gram in grams {
         total += gram;

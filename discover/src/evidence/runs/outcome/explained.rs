@@ -119,7 +119,7 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior) -> DVector<f64> {
     const LEAST_SHARE: f64 = 1e-2;
     const STANDS_OUT: f64 = 2.0;
     let m = grams[0].ncols();
-    let p = prior.len();
+    let p = prior.count();
     let q = m - 1 - p;
     let total = grams.iter().fold(DMatrix::zeros(m, m), |sum, g| sum + g);
     let base = prior.inverse(total.view((0, 0), (p, p)).into_owned());

@@ -21,6 +21,9 @@ const BIN_M: f64 = 20.0;
 /// Bins on either side from which the scatter between drivers is taken.
 const NEAR: usize = 3;
 
+/// A driver and the means of one of his runs in a bin.
+type OfDriver<'a> = (&'a str, Vec<f64>);
+
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
 pub struct TrackScore {
@@ -73,7 +76,7 @@ impl TrackChannel {
         };
         let all: Vec<Vec<Vec<f64>>> = frames.par_iter().map(directions_of).collect();
         // By track and bin: one mean a run, then the mean and scatter over runs.
-        let mut by_bin: BTreeMap<(String, i64), Vec<(&str, Vec<f64>)>> = BTreeMap::new();
+        let mut by_bin: BTreeMap<(String, i64), Vec<OfDriver>> = BTreeMap::new();
         for (frame, columns) in frames.iter().zip(&all) {
             let mut sums: BTreeMap<i64, (f64, Vec<f64>)> = BTreeMap::new();
             for (i, s) in frame.rows(&frame.s).iter().enumerate() {
@@ -284,7 +287,7 @@ impl TrackChannel {
 }
 
 /// Variance of a bin's mean by the scatter between its drivers; `None` where there is but one.
-fn between_drivers(runs: &[(&str, Vec<f64>)]) -> Option<f64> {
+fn between_drivers(runs: &[OfDriver]) -> Option<f64> {
     let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
     for (driver, run) in runs {
         let sum = drivers.entry(driver).or_default();
