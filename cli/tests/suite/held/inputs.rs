@@ -218,7 +218,9 @@ fn rough_ice_and_nearly_incompressible_ice_are_solved_under_their_load() {
     let peak = |result: &serde_json::Value| result["p_max_pa"].as_f64().expect("a number");
     let stiffer: f64 = (1.0 - 0.33f64.powi(2)) / (1.0 - 0.499f64.powi(2));
     let ratio = peak(&rubber) / peak(&ice);
-    let slack = 0.1;
+    // Its own stated error, and a little for the layer's bed, which both powers leave out.
+    let stated = rubber["p_max_error_pa"].as_f64().expect("a number");
+    let slack = stated / peak(&ice) + 0.03;
     assert!(
         ratio > stiffer.sqrt() - slack && ratio < stiffer.powf(2.0 / 3.0) + slack,
         "{ratio}"
