@@ -65,28 +65,22 @@ impl Case {
         }
     }
 
-    /// The files that the case names, as it names them: hull, mesh, section, ice surface, the groove of an earlier runner.
-    pub fn files(&self) -> Vec<PathBuf> {
-        let profile = self
-            .runner
-            .section
-            .as_ref()
-            .and_then(|s| s.profile.as_ref());
-        let groove = self
-            .sliding
-            .as_ref()
-            .and_then(|s| s.previous.as_ref())
-            .map(|folder| folder.join(GROOVE_FILE));
+    /// The files that the case names, as it names them, with their keys: hull, mesh, section, ice surface, the groove of an earlier
+    /// runner.
+    pub fn files(&self) -> Vec<(&'static str, PathBuf)> {
+        let section = self.runner.section.as_ref();
+        let profile = section.and_then(|s| s.profile.clone());
+        let sliding = self.sliding.as_ref();
+        let groove = sliding.and_then(|s| Some(s.previous.as_ref()?.join(GROOVE_FILE)));
         [
-            self.runner.hull.as_ref(),
-            self.runner.mesh.as_ref(),
-            profile,
-            self.ice.surface.as_ref(),
+            ("runner.hull", self.runner.hull.clone()),
+            ("runner.mesh", self.runner.mesh.clone()),
+            ("runner.section.profile", profile),
+            ("ice.surface", self.ice.surface.clone()),
+            ("sliding.previous", groove),
         ]
         .into_iter()
-        .flatten()
-        .cloned()
-        .chain(groove)
+        .filter_map(|(key, file)| Some((key, file?)))
         .collect()
     }
 

@@ -18,10 +18,10 @@ impl LoadedCase {
     /// [`Failure::BadInput`] where a file cannot be read.
     pub fn content(&self) -> Result<String, Failure> {
         let mut digests = format!("numerics {NUMERICS}");
-        for file in self.files()? {
+        for (key, file) in self.files()? {
             let bytes = read_regular(&file, LARGEST).map_err(|error| {
                 let (case, file) = (&self.name, file.display());
-                Failure::BadInput(format!("{case}: {file}: cannot be read: {error}"))
+                Failure::BadInput(format!("{case}: {key}: {file}: cannot be read: {error}"))
             })?;
             digests += "\n";
             digests += &sha256(&bytes);

@@ -62,19 +62,21 @@ impl LoadedCase {
         })
     }
 
-    /// Every file that is read for the case beside its own: hull and its buffers, mesh, section, ice surface, groove.
+    /// Every file that is read for the case beside its own, with the key that names it: hull and its buffers, mesh, section, ice
+    /// surface, groove.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
-    pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
+    pub fn files(&self) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
         let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
         let mut files = Vec::new();
-        for file in self.case.files() {
-            let path = self.base.join(&file);
-            if self.case.runner.hull.as_ref() == Some(&file) {
-                files.extend(hull_files(&path).map_err(told)?);
+        for (key, file) in self.case.files() {
+            let path = self.base.join(file);
+            if key == "runner.hull" {
+                let parts = hull_files(&path).map_err(told)?;
+                files.extend(parts.into_iter().map(|part| (key, part)));
             } else {
-                files.push(path);
+                files.push((key, path));
             }
         }
         Ok(files)

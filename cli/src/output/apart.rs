@@ -31,7 +31,8 @@ pub fn folder_apart(
 /// # Errors
 /// As [`LoadedCase::files`].
 pub fn case_inputs(case: Option<&Path>, loaded: &LoadedCase) -> Result<Vec<PathBuf>, Failure> {
-    let mut inputs = loaded.files()?;
+    let files = loaded.files()?;
+    let mut inputs: Vec<PathBuf> = files.into_iter().map(|(_, path)| path).collect();
     inputs.extend(case.map(Path::to_path_buf));
     Ok(inputs)
 }

@@ -98,7 +98,8 @@ impl Solver {
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
     pub fn inputs(&self, wanted: &Wanted) -> Result<Vec<PathBuf>, Failure> {
-        let mut inputs = self.loaded.files()?;
+        let files = self.loaded.files()?;
+        let mut inputs: Vec<PathBuf> = files.into_iter().map(|(_, path)| path).collect();
         inputs.extend([wanted.path.clone(), wanted.case.clone()]);
         Ok(inputs)
     }
