@@ -28,22 +28,17 @@ pub fn not_here(why: &str) {
     let _ = writeln!(std::io::stderr().lock(), "not checked: {why}");
 }
 
-/// The program of this name, where it can be started.
+/// The program of this name, where it is on the `PATH`.
 ///
 /// # Panics
 /// As [`missing`].
 pub fn program(name: &str) -> Option<Command> {
-    let found = Command::new(name)
-        .arg("--version")
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
-    if found.is_err() {
-        missing(&format!("there is no {name}"));
-        return None;
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&path).find(|folder| folder.join(name).is_file());
+    if found.is_none() {
+        missing(&format!("there is no {name} on the PATH"));
     }
-    Some(Command::new(name))
+    found.map(|_| Command::new(name))
 }
 
 /// The interpreter that `KUFE_PYTHON` names, where it has these modules (separated by commas).
