@@ -79,6 +79,7 @@ impl OnDevice<'_> {
             sets,
             constraint,
             control,
+            ..
         } = *set;
         let contact = self.contact;
         contact.project_forces(sets, state);
