@@ -120,11 +120,39 @@ function headlineOf(result) {
     [metres(result.approach_m, 4), "approach"],
     [`${figure(result.fz_n)} N`, "normal force"],
     [`${angle(result.pitch_rad)}, ${angle(result.roll_rad)} mrad`, "pitch, roll"],
+    ...slidingOf(result),
     [`${figure(result.seconds, 3)} s`, `${result.dofs} unknowns, ${result.iterations} iterations`],
   ];
 }
 
+/** What steady sliding adds to the headline. */
+function slidingOf(result) {
+  if (!Number.isFinite(result.mu)) return [];
+  const part = (name) => figure(1e3 * result[name], 3), error = (value) => figure(value, 2);
+  return [
+    [`\u03bc ${figure(1e3 * result.mu, 4)}e-3`, `friction, \u00b1 ${error(1e3 * result.mu_error)}e-3: ploughing ${part("mu_ploughing")}, film ${part("mu_viscous")}`],
+    [metres(result.groove_depth_m, 4), `groove left, \u00b1 ${metres(result.groove_depth_error_m, 2)}`],
+    [metres(result.load_ahead_m, 4), "load ahead of the lowest point"],
+    [metres(result.film_mean_m, 3), `melt film on average, at most ${metres(result.film_max_m, 3)}`],
+  ];
+}
+
+/** The meshes of a sliding contact, whose peak is the ice's hardness on each. */
+function slidingMeshes(data, charts, history) {
+  const meshes = data.result.sliding_history;
+  charts.peak.draw({
+    x: { title: "unknowns", log: true }, y: { title: "groove [\u00b5m]" }, height: 190,
+    bands: [-1, 1].map((side) => 1e6 * (data.result.groove_depth_m + side * data.result.groove_depth_error_m)).reduce((low, high) => [{ low, high }]),
+    series: [{ x: meshes.map((s) => s.dofs), y: meshes.map((s) => 1e6 * s.groove_depth_m), colour: "var(--accent)", points: true }],
+  });
+  history.replaceChildren(
+    el("p", { class: "soft" }, "Depth of the groove on each mesh; the band is the stated error. The ice above is drawn without its groove: only what springs back. Below, the nodes that touch and how often the bodies corrected the plane's response."),
+    table(["mesh", "unknowns", "touching", "corrections", "groove [\u00b5m]", "ploughing [N]"],
+      meshes.map((s, k) => [String(k + 1), String(s.dofs), String(s.contact_nodes), String(s.corrections), (1e6 * s.groove_depth_m).toFixed(2), s.ploughing_by_work_n.toFixed(3)])));
+}
+
 function convergence(data, charts, history) {
+  if (data.result.sliding_history?.length) { slidingMeshes(data, charts, history); return; }
   const last = [];
   for (const state of data.history) last[state.level] = state;
   const levels = last.filter(Boolean), result = data.result, error = result.p_max_error_pa ?? 0;

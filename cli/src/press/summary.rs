@@ -53,9 +53,10 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         (
             "contact length",
             format!(
-                "{} +- {}",
+                "{} +- {:.*}",
                 length(solution.length),
-                length(solution.length_error)
+                digits(solution.length),
+                1e3 * solution.length_error
             ),
         ),
         ("contact width", length(solution.width)),
@@ -198,11 +199,12 @@ pub fn series(rows: &[Row], kept: usize, out: &Path) -> String {
 }
 
 fn length(metres: f64) -> String {
-    if metres >= 1e-3 {
-        format!("{:.2} mm", metres * 1e3)
-    } else {
-        format!("{:.4} mm", metres * 1e3)
-    }
+    format!("{:.*} mm", digits(metres), metres * 1e3)
+}
+
+/// Digits of a length in millimetres.
+fn digits(metres: f64) -> usize {
+    if metres >= 1e-3 { 2 } else { 4 }
 }
 
 fn force(newtons: f64) -> String {
