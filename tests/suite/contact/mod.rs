@@ -6,6 +6,7 @@ mod hertz;
 mod ice;
 mod methods;
 mod mounts;
+mod numerics;
 mod shapes;
 mod slender;
 mod sliding;

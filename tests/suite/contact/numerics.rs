@@ -1,0 +1,81 @@
+//! The version of the numerics says what it should: figures that change without it would stand beside older ones kept on disk.
+
+use kufe_contact::{Foundation, Ice, NUMERICS, Options, Problem, solve};
+use kufe_mesh::{BobRunner, Paraboloid};
+use kufe_tests::contact::{ICE_E, ICE_NU, on_half_space};
+
+/// The version, and peak pressure [Pa], its error [Pa], area [m2] and approach [m] of each problem, as that version gives them.
+const RECORDED: (u32, [[f64; 4]; 4]) = (
+    1,
+    [
+        [
+            1.383_088_998e8,
+            451_752.526,
+            1.068_172_541e-5,
+            1.246_958_639e-5,
+        ],
+        [
+            1.073_273_931e8,
+            406_268.702,
+            1.375_646_428e-5,
+            8.390_226_527e-6,
+        ],
+        [60e6, 0.0, 1.764_643_661e-5, 1.367_432_534e-5],
+        [
+            1.549_144_605e8,
+            332_696.828,
+            9.852_553_664e-6,
+            7.540_286_595e-6,
+        ],
+    ],
+);
+
+/// What another processor's vectors or another order of sums may change, relative.
+const ROUNDING: f64 = 1e-6;
+
+fn problems() -> [Problem; 4] {
+    let paraboloid = || on_half_space(Paraboloid::new(30.0, 0.005).unwrap(), 1000.0);
+    let bob = on_half_space(BobRunner::default().swept().unwrap(), 1000.0);
+    let with_ice = |ice: Ice| Problem {
+        ice,
+        ..paraboloid()
+    };
+    [
+        paraboloid(),
+        Problem {
+            track_curvature: 1.0 / 40.0,
+            ..bob
+        },
+        with_ice(Ice {
+            hardness: Some(60e6),
+            ..Ice::half_space(ICE_E, ICE_NU)
+        }),
+        with_ice(Ice {
+            foundation: Foundation::RigidBed { thickness: 2e-3 },
+            ..Ice::half_space(ICE_E, ICE_NU)
+        }),
+    ]
+}
+
+#[test]
+fn figures_change_with_the_version_of_the_numerics_alone() {
+    let options = Options {
+        p_max_tolerance: 0.02,
+        ..Options::default()
+    };
+    let found = problems().map(|problem| {
+        let s = solve(&problem, &options).unwrap();
+        [s.p_max, s.p_max_error, s.area, s.approach]
+    });
+    let same = found.as_flattened().iter().zip(RECORDED.1.as_flattened());
+    let same = same
+        .into_iter()
+        .all(|(a, b)| (a - b).abs() <= ROUNDING * b.abs());
+    assert!(
+        same && RECORDED.0 == NUMERICS,
+        "the figures are not those recorded for version {} of the numerics: raise NUMERICS in contact/src/options.rs, and record \
+         ({}, {found:?}) here",
+        RECORDED.0,
+        NUMERICS + 1
+    );
+}
