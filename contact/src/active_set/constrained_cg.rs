@@ -1,6 +1,7 @@
 //! Conjugate gradients that keep the contact closed.
 
-use faer::Mat;
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
 
 use crate::active_set::motion::dot;
 use crate::active_set::motion::solve_motion;
@@ -9,13 +10,12 @@ use crate::active_set::sets::Sets;
 use crate::active_set::vector;
 use crate::bodies::elastic_body::BodyWork;
 use crate::grid::contact_mesh::{ContactMesh, State};
-use crate::precondition::dense_cholesky::DenseCholesky;
 
 /// The factorised constraint of one contact set.
 pub(crate) struct Constraint {
     pub inside: Vec<usize>,
     rows: Vec<[f64; 3]>,
-    factor: DenseCholesky,
+    factor: Llt<f64>,
     motion_columns: Mat<f64>,
 }
 
@@ -45,7 +45,7 @@ impl ContactMesh {
         let inside = &sets.inside;
         let n = inside.len();
         let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
-        let factor = DenseCholesky::new(matrix)?;
+        let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
         let rows: Vec<[f64; 3]> = inside
             .iter()
             .map(|&i| self.rows[self.candidates[i]])

@@ -1,12 +1,12 @@
 //! Accelerated projective SOR on the contact plane.
 
-use faer::Mat;
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
 
 use crate::active_set::balance::{Answer, Balance};
 use crate::active_set::motion::{Motion, dot, solve_motion};
 use crate::active_set::progress::Counts;
 use crate::active_set::sets::{Sets, clip};
-use crate::precondition::dense_cholesky::DenseCholesky;
 
 /// The contact problem on the contact plane alone.
 ///
@@ -344,7 +344,7 @@ impl PlaneProblem<'_> {
             }
         }
         let matrix = Mat::from_fn(n, n, |i, j| self.green[(inside[i], inside[j])]);
-        let factor = DenseCholesky::new(matrix)?;
+        let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
         let sides = Mat::from_fn(n, 4, |i, j| match j {
             0 => self.gap[inside[i]] + pressed[inside[i]],
             _ => self.rows[inside[i]][j - 1],

@@ -1,7 +1,7 @@
 //! What stands in for the inverse stiffness in conjugate gradients: diagonalised axes, elimination along z, beam motions.
 
 pub mod beam_modes;
-pub(crate) mod dense;
+mod dense;
 pub mod elimination;
 pub mod fast_diagonal;
 pub mod layered_diagonal;
