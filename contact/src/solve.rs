@@ -58,7 +58,7 @@ pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> 
 const BALANCED: f64 = 1e-6;
 
 /// Passes an answer on that is one: finite, with a contact, under the load that was asked.
-fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
+pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
     let told = |name, value, expected| {
         Err(Error::NoAnswer {
             name,

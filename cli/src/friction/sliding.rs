@@ -11,6 +11,7 @@ use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
 use plotters::prelude::*;
 use serde_json::{Value, json};
 
+use crate::output::apart::case_inputs;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
@@ -42,6 +43,10 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let loaded = LoadedCase::read(asked.case)?;
+    let staging = asked
+        .out
+        .map(|out| begin(asked, &loaded, out))
+        .transpose()?;
     let options = Options::default();
     let points = watched(global, |watch| {
         friction_table(&loaded, asked.speeds, asked.temperatures, watch, &options)
@@ -51,9 +56,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
         "case": case_json(&loaded.case),
     });
-    if let Some(out) = asked.out {
-        let staging = Staging::begin(out)?;
-        staging.remove_on_interrupt();
+    if let Some(staging) = staging {
         staging.write("friction.json", |mut file| writeln!(file, "{document:#}"))?;
         staging.write("friction.csv", |file| write_csv(file, &points))?;
         kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
@@ -68,6 +71,15 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         say(&table(&points));
     }
     Ok(())
+}
+
+/// The output folder, before anything is solved.
+fn begin(asked: &Asked, loaded: &LoadedCase, out: &Path) -> Result<Staging, Failure> {
+    let inputs = case_inputs(Some(asked.case), loaded)?;
+    let names = ["friction.json", "friction.csv", "friction.png"];
+    let staging = Staging::beside(&inputs, out, &names)?;
+    staging.remove_on_interrupt();
+    Ok(staging)
 }
 
 const HEADER: &str = "ice_c,v_mps,mu,mu_error,mu_ploughing,mu_ploughing_error,mu_viscous,mu_viscous_error,groove_depth_m,groove_depth_error_m,film_mean_m,hardness_pa";

@@ -5,6 +5,7 @@ use crate::groove::sequence::SlidingMeshes;
 use crate::groove::solution::SlidingSolution;
 use crate::problem::check::check;
 use crate::problem::gap::Gap;
+use crate::solve::answered;
 use crate::{Error, Method, Options, Problem};
 
 /// Solves the steady sliding of a runner towards +x, on ice that yields at `problem.ice.hardness` H and keeps its plastic depth.
@@ -21,7 +22,7 @@ use crate::{Error, Method, Options, Problem};
 ///
 /// # Errors
 /// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method, a graphics processor; those of
-/// [`solve`](crate::solve()) for problems without an answer; [`Error::NotConverged`], and
+/// [`solve`](crate::solve()) for problems without an answer and answers that are none; [`Error::NotConverged`], and
 /// [`Error::SlidingAccuracyNotReached`] where the largest mesh allowed does not do.
 ///
 /// ```
@@ -49,7 +50,11 @@ pub fn slide(
         refuse(problem, options)?;
         let mirrored = before.is_none_or(GrooveProfile::mirror_symmetric);
         let gap = Gap::new(problem)?.mirrored_at_most([false, mirrored]);
-        SlidingMeshes::scout(problem, gap, material, before, options)?.solve()
+        let solution = SlidingMeshes::scout(problem, gap, material, before, options)?.solve()?;
+        Ok(SlidingSolution {
+            contact: answered(problem, solution.contact)?,
+            ..solution
+        })
     })
 }
 

@@ -24,7 +24,7 @@ impl FirstStep {
                 load: case.load.load(),
                 ..hull.clone()
             },
-            _ => loaded.stated()?.problem,
+            _ => loaded.stated_sliding()?.problem,
         };
         check_problem(&problem, options).map_err(|error| loaded.failure(&error))?;
         if case.runner.shape.is_none() {

@@ -156,3 +156,17 @@ fn friction_over_speed_and_temperature_is_a_table_and_a_picture() {
     let csv = std::fs::read_to_string(bench.path("out/friction.csv")).expect("friction.csv");
     assert_eq!(csv.lines().count(), 7);
 }
+
+#[test]
+fn a_series_slides_in_every_step() {
+    let bench = Bench::new();
+    bench.write("case.toml", case(""));
+    bench.succeeds(&["press", "case.toml", "--fz-n", "500,950", "-o", "out"]);
+    let steps = ["step-001", "step-002"].map(|step| bench.path(&format!("out/{step}")));
+    for step in &steps {
+        assert!(names(step).iter().any(|name| name == "groove.exr"));
+    }
+    // More load ploughs deeper.
+    let [less, more] = steps.map(|step| number(&json(&step.join("result.json")), "groove_depth_m"));
+    assert!(less > 0.0 && less < more, "{less} {more}");
+}
