@@ -6,7 +6,6 @@ mod cli;
 mod friction;
 mod info;
 mod lut;
-mod map;
 mod output;
 mod press;
 mod report;

@@ -6,6 +6,7 @@
 //! | item | the job |
 //! |---|---|
 //! | [`case_file::LoadedCase`], [`press()`] | a case and its solution, with what there is to say about it |
+//! | [`field`] | the maps, pictures and bodies of a solved contact, as files |
 //! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
 //! | [`table`] | a table file and the lookup table that it asks for |
 //! | [`runs`] | recorded runs, chosen and prepared |
@@ -23,6 +24,7 @@ mod case_content;
 pub mod case_file;
 mod case_json;
 pub mod failure;
+pub mod field;
 mod press;
 pub mod runs;
 pub mod slide;

@@ -6,4 +6,3 @@ pub mod hull;
 pub mod mesh;
 pub mod placed_hull;
 pub mod stiffness;
-pub mod volume_vtu;

@@ -3,16 +3,15 @@
 use std::io::Write;
 
 use kufe_contact::{CentreLine, PressureMap, pressure_maps};
+use kufe_jobs::field::{map_picture, subsurface, volume_vtu, write_exr};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
 use serde_json::{Map, Value, json};
 
 use crate::bodies::placed_hull::placed_hull;
-use crate::bodies::volume_vtu;
-use crate::map::{draw, write_exr};
 use crate::output::staging::Staging;
 use crate::press::held::FILES;
-use crate::press::{sliding, subsurface, summary};
+use crate::press::{sliding, summary};
 
 /// The files that a solved case may be written to.
 pub const NAMES: [&str; 11] = [
@@ -42,7 +41,9 @@ pub fn write(
 ) -> Result<(), Failure> {
     let mut names = fields(staging, pressed, line.is_some())?;
     if let Some(line) = line {
-        staging.write("subsurface.csv", |file| subsurface::write_csv(file, line))?;
+        staging.write("subsurface.csv", |mut file| {
+            subsurface::write_csv(&mut file, line)
+        })?;
         subsurface::write_png(&staging.path("subsurface.png"), line)
             .map_err(|error| staging.failure("subsurface.png", &error))?;
         names.extend(["subsurface.csv", "subsurface.png"]);
@@ -60,7 +61,7 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
     let solution = &pressed.solution;
     let map = PressureMap::of(solution);
     let mut names = vec!["pressure.exr", "pressure.png", "field.vtu"];
-    staging.write("pressure.exr", |file| {
+    staging.write("pressure.exr", |mut file| {
         let curvature = pressed.problem.track_curvature;
         let figures = [
             ("fz_n", solution.fz),
@@ -68,14 +69,14 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
             ("p_max_error_pa", solution.p_max_error),
             ("p_max_mesh_pa", solution.p_max_mesh),
         ];
-        write_exr::write(file, &map, curvature, &figures)
+        write_exr::write(&mut file, &map, curvature, &figures)
     })?;
     let title = summary::title(solution);
     let maps = pressure_maps(solution);
-    draw::write(&staging.path("pressure.png"), &maps, &title)
+    map_picture::write(&staging.path("pressure.png"), &maps, &title)
         .map_err(|error| staging.failure("pressure.png", &error))?;
-    staging.write("field.vtu", |file| {
-        volume_vtu::write_ice(file, &solution.volume, shear)
+    staging.write("field.vtu", |mut file| {
+        volume_vtu::write_ice(&mut file, &solution.volume, shear)
     })?;
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
@@ -83,8 +84,8 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
     }
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
     {
-        staging.write("runner.vtu", |file| {
-            volume_vtu::write_runner(file, field, elastic, shear)
+        staging.write("runner.vtu", |mut file| {
+            volume_vtu::write_runner(&mut file, field, elastic, shear)
         })?;
         names.push("runner.vtu");
     }

@@ -4,12 +4,10 @@ mod args;
 mod command;
 mod device;
 mod files;
-mod groove_picture;
 mod held;
 mod series;
 mod sliding;
 mod solved;
-mod subsurface;
 mod summary;
 
 pub use args::Args;

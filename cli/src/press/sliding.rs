@@ -3,12 +3,11 @@
 use std::io::{self, Write};
 
 use kufe_contact::PressureMap;
+use kufe_jobs::field::{groove_map, groove_picture, write_exr};
 use kufe_jobs::slide::Slid;
 use kufe_jobs::{Failure, Pressed};
 
-use crate::map::{groove, write_exr};
 use crate::output::staging::Staging;
-use crate::press::groove_picture;
 
 const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of the pixels is centred at x = origin_x_m + i pixel_x_m \
     (along the runner, which slides towards +x), y = origin_y_m + j pixel_y_m (across): column 0 is the groove that is left.";
@@ -23,13 +22,13 @@ pub fn write(
     map: &PressureMap,
     slid: &Slid,
 ) -> Result<(), Failure> {
-    let depths = groove::depths(map, &pressed.solution.surface, &slid.depth);
+    let depths = groove_map::depths(map, &pressed.solution.surface, &slid.depth);
     let numbers = [
         ("fz_n", pressed.solution.fz),
         ("hardness_pa", slid.hardness),
     ];
-    staging.write("groove.exr", |file| {
-        write_exr::write_channels(file, map, COMMENTS, &numbers, &[("depth", &depths)])
+    staging.write("groove.exr", |mut file| {
+        write_exr::write_channels(&mut file, map, COMMENTS, &numbers, &[("depth", &depths)])
     })?;
     staging.write("film.csv", |file| write_film(file, slid))?;
     groove_picture::write(&staging.path("groove.png"), pressed, slid)

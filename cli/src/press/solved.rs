@@ -1,10 +1,9 @@
 //! `result.json`: what a solved case is in figures.
 
 use kufe_contact::{CentreLine, centre_line};
+use kufe_jobs::field::subsurface;
 use kufe_jobs::{Failure, Pressed};
 use serde_json::Value;
-
-use crate::press::subsurface;
 
 /// result.json's content, and the centre line where it is asked for.
 pub fn document(

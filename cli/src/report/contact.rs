@@ -4,11 +4,11 @@ use std::path::Path;
 
 use kufe_contact::{PressureMap, parted};
 use kufe_jobs::Failure;
+use kufe_jobs::field::read_exr::read_map;
 use kufe_mesh::{Hull, HullOptions, load_hull};
 use kufe_report::{Grid, Kind, pack, page as html};
 use serde_json::{Value, json};
 
-use crate::map::read_exr::read_map;
 use crate::report::read_json::read_json;
 
 /// `result.json` is a page of figures; what is longer than this is something else [bytes].

@@ -282,13 +282,7 @@ fn write_runs(staging: &Staging, runs: &mut [Run], format: RunFormat) -> Result<
     runs.par_iter()
         .map(|run| {
             let name = run.entry.file.display().to_string();
-            staging.write(&name, |file| {
-                write_run(
-                    run,
-                    std::io::BufWriter::with_capacity(1 << 18, file),
-                    format,
-                )
-            })
+            staging.write(&name, |mut file| write_run(run, &mut file, format))
         })
         .collect::<Result<Vec<()>, Failure>>()?;
     let entries: Vec<_> = runs.iter().map(|run| run.entry.clone()).collect();

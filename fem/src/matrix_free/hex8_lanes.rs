@@ -1,4 +1,6 @@
-//! K u of four hexahedra at once, without their matrices.
+//! K u of as many hexahedra at once as a vector holds, without their matrices.
+
+use pulp::Simd;
 
 use crate::element::hex8::GAUSS;
 use crate::element::hex8_axial::LINES;
@@ -6,7 +8,7 @@ use crate::matrix_free::derivatives::{
     CornerField, Derivatives, Tensor, component_derivatives, pair, positive, tensor_at,
     transposed_derivatives,
 };
-use crate::matrix_free::lanes::Lanes;
+use crate::matrix_free::lanes::{Lanes, Stored};
 
 /// The body once for each Gauss point, its number a constant, so that every index in it is one.
 macro_rules! each_gauss_point {
@@ -21,19 +23,19 @@ macro_rules! each_gauss_point {
     };
 }
 
-/// What four cells are made of.
-pub(crate) struct BatchMaterial {
-    pub lambda: Lanes,
-    pub mu: Lanes,
+/// What the cells of a vector are made of: Lame's constants [Pa].
+pub(crate) struct LanesMaterial<S: Simd> {
+    pub lambda: Lanes<S>,
+    pub mu: Lanes<S>,
 }
 
-/// Lower triangle by rows of the inverse stiffness of the incompatible modes' amplitudes.
-pub(crate) type InnerInverse = [Lanes; 45];
+/// Lower triangle by rows of the inverse stiffness of the incompatible modes' amplitudes, of a batch's cells.
+pub(crate) type InnerInverse = [Stored; 45];
 
 /// Cofactors C_mi = det J d xi_m / d x_i of J_im = d x_i / d xi_m.
 #[inline(always)]
-fn cofactors(j: &Tensor) -> Tensor {
-    let mut c = [[Lanes::default(); 3]; 3];
+fn cofactors<S: Simd>(j: &Tensor<S>) -> Tensor<S> {
+    let mut c = *j;
     for m in 0..3 {
         for i in 0..3 {
             let (i1, i2, m1, m2) = ((i + 1) % 3, (i + 2) % 3, (m + 1) % 3, (m + 2) % 3);
@@ -45,7 +47,11 @@ fn cofactors(j: &Tensor) -> Tensor {
 
 /// Stress (xx, yy, zz, yz, zx, xy) of det J times a displacement gradient.
 #[inline(always)]
-fn stress(h: &Tensor, material: &BatchMaterial, inverse_determinant: Lanes) -> [Lanes; 6] {
+fn stress<S: Simd>(
+    h: &Tensor<S>,
+    material: &LanesMaterial<S>,
+    inverse_determinant: Lanes<S>,
+) -> [Lanes<S>; 6] {
     let lambda = material.lambda * inverse_determinant;
     let mu = material.mu * inverse_determinant;
     let trace = lambda * (h[0][0] + h[1][1] + h[2][2]);
@@ -61,7 +67,7 @@ fn stress(h: &Tensor, material: &BatchMaterial, inverse_determinant: Lanes) -> [
 
 /// A symmetric tensor times a vector.
 #[inline(always)]
-fn traction(s: &[Lanes; 6], v: &[Lanes; 3]) -> [Lanes; 3] {
+fn traction<S: Simd>(s: &[Lanes<S>; 6], v: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
     [
         s[0] * v[0] + s[5] * v[1] + s[4] * v[2],
         s[5] * v[0] + s[1] * v[1] + s[3] * v[2],
@@ -69,23 +75,24 @@ fn traction(s: &[Lanes; 6], v: &[Lanes; 3]) -> [Lanes; 3] {
     ]
 }
 
-/// Corner forces K u of four cells; `inner` is given for cells with incompatible modes, `axial` says that shear is averaged.
+/// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with their first place in the batch, `axial` says that
+/// shear is averaged.
 #[inline(always)]
-pub(crate) fn apply(
-    corners: &CornerField,
-    u: &CornerField,
-    material: &BatchMaterial,
-    inner: Option<&InnerInverse>,
+pub(crate) fn apply<S: Simd>(
+    corners: &CornerField<S>,
+    u: &CornerField<S>,
+    material: &LanesMaterial<S>,
+    inner: Option<(&InnerInverse, usize)>,
     axial: bool,
-) -> CornerField {
-    let zero = Lanes::default();
+) -> CornerField<S> {
+    let zero = material.mu.filled(0.0);
     let (dx, du) = (component_derivatives(corners), component_derivatives(u));
     let mut cofactor = [[[zero; 3]; 3]; 8];
     let mut inverse_determinant = [zero; 8];
     let mut stresses = [[zero; 6]; 8];
     let mut bracket = [zero; 8];
     each_gauss_point!(G, {
-        let (j, natural) = (tensor_at::<G>(&dx), tensor_at::<G>(&du));
+        let (j, natural) = (tensor_at::<S, G>(&dx), tensor_at::<S, G>(&du));
         let c = cofactors(&j);
         let determinant = j[0][0] * c[0][0] + j[0][1] * c[1][0] + j[0][2] * c[2][0];
         let mut h = [[zero; 3]; 3];
@@ -117,7 +124,8 @@ pub(crate) fn apply(
     }
     if axial {
         for [first, second] in LINES {
-            let mean = mean_of(&inverse_determinant, [first, second], &on_bracket);
+            let acting = [on_bracket[first], on_bracket[second]];
+            let mean = mean_of(&inverse_determinant, [first, second], acting);
             on_bracket[first] = mean;
             on_bracket[second] = mean;
         }
@@ -149,22 +157,22 @@ pub(crate) fn apply(
 
 /// Mean of two Gauss points' values weighted by det J, from the inverses.
 #[inline(always)]
-fn mean_of(
-    inverse_determinant: &[Lanes; 8],
+fn mean_of<S: Simd>(
+    inverse_determinant: &[Lanes<S>; 8],
     [first, second]: [usize; 2],
-    values: &[Lanes; 8],
-) -> Lanes {
+    [value, other]: [Lanes<S>; 2],
+) -> Lanes<S> {
     let (p, q) = (inverse_determinant[first], inverse_determinant[second]);
-    (values[first] * q + values[second] * p) * (p + q).recip()
+    (value * q + other * p) * (p + q).recip()
 }
 
 /// Stresses of the averaged strains: zx and xy averaged, and the stress of eps_xx's averaged bracket (given times det J) added.
 #[inline(always)]
-fn average(
-    bracket: &[Lanes; 8],
-    material: &BatchMaterial,
-    inverse_determinant: &[Lanes; 8],
-    stresses: &mut [[Lanes; 6]; 8],
+fn average<S: Simd>(
+    bracket: &[Lanes<S>; 8],
+    material: &LanesMaterial<S>,
+    inverse_determinant: &[Lanes<S>; 8],
+    stresses: &mut [[Lanes<S>; 6]; 8],
 ) {
     for line in LINES {
         let [first, second] = line;
@@ -178,8 +186,11 @@ fn average(
             stresses[g][2] += trace;
         }
         for k in [4, 5] {
-            let values: [Lanes; 8] = std::array::from_fn(|g| stresses[g][k]);
-            let mean = mean_of(inverse_determinant, line, &values);
+            let mean = mean_of(
+                inverse_determinant,
+                line,
+                [stresses[first][k], stresses[second][k]],
+            );
             stresses[first][k] = mean;
             stresses[second][k] = mean;
         }
@@ -188,15 +199,16 @@ fn average(
 
 /// Adds the stress of the incompatible modes at the amplitudes that balance the stresses given.
 #[inline(always)]
-fn add_inner_stress(
-    dx: &[Derivatives; 3],
-    material: &BatchMaterial,
-    inverse: &InnerInverse,
-    inverse_determinant: &[Lanes; 8],
-    stresses: &mut [[Lanes; 6]; 8],
+fn add_inner_stress<S: Simd>(
+    dx: &[Derivatives<S>; 3],
+    material: &LanesMaterial<S>,
+    (inverse, place): (&InnerInverse, usize),
+    inverse_determinant: &[Lanes<S>; 8],
+    stresses: &mut [[Lanes<S>; 6]; 8],
 ) {
-    let zero = Lanes::default();
-    let quarter = Lanes::splat(0.25);
+    let simd = material.mu.simd();
+    let zero = Lanes::splat(simd, 0.0);
+    let quarter = Lanes::splat(simd, 0.25);
     let mut centre = [[zero; 3]; 3];
     for i in 0..3 {
         for m in 0..3 {
@@ -205,7 +217,7 @@ fn add_inner_stress(
         }
     }
     // Gradients of the modes times det J: -2 xi_m C_0m, |xi_m| = 1/sqrt(3).
-    let scale = Lanes::splat(-2.0 * GAUSS);
+    let scale = Lanes::splat(simd, -2.0 * GAUSS);
     let mut mode = cofactors(&centre);
     for m in 0..3 {
         for j in 0..3 {
@@ -231,7 +243,8 @@ fn add_inner_stress(
     for i in 0..9 {
         for j in 0..9 {
             let (row, column) = if i >= j { (i, j) } else { (j, i) };
-            amplitude[i] = amplitude[i] - inverse[row * (row + 1) / 2 + column] * force[j];
+            let inverse = Lanes::load(simd, &inverse[row * (row + 1) / 2 + column], place);
+            amplitude[i] = amplitude[i] - inverse * force[j];
         }
     }
     let mut gradient = [[[zero; 3]; 3]; 3];

@@ -1,20 +1,23 @@
 //! The stiffness of a body applied without being stored.
 
+#[cfg(target_arch = "x86_64")]
+use pulp::{NullaryFnOnce, Scalar, x86::V3};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::element::hex8_incompatible::{inner_factor, invert};
-use crate::matrix_free::derivatives::CornerField;
-use crate::matrix_free::hex8_lanes::{BatchMaterial, InnerInverse, apply};
-use crate::matrix_free::lanes::{LANES, Lanes};
+use crate::matrix_free::hex8_lanes::{InnerInverse, LanesMaterial, apply};
+use crate::matrix_free::lanes::{LANES, Lanes, Stored};
 use crate::section::ElementKind;
 use crate::sparse::node_graph::NodeGraph;
 
 /// Four cells side by side.
 struct Batch {
     nodes: [[u32; LANES]; 8],
-    corners: CornerField,
-    material: BatchMaterial,
+    corners: [[Stored; 3]; 8],
+    lambda: Stored,
+    mu: Stored,
 }
 
 /// The stiffness of a body as an operator: [`crate::BlockMatrix`]'s product without its assembly.
@@ -128,8 +131,7 @@ impl MatrixFree {
         let tasks = forces.par_chunks_mut(BATCHES_A_TASK * FORCES).enumerate();
         tasks.for_each(|(task, forces)| {
             let first = task * BATCHES_A_TASK;
-            // The same source compiled for the vector unit that this machine has.
-            pulp::Arch::new().dispatch(Task {
+            dispatch(Task {
                 batches,
                 plain,
                 simple,
@@ -170,43 +172,95 @@ struct Task<'a> {
     forces: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Task<'_> {
+/// Runs a task with vectors of four numbers, or with as many as there are.
+#[cfg(target_arch = "x86_64")]
+fn dispatch(task: Task<'_>) {
+    match V3::try_new() {
+        Some(simd) => Simd::vectorize(simd, Vectors { simd, task }),
+        None => task.with_simd(Scalar::new()),
+    }
+}
+
+/// Runs a task with the vectors that this machine has: of no more than four numbers, elsewhere.
+#[cfg(not(target_arch = "x86_64"))]
+fn dispatch(task: Task<'_>) {
+    pulp::Arch::new().dispatch(task);
+}
+
+/// A task and the vector instructions that it goes by.
+#[cfg(target_arch = "x86_64")]
+struct Vectors<'a, S> {
+    simd: S,
+    task: Task<'a>,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<S: Simd> NullaryFnOnce for Vectors<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
+        self.task.with_simd(self.simd);
+    }
+}
+
+impl WithSimd for Task<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
         for (local, forces) in self.forces.chunks_exact_mut(FORCES).enumerate() {
             let b = self.first + local;
             let inner = b.checked_sub(self.simple).map(|b| &self.inner[b]);
             let axial = (self.plain..self.simple).contains(&b);
-            apply_batch(&self.batches[b], inner, axial, self.u, forces);
+            for first in (0..LANES).step_by(S::F64_LANES) {
+                let inner = inner.map(|inner| (inner, first));
+                apply_from(
+                    simd,
+                    &self.batches[b],
+                    (first, inner, axial),
+                    self.u,
+                    forces,
+                );
+            }
         }
     }
 }
 
+/// The forces of a batch's cells from `first`, as many as a vector holds.
 #[inline(always)]
-fn apply_batch(
+fn apply_from<S: Simd>(
+    simd: S,
     batch: &Batch,
-    inner: Option<&InnerInverse>,
-    axial: bool,
+    (first, inner, axial): (usize, Option<(&InnerInverse, usize)>, bool),
     u: &[f64],
     forces: &mut [f64],
 ) {
-    let mut local: CornerField = [[Lanes::default(); 3]; 8];
+    let zero = Lanes::splat(simd, 0.0);
+    let (mut local, mut corners) = ([[zero; 3]; 8], [[zero; 3]; 8]);
     for a in 0..8 {
-        for l in 0..LANES {
+        let mut gathered = [[0.0; LANES]; 3];
+        for l in first..first + S::F64_LANES {
             let at = 3 * batch.nodes[a][l] as usize;
             let v = &u[at..at + 3];
             for i in 0..3 {
-                local[a][i].0[l] = v[i];
+                gathered[i][l] = v[i];
             }
         }
+        for i in 0..3 {
+            local[a][i] = Lanes::load(simd, &gathered[i], first);
+            corners[a][i] = Lanes::load(simd, &batch.corners[a][i], first);
+        }
     }
-    let result = apply(&batch.corners, &local, &batch.material, inner, axial);
+    let material = LanesMaterial {
+        lambda: Lanes::load(simd, &batch.lambda, first),
+        mu: Lanes::load(simd, &batch.mu, first),
+    };
+    let result = apply(&corners, &local, &material, inner, axial);
     for a in 0..8 {
         for i in 0..3 {
             let at = (3 * a + i) * LANES;
-            forces[at..at + LANES].copy_from_slice(&result[a][i].0);
+            result[a][i].store(&mut forces[at..at + LANES], first);
         }
     }
 }
@@ -221,24 +275,22 @@ fn batch(body: &Body, group: &[usize]) -> Batch {
             std::array::from_fn(|l| body.mesh().cells[cell(l)][a] as u32)
         }),
         corners: std::array::from_fn(|a| {
-            std::array::from_fn(|i| Lanes(std::array::from_fn(|l| corners[l][a][i])))
+            std::array::from_fn(|i| std::array::from_fn(|l| corners[l][a][i]))
         }),
-        material: BatchMaterial {
-            lambda: Lanes(std::array::from_fn(|l| material(l).lame_lambda())),
-            mu: Lanes(std::array::from_fn(|l| material(l).shear_modulus())),
-        },
+        lambda: std::array::from_fn(|l| material(l).lame_lambda()),
+        mu: std::array::from_fn(|l| material(l).shear_modulus()),
     }
 }
 
 fn inner_inverse(body: &Body, group: &[usize]) -> InnerInverse {
-    let mut packed = [Lanes::default(); 45];
+    let mut packed = [[0.0; LANES]; 45];
     for lane in 0..LANES {
         let cell = group.get(lane).copied().unwrap_or(group[0]);
         let factor = inner_factor(&body.corners(cell), body.sections()[cell].material);
         let inverse = invert(&factor);
         for i in 0..9 {
             for j in 0..=i {
-                packed[i * (i + 1) / 2 + j].0[lane] = inverse[i][j];
+                packed[i * (i + 1) / 2 + j][lane] = inverse[i][j];
             }
         }
     }

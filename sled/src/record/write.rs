@@ -1,6 +1,6 @@
 //! Runs written the way they are read.
 
-use std::io::Write;
+use std::io::{BufWriter, Write};
 
 use crate::error::Error;
 use crate::record::csv::write_csv;
@@ -27,11 +27,16 @@ impl RunFormat {
     }
 }
 
-/// Writes one run: time, the required columns in the format's order, then the others by name.
+/// Writes one run: time, the required columns in the format's order, then the others by name. The writer need not be buffered.
 ///
 /// # Errors
 /// [`Error::File`] from the writer.
-pub fn write_run(run: &Run, writer: impl Write + Send, format: RunFormat) -> Result<(), Error> {
+pub fn write_run(
+    run: &Run,
+    writer: &mut (dyn Write + Send),
+    format: RunFormat,
+) -> Result<(), Error> {
+    let writer = BufWriter::with_capacity(1 << 18, writer);
     // Nine decimals are a nanosecond and far below any sensor's step; they keep text files short.
     let decimals = |value: f64| match format {
         RunFormat::Csv => (value * 1e9).round() / 1e9,

@@ -72,7 +72,7 @@ fn low_pass_equals_scipys_sosfiltfilt() {
     let file = folder.path().join("r.parquet");
     write_run(
         &run,
-        std::fs::File::create(&file).unwrap(),
+        &mut std::fs::File::create(&file).unwrap(),
         RunFormat::Parquet,
     )
     .unwrap();
@@ -139,7 +139,7 @@ fn written_runs_read_back_and_csv_and_parquet_say_the_same() {
     let mut prepared = Vec::new();
     for format in [RunFormat::Csv, RunFormat::Parquet] {
         let path = folder.path().join(format!("r.{}", format.extension()));
-        write_run(&run, std::fs::File::create(&path).unwrap(), format).unwrap();
+        write_run(&run, &mut std::fs::File::create(&path).unwrap(), format).unwrap();
         let back = read_run(entry(path), &COLUMNS).unwrap();
         assert_eq!(back.len(), run.len());
         assert!((back.dt_s - run.dt_s).abs() < 1e-12);

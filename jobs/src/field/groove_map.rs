@@ -36,7 +36,7 @@ fn places(nodes: &[f64], first: f64, step: f64, count: usize) -> Vec<(usize, f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_map::hertz_map;
+    use crate::field::hertz_map::hertz_map;
 
     #[test]
     fn a_depth_that_is_linear_is_so_at_every_pixel() {

@@ -2,16 +2,16 @@
 
 use std::io::Write;
 
+use crate::Failure;
 use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
 use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
-use kufe_jobs::Failure;
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 /// The ice. Where the solver used mirror planes the file holds the part that it solved.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
-pub fn write_ice(writer: impl Write, volume: &VolumeField, shear: bool) -> Result<(), Failure> {
+pub fn write_ice(writer: &mut dyn Write, volume: &VolumeField, shear: bool) -> Result<(), Failure> {
     let mesh = volume.grid.hex_mesh();
     let mut sections = sections(
         [volume.youngs_modulus, volume.poissons_ratio],
@@ -36,7 +36,7 @@ pub fn write_ice(writer: impl Write, volume: &VolumeField, shear: bool) -> Resul
 /// # Errors
 /// As [`write_ice`].
 pub fn write_runner(
-    writer: impl Write,
+    writer: &mut dyn Write,
     field: &RunnerField,
     elastic: &ElasticRunner,
     shear: bool,
@@ -68,7 +68,7 @@ fn sections(
 ///
 /// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
 fn write(
-    writer: impl Write,
+    writer: &mut dyn Write,
     mesh: HexMesh,
     displacement: &[[f64; 3]],
     sections: Vec<Section>,

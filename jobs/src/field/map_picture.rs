@@ -6,7 +6,7 @@ use kufe_contact::PressureMap;
 use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text, viridis};
 use plotters::prelude::*;
 
-use crate::map::outline::outline;
+use crate::field::outline::outline;
 
 const WIDTH: u32 = 1500;
 const HEIGHT: u32 = 1040;
@@ -232,7 +232,7 @@ fn stretch_text(stretch: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_map::hertz_map;
+    use crate::field::hertz_map::hertz_map;
 
     #[test]
     fn a_needle_is_drawn_stretched_and_to_the_last_row() -> Result<(), Box<dyn std::error::Error>> {

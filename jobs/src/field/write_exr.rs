@@ -19,7 +19,7 @@ const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is
 /// # Errors
 /// The EXR writer's, which are those of `writer`.
 pub fn write(
-    writer: impl Write,
+    writer: &mut dyn Write,
     map: &PressureMap,
     track_curvature: f64,
     figures: &[(&str, f64)],
@@ -43,7 +43,7 @@ pub fn write(
 /// # Errors
 /// As [`write`].
 pub fn write_channels(
-    mut writer: impl Write,
+    writer: &mut dyn Write,
     map: &PressureMap,
     comments: &str,
     numbers: &[(&str, f64)],
@@ -111,14 +111,14 @@ fn sort_attributes(bytes: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_map::hertz_map;
+    use crate::field::hertz_map::hertz_map;
     use exr::prelude::read_first_flat_layer_from_file;
 
     #[test]
     fn an_exr_gives_back_its_channels_and_its_place() -> Result<(), Box<dyn std::error::Error>> {
         let map = hertz_map();
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
-        write(file.as_file(), &map, 0.0, &[("fz_n", 1000.0)])?;
+        write(&mut file.as_file(), &map, 0.0, &[("fz_n", 1000.0)])?;
         let image = read_first_flat_layer_from_file(file.path())?;
         let names: Vec<String> = image
             .layer_data

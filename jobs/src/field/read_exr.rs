@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use crate::Failure;
 use kufe_contact::PressureMap;
-use kufe_jobs::Failure;
 use kufe_mesh::ExrImage;
 
 /// Reads the channels `p`, `gap` and `uz` with their place in metres.
@@ -38,14 +38,14 @@ pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_map::hertz_map;
-    use crate::map::write_exr;
+    use crate::field::hertz_map::hertz_map;
+    use crate::field::write_exr;
 
     #[test]
     fn a_map_comes_back_as_it_was_written() -> Result<(), Box<dyn std::error::Error>> {
         let map = hertz_map();
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
-        write_exr::write(file.as_file(), &map, 0.0, &[])?;
+        write_exr::write(&mut file.as_file(), &map, 0.0, &[])?;
         let back = read_map(file.path()).map_err(|failure| failure.to_string())?;
         assert_eq!(
             (back.nx, back.ny, back.x0, back.y0, back.dx, back.dy),

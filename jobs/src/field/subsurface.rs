@@ -22,7 +22,7 @@ pub fn document(line: &CentreLine, solution: &Solution) -> Value {
 }
 
 /// One row a depth: normal stresses, maximum shear and von Mises stress.
-pub fn write_csv(mut writer: impl Write, line: &CentreLine) -> std::io::Result<()> {
+pub fn write_csv(writer: &mut dyn Write, line: &CentreLine) -> std::io::Result<()> {
     writeln!(
         writer,
         "depth_m,sigma_xx_pa,sigma_yy_pa,sigma_zz_pa,max_shear_pa,von_mises_pa"

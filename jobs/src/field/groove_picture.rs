@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use kufe_jobs::Pressed;
-use kufe_jobs::slide::Slid;
+use crate::Pressed;
+use crate::slide::Slid;
 use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text};
 use plotters::prelude::*;
 

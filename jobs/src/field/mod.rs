@@ -1,0 +1,12 @@
+//! A solved contact's fields as files and pictures: the map of the pressure, the groove, what is in the bodies.
+
+pub mod groove_map;
+pub mod groove_picture;
+#[cfg(test)]
+mod hertz_map;
+pub mod map_picture;
+mod outline;
+pub mod read_exr;
+pub mod subsurface;
+pub mod volume_vtu;
+pub mod write_exr;
