@@ -42,7 +42,7 @@ pub fn discover(
     if has("run") && has("file") {
         let model = kufe_sled::Model::load(model)?;
         progress("reading runs");
-        let data = runs::read(data, &model, &options.rules.lock)?;
+        let data = runs::read(data, &model, &options.rules)?;
         return runs::search(&data, &model, options, progress);
     }
     if has("mu") {

@@ -125,6 +125,52 @@ pub struct RunRules {
     pub bin_located: f64,
     /// p-value below which sessions differ although nothing can be named. Chosen.
     pub sessions_differ: f64,
+    /// Width of the narrowest window that is searched for effects at a place \[m\]; others are twice as wide, up to 16 times. Chosen: a wall hit.
+    pub window_m: f64,
+    /// Width of the track channel's bins \[m\]. Chosen.
+    pub track_bin_m: f64,
+    /// Bins on either side from which the scatter between drivers is taken. Chosen.
+    pub track_near: usize,
+    /// Shortest piece of a run with which the sensors' noise is simulated \[s\]. Chosen: longer ones take longer.
+    pub noise_piece_s: f64,
+    /// Rows of a piece of a run over which locked-away gaps are compared. Chosen: four seconds, beyond which residuals no longer go together.
+    pub piece_rows: usize,
+    /// Length of track over which runs are held against one another \[m\]. Chosen.
+    pub place_m: f64,
+    /// Share of a direction's own size that others must leave for it to count as explainable. Chosen.
+    pub explains_alone: f64,
+    /// Standard errors over runs by which a direction must stand out to count as explainable. Chosen.
+    pub explains_beyond: f64,
+    /// How recorded signals become rows.
+    pub recordings: RecordingRules,
+}
+
+/// How recorded signals become rows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RecordingRules {
+    /// Corner of the low pass of every signal, before the balances are taken \[Hz\]. Chosen: a driver steers below 5 Hz.
+    pub signal_cutoff_hz: f64,
+    /// Samples a second that are kept \[1/s\]. Derived: three times the corner.
+    pub signal_rate_hz: f64,
+    /// Corner of the low pass of the balances \[Hz\]. Chosen.
+    pub row_cutoff_hz: f64,
+    /// Rows a second \[1/s\]. Derived: two and a half times the corner.
+    pub row_rate_hz: f64,
+    /// Noise from sample to sample over the stated one outside which what is stated is doubted. Chosen.
+    pub noise_as_stated: [f64; 2],
+}
+
+impl Default for RecordingRules {
+    fn default() -> Self {
+        Self {
+            signal_cutoff_hz: 16.0,
+            signal_rate_hz: 50.0,
+            row_cutoff_hz: 4.0,
+            row_rate_hz: 10.0,
+            noise_as_stated: [0.7, 1.4],
+        }
+    }
 }
 
 impl Default for RunRules {
@@ -173,6 +219,15 @@ impl Default for RunRules {
             bin_unclean: 0.01,
             bin_located: 0.002,
             sessions_differ: 0.001,
+            window_m: 10.0,
+            track_bin_m: 20.0,
+            track_near: 3,
+            noise_piece_s: 7.0,
+            piece_rows: 40,
+            place_m: 10.0,
+            explains_alone: 1e-2,
+            explains_beyond: 2.0,
+            recordings: RecordingRules::default(),
         }
     }
 }
@@ -195,6 +250,10 @@ pub struct ExperimentRules {
     pub unclean: f64,
     /// Largest p-value of a bin that is shown. Chosen.
     pub bin_shown: f64,
+    /// Bins of a column. Chosen.
+    pub bins: usize,
+    /// Fewest rows in a bin. Derived: a scatter with an error of its own.
+    pub bin_rows: usize,
 }
 
 impl Default for ExperimentRules {
@@ -212,6 +271,8 @@ impl Default for ExperimentRules {
             interval_few: 2.5,
             unclean: 3.0,
             bin_shown: 0.05,
+            bins: 3,
+            bin_rows: 3,
         }
     }
 }
@@ -234,6 +295,22 @@ pub struct MapRules {
     pub doubtful: [f64; 2],
     /// Largest p-value of a bin that is shown. Chosen.
     pub bin_shown: f64,
+    /// Bins of a variable. Chosen.
+    pub bins: usize,
+    /// Pixels of a bin that count as one value. Chosen.
+    pub bin_pixels: f64,
+    /// Cells over half the patch while searching. Chosen.
+    pub searching_cells: usize,
+    /// Cells of the solves from which sizes are reported. Chosen.
+    pub reporting_cells: usize,
+    /// Pixels along each direction that count as one independent value. Chosen.
+    pub independent_pixels: f64,
+    /// Pieces into which the residuals are cut where gaps are compared. Chosen.
+    pub pieces: usize,
+    /// Share of a pixel by which its place is uncertain. Chosen.
+    pub pixel_place: f64,
+    /// Share of the peak that the solves themselves may be off. Chosen.
+    pub solves: f64,
 }
 
 impl Default for MapRules {
@@ -249,6 +326,14 @@ impl Default for MapRules {
             unclean: 2.0,
             doubtful: [10.0, 0.1],
             bin_shown: 0.05,
+            bins: 8,
+            bin_pixels: 16.0,
+            searching_cells: 8,
+            reporting_cells: 12,
+            independent_pixels: 4.0,
+            pieces: 16,
+            pixel_place: 1.0 / 3.0,
+            solves: 0.003,
         }
     }
 }

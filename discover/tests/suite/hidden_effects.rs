@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_discover::{LockRules, Options, Report, Verdict, runs};
+use kufe_discover::{Options, Report, Rules, Verdict, runs};
 use kufe_sled::Model;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 
@@ -39,7 +39,7 @@ fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
                 .collect(),
         );
     }
-    let data = runs::prepare(&recorded, &base, &surveys, &LockRules::default()).unwrap();
+    let data = runs::prepare(&recorded, &base, &surveys, &Rules::default()).unwrap();
     let options = Options {
         twins: 16,
         flips: 999,
@@ -139,8 +139,7 @@ fn a_model_whose_effect_nothing_feeds_is_refused_by_name() {
     let recorded = drive_sample(&plan, &base).unwrap();
     let model = Model::from_toml(&(base.to_toml() + humid), "humid").unwrap();
     let search = |model: &Model| {
-        let data =
-            runs::prepare(&recorded, model, &BTreeMap::new(), &LockRules::default()).unwrap();
+        let data = runs::prepare(&recorded, model, &BTreeMap::new(), &Rules::default()).unwrap();
         let options = Options {
             twins: 2,
             flips: 99,

@@ -81,6 +81,9 @@ enum Task {
         /// The usual rules: what `cargo run -p kufe-discover --example rules` prints.
         #[arg(long)]
         rules: PathBuf,
+        /// Only constants whose key holds one of these words.
+        #[arg(long, value_delimiter = ',')]
+        only: Vec<String>,
     },
 }
 
@@ -203,11 +206,11 @@ fn run(task: Task) -> Result<bool, String> {
             }
             Ok(missed.is_empty())
         }
-        Task::Constants { how, rules } => {
+        Task::Constants { how, rules, only } => {
             let text = std::fs::read_to_string(&rules)
                 .map_err(|error| format!("{}: {error}", rules.display()))?;
             let options = how.options(0, 0).map_err(|error| error.to_string())?;
-            let rows = constants::constants(&text, &options, &|row| {
+            let rows = constants::constants(&text, &only, &options, &|row| {
                 eprintln!(
                     "{} {} {:e}: {} of {} in class",
                     row.kind, row.key, row.value, row.in_class, row.hidden

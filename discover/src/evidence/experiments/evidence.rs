@@ -284,7 +284,7 @@ impl Evidence for Experiments<'_> {
         let (first, setting, rows) = (&base.fit, &self.setting, &self.training);
         let freedom = self.freedom();
         let rules = &self.options.rules;
-        let shown = rules.experiments.bin_shown;
+        let of_bins = &rules.experiments;
         let left = rows.len() as f64 - (setting.base + last.chosen.len()) as f64;
         let quantile = rules.search.interval + rules.experiments.interval_few / left.max(1.0);
         let parameters: Vec<Vec<Fitted>> = (0..last.chosen.len())
@@ -295,8 +295,8 @@ impl Evidence for Experiments<'_> {
             data: "friction experiments".to_owned(),
             training: vec![self.gap(first.rms, last.fit.rms)],
             base: self.base_parameters(last, quantile),
-            bins: bins(setting, rows, first, &[], shown),
-            bins_after: bins(setting, rows, &last.fit, &last.chosen, shown),
+            bins: bins(setting, rows, first, &[], of_bins),
+            bins_after: bins(setting, rows, &last.fit, &last.chosen, of_bins),
             pictures: pictures(setting, rows, first, (&last.fit, &last.chosen)),
             clean: last.fit.chi2 < rules.experiments.unclean * left.max(1.0),
             untestable: self.untestable.clone(),

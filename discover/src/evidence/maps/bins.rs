@@ -3,25 +3,17 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::{REPORTING, Simulations};
+use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::report::Bin;
-
-/// Bins a variable.
-const BINS: usize = 8;
-/// Pixels that are counted as one value.
-const PATCH: f64 = 16.0;
 
 /// Bins of measured less simulated pressure that stand out, strongest first; p-values hold over all bins (Bonferroni).
 ///
 /// # Errors
 /// Those of the contact solver.
-pub fn bins(
-    simulations: &Simulations,
-    active: &SizedEffects,
-    shown: f64,
-) -> Result<Vec<Bin>, Error> {
-    let maps = simulations.maps(active, REPORTING)?;
+pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>, Error> {
+    let rules = &simulations.rules;
+    let maps = simulations.maps(active, rules.reporting_cells)?;
     // One value a pixel in contact: load, curvature, place, simulated pressure, residual.
     let mut values: Vec<([f64; 5], f64)> = Vec::new();
     for (row, map) in simulations.rows.iter().zip(&maps) {
@@ -43,8 +35,10 @@ pub fn bins(
     for (c, column) in columns.iter().enumerate() {
         let mut sorted: Vec<f64> = values.iter().map(|v| v.0[c]).collect();
         sorted.sort_by(f64::total_cmp);
-        let mut edges: Vec<f64> = (0..=BINS)
-            .filter_map(|k| sorted.get((k * sorted.len() / BINS).min(sorted.len().max(1) - 1)))
+        let mut edges: Vec<f64> = (0..=rules.bins)
+            .filter_map(|k| {
+                sorted.get((k * sorted.len() / rules.bins).min(sorted.len().max(1) - 1))
+            })
             .copied()
             .collect();
         edges.dedup();
@@ -60,12 +54,12 @@ pub fn bins(
                 .map(|v| v.1)
                 .collect();
             let n = own.len() as f64;
-            if n < 2.0 * PATCH {
+            if n < 2.0 * rules.bin_pixels {
                 continue;
             }
             let mean = own.iter().sum::<f64>() / n;
             let variance = own.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            let error = (variance * PATCH / n).sqrt();
+            let error = (variance * rules.bin_pixels / n).sqrt();
             found.push(Bin {
                 channel: "p".to_owned(),
                 column: (*column).to_owned(),
@@ -82,7 +76,7 @@ pub fn bins(
     for bin in &mut found {
         bin.p_value = (bin.p_value * count).min(1.0);
     }
-    found.retain(|bin| bin.p_value <= shown);
+    found.retain(|bin| bin.p_value <= rules.bin_shown);
     found.sort_by(|a, b| {
         let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
         t(b).total_cmp(&t(a))

@@ -26,7 +26,7 @@ use crate::evidence::maps::next_case::next_case;
 use crate::evidence::maps::pictures::pictures;
 use crate::evidence::maps::polish::polish;
 use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
-use crate::evidence::maps::simulate::{Misfit, REPORTING, SEARCHING, Simulations};
+use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::report::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
@@ -77,8 +77,8 @@ impl<'a> Maps<'a> {
         let rows = &measured.rows;
         let locked = options.rules.lock.maps(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| &rows[*i]).collect();
-        let training = Simulations::new(pick(&locked.training))?;
-        let held = Simulations::new(pick(&locked.held))?;
+        let training = Simulations::new(pick(&locked.training), &options.rules.maps)?;
+        let held = Simulations::new(pick(&locked.held), &options.rules.maps)?;
         Ok(Self {
             model,
             text: measured.text.clone(),
@@ -86,7 +86,7 @@ impl<'a> Maps<'a> {
             remarks: &measured.remarks,
             options,
             progress,
-            start: training.misfit(&SizedEffects::new(), REPORTING)?,
+            start: training.misfit(&SizedEffects::new(), options.rules.maps.reporting_cells)?,
             training,
             held,
             first_steps: Steps::new(),
@@ -167,10 +167,10 @@ impl<'a> Maps<'a> {
         let mut all = last.active.clone();
         all.extend(self.next);
         let change = |rows: &Simulations| -> Result<(Vec<f64>, Misfit), Error> {
-            let before = rows.misfit(&SizedEffects::new(), REPORTING)?;
-            let least = match rows.misfit(&all, REPORTING) {
+            let before = rows.misfit(&SizedEffects::new(), self.rules().reporting_cells)?;
+            let least = match rows.misfit(&all, self.rules().reporting_cells) {
                 Ok(least) => least,
-                Err(_) => rows.misfit(&last.active, REPORTING)?,
+                Err(_) => rows.misfit(&last.active, self.rules().reporting_cells)?,
             };
             let pairs = before.rest.iter().zip(&least.rest);
             Ok((pairs.map(|(a, b)| a - b).collect(), before))
@@ -183,7 +183,9 @@ impl<'a> Maps<'a> {
         Ok(ClosedGap {
             direction: &direction,
             before: &before.rest,
-            after: &judged.misfit(&last.active, REPORTING)?.rest,
+            after: &judged
+                .misfit(&last.active, self.rules().reporting_cells)?
+                .rest,
             fitted: &change(&self.training)?.0,
             spread: last.misfit.mean_square().sqrt(),
         }
@@ -235,7 +237,9 @@ impl Evidence for Maps<'_> {
     }
 
     fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>, Error> {
-        let before = self.training.misfit(&fit.active, SEARCHING)?;
+        let before = self
+            .training
+            .misfit(&fit.active, self.rules().searching_cells)?;
         self.screens += 1;
         let number = self.screens;
         let progress = self.progress;
@@ -274,12 +278,16 @@ impl Evidence for Maps<'_> {
         _: usize,
     ) -> Result<Added<MapFit>, Error> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
-        let before = self.training.misfit(&fit.active, SEARCHING)?;
+        let before = self
+            .training
+            .misfit(&fit.active, self.rules().searching_cells)?;
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.push((claim.candidate.act, claim.size));
         errors.push(claim.error);
         let next = self.polished(&active, &errors)?;
-        let after = self.training.misfit(&next.active, SEARCHING)?;
+        let after = self
+            .training
+            .misfit(&next.active, self.rules().searching_cells)?;
         Ok(Added {
             gap: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
@@ -315,14 +323,18 @@ impl Evidence for Maps<'_> {
         if self.held.rows.is_empty() {
             return Ok(None);
         }
-        let of = |fit: &MapFit| self.held.misfit(&fit.active, REPORTING);
-        let falls = of(from)?.falls(&of(to)?);
+        let of = |fit: &MapFit| self.held.misfit(&fit.active, self.rules().reporting_cells);
+        let falls = of(from)?.falls(&of(to)?, self.rules().pieces);
         Ok(Lowered::over(&falls, 0.0))
     }
 
     fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {
-        let before = self.held.misfit(&SizedEffects::new(), REPORTING)?;
-        let after = self.held.misfit(&last.active, REPORTING)?;
+        let before = self
+            .held
+            .misfit(&SizedEffects::new(), self.rules().reporting_cells)?;
+        let after = self
+            .held
+            .misfit(&last.active, self.rules().reporting_cells)?;
         let closed = match account.steps.is_empty() {
             true => Vec::new(),
             false => vec![self.closed(last)?; account.steps.len()],
@@ -348,14 +360,13 @@ impl Evidence for Maps<'_> {
         last: &MapFit,
         _: &mut Account,
     ) -> Result<Description, Error> {
-        let shown = self.rules().bin_shown;
         let infos = CATALOGUE.iter().map(|e| e.info());
         Ok(Description {
             data: "pressure measurements".to_owned(),
             training: vec![self.gap(&self.start, &last.misfit, &self.training.rows)],
             parameters: self.parameters(last),
-            bins: bins(&self.training, &SizedEffects::new(), shown)?,
-            bins_after: bins(&self.training, &last.active, shown)?,
+            bins: bins(&self.training, &SizedEffects::new())?,
+            bins_after: bins(&self.training, &last.active)?,
             pictures: pictures(&self.training, &self.held, &last.active)?,
             clean: !self.unclean(&last.misfit),
             untestable: untestable(self.rows),
@@ -385,7 +396,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
-    let measured = Measured::read(path, model)?;
+    let measured = Measured::read(path, model, &options.rules.maps)?;
     let mut maps = Maps::new(&measured, model, options, progress)?;
     search_evidence(&mut maps, options, progress)
 }

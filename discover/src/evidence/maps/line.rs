@@ -5,7 +5,7 @@
 
 use kufe_case::effects::Effect;
 
-use crate::evidence::maps::simulate::{Misfit, SEARCHING, Simulations};
+use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 
 /// Change of the maps that a first step should make, relative, and where it is taken as it is.
@@ -228,7 +228,9 @@ impl LineSearch {
     fn eval(&mut self, simulations: &Simulations, active: &SizedEffects, u: f64) -> Option<()> {
         let mut with = active.clone();
         with.push((self.effect, self.effect.search.back(u)));
-        let misfit = simulations.misfit(&with, SEARCHING).ok()?;
+        let misfit = simulations
+            .misfit(&with, simulations.rules.searching_cells)
+            .ok()?;
         self.points.push(Point { u, misfit });
         Some(())
     }

@@ -1,7 +1,7 @@
 //! Measured and simulated maps side by side, for the report.
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::{REPORTING, Simulations};
+use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::picture::{Picture, Plot};
 
@@ -20,9 +20,11 @@ pub fn pictures(
         (simulations, "a map used for learning"),
         (locked, "a locked-away map"),
     ] {
-        let before = simulations.maps(&SizedEffects::new(), REPORTING)?;
-        let after = simulations.maps(active, REPORTING)?;
-        let chi2 = simulations.misfit(&SizedEffects::new(), REPORTING)?.by_row;
+        let before = simulations.maps(&SizedEffects::new(), simulations.rules.reporting_cells)?;
+        let after = simulations.maps(active, simulations.rules.reporting_cells)?;
+        let chi2 = simulations
+            .misfit(&SizedEffects::new(), simulations.rules.reporting_cells)?
+            .by_row;
         let shown = (0..simulations.rows.len())
             .filter(|k| simulations.rows[*k].map.is_some())
             .max_by(|a, b| chi2[*a].total_cmp(&chi2[*b]));

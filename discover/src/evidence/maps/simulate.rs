@@ -12,13 +12,7 @@ use crate::error::Error;
 use crate::evidence::maps::measured::rows::Row;
 use crate::evidence::maps::sample::sample;
 use crate::evidence::maps::sized::SizedEffects;
-
-/// Cells over half the patch while searching.
-pub const SEARCHING: usize = 8;
-/// Cells of the solves from which sizes are reported.
-pub const REPORTING: usize = 12;
-/// Pixels that count as one independent value along each direction.
-const PATCH: f64 = 4.0;
+use crate::procedure::rules::MapRules;
 
 /// What a solve gives of a row before the sensor: a map on its pixels, or the peak alone.
 enum Simulated {
@@ -33,6 +27,8 @@ type Key = (usize, Vec<(&'static str, u64)>);
 pub struct Simulations<'a> {
     /// The rows.
     pub rows: Vec<&'a Row>,
+    /// The constants of judgement.
+    pub rules: MapRules,
     /// Standard deviation of each value: the sensor's, and what a finer mesh changes there, by row [Pa].
     deviation: Vec<Vec<f64>>,
     solved: RefCell<BTreeMap<Key, Arc<Vec<Simulated>>>>,
@@ -65,9 +61,8 @@ impl Misfit {
 
     /// By how much the sum of squares of another misfit of the same rows is lower, piece by piece: neighbouring pixels go
     /// together, so that maps tell as much as their pieces differ.
-    pub fn falls(&self, other: &Self) -> Vec<f64> {
-        const PIECES: usize = 16;
-        let size = self.rest.len().div_ceil(PIECES).max(1);
+    pub fn falls(&self, other: &Self, pieces: usize) -> Vec<f64> {
+        let size = self.rest.len().div_ceil(pieces).max(1);
         let pieces = self.rest.chunks(size).zip(other.rest.chunks(size));
         pieces
             .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * a - b * b).sum())
@@ -80,16 +75,17 @@ impl<'a> Simulations<'a> {
     ///
     /// # Errors
     /// Those of the contact solver.
-    pub fn new(rows: Vec<&'a Row>) -> Result<Self, Error> {
+    pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
         let mut simulations = Simulations {
             rows,
+            rules: *rules,
             deviation: Vec::new(),
             solved: RefCell::default(),
         };
         let none = SizedEffects::new();
         let (coarse, fine) = (
-            simulations.simulated(&none, SEARCHING)?,
-            simulations.simulated(&none, REPORTING)?,
+            simulations.simulated(&none, rules.searching_cells)?,
+            simulations.simulated(&none, rules.reporting_cells)?,
         );
         let pairs = coarse.iter().zip(fine.iter()).zip(&simulations.rows);
         simulations.deviation = pairs
@@ -124,7 +120,7 @@ impl<'a> Simulations<'a> {
         let mut values = 0.0;
         for ((row, seen), deviation) in self.rows.iter().zip(seen.iter()).zip(&self.deviation) {
             let from = out.rest.len();
-            values += compare(row, seen, deviation, active, &mut out);
+            values += compare(row, seen, deviation, active, &self.rules, &mut out);
             let own: f64 = out.rest[from..].iter().map(|r| r * r).sum();
             out.by_row.push(own);
         }
@@ -202,6 +198,7 @@ fn compare(
     seen: &Simulated,
     deviation: &[f64],
     active: &SizedEffects,
+    rules: &MapRules,
     out: &mut Misfit,
 ) -> f64 {
     let (map, measured) = match (seen, &row.map) {
@@ -228,7 +225,9 @@ fn compare(
         (own.spread[1] / like.spread[1]).ln(),
     ]);
     // A patch of pixels counts as one value, no larger than a 64th of the map.
-    let patch = (PATCH * PATCH)
+    let patch = rules
+        .independent_pixels
+        .powi(2)
         .min((map.nx * map.ny) as f64 / 64.0)
         .max(1.0);
     let mut touched = 0.0;

@@ -115,7 +115,7 @@ impl Campaign<'_> {
             residual_model,
             self.data.noise,
             self.used,
-            self.options.seed,
+            (self.options.seed, self.rules()),
         )
     }
 

@@ -66,7 +66,7 @@ impl<'a> Campaign<'a> {
         }
         let used = channels_in_use(data, model, options);
         if used[3] {
-            given.along_path = closes_along_path(&given, &training);
+            given.along_path = closes_along_path(&given, &training, &options.rules.runs);
         }
         Ok(Self {
             data,

@@ -34,7 +34,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 26] = [
+const RUN_KEYS: [&str; 36] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
@@ -61,6 +61,16 @@ const RUN_KEYS: [&str; 26] = [
     "runs.slope_sd_rad",
     "runs.bin_located",
     "runs.sessions_differ",
+    "runs.window_m",
+    "runs.track_bin_m",
+    "runs.track_near",
+    "runs.noise_piece_s",
+    "runs.piece_rows",
+    "runs.place_m",
+    "runs.explains_alone",
+    "runs.explains_beyond",
+    "runs.recordings.signal_cutoff_hz",
+    "runs.recordings.row_cutoff_hz",
 ];
 const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.alpha",
@@ -68,11 +78,16 @@ const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.near_largest",
     "experiments.rivals.needed_t",
 ];
-const MAP_KEYS: [&str; 4] = [
+const MAP_KEYS: [&str; 9] = [
     "maps.least_drop",
     "maps.least_share",
     "maps.rivals.needed_t",
     "maps.unclean",
+    "maps.searching_cells",
+    "maps.independent_pixels",
+    "maps.pieces",
+    "maps.pixel_place",
+    "maps.solves",
 ];
 
 /// What a search scores with one constant moved.
@@ -98,12 +113,14 @@ pub struct Row {
     pub failures: usize,
 }
 
-/// Scores the rules as they are, and with each chosen constant at half and at twice its value; `rules` is their TOML text.
+/// Scores the rules as they are, and with each chosen constant at half and at twice its value; `rules` is their TOML text,
+/// `only` holds words of which a constant's key must hold one, where there are any.
 ///
 /// # Errors
 /// [`CaseError`] where a constant is not among the rules, or files cannot be written.
 pub fn constants(
     rules: &str,
+    only: &[String],
     options: &Options,
     done: &(dyn Fn(&Row) + Sync),
 ) -> Result<Vec<Row>, CaseError> {
@@ -125,6 +142,11 @@ pub fn constants(
             .into_iter()
             .filter(|spec| cases.iter().any(|id| *id == spec.id()))
             .collect();
+        let asked = |key: &&&str| only.is_empty() || only.iter().any(|word| key.contains(word));
+        let keys: Vec<&&str> = keys.iter().filter(asked).collect();
+        if keys.is_empty() {
+            continue;
+        }
         let mut tried: Vec<(String, f64)> = vec![(String::new(), 1.0)];
         for key in keys {
             let value = read(&defaults, key)?;
@@ -211,13 +233,18 @@ fn read(rules: &toml::Table, key: &str) -> Result<f64, CaseError> {
     for part in parts {
         value = value.get(part).ok_or_else(unknown)?;
     }
-    value.as_float().ok_or_else(unknown)
+    let whole = value.as_integer().map(|whole| whole as f64);
+    value.as_float().or(whole).ok_or_else(unknown)
 }
 
-/// Puts a number at a dotted key that [`read`] has found.
+/// Puts a number at a dotted key that [`read`] has found, rounded where a whole one stands there.
 fn write(rules: &mut toml::Table, key: &str, number: f64) {
     let Some((first, rest)) = key.split_once('.') else {
-        rules.insert(key.to_owned(), Value::Float(number));
+        let number = match rules.get(key) {
+            Some(Value::Integer(_)) => Value::Integer(number.round() as i64),
+            _ => Value::Float(number),
+        };
+        rules.insert(key.to_owned(), number);
         return;
     };
     if let Some(Value::Table(inner)) = rules.get_mut(first) {
@@ -231,13 +258,16 @@ mod tests {
 
     #[test]
     fn a_constant_is_read_and_moved_by_its_dotted_key() -> Result<(), CaseError> {
-        let mut rules: toml::Table = "[runs]\nalpha = 0.005\n[runs.rivals]\nneeded_t = 2.0\n"
-            .parse()
-            .expect("TOML");
+        let mut rules: toml::Table =
+            "[runs]\nalpha = 0.005\nnear = 3\n[runs.rivals]\nneeded_t = 2.0\n"
+                .parse()
+                .expect("TOML");
         assert_eq!(read(&rules, "runs.rivals.needed_t")?, 2.0);
         write(&mut rules, "runs.rivals.needed_t", 4.0);
         assert_eq!(read(&rules, "runs.rivals.needed_t")?, 4.0);
         assert_eq!(read(&rules, "runs.alpha")?, 0.005);
+        write(&mut rules, "runs.near", 1.5);
+        assert_eq!(rules["runs"]["near"], Value::Integer(2));
         assert!(read(&rules, "runs.gamma").is_err());
         Ok(())
     }

@@ -6,6 +6,7 @@ use kufe_case::Case;
 
 use crate::error::Error;
 use crate::evidence::maps::measured::rows::{Row, read};
+use crate::procedure::rules::MapRules;
 
 /// What a search is given: the case's text, and its rows as they are read.
 pub struct Measured {
@@ -22,10 +23,10 @@ impl Measured {
     ///
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
-    pub fn read(path: &Path, model: &Path) -> Result<Self, Error> {
+    pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self, Error> {
         let text = std::fs::read_to_string(model).map_err(|error| told(model, &error))?;
         let case = Case::parse(&text).map_err(|error| told(model, &error))?;
-        let (rows, remarks) = read(path, model, &case)?;
+        let (rows, remarks) = read(path, (model, &case), rules)?;
         Ok(Self {
             text,
             rows,

@@ -10,13 +10,11 @@
 
 use kufe_case::effects::Map;
 
-/// Share of a pixel by which its place is uncertain.
-const PLACE: f64 = 1.0 / 3.0;
-/// Share of the peak that the solves themselves may be off.
-const SOLVES: f64 = 0.003;
+use crate::procedure::rules::MapRules;
 
 /// Standard deviation of each pixel [Pa].
-pub fn deviations(map: &Map, p_max: f64) -> Vec<f64> {
+pub fn deviations(map: &Map, p_max: f64, rules: &MapRules) -> Vec<f64> {
+    let (place, solves) = (rules.pixel_place, rules.solves);
     let (still, share) = (far_noise(map), relative_noise(map));
     let mean = Grid {
         map,
@@ -29,7 +27,7 @@ pub fn deviations(map: &Map, p_max: f64) -> Vec<f64> {
                 * (mean.at(i, j, 1, 0) - mean.at(i, j, -1, 0))
                     .hypot(mean.at(i, j, 0, 1) - mean.at(i, j, 0, -1));
             let own = share * mean.at(i, j, 0, 0);
-            (still.powi(2) + own.powi(2) + (PLACE * slope).powi(2) + (SOLVES * p_max).powi(2))
+            (still.powi(2) + own.powi(2) + (place * slope).powi(2) + (solves * p_max).powi(2))
                 .sqrt()
         })
         .collect()
@@ -143,7 +141,7 @@ mod tests {
         let share = relative_noise(&map);
         assert!((share / 0.03 - 1.0).abs() < 0.1, "{share}");
         assert!((far_noise(&map) / 4e5 - 1.0).abs() < 0.15);
-        let sd = deviations(&map, 1e8);
+        let sd = deviations(&map, 1e8, &MapRules::default());
         let peak = sd[24 * nx + 32] / 1e8;
         assert!((peak - 0.03).abs() < 0.006, "{peak}");
     }

@@ -11,6 +11,7 @@ use crate::evidence::maps::measured::noise::deviations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::input::exr_map::read_map;
 use crate::input::table::Table;
+use crate::procedure::rules::MapRules;
 
 /// One measurement.
 pub struct Row {
@@ -40,8 +41,8 @@ pub struct Row {
 /// What the reader of a report should know comes second: columns that are not used.
 pub fn read(
     path: &Path,
-    model: &Path,
-    model_case: &Case,
+    (model, model_case): (&Path, &Case),
+    rules: &MapRules,
 ) -> Result<(Vec<Row>, Vec<String>), Error> {
     let table = Table::read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -104,7 +105,7 @@ pub fn read(
         };
         let noise = map
             .as_ref()
-            .map_or(Vec::new(), |map| deviations(map, p_max[i]));
+            .map_or(Vec::new(), |map| deviations(map, p_max[i], rules));
         let copied =
             |k: usize| (map.is_some() && rows[k].map == map) || table.rows[k] == table.rows[i];
         if let Some(copy) = (0..i).find(|k| copied(*k)) {

@@ -18,9 +18,6 @@ use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
 
-/// Shortest piece of a run that is simulated [s].
-const PIECE_S: f64 = 7.0;
-
 /// D_i of every run, local candidates last, from one pair of twins of a third of it, scaled to the whole.
 ///
 /// Within a run a pair leaves an error of some tens of per cent of D_i, over all runs of a few per cent.
@@ -36,7 +33,7 @@ pub fn noise_products(
         .map(|(i, frame)| {
             let n = frame.len();
             let span = frame.t[n - 1] - frame.t[0];
-            let wanted = (n as f64 * (PIECE_S / span.max(1e-9)).max(1.0 / 3.0)) as usize;
+            let wanted = (n as f64 * (simulator.piece_s / span.max(1e-9)).max(1.0 / 3.0)) as usize;
             let length = wanted.clamp(1, n);
             let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
             let piece = frame.piece(from, from + length);

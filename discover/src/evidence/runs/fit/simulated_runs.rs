@@ -14,6 +14,7 @@ use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, Residu
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, normal, sign, stream};
+use crate::procedure::rules::{RecordingRules, RunRules};
 
 /// How twins are made.
 #[derive(Clone, Debug)]
@@ -22,6 +23,9 @@ pub struct RunSimulator {
     /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
     pub beyond: [f64; CHANNELS],
     seed: u64,
+    signals: RecordingRules,
+    /// Shortest piece of a run to be simulated [s].
+    pub piece_s: f64,
 }
 
 /// A run without noise and with it, in both signs.
@@ -41,12 +45,14 @@ impl RunSimulator {
         residual_model: &ResidualModel,
         noise: Noise,
         used: [bool; CHANNELS],
-        seed: u64,
+        (seed, rules): (u64, &RunRules),
     ) -> Self {
         let mut simulator = Self {
             noise,
             beyond: [0.0; CHANNELS],
             seed,
+            signals: rules.recordings,
+            piece_s: rules.noise_piece_s,
         };
         let powers: Vec<[[f64; CHANNELS]; 2]> = frames
             .par_iter()
@@ -134,7 +140,7 @@ impl RunSimulator {
     }
 
     fn add_noise(&self, plus: &mut Frame, minus: &mut Frame, rng: &mut impl Rng) {
-        let kernel = signal_kernel(plus.recorded_dt);
+        let kernel = signal_kernel(plus.recorded_dt, &self.signals);
         let n = plus.len();
         let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let mut white = |sd: f64| -> Vec<f64> { (0..length).map(|_| sd * normal(rng)).collect() };

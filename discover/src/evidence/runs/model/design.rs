@@ -8,7 +8,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ModelOnRun, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
-use crate::evidence::runs::model::windows::{BIN_M, Window};
+use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 use crate::regression::gram::Gram;
@@ -229,14 +229,15 @@ impl Design<'_> {
         let mut products = DMatrix::zeros(self.windows.len(), m);
         let mut norms = vec![0.0; self.windows.len()];
         let own = |w: &&Window| w.track == frame.track;
-        let Some(start) = self.windows.iter().find(own).map(|w| w.from) else {
+        let first = self.windows.iter().find(own);
+        let Some((start, width)) = first.map(|w| (w.from, w.narrowest)) else {
             return (products, norms);
         };
         let bins = self
             .windows
             .iter()
             .filter(own)
-            .map(|w| ((w.to - start) / BIN_M).round() as usize)
+            .map(|w| ((w.to - start) / width).round() as usize)
             .max()
             .unwrap_or(0);
         let place = frame.rows(&frame.s);
@@ -244,7 +245,7 @@ impl Design<'_> {
             let mut sums = vec![0.0; (bins + 1) * m];
             let mut squares = vec![0.0; bins + 1];
             for (row, c) in locals.column(l).iter().enumerate() {
-                let bin = ((place[row % place.len()] - start) / BIN_M) as usize;
+                let bin = ((place[row % place.len()] - start) / width) as usize;
                 if *c == 0.0 || bin >= bins {
                     continue;
                 }
@@ -264,8 +265,8 @@ impl Design<'_> {
                 if window.local != l || window.track != frame.track {
                     continue;
                 }
-                let from = ((window.from - start) / BIN_M).round() as usize;
-                let to = ((window.to - start) / BIN_M).round() as usize;
+                let from = ((window.from - start) / width).round() as usize;
+                let to = ((window.to - start) / width).round() as usize;
                 norms[w] = squares[to] - squares[from];
                 for k in 0..m {
                     products[(w, k)] = sums[to * m + k] - sums[from * m + k];

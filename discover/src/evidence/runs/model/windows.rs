@@ -2,8 +2,6 @@
 
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Width of the narrowest window that is searched [m].
-pub const BIN_M: f64 = 10.0;
 /// Widths of windows in bins.
 const WIDTHS: [usize; 5] = [1, 2, 4, 8, 16];
 
@@ -18,10 +16,12 @@ pub struct Window {
     pub from: f64,
     /// To [m].
     pub to: f64,
+    /// Width of the narrowest window [m].
+    pub narrowest: f64,
 }
 
-/// All windows of all widths on all tracks, half overlapping.
-pub fn windows(frames: &[Frame], locals: usize) -> Vec<Window> {
+/// All windows of all widths, multiples of the narrowest [m], on all tracks, half overlapping.
+pub fn windows(frames: &[Frame], locals: usize, narrowest: f64) -> Vec<Window> {
     let mut tracks: Vec<(&str, f64, f64)> = Vec::new();
     for frame in frames {
         let low = frame.s.iter().copied().fold(f64::INFINITY, f64::min);
@@ -35,15 +35,16 @@ pub fn windows(frames: &[Frame], locals: usize) -> Vec<Window> {
     for local in 0..locals {
         for (track, low, high) in &tracks {
             // Beyond 100 km a distance is a mistake that must not size anything.
-            let bins = (((high - low) / BIN_M).ceil() as usize).min(10_000);
+            let bins = (((high - low) / narrowest).ceil() as usize).min(10_000);
             for width in WIDTHS {
                 for first in (0..bins.saturating_sub(width - 1)).step_by(width.div_ceil(2)) {
-                    let from = low + first as f64 * BIN_M;
+                    let from = low + first as f64 * narrowest;
                     out.push(Window {
                         local,
                         track: (*track).to_owned(),
                         from,
-                        to: from + width as f64 * BIN_M,
+                        to: from + width as f64 * narrowest,
+                        narrowest,
                     });
                 }
             }

@@ -13,6 +13,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
 use crate::finding::report::{Bin, Fitted, Interval, Step};
 use crate::procedure::candidate::Candidate;
+use crate::procedure::rules::RunRules;
 
 impl Campaign<'_> {
     /// Sizes with their intervals, for the step that each belongs to.
@@ -111,9 +112,16 @@ impl Campaign<'_> {
             &self.training,
             &self.held,
             &simulator,
+            self.rules(),
             self.options.seed,
         );
-        let by_track = || track_closed(&base.residual_model, &last.settled, &self.held);
+        let by_track = || {
+            track_closed(
+                [&base.residual_model, &last.settled],
+                &self.held,
+                self.rules(),
+            )
+        };
         let track = CHANNEL_NAMES[3].0;
         steps
             .iter()
@@ -155,9 +163,13 @@ impl Campaign<'_> {
 }
 
 /// Share of the track channel's mean square, its scatter taken off, that is closed on other runs, without an error of its own.
-fn track_closed(before: &ResidualModel, after: &ResidualModel, frames: &[Frame]) -> Interval {
+fn track_closed(
+    [before, after]: [&ResidualModel; 2],
+    frames: &[Frame],
+    rules: &RunRules,
+) -> Interval {
     let of = |residual_model: &ResidualModel| {
-        TrackChannel::new(residual_model, frames, &[]).map(|c| c.closure().powi(2))
+        TrackChannel::new(residual_model, frames, &[], rules).map(|c| c.closure().powi(2))
     };
     let value = match (of(before), of(after)) {
         (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),

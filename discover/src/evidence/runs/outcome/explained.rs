@@ -11,6 +11,7 @@ use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::report::Interval;
 use crate::null::random::{below, stream};
+use crate::procedure::rules::RunRules;
 use crate::regression::prior::Prior;
 use crate::regression::scores::studentised;
 
@@ -26,6 +27,7 @@ pub fn explainable_closed(
     training: &[Frame],
     others: &[Frame],
     simulator: &RunSimulator,
+    rules: &RunRules,
     seed: u64,
 ) -> Interval {
     let prior = before.prior();
@@ -42,7 +44,7 @@ pub fn explainable_closed(
         })
         .collect();
     let m = grams[0].ncols();
-    let coefficients = explained(&grams, &prior);
+    let coefficients = explained(&grams, &prior, rules);
     let pair = |frame: &Frame| -> (f64, f64) {
         let x = before.columns(frame);
         let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
@@ -115,9 +117,7 @@ pub fn explainable_closed(
 /// The candidates' products beyond the base, scaled to a unit diagonal, are split into principal directions. A direction takes
 /// part where it is not all but collinear with others, and where its scores stand out by two errors over runs: what the rest
 /// adds to f is noise, which would hide how much of the rest is closed.
-fn explained(grams: &[DMatrix<f64>], prior: &Prior) -> DVector<f64> {
-    const LEAST_SHARE: f64 = 1e-2;
-    const STANDS_OUT: f64 = 2.0;
+fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector<f64> {
     let m = grams[0].ncols();
     let p = prior.count();
     let q = m - 1 - p;
@@ -147,7 +147,8 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior) -> DVector<f64> {
     for (k, value) in eigen.eigenvalues.iter().enumerate() {
         let along = eigen.eigenvectors.column(k);
         let of_runs = scores.iter().map(|u| along.dot(u));
-        if *value < LEAST_SHARE || studentised(of_runs.clone()).abs() < STANDS_OUT {
+        let stands_out = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
+        if *value < rules.explains_alone || !stands_out {
             continue;
         }
         let size = of_runs.sum::<f64>() / value;

@@ -19,11 +19,6 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::lowered::Lowered;
 
-/// Rows of a piece of a run: four seconds, beyond which residuals no longer go together.
-const PIECE_ROWS: usize = 40;
-/// Length of track over which runs are held against one another [m].
-const PLACE_M: f64 = 10.0;
-
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
 
@@ -47,6 +42,7 @@ impl Campaign<'_> {
         after: &ResidualModel,
         told: Option<&Told>,
     ) -> Option<Lowered> {
+        let rules = self.rules();
         let learned = residuals(before, &self.training);
         let whitener = Whitener::estimate(&learned, self.used);
         let means = self.means(&learned, &whitener);
@@ -76,7 +72,10 @@ impl Campaign<'_> {
                         left[c][i] -= change * size / candidate.typical;
                     }
                 }
-                (falls(&rows, &left), repeating(frame, &rows, &means))
+                (
+                    falls(&rows, &left, rules.piece_rows),
+                    repeating(placed(frame, &rows, rules.place_m), &means),
+                )
             })
             .collect();
         let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
@@ -91,7 +90,7 @@ impl Campaign<'_> {
         for (frame, rows) in self.training.iter().zip(rows) {
             let rows = whitened(rows, whitener);
             let mut here: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
-            for (place, r) in placed(frame, &rows) {
+            for (place, r) in placed(frame, &rows, self.rules().place_m) {
                 let sum = here.entry(place).or_default();
                 (sum.0, sum.1) = (sum.0 + r, sum.1 + 1.0);
             }
@@ -117,32 +116,32 @@ fn whitened(rows: &ChannelRows, whitener: &Whitener) -> ChannelRows {
 }
 
 /// Rows with where they are.
-fn placed<'a>(frame: &'a Frame, rows: &ChannelRows) -> Vec<(Place<'a>, f64)> {
+fn placed<'a>(frame: &'a Frame, rows: &ChannelRows, place_m: f64) -> Vec<(Place<'a>, f64)> {
     let s = frame.rows(&frame.s);
     let mut placed = Vec::new();
     for (c, rows) in rows.iter().enumerate() {
         for (s, r) in s.iter().zip(rows) {
-            let cell = (s / PLACE_M).floor() as i64;
+            let cell = (s / place_m).floor() as i64;
             placed.push(((c, frame.track.as_str(), cell), *r));
         }
     }
     placed
 }
 
-fn repeating(frame: &Frame, rows: &ChannelRows, means: &BTreeMap<Place, f64>) -> f64 {
-    placed(frame, rows)
+fn repeating(placed: Vec<(Place, f64)>, means: &BTreeMap<Place, f64>) -> f64 {
+    placed
         .iter()
         .filter_map(|(place, r)| means.get(place).map(|mean| mean * r))
         .sum()
 }
 
 /// The fall of the sum of squares, piece by piece of a run.
-fn falls(before: &ChannelRows, after: &ChannelRows) -> Vec<f64> {
+fn falls(before: &ChannelRows, after: &ChannelRows, piece_rows: usize) -> Vec<f64> {
     let rows = before.iter().map(Vec::len).max().unwrap_or(0);
-    let mut falls = vec![0.0; rows.div_ceil(PIECE_ROWS)];
+    let mut falls = vec![0.0; rows.div_ceil(piece_rows)];
     for (before, after) in before.iter().zip(after) {
         for (i, (b, a)) in before.iter().zip(after).enumerate() {
-            falls[i / PIECE_ROWS] += b * b - a * a;
+            falls[i / piece_rows] += b * b - a * a;
         }
     }
     falls

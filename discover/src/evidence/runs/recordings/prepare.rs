@@ -12,6 +12,7 @@ use crate::evidence::runs::recordings::sensor_noise::{Learned, doubted, estimate
 use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
 use crate::procedure::lock::{LockRules, Locked, Place};
+use crate::procedure::rules::Rules;
 
 /// All runs with what is known of the whole set.
 #[derive(Clone, Debug)]
@@ -51,7 +52,7 @@ pub fn prepare(
     runs: &[Run],
     model: &Model,
     surveys: &Surveys,
-    lock: &LockRules,
+    rules: &Rules,
 ) -> Result<Data, Error> {
     if runs.is_empty() {
         return Err(Error::TooFew {
@@ -68,13 +69,14 @@ pub fn prepare(
                 .map(|r| format!("run {}: {r}", run.entry.run))
         })
         .collect();
+    let recordings = &rules.runs.recordings;
     let segmented = runs.len() == 1;
     let mut frames = Vec::new();
     let mut before: BTreeMap<&str, f64> = BTreeMap::new();
     for run in runs {
-        let own = signal_kernel(run.dt_s);
+        let own = signal_kernel(run.dt_s, recordings);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
-        let mut frame = frame(run, &own, surveys)?;
+        let mut frame = frame(run, &own, surveys, recordings)?;
         let stated = model.conditions.unwrap_or_default();
         if let (true, Some(humidity)) = (frame.humidity_pct.is_nan(), stated.humidity_pct) {
             frame.humidity_pct = humidity;
@@ -93,14 +95,16 @@ pub fn prepare(
             frames.push(frame);
         }
     }
-    let locked = locked(&frames, segmented, lock);
+    let locked = locked(&frames, segmented, &rules.lock);
     let learned = learned(runs, &frames, segmented, &locked);
     let seen = estimate(&learned);
     let (noise, noise_estimated) = match model.noise {
         Some(stated) => (quieter(&stated, &seen, &mut remarks), false),
         None => (seen, true),
     };
-    let noise_doubted = model.noise.is_some_and(|stated| doubted(&stated, &seen));
+    let noise_doubted = model
+        .noise
+        .is_some_and(|stated| doubted(&stated, &seen, recordings.noise_as_stated));
     turn_slopes(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
     let mut available = available(runs, &learned, &training, &mut remarks);

@@ -7,7 +7,7 @@ use kufe_sled::{Entry, Model, Run, read_index, read_run};
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
 use crate::evidence::runs::recordings::survey::surveys;
-use crate::procedure::lock::LockRules;
+use crate::procedure::rules::Rules;
 
 /// Reads an index and its runs, locks a part of them away and makes them ready.
 ///
@@ -15,7 +15,7 @@ use crate::procedure::lock::LockRules;
 ///
 /// # Errors
 /// Those of the sled's readers; [`Error::Duplicate`] where two runs hold the same samples; [`Error::TooFew`].
-pub fn read(index: &Path, model: &Model, lock: &LockRules) -> Result<Data, Error> {
+pub fn read(index: &Path, model: &Model, rules: &Rules) -> Result<Data, Error> {
     const INDISPENSABLE: [&str; 5] = [
         "ay_mps2",
         "yaw_rate_radps",
@@ -30,7 +30,7 @@ pub fn read(index: &Path, model: &Model, lock: &LockRules) -> Result<Data, Error
     }
     refuse_copies(index, &runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
-    prepare(&runs, model, &surveys(folder, &runs)?, lock)
+    prepare(&runs, model, &surveys(folder, &runs)?, rules)
 }
 
 fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {

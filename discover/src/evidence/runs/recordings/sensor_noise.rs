@@ -52,8 +52,7 @@ pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise
 
 /// Whether a sensor that forces are computed from is noisier or quieter from sample to sample than stated: its noise is not
 /// white, or was filtered, or is not what is stated, so that little is known of it at the frequencies of the motion.
-pub fn doubted(stated: &Noise, seen: &Noise) -> bool {
-    const AS_STATED: std::ops::RangeInclusive<f64> = 0.7..=1.4;
+pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
     [
         (stated.rate_radps, seen.rate_radps),
         (stated.speed_mps, seen.speed_mps),
@@ -62,7 +61,7 @@ pub fn doubted(stated: &Noise, seen: &Noise) -> bool {
         (stated.roll_split_rad, seen.roll_split_rad),
     ]
     .iter()
-    .any(|(stated, seen)| *seen > 0.0 && !AS_STATED.contains(&(seen / stated.max(1e-300))))
+    .any(|(stated, seen)| *seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
 }
 
 /// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.

@@ -6,29 +6,34 @@ use crate::error::Error;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::smooth::Kernel;
 use crate::evidence::runs::recordings::survey::{Surveys, interpolate};
-
-/// Corner of the low pass of every signal, before the balances are taken [Hz].
-pub const CUTOFF_HZ: f64 = 16.0;
-/// Samples a second that are kept [1/s].
-pub const RATE_HZ: f64 = 50.0;
-/// Corner of the low pass of the balances [Hz].
-const ROW_CUTOFF_HZ: f64 = 4.0;
-/// ChannelRows a second [1/s].
-const ROW_RATE_HZ: f64 = 10.0;
+use crate::procedure::rules::RecordingRules;
 
 /// The kernel of every signal with `dt` [s] between samples.
-pub fn signal_kernel(dt: f64) -> Kernel {
-    Kernel::new(dt, CUTOFF_HZ.min(0.2 / dt), RATE_HZ)
+pub fn signal_kernel(dt: f64, rules: &RecordingRules) -> Kernel {
+    Kernel::new(
+        dt,
+        rules.signal_cutoff_hz.min(0.2 / dt),
+        rules.signal_rate_hz,
+    )
 }
 
 /// A recorded run as a frame.
 ///
 /// # Errors
 /// [`Error::TooFew`] where it is shorter than the smoothing needs.
-pub fn frame(run: &Run, kernel: &Kernel, surveys: &Surveys) -> Result<Frame, Error> {
+pub fn frame(
+    run: &Run,
+    kernel: &Kernel,
+    surveys: &Surveys,
+    rules: &RecordingRules,
+) -> Result<Frame, Error> {
     let n = run.len();
     let kept_dt = kernel.stride as f64 * run.dt_s;
-    let sieve = Kernel::new(kept_dt, ROW_CUTOFF_HZ.min(0.2 / kept_dt), ROW_RATE_HZ);
+    let sieve = Kernel::new(
+        kept_dt,
+        rules.row_cutoff_hz.min(0.2 / kept_dt),
+        rules.row_rate_hz,
+    );
     // A second of rows at least.
     let needed = 2 * kernel.margin() + (2 * sieve.margin() + 10 * sieve.stride) * kernel.stride;
     if n < needed {

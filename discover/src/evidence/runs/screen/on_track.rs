@@ -52,7 +52,7 @@ impl Campaign<'_> {
             .into_iter()
             .filter(|c| !c.is_profile())
             .collect();
-        let mut channel = TrackChannel::new(residual_model, &self.training, &list)?;
+        let mut channel = TrackChannel::new(residual_model, &self.training, &list, self.rules())?;
         channel.tolerances = list.iter().map(|c| self.tolerance(c)).collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         if stated.is_none() && account.steps.is_empty() {
@@ -68,7 +68,7 @@ impl Campaign<'_> {
             .enumerate()
             .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
             .collect();
-        let expected = TrackChannel::new(residual_model, &twins, &[])?.scatter();
+        let expected = TrackChannel::new(residual_model, &twins, &[], self.rules())?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
             let told = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",

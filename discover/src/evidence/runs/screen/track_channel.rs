@@ -14,12 +14,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-
-/// Width of a bin [m].
-const BIN_M: f64 = 20.0;
-
-/// Bins on either side from which the scatter between drivers is taken.
-const NEAR: usize = 3;
+use crate::procedure::rules::RunRules;
 
 /// A driver and the means of one of his runs in a bin.
 type OfDriver<'a> = (&'a str, Vec<f64>);
@@ -46,6 +41,8 @@ pub struct TrackChannel {
     pub tolerances: Vec<f64>,
     inflation: f64,
     scatter: f64,
+    /// Of a bin [m].
+    width: f64,
 }
 
 impl TrackChannel {
@@ -54,7 +51,9 @@ impl TrackChannel {
         residual_model: &ResidualModel,
         frames: &[Frame],
         candidates: &[Candidate<Amplitude>],
+        rules: &RunRules,
     ) -> Option<Self> {
+        let (width, reach) = (rules.track_bin_m, rules.track_near);
         if frames.iter().any(|f| f.slope.len() != f.len()) {
             return None;
         }
@@ -80,7 +79,7 @@ impl TrackChannel {
         for (frame, columns) in frames.iter().zip(&all) {
             let mut sums: BTreeMap<i64, (f64, Vec<f64>)> = BTreeMap::new();
             for (i, s) in frame.rows(&frame.s).iter().enumerate() {
-                let bin = (s / BIN_M).floor() as i64;
+                let bin = (s / width).floor() as i64;
                 let entry = sums
                     .entry(bin)
                     .or_insert_with(|| (0.0, vec![0.0; columns.len()]));
@@ -114,7 +113,7 @@ impl TrackChannel {
             let variance = runs.iter().map(|(_, r)| (r[0] - m).powi(2)).sum::<f64>() / (n - 1.0);
             scatter.push(variance);
             by_driver.push(between_drivers(runs));
-            bins.push((track.clone(), *bin as f64 * BIN_M, m, n));
+            bins.push((track.clone(), *bin as f64 * width, m, n));
             for (c, direction) in directions.iter_mut().enumerate() {
                 direction.push(mean(c + 1));
             }
@@ -125,7 +124,7 @@ impl TrackChannel {
         let common = scatter.iter().sum::<f64>() / scatter.len() as f64;
         // Drivers who take lines of their own, run after run, count as one run each, by their scatter near the bin.
         for k in 0..bins.len() {
-            let near = k.saturating_sub(NEAR)..(k + NEAR + 1).min(bins.len());
+            let near = k.saturating_sub(reach)..(k + reach + 1).min(bins.len());
             let there: Vec<f64> = near
                 .filter(|j| bins[*j].0 == bins[k].0)
                 .filter_map(|j| by_driver[j])
@@ -150,6 +149,7 @@ impl TrackChannel {
             tolerances: vec![0.0; candidates.len()],
             inflation: (1.0 + rho) / (1.0 - rho),
             scatter: common.sqrt(),
+            width,
         })
     }
 
@@ -259,7 +259,7 @@ impl TrackChannel {
                     best = (
                         window[0].0.clone(),
                         window[0].1,
-                        window[width - 1].1 + BIN_M,
+                        window[width - 1].1 + self.width,
                         m / -GRAVITY,
                         strength,
                     );

@@ -35,7 +35,11 @@ impl Campaign<'_> {
         regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         // A person's own effect may bear such a name, too.
         regular.sort_by_key(Candidate::is_column);
-        let all_windows = windows(&self.training, self.candidates.local.len());
+        let all_windows = windows(
+            &self.training,
+            self.candidates.local.len(),
+            self.rules().window_m,
+        );
         let design = Design {
             local: &self.candidates.local,
             windows: &all_windows,
