@@ -23,7 +23,7 @@ pub fn write(
     map: &PressureMap,
     slid: &Slid,
 ) -> Result<(), Failure> {
-    let depths = groove::depths(map, &pressed.solution.surface, &slid.depth);
+    let depths = groove::depths(map, &pressed.solution.surface, &slid.groove.depth);
     let numbers = [
         ("fz_n", pressed.solution.fz),
         ("hardness_pa", slid.hardness),

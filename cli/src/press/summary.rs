@@ -128,21 +128,21 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 5] {
             "groove",
             format!(
                 "{} um deep, {:.4} mm2",
-                with(slid.groove_depth, 1e6, 2),
-                slid.groove.area() * 1e6
+                with(slid.groove.deepest, 1e6, 2),
+                slid.groove.profile.area() * 1e6
             ),
         ),
         (
             "patch",
             format!(
                 "from {} mm ahead of the lowest point to {} mm",
-                with(slid.front, 1e3, 2),
-                with(slid.back, 1e3, 2)
+                with(slid.groove.front, 1e3, 2),
+                with(slid.groove.back, 1e3, 2)
             ),
         ),
         (
             "load ahead",
-            format!("{} mm", with(slid.load_ahead, 1e3, 2)),
+            format!("{} mm", with(slid.groove.load_ahead, 1e3, 2)),
         ),
         (
             "film",

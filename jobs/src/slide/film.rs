@@ -32,7 +32,7 @@ pub fn film_along(
     solution: &SlidingSolution,
     conditions: &FilmConditions,
 ) -> Result<FilmAlong, kufe_friction::Error> {
-    let sections = &solution.sections;
+    let sections = &solution.groove.sections;
     let front = sections.first().map_or(0.0, |s| s.x);
     let share = solution.contact.fz / load(sections);
     let strip = Strip::new(

@@ -17,10 +17,10 @@ impl Slid {
         put("mu", "", self.friction.mu);
         put("mu_ploughing", "", self.friction.ploughing);
         put("mu_viscous", "", self.friction.viscous);
-        put("groove_depth", "_m", self.groove_depth);
-        put("load_ahead", "_m", self.load_ahead);
-        put("front", "_m", self.front);
-        put("back", "_m", self.back);
+        put("groove_depth", "_m", self.groove.deepest);
+        put("load_ahead", "_m", self.groove.load_ahead);
+        put("front", "_m", self.groove.front);
+        put("back", "_m", self.groove.back);
         let of = |value, error| Measure { value, error };
         let mean = self.film.error(|totals| totals.mean_thickness);
         put("film_mean", "_m", of(film.totals.mean_thickness, mean));
@@ -31,10 +31,10 @@ impl Slid {
         let melted = self.film.error(|totals| totals.melted);
         put("melt_rate", "_kgps", of(film.totals.melted, melted));
         keys.insert("hardness_pa".into(), json!(self.hardness));
-        keys.insert("groove_area_m2".into(), json!(self.groove.area()));
+        keys.insert("groove_area_m2".into(), json!(self.groove.profile.area()));
         keys.insert(
             "sliding_history".into(),
-            self.meshes.iter().map(mesh).collect(),
+            self.groove.meshes.iter().map(mesh).collect(),
         );
         keys
     }

@@ -1,10 +1,7 @@
 //! A case's steady sliding.
 
 use kufe_case::SlidingTable;
-use kufe_contact::{
-    Error, GrooveProfile, Measure, Options, Problem, Section, SlidingMesh, SlidingSolution,
-    Solution, slide,
-};
+use kufe_contact::{Error, Groove, Measure, Options, Problem, SlidingSolution, Solution, slide};
 use kufe_friction::film::FilmConditions;
 
 use crate::case_file::LoadedCase;
@@ -29,7 +26,7 @@ impl Friction {
     /// The film's error has that of the patch in it, whose share is taken as the groove's.
     pub fn of(solution: &SlidingSolution, along: &FilmAlong) -> Self {
         let fz = solution.contact.fz;
-        let depth = solution.groove_depth;
+        let depth = solution.groove.deepest;
         let patch = if depth.value > 0.0 {
             depth.error / depth.value
         } else {
@@ -41,8 +38,8 @@ impl Friction {
             error: along.friction_error() + patch * totals.friction,
         };
         let ploughing = Measure {
-            value: solution.ploughing.value / fz,
-            error: solution.ploughing.error / fz,
+            value: solution.groove.ploughing.value / fz,
+            error: solution.groove.ploughing.error / fz,
         };
         Friction {
             mu: Measure {
@@ -64,24 +61,8 @@ pub struct Slid {
     pub film: FilmAlong,
     /// Hardness that the ice yielded at [Pa].
     pub hardness: f64,
-    /// See [`SlidingSolution`]; the names are the same.
-    pub groove_depth: Measure,
-    /// Ends of the patch and centre of pressure ahead of the lowest point [m].
-    pub front: Measure,
-    /// As `front`.
-    pub back: Measure,
-    /// As `front`.
-    pub load_ahead: Measure,
-    /// The runner's lowest point along x [m].
-    pub lowest: f64,
-    /// Section of the groove that is left.
-    pub groove: GrooveProfile,
-    /// Plastic depth at the nodes of the contact's surface [m].
-    pub depth: Vec<f64>,
-    /// The patch from its front to its back.
-    pub sections: Vec<Section>,
-    /// What happened, mesh by mesh.
-    pub meshes: Vec<SlidingMesh>,
+    /// The groove.
+    pub groove: Groove,
 }
 
 /// Depth of a groove over its width beyond which its sides are steep.
@@ -90,8 +71,13 @@ const STEEP: f64 = 0.2;
 impl Slid {
     /// A warning where the groove is too deep for what the model takes a contact to be: a height over a plane.
     pub(crate) fn too_deep(&self) -> Option<String> {
-        let widest = self.sections.iter().map(|s| s.width).fold(0.0, f64::max);
-        let depth = self.groove_depth.value;
+        let widest = self
+            .groove
+            .sections
+            .iter()
+            .map(|s| s.width)
+            .fold(0.0, f64::max);
+        let depth = self.groove.deepest.value;
         (depth > STEEP * widest).then(|| {
             format!(
                 "the groove is {:.2} mm deep and {:.2} mm wide: so steep a contact is no height over a plane, read its figures as those of \
@@ -117,15 +103,7 @@ pub(crate) fn solve_sliding(
         friction,
         film,
         hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
-        groove_depth: solution.groove_depth,
-        front: solution.front,
-        back: solution.back,
-        load_ahead: solution.load_ahead,
-        lowest: solution.lowest,
         groove: solution.groove,
-        depth: solution.depth,
-        sections: solution.sections,
-        meshes: solution.meshes,
     };
     Ok((solution.contact, slid))
 }
@@ -138,7 +116,10 @@ pub(crate) fn groove(
     options: &Options,
 ) -> Result<SlidingSolution, Failure> {
     let before = match &sliding.previous {
-        Some(folder) => Some(groove_left(&loaded.base.join(folder)).map_err(|f| named(loaded, f))?),
+        Some(folder) => Some(
+            groove_left(&loaded.base.join(folder))
+                .map_err(|failure| failure.within(&loaded.name))?,
+        ),
         None => None,
     };
     let solution = slide(problem, before.as_ref(), options).map_err(|error| match error {
@@ -169,13 +150,6 @@ pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_friction::Error) ->
     match error {
         kufe_friction::Error::NotConverged { .. } => Failure::NotConverged(text),
         _ => Failure::BadInput(text),
-    }
-}
-
-fn named(loaded: &LoadedCase, failure: Failure) -> Failure {
-    match failure {
-        Failure::BadInput(text) => Failure::BadInput(format!("{}: {text}", loaded.name)),
-        other => other,
     }
 }
 

@@ -73,7 +73,7 @@ pub fn friction_table(
                 v_mps: *v_mps,
                 ice_c: *ice_c,
                 friction: Friction::of(&solution, &along),
-                groove_depth: solution.groove_depth,
+                groove_depth: solution.groove.deepest,
                 film_mean: along.film.totals.mean_thickness,
                 hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
             });
