@@ -26,7 +26,7 @@ pub fn write(
     let depths = groove::depths(map, &pressed.solution.surface, &slid.groove.depth);
     let numbers = [
         ("fz_n", pressed.solution.fz),
-        ("hardness_pa", slid.hardness),
+        ("hardness_pa", slid.hardness.value),
     ];
     staging.write("groove.exr", |file| {
         write_exr::write_channels(file, map, COMMENTS, &numbers, &[("depth", &depths)])

@@ -104,7 +104,7 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
 }
 
 /// What sliding adds.
-fn sliding(slid: &Slid) -> [(&'static str, String); 5] {
+fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
     let with = |m: Measure, factor: f64, digits: usize| {
         format!(
             "{:.digits$} +- {:.digits$}",
@@ -122,6 +122,25 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 5] {
                 with(slid.friction.mu, 1e3, 3),
                 with(slid.friction.ploughing, 1e3, 3),
                 with(slid.friction.viscous, 1e3, 3),
+            ),
+        ),
+        (
+            "follows",
+            format!(
+                "{:+.2} % for 1 % of speed, {:+.2} of hardness, {:+.2} of viscosity; {:+.1} % for 1 K",
+                slid.sensitivity.speed.value,
+                slid.sensitivity.hardness.value,
+                slid.sensitivity.viscosity.value,
+                1e2 * slid.sensitivity.temperature.value,
+            ),
+        ),
+        (
+            "hardness",
+            format!(
+                "{:.2} MPa ({}), {:.2} ms under the runner",
+                slid.hardness.value / 1e6,
+                slid.hardness.from.name(),
+                1e3 * slid.hardness.contact_time.value
             ),
         ),
         (

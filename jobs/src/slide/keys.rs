@@ -3,6 +3,7 @@
 use kufe_contact::{Measure, SlidingMesh};
 use serde_json::{Map, Value, json};
 
+use crate::slide::sensitivity::Sensitivity;
 use crate::slide::slid::Slid;
 
 impl Slid {
@@ -30,7 +31,10 @@ impl Slid {
         put("film_max", "_m", of(thickest, error));
         let melted = self.film.error(|totals| totals.melted);
         put("melt_rate", "_kgps", of(film.totals.melted, melted));
-        keys.insert("hardness_pa".into(), json!(self.hardness));
+        put("contact_time", "_s", self.hardness.contact_time);
+        keys.insert("hardness_pa".into(), json!(self.hardness.value));
+        keys.insert("hardness_from".into(), json!(self.hardness.from.name()));
+        keys.insert("mu_sensitivity".into(), sensitivity(&self.sensitivity));
         keys.insert("groove_area_m2".into(), json!(self.groove.profile.area()));
         keys.insert(
             "sliding_history".into(),
@@ -38,6 +42,19 @@ impl Slid {
         );
         keys
     }
+}
+
+fn sensitivity(of: &Sensitivity) -> Value {
+    json!({
+        "dlnmu_dlnhardness": of.hardness.value,
+        "dlnmu_dlnhardness_error": of.hardness.error,
+        "dlnmu_dlnv": of.speed.value,
+        "dlnmu_dlnv_error": of.speed.error,
+        "dlnmu_dlnviscosity": of.viscosity.value,
+        "dlnmu_dlnviscosity_error": of.viscosity.error,
+        "dlnmu_dice_c": of.temperature.value,
+        "dlnmu_dice_c_error": of.temperature.error,
+    })
 }
 
 fn mesh(mesh: &SlidingMesh) -> Value {

@@ -8,4 +8,5 @@ mod mesh;
 mod one_case;
 mod series;
 mod sliding;
+mod sliding_laws;
 mod stiffness;
