@@ -225,7 +225,7 @@ mod tests {
     fn a_slope_is_lowest_on_its_bound_and_scatter_is_told() -> Result<(), Error> {
         let spans = [Span::new(15.0, 60.0)?, Span::new(0.003, 0.008)?];
         let places = Response::places(&spans);
-        let scatter = |k: usize| 1.0 + 3e-3 * if k % 2 == 0 { 1.0 } else { -1.0 };
+        let scatter = |k: usize| 1.0 + 3e-3 * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let slope = |(k, p): (usize, &Vec<f64>)| {
             let valley = (p[0] / 30.0).ln().powi(2) + 0.1 * (p[0] / 30.0).ln() * p[1].ln();
             scatter(k) * 1e-3 * valley.exp() * p[1].powf(-0.3)
