@@ -64,7 +64,7 @@ impl Case {
         };
         let mut ice = self.ice.ice();
         if let Some(sliding) = &self.sliding {
-            ice.hardness = ice.hardness.or(Some(sliding.hardness()));
+            ice.hardness = Some(sliding.hardness(ice.hardness));
         }
         let mut problem = Problem {
             runner: Runner { underside, elastic },

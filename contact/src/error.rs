@@ -99,14 +99,14 @@ pub enum Error {
         /// The mesher's own words, with their numbers.
         reason: String,
     },
-    /// The load exceeds what the whole surface bears at the stated hardness.
+    /// The load exceeds what the hull bears: at rest its whole underside, sliding what lies ahead of its lowest point and a little behind.
     #[error(
-        "a load of {fz} N needs more than the {capacity} N that the hull's whole underside bears at the stated hardness"
+        "a load of {fz} N needs more than the {capacity} N that the hull bears on ice of this hardness"
     )]
     BeyondHardness {
         /// Normal force [N].
         fz: f64,
-        /// Hardness times the area that could touch [N].
+        /// Most load that it bears [N].
         capacity: f64,
     },
     /// The contact asks for cells that cannot be.

@@ -6,7 +6,7 @@
 //! | [`Options`] | accuracy and limits |
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
-//! | [`slide`], [`SlidingSolution`] | a runner that slides on ice that yields: groove, ploughing force |
+//! | [`slide`], [`SlidingSolution`], [`Groove`] | a runner that slides on ice that yields: groove, ploughing force |
 //! | [`hertz`], [`rigid_plastic`] | closed forms for smooth point contacts, and for grooves in ice that does not spring back |
 //!
 //! How a problem becomes a pressure, room by room:
@@ -69,7 +69,7 @@ mod solve;
 pub use error::Error;
 pub use groove::profile::GrooveProfile;
 pub use groove::slide::slide;
-pub use groove::solution::{Measure, Section, SlidingMesh, SlidingSolution};
+pub use groove::solution::{Groove, Measure, Section, SlidingMesh, SlidingSolution};
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;

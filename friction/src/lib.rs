@@ -7,6 +7,7 @@
 //! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
 //! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
 //! | [`evaluate_glide`], [`evaluate_ice_house`] | mu by specimen from gliding runs |
+//! | [`Response`] | the least of what is computed point by point, with an error |
 //! | [`film`] | the melt film under a runner, from heat and water balance |
 //!
 //! ```
@@ -23,6 +24,7 @@ pub mod film;
 mod icehouse;
 mod lateral;
 mod longitudinal;
+mod response;
 mod tables;
 
 pub use kufe_effect as effects;
@@ -44,4 +46,5 @@ pub use longitudinal::law::{
 };
 pub use longitudinal::plot::draw_mu_over_pressure;
 pub use longitudinal::{LeastFriction, MuFit, Weighting, fit_mu};
+pub use response::{Response, Span};
 pub use tables::experiments::{Experiment, read_experiments, write_experiments};

@@ -106,6 +106,38 @@ impl LoadedCase {
             .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
     }
 
+    /// The case with another value of a number of its runner's shape.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for a runner without a shape, a key that the shape does not have, and a value out of range.
+    pub fn with_shape(&self, key: &str, value: f64) -> Result<LoadedCase, Failure> {
+        let wrong = |text: String| Failure::BadInput(format!("{}: {text}", self.name));
+        let Some(shape) = &self.case.runner.shape else {
+            return Err(wrong(format!(
+                "runner.shape.{key}: the runner is a hull, expected a shape"
+            )));
+        };
+        let told = |error: &dyn std::fmt::Display| wrong(format!("runner.shape.{key}: {error}"));
+        let mut table = toml::Table::try_from(shape).map_err(|error| told(&error))?;
+        let numbers: Vec<&String> = table.keys().filter(|key| *key != "kind").collect();
+        let found = numbers.iter().any(|known| *known == key);
+        if !found {
+            let keys: Vec<&str> = numbers.iter().map(|key| key.as_str()).collect();
+            let expected = format!("found no such key, expected one of {}", keys.join(", "));
+            return Err(told(&expected));
+        }
+        table.insert(key.to_owned(), value.into());
+        let mut case = self.case.clone();
+        case.runner.shape = Some(table.try_into().map_err(|error| told(&error))?);
+        case.check()
+            .map_err(|error| wrong(format!("with {key} = {value}: {error}")))?;
+        Ok(LoadedCase {
+            name: format!("{} with {key} = {value}", self.name),
+            base: self.base.clone(),
+            case,
+        })
+    }
+
     /// What is odd about the hull, ready to be shown.
     pub fn hull_warnings(&self, hull: Option<&FittedHull>) -> Vec<String> {
         hull.iter()

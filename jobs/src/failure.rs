@@ -22,6 +22,18 @@ impl Failure {
         Failure::BadInput(error.to_string())
     }
 
+    /// The same failure at a place: `place: text`.
+    #[must_use]
+    pub fn within(self, place: &str) -> Self {
+        let at = |text: String| format!("{place}: {text}");
+        match self {
+            Failure::Usage(text) => Failure::Usage(at(text)),
+            Failure::BadInput(text) => Failure::BadInput(at(text)),
+            Failure::NotConverged(text) => Failure::NotConverged(at(text)),
+            Failure::Partial(text) => Failure::Partial(at(text)),
+        }
+    }
+
     /// The process's exit code.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

@@ -294,7 +294,7 @@ impl Contact {
     #[getter]
     fn groove_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let slid = self.pressed.sliding.as_ref();
-        slid.map(|slid| self.on_surface(py, &slid.depth))
+        slid.map(|slid| self.on_surface(py, &slid.groove.depth))
             .transpose()
     }
 

@@ -40,7 +40,7 @@ impl Range {
 
 /// The ranges of a case's numbers. Two keys have ranges of their own: `track.radius_m` is 1 m or more in size, or `inf`, and what
 /// is stated of a runner's shape must fit together.
-pub const RANGES: [Range; 40] = [
+pub const RANGES: [Range; 43] = [
     Range::of("runner.scale", "a scale", 1e-6, 1000.0),
     Range::of(
         "runner.noise_m",
@@ -155,6 +155,24 @@ pub const RANGES: [Range; 40] = [
         -0.1,
     ),
     Range::of("sliding.viscosity_factor", "a factor", 0.01, 1000.0),
+    Range::of(
+        "sliding.hardness.pressure_pa",
+        "a pressure in pascals",
+        1e5,
+        1e9,
+    ),
+    Range::of(
+        "sliding.hardness.ice_c",
+        "a temperature in degrees Celsius",
+        -50.0,
+        0.0,
+    ),
+    Range::of(
+        "sliding.hardness.contact_time_s",
+        "a time in seconds",
+        1e-6,
+        1e6,
+    ),
     Range::of("load.fz_n", "a force in newtons", 0.001, 1e7),
     Range::of("load.offset_x_m", "a place in metres", -10.0, 10.0),
     Range::of("load.offset_y_m", "a place in metres", -10.0, 10.0),

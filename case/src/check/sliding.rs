@@ -13,6 +13,23 @@ pub(crate) fn check_sliding(case: &Case) -> Checked {
     if let Some(factor) = sliding.viscosity_factor {
         in_range("sliding.viscosity_factor", factor)?;
     }
+    if let Some(anchor) = &sliding.hardness {
+        in_range("sliding.hardness.pressure_pa", anchor.pressure_pa)?;
+        in_range("sliding.hardness.ice_c", anchor.ice_c)?;
+        in_range("sliding.hardness.contact_time_s", anchor.contact_time_s)?;
+        if case.ice.hardness_pa.is_some() {
+            return Err(combination(
+                "sliding.hardness",
+                "either ice.hardness_pa or sliding.hardness, not both",
+            ));
+        }
+        if case.effects.contains_key("hardness") {
+            return Err(combination(
+                "sliding.hardness",
+                "either sliding.hardness or the effect hardness, not both",
+            ));
+        }
+    }
     if case.ice.temperature_c.is_some_and(|t| t != sliding.ice_c) {
         return Err(combination(
             "sliding.ice_c",

@@ -20,7 +20,7 @@ pub use mount::{CarriesTable, HeldTable, MountTable};
 pub use runner::{ForwardAxis, RunnerTable, UpAxis};
 pub use section::SectionTable;
 pub use shape::Shape;
-pub use sliding::SlidingTable;
+pub use sliding::{HardnessTable, SlidingTable};
 pub use solver::{SolverTable, StiffnessWord};
 pub use track::TrackTable;
 pub use words::{Hardness, Thickness};

@@ -13,7 +13,7 @@ pub struct SlidingTable {
     /// Speed [m/s].
     #[schemars(range(min = 0.01, max = 100.0))]
     pub v_mps: f64,
-    /// Temperature of the ice, which gives its hardness where ice.hardness_pa does not, and what heat it takes [C].
+    /// Temperature of the ice, which gives its hardness where nothing else does, and what heat it takes [C].
     #[schemars(range(min = -50.0, max = -0.1))]
     pub ice_c: f64,
     /// Factor on the viscosity of the film's water; 1 where absent.
@@ -23,11 +23,45 @@ pub struct SlidingTable {
     /// Output folder of the runner that went before, whose groove this one meets, relative to the case's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub previous: Option<PathBuf>,
+    /// A measured hardness from which the law of creep says that of this temperature and of the time under the runner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<HardnessTable>,
+}
+
+/// A hardness measured at one temperature within one contact time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HardnessTable {
+    /// The hardness [Pa].
+    #[schemars(range(min = 1e5, max = 1e9))]
+    pub pressure_pa: f64,
+    /// Temperature of the ice [C].
+    #[schemars(range(min = -50.0, max = 0.0))]
+    pub ice_c: f64,
+    /// Time within which the indentation was made [s].
+    #[schemars(range(min = 1e-6, max = 1e6))]
+    pub contact_time_s: f64,
 }
 
 impl SlidingTable {
-    /// The pressure at which ice of this temperature yields or melts, whichever is less [Pa].
-    pub fn hardness(&self) -> f64 {
-        ice_hardness(self.ice_c).min(ice_melting_pressure(self.ice_c))
+    /// Speed [m/s] and temperature [C], all else as where the table does not say.
+    pub fn new(v_mps: f64, ice_c: f64) -> Self {
+        SlidingTable {
+            v_mps,
+            ice_c,
+            viscosity_factor: None,
+            previous: None,
+            hardness: None,
+        }
+    }
+
+    /// The pressure at which the ice yields [Pa]: `stated` where there is one, the anchor of the law of creep, which does not say more
+    /// without a contact time, or what its temperature says; at most that at which it melts.
+    pub fn hardness(&self, stated: Option<f64>) -> f64 {
+        let anchor = self.hardness.map(|anchor| anchor.pressure_pa);
+        let own = stated
+            .or(anchor)
+            .unwrap_or_else(|| ice_hardness(self.ice_c));
+        own.min(ice_melting_pressure(self.ice_c))
     }
 }

@@ -8,7 +8,7 @@ use serde_json::Value;
 const PAGE: &str = include_str!("../../../docs/case.md");
 
 /// Tables of a case, each as a text in which the key `nowhere` is the first thing wrong.
-const TABLES: [(&str, &str); 14] = [
+const TABLES: [(&str, &str); 15] = [
     ("", "nowhere = 1"),
     ("runner", "[runner]\nnowhere = 1"),
     (
@@ -30,6 +30,7 @@ const TABLES: [(&str, &str); 14] = [
     ("track", "[track]\nnowhere = 1"),
     ("load", "[load]\nnowhere = 1"),
     ("sliding", "[sliding]\nnowhere = 1"),
+    ("sliding.hardness", "[sliding]\nhardness = { nowhere = 1 }"),
     ("accuracy", "[accuracy]\nnowhere = 1"),
     ("solver", "[solver]\nnowhere = 1"),
 ];
@@ -86,6 +87,7 @@ fn units_on_the_page_are_those_of_the_keys_suffixes() {
             ("_c", "C"),
             ("_n", "N"),
             ("_m", "m"),
+            ("_s", "s"),
         ]
         .into_iter()
         .find(|(suffix, _)| key.ends_with(suffix))

@@ -2,7 +2,7 @@
 
 use kufe_jobs::Failure;
 
-use crate::friction::{fit, point, sliding};
+use crate::friction::{fit, optimum, point, sliding};
 use crate::output::global::Global;
 
 const EXAMPLES: &str = "\
@@ -10,6 +10,8 @@ Examples:
   kufe friction case.toml --speed 30 --alpha 0.01     solve the contact; mu, F_x and the power lost
   kufe friction case.toml --speed 30 --model model.toml   with the model's law and effects
   kufe friction case.toml --speed 5,20,35 --ice -10,-5,-1   groove and melt film over speed and temperature
+  kufe friction a.toml b.toml --speed 30 --ice -8      two runners side by side
+  kufe friction case.toml --speed 30 --ice -8 --optimise rocker_radius_m=15:60   the rocker with the least friction
   kufe friction fit experiments.csv -o out/           fit mu over pressure, written in model.toml's form";
 
 /// Arguments of `kufe friction`.
@@ -36,7 +38,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.task {
         Some(Task::Fit(args)) => fit::run(args, global),
         None => match args.point.sliding() {
-            Some(asked) => sliding::run(&asked, global),
+            Some(asked) if asked.optimise.is_empty() => sliding::run(&asked, global),
+            Some(asked) => optimum::run(&asked, global),
             None => point::run(&args.point, global),
         },
     }

@@ -79,14 +79,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Weighting::Both
     };
     let fit = fit_mu(&experiments, weighting, args.confidence)
-        .map_err(|error| prefixed(&name, failure(&error)))?;
+        .map_err(|error| failure(&error).within(&name))?;
     let acts_on = match args.zeta_acts_on {
         ZetaOn::Mu => ZetaActsOn::Mu,
         ZetaOn::Pressure => ZetaActsOn::Pressure,
     };
     let law = fit.law(args.mu_cap, args.zeta, acts_on);
-    law.check()
-        .map_err(|error| prefixed(&name, failure(&error)))?;
+    law.check().map_err(|error| failure(&error).within(&name))?;
     let document = document(&fit, &law, &experiments, args.confidence);
     let staging = Staging::beside(
         std::slice::from_ref(&args.experiments),
@@ -108,14 +107,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&summary(&fit, args));
     }
     Ok(())
-}
-
-fn prefixed(name: &str, failure: Failure) -> Failure {
-    match failure {
-        Failure::BadInput(text) => Failure::BadInput(format!("{name}: {text}")),
-        Failure::NotConverged(text) => Failure::NotConverged(format!("{name}: {text}")),
-        other => other,
-    }
 }
 
 /// `[friction.longitudinal]` as a model file has it.

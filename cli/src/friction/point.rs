@@ -12,16 +12,16 @@ use kufe_sled::Model;
 use kufe_sled::effects::{Effects, Kind};
 use serde_json::json;
 
-use crate::friction::sliding::Asked;
+use crate::friction::asked::Asked;
 use crate::output::global::Global;
 use crate::output::say::say;
 
 /// Arguments of `kufe friction CASE`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// The case
-    #[arg(required = true)]
-    pub case: Option<PathBuf>,
+    /// The case; with --ice several, side by side
+    #[arg(required = true, value_name = "CASE")]
+    pub cases: Vec<PathBuf>,
     /// Speed along the track [m/s]; with --ice a list
     #[arg(
         long,
@@ -41,6 +41,15 @@ pub struct Args {
         conflicts_with_all = ["alpha", "model", "ice_c", "air_c", "air_pa", "humidity_pct"]
     )]
     pub ice: Vec<f64>,
+    /// With --ice, one speed and one case: the runner with the least friction, by one or two numbers of its shape within bounds, as
+    /// rocker_radius_m=15:60,section_radius_m=0.004:0.008
+    #[arg(
+        long,
+        value_name = "KEY=LOW:HIGH",
+        value_delimiter = ',',
+        requires = "ice"
+    )]
+    pub optimise: Vec<String>,
     /// With --ice: folder for friction.csv, friction.json and friction.png
     #[arg(long, short, value_name = "FOLDER", requires = "ice")]
     pub out: Option<PathBuf>,
@@ -72,11 +81,11 @@ pub struct Args {
 impl Args {
     /// The table over speed and temperature, where one is asked for.
     pub fn sliding(&self) -> Option<Asked<'_>> {
-        let case = self.case.as_deref().filter(|_| !self.ice.is_empty())?;
-        Some(Asked {
-            case,
+        (!self.ice.is_empty()).then_some(Asked {
+            cases: &self.cases,
             speeds: &self.speed,
             temperatures: &self.ice,
+            optimise: &self.optimise,
             out: self.out.as_ref(),
         })
     }
@@ -88,8 +97,8 @@ impl Args {
 /// [`Failure::Usage`] for numbers out of range, [`Failure::BadInput`] for the files,
 /// [`Failure::NotConverged`] where the solver stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let (Some(path), &[speed]) = (&args.case, &args.speed[..]) else {
-        let text = "a case and one --speed are needed; a list goes with --ice";
+    let ([path], &[speed]) = (&args.cases[..], &args.speed[..]) else {
+        let text = "one case and one --speed are needed; several go with --ice";
         return Err(Failure::Usage(text.into()));
     };
     check(args, speed)?;

@@ -76,7 +76,8 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
     map_picture::write(&staging.path("pressure.png"), &maps, &title)
         .map_err(|error| staging.failure("pressure.png", &error))?;
     staging.write("field.vtu", |mut file| {
-        volume_vtu::write_ice(&mut file, &solution.volume, shear)
+        let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
+        volume_vtu::write_ice(&mut file, &solution.volume, groove, shear)
     })?;
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;

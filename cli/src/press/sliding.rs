@@ -22,10 +22,10 @@ pub fn write(
     map: &PressureMap,
     slid: &Slid,
 ) -> Result<(), Failure> {
-    let depths = groove_map::depths(map, &pressed.solution.surface, &slid.depth);
+    let depths = groove_map::depths(map, &pressed.solution.surface, &slid.groove.depth);
     let numbers = [
         ("fz_n", pressed.solution.fz),
-        ("hardness_pa", slid.hardness),
+        ("hardness_pa", slid.hardness.value),
     ];
     staging.write("groove.exr", |mut file| {
         write_exr::write_channels(&mut file, map, COMMENTS, &numbers, &[("depth", &depths)])

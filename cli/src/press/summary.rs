@@ -104,7 +104,7 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
 }
 
 /// What sliding adds.
-fn sliding(slid: &Slid) -> [(&'static str, String); 5] {
+fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
     let with = |m: Measure, factor: f64, digits: usize| {
         format!(
             "{:.digits$} +- {:.digits$}",
@@ -125,24 +125,43 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 5] {
             ),
         ),
         (
+            "follows",
+            format!(
+                "{:+.2} % for 1 % of speed, {:+.2} of hardness, {:+.2} of viscosity; {:+.1} % for 1 K",
+                slid.sensitivity.speed.value,
+                slid.sensitivity.hardness.value,
+                slid.sensitivity.viscosity.value,
+                1e2 * slid.sensitivity.temperature.value,
+            ),
+        ),
+        (
+            "hardness",
+            format!(
+                "{:.2} MPa ({}), {:.2} ms under the runner",
+                slid.hardness.value / 1e6,
+                slid.hardness.from.name(),
+                1e3 * slid.hardness.contact_time.value
+            ),
+        ),
+        (
             "groove",
             format!(
                 "{} um deep, {:.4} mm2",
-                with(slid.groove_depth, 1e6, 2),
-                slid.groove.area() * 1e6
+                with(slid.groove.deepest, 1e6, 2),
+                slid.groove.profile.area() * 1e6
             ),
         ),
         (
             "patch",
             format!(
                 "from {} mm ahead of the lowest point to {} mm",
-                with(slid.front, 1e3, 2),
-                with(slid.back, 1e3, 2)
+                with(slid.groove.front, 1e3, 2),
+                with(slid.groove.back, 1e3, 2)
             ),
         ),
         (
             "load ahead",
-            format!("{} mm", with(slid.load_ahead, 1e3, 2)),
+            format!("{} mm", with(slid.groove.load_ahead, 1e3, 2)),
         ),
         (
             "film",

@@ -58,6 +58,7 @@ impl<'a> Reading<'a> {
         let lowest = self.lowest();
         let [back, front] = self.rims.ends(&field.chords_along(&pressure));
         let contact = &self.on.mesh.contact;
+        let (plastic_work, by_slope) = (self.plastic_work(), self.by_slope());
         Measures {
             p_max: if self.rims.yields() {
                 field.hardness
@@ -67,12 +68,12 @@ impl<'a> Reading<'a> {
             depth: self.profile().deepest(),
             ploughing: match self.on.problem.runner.elastic {
                 // Nothing yields: what is left of pressures on slopes is the mesh's error.
-                _ if self.plastic_work() == 0.0 => 0.0,
-                None => 0.5 * (self.plastic_work() + self.by_slope()),
-                Some(_) => self.plastic_work(),
+                _ if plastic_work == 0.0 => 0.0,
+                None => 0.5 * (plastic_work + by_slope),
+                Some(_) => plastic_work,
             },
-            plastic_work: self.plastic_work(),
-            by_slope: self.by_slope(),
+            plastic_work,
+            by_slope,
             front: front - lowest,
             back: back - lowest,
             load_ahead: self.centre_along() - lowest,

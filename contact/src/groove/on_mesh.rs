@@ -9,11 +9,11 @@ use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::groove::elastic_response::respond;
 use crate::groove::load_balance::LoadBalance;
-use crate::groove::memory::{Memory, MemoryState};
+use crate::groove::memory::{Kind, Memory, MemoryState};
 use crate::groove::profile::GrooveProfile;
 use crate::groove::rims::Rims;
 use crate::groove::slid::{Slid, Start};
-use crate::{Error, Options, Problem};
+use crate::{Error, Load, Options, Problem};
 
 /// One mesh of a sliding contact.
 pub(crate) struct OnMesh<'a> {
@@ -106,14 +106,10 @@ impl OnMesh<'_> {
             }
             Start::From(known) => (known.on(self.mesh), known.motion),
         };
-        let grooved =
-            self.load_balance(&memory)
-                .from(motion, kinds)
-                .ok_or(Error::NotConverged {
-                    iterations: 0,
-                    residual: 1.0,
-                    tolerance: SETTLED,
-                })?;
+        let grooved = self
+            .load_balance(&memory)
+            .from(motion, kinds)
+            .ok_or_else(|| self.no_balance(&memory, gap))?;
         Ok(Slid {
             state: contact.state_of(&grooved.force, grooved.motion),
             depth: self.whole(&grooved),
@@ -122,6 +118,27 @@ impl OnMesh<'_> {
             corrections: 0,
             residual: 1.0,
         })
+    }
+
+    /// Why no motion carries the load: more than the runner bears however deep it sinks, or the search failed.
+    fn no_balance(&self, memory: &Memory<'_>, gap: &[f64]) -> Error {
+        let highest = gap.iter().filter(|gap| gap.is_finite());
+        let sunk = 2.0 * highest.fold(0.0, |most: f64, gap| most.max(*gap));
+        let bears = memory
+            .at([sunk, 0.0, 0.0], &vec![Kind::Full; gap.len()])
+            .map(|state| memory.resultant(&state.force)[0]);
+        let asked = self.mesh.contact.motion.balance[0];
+        match (self.problem.load, bears) {
+            (Load::Force { fz, .. }, Some(bears)) if bears < asked => Error::BeyondHardness {
+                fz,
+                capacity: bears / asked * fz,
+            },
+            _ => Error::NotConverged {
+                iterations: 0,
+                residual: 1.0,
+                tolerance: SETTLED,
+            },
+        }
     }
 
     /// New forces under the response that the bodies have given to the last ones.

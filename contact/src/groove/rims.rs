@@ -78,23 +78,26 @@ impl<'a> Rims<'a> {
 
     /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is full, and the open one beyond it.
     fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
-        let [nx, ny] = self.shape();
-        let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
-        let j = if upper {
-            (0..ny).rfind(touching)
-        } else {
-            (0..ny).find(touching)
-        }?;
-        let k = if upper {
-            (j + 1 < ny).then_some(j + 1)
-        } else {
-            j.checked_sub(1)
-        }?;
+        let [nx, _] = self.shape();
+        let [j, k] = self.outermost(i, upper)?;
         let outside = self.gaps[k * nx + i] - self.grown(i, k);
         let y = &self.mesh.grid.y;
         let inside = self.grown(i, j);
         (self.full[j * nx + i] && outside > 0.0 && outside.is_finite())
             .then(|| ([j, k], y[j] + inside / (inside + outside) * (y[k] - y[j])))
+    }
+
+    /// The outermost node in contact at a side of column `i` and the one beyond it.
+    fn outermost(&self, i: usize, upper: bool) -> Option<[usize; 2]> {
+        let [nx, ny] = self.shape();
+        let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
+        if upper {
+            let j = (0..ny).rfind(touching)?;
+            (j + 1 < ny).then_some([j, j + 1])
+        } else {
+            let j = (0..ny).find(touching)?;
+            Some([j, j.checked_sub(1)?])
+        }
     }
 
     /// Depth at a node beyond that in which the ice came [m].
@@ -123,20 +126,10 @@ impl<'a> Rims<'a> {
     /// The contact's side at column `i`: where the groove begins if the outermost node yields, where it began before if that lies in
     /// it, and else that of the pressure. `known` holds the last and what it was ahead.
     fn side(&self, i: usize, known: [f64; 2], upper: bool) -> f64 {
-        let [nx, ny] = self.shape();
-        let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
-        let outermost = if upper {
-            (0..ny).rfind(touching)
-        } else {
-            (0..ny).find(touching)
+        let [nx, _] = self.shape();
+        let Some([j, k]) = self.outermost(i, upper) else {
+            return known[0];
         };
-        let Some(j) = outermost else { return known[0] };
-        let beyond = if upper {
-            (j + 1 < ny).then_some(j + 1)
-        } else {
-            j.checked_sub(1)
-        };
-        let Some(k) = beyond else { return known[0] };
         let y = &self.mesh.grid.y;
         let inside = self.grown(i, j);
         if let Some((_, side)) = self.yielding_side(i, upper) {

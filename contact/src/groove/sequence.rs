@@ -18,7 +18,7 @@ use crate::groove::on_mesh::OnMesh;
 use crate::groove::profile::GrooveProfile;
 use crate::groove::rims::Rims;
 use crate::groove::slid::{Known, Slid, Start};
-use crate::groove::solution::{Measure, SlidingMesh, SlidingSolution};
+use crate::groove::solution::{Groove, Measure, SlidingMesh, SlidingSolution};
 use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
 use crate::result::pressure::Field;
@@ -64,7 +64,15 @@ impl<'a> SlidingMeshes<'a> {
             if options.stopped() {
                 return Err(Error::Stopped);
             }
-            let mesh = plan(problem, &gap, material, &patch, SCOUTING, Reach::WholeHull).mesh()?;
+            let plan = MeshPlan {
+                problem,
+                gap: &gap,
+                material,
+                patch: &patch,
+                resolution: SCOUTING,
+                reach: Reach::WholeHull,
+            };
+            let mesh = plan.mesh()?;
             let on = OnMesh {
                 problem,
                 material,
@@ -95,11 +103,7 @@ impl<'a> SlidingMeshes<'a> {
                 });
             }
         }
-        Err(Error::NotConverged {
-            iterations: SCOUTS,
-            residual: f64::INFINITY,
-            tolerance: 0.15,
-        })
+        Err(Error::NoPatch { rounds: SCOUTS })
     }
 
     /// Solves mesh after mesh until two agree, and puts together what they say.
@@ -144,19 +148,18 @@ impl<'a> SlidingMeshes<'a> {
     }
 
     fn mesh(&self, cells: f64) -> Result<Discretisation, Error> {
-        let resolution = Resolution {
-            cells,
-            growth: 3.0 / cells,
+        let plan = MeshPlan {
+            problem: self.problem,
+            gap: &self.gap,
+            material: self.material,
+            patch: &self.patch,
+            resolution: Resolution {
+                cells,
+                growth: 3.0 / cells,
+            },
+            reach: Reach::Patch,
         };
-        plan(
-            self.problem,
-            &self.gap,
-            self.material,
-            &self.patch,
-            resolution,
-            Reach::Patch,
-        )
-        .mesh()
+        plan.mesh()
     }
 
     /// Fits the next mesh to the rims that this one found.
@@ -190,16 +193,10 @@ impl<'a> SlidingMeshes<'a> {
 
 impl SlidingMeshes<'_> {
     fn put_together(self, mut mesh: Discretisation, slid: Slid, errors: Errors) -> SlidingSolution {
-        let on = OnMesh {
-            problem: self.problem,
-            material: self.material,
-            mesh: &mesh,
-            before: self.before,
-            options: self.options,
-        };
+        let on = self.on(&mesh);
         let field = Field::new(&mesh, self.problem, &self.patch);
         let reading = Reading::new(&on, &self.gap, &slid);
-        let (groove, sections) = (
+        let (profile, sections) = (
             reading.profile(),
             reading.sections(&field.pressure_field(&slid.state)),
         );
@@ -244,16 +241,18 @@ impl SlidingMeshes<'_> {
         let of = |value, error| Measure { value, error };
         SlidingSolution {
             contact: answer.solution(limits, Vec::new()),
-            groove_depth: of(m.depth, errors.depth),
-            ploughing: of(m.ploughing, errors.ploughing),
-            front: of(m.front, errors.front),
-            back: of(m.back, errors.back),
-            load_ahead: of(m.load_ahead, errors.load_ahead),
-            lowest: m.lowest,
-            groove,
-            depth,
-            sections,
-            meshes: self.meshes,
+            groove: Groove {
+                deepest: of(m.depth, errors.depth),
+                ploughing: of(m.ploughing, errors.ploughing),
+                front: of(m.front, errors.front),
+                back: of(m.back, errors.back),
+                load_ahead: of(m.load_ahead, errors.load_ahead),
+                lowest: m.lowest,
+                profile,
+                depth,
+                sections,
+                meshes: self.meshes,
+            },
         }
     }
 }
@@ -261,24 +260,6 @@ impl SlidingMeshes<'_> {
 /// Cells over half the patch of the first mesh.
 fn first_cells(tolerance: f64) -> f64 {
     (0.8 / tolerance.sqrt()).ceil().clamp(4.0, 16.0)
-}
-
-fn plan<'a>(
-    problem: &'a Problem,
-    gap: &'a Gap<'a>,
-    material: Material,
-    patch: &'a Patch,
-    resolution: Resolution,
-    reach: Reach,
-) -> MeshPlan<'a> {
-    MeshPlan {
-        problem,
-        gap,
-        material,
-        patch,
-        resolution,
-        reach,
-    }
 }
 
 /// Whether a grid made for one patch resolves the other.

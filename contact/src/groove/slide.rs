@@ -1,5 +1,6 @@
 //! From a problem to steady sliding.
 
+use crate::accuracy::scout::capacity;
 use crate::groove::profile::GrooveProfile;
 use crate::groove::sequence::SlidingMeshes;
 use crate::groove::solution::SlidingSolution;
@@ -22,7 +23,8 @@ use crate::{Error, Method, Options, Problem};
 ///
 /// # Errors
 /// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method, a graphics processor; those of
-/// [`solve`](crate::solve()) for problems without an answer and answers that are none; [`Error::NotConverged`], and
+/// [`solve`](crate::solve()) for problems without an answer and answers that are none: [`Error::BeyondHardness`] too where the hull
+/// bears the load at rest but not sliding; [`Error::NotConverged`], [`Error::NoPatch`], and
 /// [`Error::SlidingAccuracyNotReached`] where the largest mesh allowed does not do.
 ///
 /// ```
@@ -36,8 +38,8 @@ use crate::{Error, Method, Options, Problem};
 /// let problem = Problem::new(runner, ice, Load::central(950.0, Tilt::LEVEL));
 /// let solution = slide(&problem, None, &Options { cells: Some(8), ..Options::default() })?;
 /// // A groove of 36 um; ploughing it is some 5e-4 of the load.
-/// assert!((solution.groove_depth.value / 35.6e-6 - 1.0).abs() < 0.03);
-/// assert!((solution.ploughing.value / 950.0 / 4.77e-4 - 1.0).abs() < 0.05);
+/// assert!((solution.groove.deepest.value / 35.6e-6 - 1.0).abs() < 0.03);
+/// assert!((solution.groove.ploughing.value / 950.0 / 4.77e-4 - 1.0).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn slide(
@@ -48,6 +50,7 @@ pub fn slide(
     rayon::scope(|_| {
         let material = check(problem, options)?;
         refuse(problem, options)?;
+        capacity(problem)?;
         let mirrored = before.is_none_or(GrooveProfile::mirror_symmetric);
         let gap = Gap::new(problem)?.mirrored_at_most([false, mirrored]);
         let solution = SlidingMeshes::scout(problem, gap, material, before, options)?.solve()?;

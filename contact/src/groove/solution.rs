@@ -27,8 +27,15 @@ pub struct Section {
 pub struct SlidingSolution {
     /// The contact: pressures, and gaps over the groove.
     pub contact: Solution,
+    /// What it leaves in the ice, and where it stands in it.
+    pub groove: Groove,
+}
+
+/// The groove of a runner that slides: what is left in the ice, the force that it takes, and the patch in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Groove {
     /// Largest plastic depth that the runner leaves, with what was there before [m].
-    pub groove_depth: Measure,
+    pub deepest: Measure,
     /// Force against the motion that deepens the groove, F = H A with the area A of the section added, or the sum of pressure times
     /// the runner's slope: the mean of both for a rigid runner, the first for one that bends [N].
     pub ploughing: Measure,
@@ -40,8 +47,8 @@ pub struct SlidingSolution {
     pub load_ahead: Measure,
     /// The lowest point of the runner as it is turned, along x [m].
     pub lowest: f64,
-    /// Section of the groove that is left.
-    pub groove: GrooveProfile,
+    /// Section that is left.
+    pub profile: GrooveProfile,
     /// Plastic depth at the nodes of the contact's surface [m].
     pub depth: Vec<f64>,
     /// The patch from its front to its back.

@@ -67,8 +67,8 @@ impl FilmConditions {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
     /// Discretisation error asked of every total, 1e-10 to 0.1: relative to its value, that of heat and water, which may be small
-    /// differences, to the power that is dissipated and the water that it would melt. Below 1e-6 it is not reached on every patch
-    /// whose pressure falls in steps: [`Error::NotConverged`].
+    /// differences, to the power that is dissipated and the water that it would melt. Down to 1e-8 it is reached on any patch
+    /// that was tried (thousands, of pressures in steps among them); where it is not, [`Error::NotConverged`] says how far it came.
     pub accuracy: f64,
 }
 

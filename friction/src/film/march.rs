@@ -56,11 +56,7 @@ pub fn film(
     options.check()?;
     let on = |strip: &Strip| {
         let outflow = strip.pressure().to_vec();
-        along(
-            &Track::new(strip, conditions, properties, outflow),
-            properties,
-            options,
-        )
+        along(&Track::new(strip, conditions, properties, outflow), options)
     };
     let mut film = on(strip)?;
     if let Some(coarser) = strip.every_second() {
@@ -70,11 +66,7 @@ pub fn film(
 }
 
 /// The film along `track`.
-pub(crate) fn along(
-    track: &Track<'_>,
-    properties: &Properties,
-    options: &FilmOptions,
-) -> Result<Film, Error> {
+pub(crate) fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {
@@ -82,11 +74,8 @@ pub(crate) fn along(
         let coarse = sweep(track, &steps, 1)?;
         let fine = sweep(track, &steps, 2)?;
         let errors = fine.totals.difference(&coarse.totals);
-        reached = errors.largest_share(
-            &fine.totals,
-            properties.latent_heat,
-            properties.heat_of_water(),
-        );
+        let [of_ice, of_water] = track.heats();
+        reached = errors.largest_share(&fine.totals, of_ice, of_water);
         if reached <= options.accuracy {
             let ends = fine.ends.iter().zip(&coarse.ends).enumerate();
             return Ok(Film {
@@ -149,12 +138,17 @@ impl Step {
     }
 }
 
-/// Steps whose halving changes neither the thickness nor the drag by more than `tolerance`, each step by itself.
+/// Steps whose halving changes neither the thickness nor any total so far by more than `tolerance`, each step by itself.
+///
+/// Every total counts: heat into the ice has a root's singularity behind each station where the pressure's slope changes, and melting
+/// and freezing a kink where one goes over into the other, which thickness and drag do not feel.
 fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
     let last = track.segment(track.segments() - 1)[1];
     let shortest = 1e-13 * last;
     let mut steps = Vec::new();
-    let (mut h, mut drag, mut wished) = (0.0, 0.0, last);
+    let (mut h, mut wished) = (0.0, last);
+    let mut totals = FilmTotals::default();
+    let heats = track.heats();
     for segment in 0..track.segments() {
         let [mut from, to] = track.segment(segment);
         while from < to {
@@ -173,15 +167,23 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
             let (whole_step, halved) = (step.take(track, h), step.take_in(track, h, 2));
             let mut error = f64::INFINITY;
             if let (Some(one), Some(two)) = (&whole_step, &halved) {
-                let of_drag = (one.1.viscous_drag - two.1.viscous_drag).abs();
-                error = ((one.0 - two.0).abs() / two.0).max(of_drag / (drag + two.1.viscous_drag));
+                let so_far = totals.combined(&two.1, |a, b| a + b);
+                let changed = one.1.difference(&two.1);
+                let of_totals = changed.largest_share(&so_far, heats[0], heats[1]);
+                let of_thickness = (one.0 - two.0).abs() / two.0;
+                // What is no number is no small error.
+                error = if of_totals >= of_thickness {
+                    of_totals
+                } else {
+                    of_thickness
+                };
             }
             let grown = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
             wished = length * grown.clamp(0.2, 5.0);
             match halved {
                 Some((next, added)) if error <= tolerance || length <= shortest => {
                     h = next;
-                    drag += added.viscous_drag;
+                    totals = totals.combined(&added, |a, b| a + b);
                     from = if whole { to } else { from + length };
                     steps.push(step);
                 }

@@ -61,7 +61,7 @@ pub fn reynolds_film(
     let mut change = f64::INFINITY;
     for passes in 1..=MOST_PASSES {
         let track = Track::new(&strip, conditions, properties, outflow.clone());
-        let film = along(&track, properties, options)?;
+        let film = along(&track, options)?;
         let h: Vec<f64> = film.stations[..rows].iter().map(|s| s.thickness).collect();
         let losses = Losses::of(map, &h, &strip.pressure()[1..=rows])?;
         if let Some(before) = &before {

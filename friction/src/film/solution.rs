@@ -79,16 +79,18 @@ impl FilmTotals {
     /// the power that is dissipated and to the water that it would melt, `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
     pub(crate) fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
         let power = value.dissipated;
+        // Ahead of the first pressure no load is carried, without an error.
+        let over = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };
         [
-            self.load / value.load,
-            self.area / value.area,
-            self.viscous_drag / value.viscous_drag,
-            self.mean_thickness / value.mean_thickness,
-            self.into_ice / power,
-            self.into_steel / power,
-            self.melted * heat_of_ice / power,
-            self.refrozen * heat_of_ice / power,
-            self.squeezed_out * heat_of_water / power,
+            over(self.load, value.load),
+            over(self.area, value.area),
+            over(self.viscous_drag, value.viscous_drag),
+            over(self.mean_thickness, value.mean_thickness),
+            over(self.into_ice, power),
+            over(self.into_steel, power),
+            over(self.melted * heat_of_ice, power),
+            over(self.refrozen * heat_of_ice, power),
+            over(self.squeezed_out * heat_of_water, power),
         ]
         .into_iter()
         .fold(0.0, |largest, share| {

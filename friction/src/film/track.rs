@@ -52,6 +52,11 @@ impl<'a> Track<'a> {
         }
     }
 
+    /// Heat that melts a kilogram of ice [J/kg], and that makes a cubic metre of water [J/m3].
+    pub(crate) fn heats(&self) -> [f64; 2] {
+        [self.properties.latent_heat, self.properties.heat_of_water()]
+    }
+
     /// Segments between stations.
     pub(crate) fn segments(&self) -> usize {
         self.strip.xi().len() - 1

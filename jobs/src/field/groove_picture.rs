@@ -17,9 +17,20 @@ const HEIGHT: u32 = 1240;
 pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
     png(path, WIDTH, HEIGHT, &|root| {
         let parts = root.split_evenly((3, 1));
-        let across = slid.groove.y().iter().zip(slid.groove.depth());
+        let across = slid
+            .groove
+            .profile
+            .y()
+            .iter()
+            .zip(slid.groove.profile.depth());
         let across: Vec<(f64, f64)> = across.map(|(y, d)| (1e3 * y, -1e6 * d)).collect();
-        let widest = 0.75e3 * slid.sections.iter().map(|s| s.width).fold(0.0, f64::max);
+        let widest = 0.75e3
+            * slid
+                .groove
+                .sections
+                .iter()
+                .map(|s| s.width)
+                .fold(0.0, f64::max);
         let within = across
             .into_iter()
             .filter(|(y, _)| y.abs() <= widest)
@@ -59,14 +70,14 @@ fn deepest_line(pressed: &Pressed, slid: &Slid) -> Vec<(f64, f64)> {
     let field = &pressed.solution.surface;
     let nx = field.x.len();
     let deepest = (0..field.y.len())
-        .max_by(|&i, &j| slid.depth[i * nx].total_cmp(&slid.depth[j * nx]))
+        .max_by(|&i, &j| slid.groove.depth[i * nx].total_cmp(&slid.groove.depth[j * nx]))
         .unwrap_or(0);
-    let length = slid.front.value - slid.back.value;
-    let from = slid.lowest + slid.back.value - 0.2 * length;
-    let to = slid.lowest + slid.front.value + 0.2 * length;
+    let length = slid.groove.front.value - slid.groove.back.value;
+    let from = slid.groove.lowest + slid.groove.back.value - 0.2 * length;
+    let to = slid.groove.lowest + slid.groove.front.value + 0.2 * length;
     (0..nx)
         .filter(|&i| (from..=to).contains(&field.x[i]))
-        .map(|i| (1e3 * field.x[i], -1e6 * slid.depth[deepest * nx + i]))
+        .map(|i| (1e3 * field.x[i], -1e6 * slid.groove.depth[deepest * nx + i]))
         .collect()
 }
 

@@ -7,11 +7,17 @@ use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
 use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
-/// The ice. Where the solver used mirror planes the file holds the part that it solved.
+/// The ice, with the plastic depth of its surface where there is one (0 below it). Where the solver used mirror planes the file holds
+/// the part that it solved.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
-pub fn write_ice(writer: &mut dyn Write, volume: &VolumeField, shear: bool) -> Result<(), Failure> {
+pub fn write_ice(
+    writer: &mut dyn Write,
+    volume: &VolumeField,
+    plastic_depth: Option<&[f64]>,
+    shear: bool,
+) -> Result<(), Failure> {
     let mesh = volume.grid.hex_mesh();
     let mut sections = sections(
         [volume.youngs_modulus, volume.poissons_ratio],
@@ -28,7 +34,18 @@ pub fn write_ice(writer: &mut dyn Write, volume: &VolumeField, shear: bool) -> R
         )?;
         sections[..cells].copy_from_slice(&own);
     }
-    write(writer, mesh, &volume.displacement, sections, shear)
+    let depth = plastic_depth.map(|depth| at_nodes(volume, depth));
+    let own = depth.iter().map(|depth| ("plastic_depth_m", &depth[..]));
+    let own: Vec<(&str, &[f64])> = own.collect();
+    write(writer, mesh, &volume.displacement, sections, &own, shear)
+}
+
+/// A field on the whole surface at all nodes of the part that was solved, of which the last rows of the surface are.
+fn at_nodes(volume: &VolumeField, surface: &[f64]) -> Vec<f64> {
+    let [nx, ny, nz] = volume.grid.shape();
+    let mut values = vec![0.0; nx * ny * (nz - 1)];
+    values.extend_from_slice(&surface[surface.len() - nx * ny..]);
+    values
 }
 
 /// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved.
@@ -51,6 +68,7 @@ pub fn write_runner(
         field.mesh.clone(),
         &field.displacement,
         sections,
+        &[],
         shear,
     )
 }
@@ -64,7 +82,7 @@ fn sections(
     Ok(vec![Section { material, kind }; cells])
 }
 
-/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa] at the nodes.
+/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa] at the nodes, and fields of a body's own.
 ///
 /// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
 fn write(
@@ -72,6 +90,7 @@ fn write(
     mesh: HexMesh,
     displacement: &[[f64; 3]],
     sections: Vec<Section>,
+    own: &[(&str, &[f64])],
     shear: bool,
 ) -> Result<(), Failure> {
     let body = Body::new(mesh, sections).map_err(Failure::bad_input)?;
@@ -99,5 +118,6 @@ fn write(
     if shear {
         fields.push(field("max_shear_pa", 1, &largest));
     }
+    fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));
     write_vtu(body.mesh(), &fields, &[], writer).map_err(Failure::bad_input)
 }

@@ -1,7 +1,11 @@
 //! The melt film on a sliding contact's patch.
 
+use kufe_case::SlidingTable;
 use kufe_contact::{Section, SlidingSolution};
 use kufe_friction::film::{Film, FilmConditions, FilmOptions, Properties, Strip, film};
+
+use crate::case_file::LoadedCase;
+use crate::failure::Failure;
 
 /// The film along the patch, with the places of its stations.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +36,7 @@ pub fn film_along(
     solution: &SlidingSolution,
     conditions: &FilmConditions,
 ) -> Result<FilmAlong, kufe_friction::Error> {
-    let sections = &solution.sections;
+    let sections = &solution.groove.sections;
     let front = sections.first().map_or(0.0, |s| s.x);
     let share = solution.contact.fz / load(sections);
     let strip = Strip::new(
@@ -58,4 +62,21 @@ fn load(sections: &[Section]) -> f64 {
         (a.x - b.x) / 6.0 * (a.width * a.pressure + 4.0 * middle + b.width * b.pressure)
     };
     sections.windows(2).map(between).sum()
+}
+
+/// Speed, temperature and viscosity of a case.
+pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
+    FilmConditions {
+        viscosity_factor: sliding.viscosity_factor.unwrap_or(1.0),
+        ..FilmConditions::new(sliding.v_mps, sliding.ice_c)
+    }
+}
+
+/// The film's error as the job's.
+pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_friction::Error) -> Failure {
+    let text = format!("{}: the melt film: {error}", loaded.name);
+    match error {
+        kufe_friction::Error::NotConverged { .. } => Failure::NotConverged(text),
+        _ => Failure::BadInput(text),
+    }
 }

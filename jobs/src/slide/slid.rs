@@ -1,59 +1,14 @@
 //! A case's steady sliding.
 
 use kufe_case::SlidingTable;
-use kufe_contact::{
-    Error, GrooveProfile, Measure, Options, Problem, Section, SlidingMesh, SlidingSolution,
-    Solution, slide,
-};
-use kufe_friction::film::FilmConditions;
+use kufe_contact::{Groove, Options, Problem, Solution};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
-use crate::slide::film::{FilmAlong, film_along};
-use crate::slide::groove_file::groove_left;
-
-/// The coefficient of friction and its parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction {
-    /// Both together.
-    pub mu: Measure,
-    /// Force that ploughs the groove over the load.
-    pub ploughing: Measure,
-    /// Drag of the melt film over the load.
-    pub viscous: Measure,
-}
-
-impl Friction {
-    /// Of a solution and the film on it.
-    ///
-    /// The film's error has that of the patch in it, whose share is taken as the groove's.
-    pub fn of(solution: &SlidingSolution, along: &FilmAlong) -> Self {
-        let fz = solution.contact.fz;
-        let depth = solution.groove_depth;
-        let patch = if depth.value > 0.0 {
-            depth.error / depth.value
-        } else {
-            solution.contact.p_max_error / solution.contact.p_max
-        };
-        let totals = &along.film.totals;
-        let viscous = Measure {
-            value: totals.friction,
-            error: along.friction_error() + patch * totals.friction,
-        };
-        let ploughing = Measure {
-            value: solution.ploughing.value / fz,
-            error: solution.ploughing.error / fz,
-        };
-        Friction {
-            mu: Measure {
-                value: ploughing.value + viscous.value,
-                error: ploughing.error + viscous.error,
-            },
-            ploughing,
-            viscous,
-        }
-    }
-}
+use crate::slide::film::{FilmAlong, conditions, film_along, film_failure};
+use crate::slide::friction::Friction;
+use crate::slide::groove::{Grooved, Hardness, Ploughing};
+use crate::slide::sensitivity::Sensitivity;
 
 /// What sliding adds to a contact.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,26 +17,12 @@ pub struct Slid {
     pub friction: Friction,
     /// The film.
     pub film: FilmAlong,
-    /// Hardness that the ice yielded at [Pa].
-    pub hardness: f64,
-    /// See [`SlidingSolution`]; the names are the same.
-    pub groove_depth: Measure,
-    /// Ends of the patch and centre of pressure ahead of the lowest point [m].
-    pub front: Measure,
-    /// As `front`.
-    pub back: Measure,
-    /// As `front`.
-    pub load_ahead: Measure,
-    /// The runner's lowest point along x [m].
-    pub lowest: f64,
-    /// Section of the groove that is left.
-    pub groove: GrooveProfile,
-    /// Plastic depth at the nodes of the contact's surface [m].
-    pub depth: Vec<f64>,
-    /// The patch from its front to its back.
-    pub sections: Vec<Section>,
-    /// What happened, mesh by mesh.
-    pub meshes: Vec<SlidingMesh>,
+    /// Change of the coefficient with what it depends on.
+    pub sensitivity: Sensitivity,
+    /// Pressure at which the ice yielded.
+    pub hardness: Hardness,
+    /// The groove.
+    pub groove: Groove,
 }
 
 /// Depth of a groove over its width beyond which its sides are steep.
@@ -90,8 +31,13 @@ const STEEP: f64 = 0.2;
 impl Slid {
     /// A warning where the groove is too deep for what the model takes a contact to be: a height over a plane.
     pub(crate) fn too_deep(&self) -> Option<String> {
-        let widest = self.sections.iter().map(|s| s.width).fold(0.0, f64::max);
-        let depth = self.groove_depth.value;
+        let widest = self
+            .groove
+            .sections
+            .iter()
+            .map(|s| s.width)
+            .fold(0.0, f64::max);
+        let depth = self.groove.deepest.value;
         (depth > STEEP * widest).then(|| {
             format!(
                 "the groove is {:.2} mm deep and {:.2} mm wide: so steep a contact is no height over a plane, read its figures as those of \
@@ -110,81 +56,18 @@ pub(crate) fn solve_sliding(
     problem: &Problem,
     options: &Options,
 ) -> Result<(Solution, Slid), Failure> {
-    let solution = groove(loaded, sliding, problem, options)?;
-    let film = film_along(&solution, &conditions(sliding)).map_err(|e| film_failure(loaded, &e))?;
-    let friction = Friction::of(&solution, &film);
+    let ploughing = Ploughing::new(loaded, sliding, problem)?;
+    let grooved = ploughing.groove(options)?;
+    let told = |error: &_| film_failure(loaded, error);
+    let film = film_along(&grooved.solution, &conditions(sliding)).map_err(|e| told(&e))?;
+    let sensitivity = Sensitivity::of(&ploughing, &grooved, &film, options)?;
+    let Grooved { solution, hardness } = grooved;
     let slid = Slid {
-        friction,
+        friction: Friction::of(&solution, &film),
+        sensitivity,
         film,
-        hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
-        groove_depth: solution.groove_depth,
-        front: solution.front,
-        back: solution.back,
-        load_ahead: solution.load_ahead,
-        lowest: solution.lowest,
+        hardness,
         groove: solution.groove,
-        depth: solution.depth,
-        sections: solution.sections,
-        meshes: solution.meshes,
     };
     Ok((solution.contact, slid))
-}
-
-/// The groove alone.
-pub(crate) fn groove(
-    loaded: &LoadedCase,
-    sliding: &SlidingTable,
-    problem: &Problem,
-    options: &Options,
-) -> Result<SlidingSolution, Failure> {
-    let before = match &sliding.previous {
-        Some(folder) => Some(groove_left(&loaded.base.join(folder)).map_err(|f| named(loaded, f))?),
-        None => None,
-    };
-    let solution = slide(problem, before.as_ref(), options).map_err(|error| match error {
-        Error::NotSliding { .. } => {
-            Failure::BadInput(format!("{}: [sliding]: {error}", loaded.name))
-        }
-        error => loaded.failure(&error),
-    })?;
-    let parts = parts(&solution);
-    if parts > 1 {
-        return Err(Failure::BadInput(format!(
-            "{}: [sliding]: the contact lies in {parts} parts, one behind the other: expected one, for the film begins at its front",
-            loaded.name
-        )));
-    }
-    Ok(solution)
-}
-
-pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
-    FilmConditions {
-        viscosity_factor: sliding.viscosity_factor.unwrap_or(1.0),
-        ..FilmConditions::new(sliding.v_mps, sliding.ice_c)
-    }
-}
-
-pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_friction::Error) -> Failure {
-    let text = format!("{}: the melt film: {error}", loaded.name);
-    match error {
-        kufe_friction::Error::NotConverged { .. } => Failure::NotConverged(text),
-        _ => Failure::BadInput(text),
-    }
-}
-
-fn named(loaded: &LoadedCase, failure: Failure) -> Failure {
-    match failure {
-        Failure::BadInput(text) => Failure::BadInput(format!("{}: {text}", loaded.name)),
-        other => other,
-    }
-}
-
-/// Stretches along x that touch.
-fn parts(solution: &SlidingSolution) -> usize {
-    let field = &solution.contact.surface;
-    let nx = field.x.len();
-    let touches = |i: usize| field.pressure.iter().skip(i).step_by(nx).any(|p| *p > 0.0);
-    (0..nx)
-        .filter(|&i| touches(i) && (i == 0 || !touches(i - 1)))
-        .count()
 }

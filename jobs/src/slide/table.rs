@@ -1,12 +1,13 @@
-//! Friction over speed and temperature: one groove a temperature, one film a speed.
+//! Friction over speed and temperature: one groove a temperature, or a point where its hardness follows the speed, and one film a point.
 
 use kufe_case::{SlidingTable, StatedProblem};
 use kufe_contact::{Measure, Options};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
-use crate::slide::film::film_along;
-use crate::slide::slid::{Friction, conditions, film_failure, groove};
+use crate::slide::film::{conditions, film_along, film_failure};
+use crate::slide::friction::Friction;
+use crate::slide::groove::{Grooved, Ploughing};
 use crate::watch::Watch;
 
 /// Friction at one speed on ice of one temperature.
@@ -57,25 +58,32 @@ pub fn friction_table(
             )));
         }
         watch.progress(&format!("groove on ice of {ice_c} C"));
-        let StatedProblem { problem, hull } = case.stated_sliding()?;
         let options = Options {
             p_max_tolerance: case.case.accuracy.p_max,
             stiffness: case.case.solver.stiffness.into(),
             ..options.clone()
         };
-        let first = table(case);
-        let solution = groove(case, first, &problem, &options)?;
-        case.fine_enough(hull.as_ref(), &solution.contact)?;
+        let mut grooved: Option<Grooved> = None;
         for (case, v_mps, ice_c) in group {
-            let along = film_along(&solution, &conditions(table(case)));
+            // A hardness over contact time is another at every speed.
+            if grooved.is_none() || table(case).hardness.is_some() {
+                let StatedProblem { problem, hull } = case.stated_sliding()?;
+                let found = Ploughing::new(case, table(case), &problem)?.groove(&options)?;
+                case.fine_enough(hull.as_ref(), &found.solution.contact)?;
+                grooved = Some(found);
+            }
+            let Some(Grooved { solution, hardness }) = &grooved else {
+                continue;
+            };
+            let along = film_along(solution, &conditions(table(case)));
             let along = along.map_err(|error| film_failure(case, &error))?;
             points.push(FrictionPoint {
                 v_mps: *v_mps,
                 ice_c: *ice_c,
-                friction: Friction::of(&solution, &along),
-                groove_depth: solution.groove_depth,
+                friction: Friction::of(solution, &along),
+                groove_depth: solution.groove.deepest,
                 film_mean: along.film.totals.mean_thickness,
-                hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
+                hardness: hardness.value,
             });
         }
     }
@@ -86,13 +94,13 @@ pub fn friction_table(
 fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCase, Failure> {
     let mut loaded = loaded.clone();
     let own = loaded.case.sliding.take();
-    let (viscosity_factor, previous) =
-        own.map_or((None, None), |s| (s.viscosity_factor, s.previous));
-    loaded.case.sliding = Some(SlidingTable {
-        v_mps,
-        ice_c,
-        viscosity_factor,
-        previous,
+    loaded.case.sliding = Some(match own {
+        Some(own) => SlidingTable {
+            v_mps,
+            ice_c,
+            ..own
+        },
+        None => SlidingTable::new(v_mps, ice_c),
     });
     if loaded.case.ice.temperature_c.is_some() {
         loaded.case.ice.temperature_c = Some(ice_c);

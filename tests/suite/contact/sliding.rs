@@ -6,7 +6,7 @@ use kufe_contact::{
     Error, GrooveProfile, Ice, Load, Options, Problem, Runner, SlidingSolution, Tilt, hertz,
     rigid_plastic, slide,
 };
-use kufe_mesh::{Paraboloid, Waviness};
+use kufe_mesh::{BobRunner, Paraboloid, Waviness};
 
 const POISSONS_RATIO: f64 = 0.33;
 
@@ -42,19 +42,28 @@ fn stiff_ice_has_the_rigid_plastic_groove() {
         let s = slide(&problem(radii, fz, hardness, 9e12), None, &on(12)).unwrap();
         let exact = rigid_plastic(radii[0], radii[1], fz, hardness).unwrap();
         assert!(
-            near(s.front.value, exact.length, 0.01),
+            near(s.groove.front.value, exact.length, 0.01),
             "{:?} {exact:?}",
-            s.front
+            s.groove.front
         );
-        assert!(s.back.value.abs() < 0.01 * exact.length, "{:?}", s.back);
         assert!(
-            near(s.groove_depth.value, exact.depth, 0.01),
-            "{:?} {exact:?}",
-            s.groove_depth
+            s.groove.back.value.abs() < 0.01 * exact.length,
+            "{:?}",
+            s.groove.back
         );
-        let mu = s.ploughing.value / fz;
+        assert!(
+            near(s.groove.deepest.value, exact.depth, 0.01),
+            "{:?} {exact:?}",
+            s.groove.deepest
+        );
+        let mu = s.groove.ploughing.value / fz;
         assert!(near(mu, exact.ploughing_friction, 0.01), "{mu} {exact:?}");
-        let widest = s.sections.iter().map(|s| s.width).fold(0.0, f64::max);
+        let widest = s
+            .groove
+            .sections
+            .iter()
+            .map(|s| s.width)
+            .fold(0.0, f64::max);
         assert!(near(widest, exact.width, 0.02), "{widest} {exact:?}");
     }
 }
@@ -74,9 +83,12 @@ fn hard_ice_has_hertzs_contact_and_no_groove() {
         "{} {exact:?}",
         s.contact.p_max
     );
-    assert_eq!((s.groove_depth.value, s.ploughing.value), (0.0, 0.0));
-    assert!((s.front.value + s.back.value).abs() < 5e-3 * s.front.value);
-    assert!(s.load_ahead.value.abs() < 1e-3 * s.front.value);
+    assert_eq!(
+        (s.groove.deepest.value, s.groove.ploughing.value),
+        (0.0, 0.0)
+    );
+    assert!((s.groove.front.value + s.groove.back.value).abs() < 5e-3 * s.groove.front.value);
+    assert!(s.groove.load_ahead.value.abs() < 1e-3 * s.groove.front.value);
 }
 
 /// The references are boundary elements' (`python tests/data/groove.py > tests/data/groove.csv`), whose grid leaves 1 % open.
@@ -98,27 +110,36 @@ fn grooves_agree_with_boundary_elements() {
         )
         .unwrap();
         assert!(
-            near(s.groove_depth.value, depth, 0.015),
+            near(s.groove.deepest.value, depth, 0.015),
             "{row}: {:?}",
-            s.groove_depth
+            s.groove.deepest
         );
         assert!(
-            near(s.ploughing.value / fz, mu, 0.02),
+            near(s.groove.ploughing.value / fz, mu, 0.02),
             "{row}: {:?}",
-            s.ploughing
+            s.groove.ploughing
         );
         assert!(
-            near(s.load_ahead.value, ahead, 0.025),
+            near(s.groove.load_ahead.value, ahead, 0.025),
             "{row}: {:?}",
-            s.load_ahead
+            s.groove.load_ahead
         );
-        assert!(near(s.front.value, front, 0.015), "{row}: {:?}", s.front);
-        let widest = s.sections.iter().map(|s| s.width).fold(0.0, f64::max);
+        assert!(
+            near(s.groove.front.value, front, 0.015),
+            "{row}: {:?}",
+            s.groove.front
+        );
+        let widest = s
+            .groove
+            .sections
+            .iter()
+            .map(|s| s.width)
+            .fold(0.0, f64::max);
         assert!(near(widest, 2.0 * side, 0.02), "{row}: {widest}");
         assert!(
-            s.ploughing.error <= 0.01 * s.ploughing.value,
+            s.groove.ploughing.error <= 0.01 * s.groove.ploughing.value,
             "{:?}",
-            s.ploughing
+            s.groove.ploughing
         );
         compared += 1;
     }
@@ -131,17 +152,23 @@ fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
     assert!(s.contact.kkt_residual < 1e-5, "{}", s.contact.kkt_residual);
     let field = &s.contact.surface;
     let nx = field.x.len();
-    for (row, gaps) in s.depth.chunks_exact(nx).zip(field.gap.chunks_exact(nx)) {
+    for (row, gaps) in s
+        .groove
+        .depth
+        .chunks_exact(nx)
+        .zip(field.gap.chunks_exact(nx))
+    {
         assert!(row.windows(2).all(|pair| pair[0] >= pair[1] - 1e-15));
         assert!(gaps.iter().all(|gap| *gap > -1e-5 * s.contact.approach));
     }
     for (k, &p) in field.pressure.iter().enumerate() {
         assert!((0.0..=hardness).contains(&p));
-        let deepens = k % nx + 1 < nx && s.depth[k] > s.depth[k + 1] * (1.0 + 1e-9) + 1e-12;
-        assert!(!deepens || p == hardness, "{} {p}", s.depth[k]);
+        let deepens =
+            k % nx + 1 < nx && s.groove.depth[k] > s.groove.depth[k + 1] * (1.0 + 1e-9) + 1e-12;
+        assert!(!deepens || p == hardness, "{} {p}", s.groove.depth[k]);
     }
     // Two ways to the same force: the plastic work over the way, and pressures on the runner's slope.
-    for mesh in &s.meshes {
+    for mesh in &s.groove.meshes {
         assert!(
             near(mesh.plastic_work, mesh.ploughing_by_slope, 0.03),
             "{mesh:?}"
@@ -154,6 +181,7 @@ fn forces_pressures_gaps_and_groove_hold_what_is_asked_of_them() {
     let s = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(10)).unwrap();
     holds(&s, 950.0, 17.7e6);
     let strip: f64 = s
+        .groove
         .sections
         .windows(2)
         .map(|w| {
@@ -172,27 +200,35 @@ fn a_free_runner_pitches_until_the_pressure_stands_under_the_load() {
     let s = slide(&free, None, &on(8)).unwrap();
     assert!(s.contact.centre_of_pressure[0].abs() < 1e-8);
     assert!(
-        near(-30.0 * s.contact.pitch, s.load_ahead.value, 1e-3),
+        near(-30.0 * s.contact.pitch, s.groove.load_ahead.value, 1e-3),
         "{}",
         s.contact.pitch
     );
-    assert!(near(s.load_ahead.value, held.load_ahead.value, 0.03));
-    assert!(near(s.groove_depth.value, held.groove_depth.value, 0.02));
+    assert!(near(
+        s.groove.load_ahead.value,
+        held.groove.load_ahead.value,
+        0.03
+    ));
+    assert!(near(
+        s.groove.deepest.value,
+        held.groove.deepest.value,
+        0.02
+    ));
 }
 
 #[test]
 fn a_second_runner_in_the_groove_ploughs_less_and_leaves_it_no_shallower() {
     let problem = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
     let first = slide(&problem, None, &on(8)).unwrap();
-    let second = slide(&problem, Some(&first.groove), &on(8)).unwrap();
+    let second = slide(&problem, Some(&first.groove.profile), &on(8)).unwrap();
     holds(&second, 950.0, 17.7e6);
     assert!(
-        second.ploughing.value < 0.8 * first.ploughing.value,
+        second.groove.ploughing.value < 0.8 * first.groove.ploughing.value,
         "{:?}",
-        second.ploughing
+        second.groove.ploughing
     );
-    assert!(second.groove_depth.value >= first.groove_depth.value);
-    assert!(second.front.value < first.front.value);
+    assert!(second.groove.deepest.value >= first.groove.deepest.value);
+    assert!(second.groove.front.value < first.groove.front.value);
     // A groove to one side takes the mirror plane away.
     let aside = GrooveProfile::new(vec![0.0, 2e-4, 4e-4], vec![0.0, 2e-5, 0.0]).unwrap();
     let third = slide(&problem, Some(&aside), &on(6)).unwrap();
@@ -210,12 +246,34 @@ fn sliding_has_the_same_bits_on_one_and_on_two_threads() {
         pool.install(|| slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(10)).unwrap())
     };
     let (one, two) = (with(1), with(2));
-    assert_eq!(one.depth, two.depth);
+    assert_eq!(one.groove.depth, two.groove.depth);
     assert_eq!(one.contact.surface.pressure, two.contact.surface.pressure);
     assert_eq!(
-        (one.ploughing.value, one.front.value),
-        (two.ploughing.value, two.front.value)
+        (one.groove.ploughing.value, one.groove.front.value),
+        (two.groove.ploughing.value, two.groove.front.value)
     );
+}
+
+/// A block 8 mm wide and 0.5 m long ahead of its lowest point bears H times that, and what springs back behind it a little more.
+#[test]
+fn a_load_beyond_what_the_sliding_hull_bears_is_refused_with_the_most() {
+    let hull = BobRunner {
+        section_radius: 0.004,
+        width: 0.008,
+        ..BobRunner::default()
+    };
+    let (hardness, area_ahead) = (17.7e6, 0.5 * 0.008);
+    for fz in [1.2 * hardness * area_ahead, 3.0 * hardness * area_ahead] {
+        let mut problem = problem([30.0, 0.004], fz, hardness, 9e9);
+        problem.runner = Runner::rigid(Arc::new(hull.swept().unwrap()));
+        match slide(&problem, None, &on(6)) {
+            Err(Error::BeyondHardness { fz: told, capacity }) => {
+                assert!(told == fz && capacity < fz, "{told} {capacity}");
+                assert!(capacity > 0.95 * hardness * area_ahead, "{capacity}");
+            }
+            other => panic!("{:?}", other.map(|s| s.groove.deepest)),
+        }
+    }
 }
 
 #[test]

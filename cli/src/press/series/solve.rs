@@ -141,17 +141,10 @@ fn solve_steps(
                 rows.push(row(None, Some(text.clone())));
                 short = Some(text);
             }
-            Err(other) => return Err(prefixed(other, &step.folder)),
+            Err(other) => return Err(other.within(&step.folder)),
         }
     }
     Ok((kept, short))
-}
-
-fn prefixed(failure: Failure, folder: &str) -> Failure {
-    match failure {
-        Failure::BadInput(text) => Failure::BadInput(format!("{folder}: {text}")),
-        other => other,
-    }
 }
 
 /// The cases of all combinations, each checked before anything is solved.
@@ -176,7 +169,7 @@ fn steps(lists: &Lists, loaded: &LoadedCase, options: &Options) -> Result<Vec<St
             let folder = format!("step-{:0digits$}", k + 1);
             first
                 .check(&loaded, options)
-                .map_err(|failure| prefixed(failure, &folder))?;
+                .map_err(|failure| failure.within(&folder))?;
             Ok(Step {
                 values,
                 folder,

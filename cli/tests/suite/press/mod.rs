@@ -6,6 +6,8 @@ mod gallery;
 mod hull_rocker;
 mod mesh;
 mod one_case;
+mod optimum;
 mod series;
 mod sliding;
+mod sliding_laws;
 mod stiffness;

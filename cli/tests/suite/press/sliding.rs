@@ -117,6 +117,22 @@ fn what_is_wrong_with_a_sliding_case_is_told_by_its_place() {
     );
     refused(
         folder,
+        &["friction", "case.toml", "--speed", "20", "-o", "out"],
+        2,
+        &["--ice"],
+    );
+    bench.write(
+        "heavy.toml",
+        case("").replace("fz_n = 950.0", "fz_n = 9.0e4"),
+    );
+    refused(
+        folder,
+        &["press", "heavy.toml"],
+        3,
+        &["heavy.toml", "90000 N", "bears on ice of this hardness"],
+    );
+    refused(
+        folder,
         &["friction", "case.toml", "--speed", "5", "--ice", "3"],
         3,
         &["sliding.ice_c = 3"],

@@ -35,7 +35,7 @@ proptest! {
         steel in -40.0_f64..5.0,
         time in -1.0_f64..3.0,
         factor in 0.0_f64..2.0,
-        accuracy in -6.0_f64..-2.0,
+        accuracy in -8.0_f64..-2.0,
     ) {
         let ten = |x: f64| 10.0_f64.powf(x);
         let conditions = FilmConditions {
