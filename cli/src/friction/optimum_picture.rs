@@ -120,7 +120,7 @@ fn map(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
     let [y0, y1] = found.parameters[1].span.bounds();
     let mut builder = ChartBuilder::on(root);
     let scale = format!(
-        "; colours {:.3} to {:.3}e-3, lines every twentieth",
+        "; colours {:.3} to {:.3}e-3, a band a twentieth",
         1e3 * least,
         1e3 * most
     );
