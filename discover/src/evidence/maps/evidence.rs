@@ -86,7 +86,7 @@ impl<'a> Maps<'a> {
             remarks: &measured.remarks,
             options,
             progress,
-            start: training.misfit(&SizedEffects::new(), options.rules.maps.reporting_cells)?,
+            start: training.reporting(&SizedEffects::new())?,
             training,
             held,
             first_steps: Steps::new(),
@@ -167,10 +167,10 @@ impl<'a> Maps<'a> {
         let mut all = last.active.clone();
         all.extend(self.next);
         let change = |rows: &Simulations| -> Result<(Vec<f64>, Misfit), Error> {
-            let before = rows.misfit(&SizedEffects::new(), self.rules().reporting_cells)?;
-            let least = match rows.misfit(&all, self.rules().reporting_cells) {
+            let before = rows.reporting(&SizedEffects::new())?;
+            let least = match rows.reporting(&all) {
                 Ok(least) => least,
-                Err(_) => rows.misfit(&last.active, self.rules().reporting_cells)?,
+                Err(_) => rows.reporting(&last.active)?,
             };
             let pairs = before.rest.iter().zip(&least.rest);
             Ok((pairs.map(|(a, b)| a - b).collect(), before))
@@ -183,9 +183,7 @@ impl<'a> Maps<'a> {
         Ok(ClosedGap {
             direction: &direction,
             before: &before.rest,
-            after: &judged
-                .misfit(&last.active, self.rules().reporting_cells)?
-                .rest,
+            after: &judged.reporting(&last.active)?.rest,
             fitted: &change(&self.training)?.0,
             spread: last.misfit.mean_square().sqrt(),
         }
@@ -237,9 +235,7 @@ impl Evidence for Maps<'_> {
     }
 
     fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>, Error> {
-        let before = self
-            .training
-            .misfit(&fit.active, self.rules().searching_cells)?;
+        let before = self.training.searching(&fit.active)?;
         self.screens += 1;
         let number = self.screens;
         let progress = self.progress;
@@ -278,16 +274,12 @@ impl Evidence for Maps<'_> {
         _: usize,
     ) -> Result<Added<MapFit>, Error> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
-        let before = self
-            .training
-            .misfit(&fit.active, self.rules().searching_cells)?;
+        let before = self.training.searching(&fit.active)?;
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.push((claim.candidate.act, claim.size));
         errors.push(claim.error);
         let next = self.polished(&active, &errors)?;
-        let after = self
-            .training
-            .misfit(&next.active, self.rules().searching_cells)?;
+        let after = self.training.searching(&next.active)?;
         Ok(Added {
             gap: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
@@ -323,18 +315,14 @@ impl Evidence for Maps<'_> {
         if self.held.rows.is_empty() {
             return Ok(None);
         }
-        let of = |fit: &MapFit| self.held.misfit(&fit.active, self.rules().reporting_cells);
+        let of = |fit: &MapFit| self.held.reporting(&fit.active);
         let falls = of(from)?.falls(&of(to)?, self.rules().pieces);
         Ok(Lowered::over(&falls, 0.0))
     }
 
     fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {
-        let before = self
-            .held
-            .misfit(&SizedEffects::new(), self.rules().reporting_cells)?;
-        let after = self
-            .held
-            .misfit(&last.active, self.rules().reporting_cells)?;
+        let before = self.held.reporting(&SizedEffects::new())?;
+        let after = self.held.reporting(&last.active)?;
         let closed = match account.steps.is_empty() {
             true => Vec::new(),
             false => vec![self.closed(last)?; account.steps.len()],

@@ -228,9 +228,7 @@ impl LineSearch {
     fn eval(&mut self, simulations: &Simulations, active: &SizedEffects, u: f64) -> Option<()> {
         let mut with = active.clone();
         with.push((self.effect, self.effect.search.back(u)));
-        let misfit = simulations
-            .misfit(&with, simulations.rules.searching_cells)
-            .ok()?;
+        let misfit = simulations.searching(&with).ok()?;
         self.points.push(Point { u, misfit });
         Some(())
     }

@@ -22,9 +22,7 @@ pub fn pictures(
     ] {
         let before = simulations.maps(&SizedEffects::new(), simulations.rules.reporting_cells)?;
         let after = simulations.maps(active, simulations.rules.reporting_cells)?;
-        let chi2 = simulations
-            .misfit(&SizedEffects::new(), simulations.rules.reporting_cells)?
-            .by_row;
+        let chi2 = simulations.reporting(&SizedEffects::new())?.by_row;
         let shown = (0..simulations.rows.len())
             .filter(|k| simulations.rows[*k].map.is_some())
             .max_by(|a, b| chi2[*a].total_cmp(&chi2[*b]));

@@ -25,7 +25,7 @@ pub fn polish(
     active: &SizedEffects,
     errors: &[f64],
 ) -> Result<Polished, Error> {
-    let here = simulations.misfit(active, simulations.rules.reporting_cells)?;
+    let here = simulations.reporting(active)?;
     let count = active.len();
     let mut derivative = DMatrix::zeros(here.rest.len(), count);
     for k in 0..count {
@@ -39,7 +39,7 @@ pub fn polish(
         };
         let mut moved = active.clone();
         moved[k].1 += step;
-        let Ok(there) = simulations.misfit(&moved, simulations.rules.reporting_cells) else {
+        let Ok(there) = simulations.reporting(&moved) else {
             return Ok(Polished {
                 active: active.clone(),
                 errors: errors.to_vec(),
@@ -68,7 +68,7 @@ pub fn polish(
         *size = (*size + by[k].clamp(-most, most))
             .clamp(effect.parameter().low, effect.parameter().high);
     }
-    let (active, misfit) = match simulations.misfit(&moved, simulations.rules.reporting_cells) {
+    let (active, misfit) = match simulations.reporting(&moved) {
         Ok(better) if better.chi2 < here.chi2 => (moved, better),
         _ => (active.clone(), here),
     };

@@ -29,7 +29,7 @@ pub fn screen_maps(
     least_drop: f64,
     progress: &dyn Fn(&str),
 ) -> Vec<LineSearch> {
-    let chi2 = match simulations.misfit(active, simulations.rules.searching_cells) {
+    let chi2 = match simulations.searching(active) {
         Ok(misfit) => misfit.chi2,
         Err(_) => return Vec::new(),
     };

@@ -102,11 +102,23 @@ impl<'a> Simulations<'a> {
         Ok(simulations)
     }
 
-    /// Simulates every row with the effects, on meshes of `cells` cells over half the patch.
+    /// Simulates every row with the effects, on the meshes of the search.
     ///
     /// # Errors
     /// Those of the contact solver.
-    pub fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
+    pub fn searching(&self, active: &SizedEffects) -> Result<Misfit, Error> {
+        self.misfit(active, self.rules.searching_cells)
+    }
+
+    /// The same on the finer meshes from which sizes are reported.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit, Error> {
+        self.misfit(active, self.rules.reporting_cells)
+    }
+
+    fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
         let seen = self.simulated(active, cells)?;
         let mut out = Misfit {
             chi2: 0.0,
