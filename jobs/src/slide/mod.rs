@@ -7,6 +7,7 @@ mod slid;
 mod table;
 
 pub use film::{FilmAlong, film_along};
-pub(crate) use slid::solve_sliding;
 pub use slid::{Friction, Slid};
+pub(crate) use slid::{conditions, film_failure, groove, solve_sliding};
+pub(crate) use table::at;
 pub use table::{FrictionPoint, friction_table};
