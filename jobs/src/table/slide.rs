@@ -20,11 +20,10 @@ impl Solver {
             Ok(ploughed) => ploughed,
             Err(error) => return vec![Err(error)],
         };
-        let solved = points
+        points
             .iter()
             .map(|point| Ok(self.film(&ploughed, point)?))
-            .collect();
-        solved
+            .collect()
     }
 
     /// The groove at a point; it does not depend on the speed.

@@ -211,6 +211,16 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         Evaluation::Smooth => vec![Mode::Smooth],
         Evaluation::Bilinear => vec![Mode::Bilinear],
     };
+    if plan.is_sliding() && plan.is_fixed() {
+        // An eighth of the grooves, as of the nodes of a table of contacts at rest.
+        let grooves = [Some(&plan.fz), Some(&plan.curvature), plan.ice_c.as_ref()];
+        let count = |spacing: &Spacing| match spacing {
+            Spacing::Values(values) => values.len(),
+            Spacing::Range { .. } => 1,
+        };
+        let grooves: usize = grooves.into_iter().flatten().map(count).product();
+        plan.checks = grooves.div_ceil(8).max(4);
+    }
     plan.checks = within("accuracy.checks", accuracy.checks, plan.checks, 100_000)?;
     plan.max_nodes = within(
         "accuracy.max_nodes",

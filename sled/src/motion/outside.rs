@@ -35,24 +35,23 @@ pub fn outside_tables<'a>(
     vehicle: &Vehicle,
     states: impl Iterator<Item = &'a State> + Clone,
 ) -> Vec<OutsideTable> {
-    let load_front = |s: &State| s.fz_f0_n / s.gamma_rad.cos();
-    let load_rear = |s: &State| s.fz_r_n;
-    let runners: [(&str, _, &dyn Fn(&State) -> f64); 2] = [
-        ("front", &vehicle.front, &load_front),
-        ("rear", &vehicle.rear, &load_rear),
-    ];
-    let counted = runners.into_iter().filter_map(|(runner, friction, load)| {
+    let counted = [("front", &vehicle.front), ("rear", &vehicle.rear)].map(|(runner, friction)| {
         let table = friction.table()?;
         let outside = |s: &&State| {
-            let looked = table.at(load(s), s.curvature_1pm, s.v_mps, s.ice_c);
+            let load = match runner {
+                "front" => s.fz_f0_n / s.gamma_rad.cos(),
+                _ => s.fz_r_n,
+            };
+            let looked = table.at(load, s.curvature_1pm, s.v_mps, s.ice_c);
             looked.out_of_range
         };
-        Some(OutsideTable {
+        let samples = states.clone().filter(outside).count();
+        (samples > 0).then(|| OutsideTable {
             runner,
             table: table.file.clone(),
-            samples: states.clone().filter(outside).count(),
+            samples,
             of: states.clone().count(),
         })
     });
-    counted.filter(|outside| outside.samples > 0).collect()
+    counted.into_iter().flatten().collect()
 }
