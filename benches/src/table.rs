@@ -31,6 +31,7 @@ pub fn table_of(
             length: 0.05,
             width: 3e-4,
             approach: 1e-5,
+            sliding: None,
         }
     });
     let nodes = nodes.collect();

@@ -49,6 +49,16 @@ impl Case {
     /// # Errors
     /// As [`problem`](Self::problem).
     pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
+        let (runner, hull) = self.runner(base)?;
+        let problem = self.problem_of(runner, base)?;
+        Ok(StatedProblem { problem, hull })
+    }
+
+    /// The runner alone, and its hull where the case names one; a hull's path is taken from `base`.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub fn runner(&self, base: &Path) -> Result<(Runner, Option<FittedHull>), CaseError> {
         self.check()?;
         let (underside, hull, elastic) = match &self.runner.mesh {
             Some(path) => {
@@ -62,19 +72,28 @@ impl Case {
                 (underside, hull, elastic.transpose()?)
             }
         };
+        Ok((Runner { underside, elastic }, hull))
+    }
+
+    /// The problem that the case states of a runner that is there already; other paths are taken from `base`.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub fn problem_of(&self, runner: Runner, base: &Path) -> Result<Problem, CaseError> {
+        self.check()?;
         let mut ice = self.ice.ice();
         if let Some(sliding) = &self.sliding {
             ice.hardness = Some(sliding.hardness(ice.hardness));
         }
         let mut problem = Problem {
-            runner: Runner { underside, elastic },
+            runner,
             ice,
             ice_surface: self.ice.surface(base)?,
             track_curvature: self.track.curvature(),
             load: self.load.load(),
         };
         crate::effects::switch_on(&self.effects, &mut problem)?;
-        Ok(StatedProblem { problem, hull })
+        Ok(problem)
     }
 
     /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised stiffness.

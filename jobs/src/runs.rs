@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use kufe_sled::{Error, Model, PrepareOptions, Prepared, Run, Vehicle, prepare_all};
+use kufe_sled::{
+    Error, Model, OutsideTable, PrepareOptions, Prepared, Run, Vehicle, outside_tables, prepare_all,
+};
 
 use crate::failure::Failure;
 use crate::watch::Watch;
@@ -34,6 +36,8 @@ pub struct Loaded {
     pub prepared: Vec<Prepared>,
     /// Runs left out and why.
     pub left_out: Vec<String>,
+    /// Tables of the model that do not span every sample.
+    pub outside_tables: Vec<OutsideTable>,
 }
 
 /// The failure that a sled error is.
@@ -105,11 +109,17 @@ impl RunSelection {
         };
         let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
             .map_err(|error| failure(&error))?;
+        let states = prepared.iter().flat_map(|run| &run.states);
+        let outside_tables = outside_tables(&vehicle, states);
+        for outside in &outside_tables {
+            watch.warn(&outside.to_string());
+        }
         Ok(Loaded {
             model,
             vehicle,
             prepared,
             left_out,
+            outside_tables,
         })
     }
 

@@ -10,23 +10,25 @@
 /* Value references, as modelDescription.xml lists them. */
 enum {
   VR_TIME, VR_FZ, VR_V, VR_PITCH_RATE, VR_CURVATURE, VR_PRESSURE, VR_OUT_OF_RANGE,
-  VR_USE_CURVATURE, VR_SMOOTH
+  VR_USE_CURVATURE, VR_SMOOTH, VR_ICE_C, VR_FIRST_OF_SLIDING
 };
 
-/* What resources/table.bin starts with; doubles follow: flush (4 or none), fz, log_fz, curvature, values, jets. */
+/* What resources/table.bin starts with; doubles follow: flush (4 or none), fz, log_fz, curvature; of speeds and of temperatures
+   of the ice values, scaled and slopes; of every quantity values and jets of all layers. Bit k of `logarithmic` is quantity k's. */
 typedef struct {
   char magic[8];
   char token[64];
-  uint32_t n_fz, n_curvature, logarithmic, reduced;
+  uint32_t n_fz, n_curvature, n_v, n_ice, quantities, logarithmic, reduced, none;
 } Head;
 
 #define LONGEST_AXIS 4096u
+#define MOST_QUANTITIES 16u
 
 typedef enum { INSTANTIATED, INITIALIZATION, EVENT, CONTINUOUS, STEP, TERMINATED } Phase;
 
 /* All that changes: copied whole by the FMU state functions. */
 typedef struct {
-  double time, fz, v, pitch_rate, curvature;
+  double time, fz, v, pitch_rate, curvature, ice_c;
   bool use_curvature, smooth;
   bool out_of_range; /* held between events in Model Exchange */
 } State;
@@ -36,7 +38,9 @@ typedef struct {
   Phase phase;
   bool model_exchange, event_mode;
   double *numbers;
-  kufe_lut_table table;
+  kufe_lut_axis v, ice;
+  kufe_lut_layers tables[MOST_QUANTITIES]; /* peak pressure, then those of sliding */
+  unsigned quantities;
   fmi3LogMessageCallback log;
   fmi3InstanceEnvironment environment;
 } Unit;
@@ -53,23 +57,44 @@ static fmi3Status refuse(const Unit *unit, const char *message) {
 
 /* ---- the table ---- */
 
+/* An axis of layers from the numbers that begin with it; what follows it. */
+static const double *axis_of(kufe_lut_axis *axis, uint32_t n, int logarithmic, const double *numbers) {
+  axis->n = (int)n;
+  axis->logarithmic = logarithmic;
+  axis->values = numbers;
+  axis->scaled = numbers + n;
+  axis->slopes = numbers + 2 * n;
+  return n ? axis->slopes + 8 * (n - 1) : numbers;
+}
+
 static const char *load(Unit *unit, const char *path, const char *token) {
   Head head;
-  uint64_t count, n;
+  kufe_lut_table table;
+  const double *next;
+  uint64_t count, n, layers;
+  uint32_t k;
   long length;
   FILE *file = fopen(path, "rb");
   if (!file) return "resources/table.bin cannot be opened";
-  if (fread(&head, sizeof head, 1, file) != 1 || memcmp(head.magic, "KUFELUT1", 8) != 0) {
+  if (fread(&head, sizeof head, 1, file) != 1 || memcmp(head.magic, "KUFELUT2", 8) != 0) {
     fclose(file);
     return "resources/table.bin is no table of this unit";
   }
   if (head.n_fz < 1 || head.n_fz > LONGEST_AXIS || head.n_curvature < 1 ||
-      head.n_curvature > LONGEST_AXIS) {
+      head.n_curvature > LONGEST_AXIS || head.n_v > LONGEST_AXIS || head.n_ice > LONGEST_AXIS ||
+      head.quantities < 1 || head.quantities > MOST_QUANTITIES) {
     fclose(file);
     return "resources/table.bin has an axis of impossible length";
   }
   n = (uint64_t)head.n_fz * head.n_curvature;
-  count = (head.reduced ? 4 : 0) + 2 * (uint64_t)head.n_fz + head.n_curvature + 5 * n;
+  layers = (uint64_t)(head.n_v ? head.n_v : 1) * (head.n_ice ? head.n_ice : 1);
+  if (n * layers > (1u << 20)) {
+    fclose(file);
+    return "resources/table.bin has more nodes than a table";
+  }
+  count = (head.reduced ? 4 : 0) + 2 * (uint64_t)head.n_fz + head.n_curvature +
+          (head.n_v ? 10 * (uint64_t)head.n_v - 8 : 0) + (head.n_ice ? 10 * (uint64_t)head.n_ice - 8 : 0) +
+          5 * n * layers * head.quantities;
   if (fseek(file, 0, SEEK_END) != 0 || (length = ftell(file)) < 0 ||
       (uint64_t)length != sizeof head + 8 * count ||
       fseek(file, (long)sizeof head, SEEK_SET) != 0) {
@@ -87,25 +112,36 @@ static const char *load(Unit *unit, const char *path, const char *token) {
     return "resources/table.bin cannot be read";
   }
   fclose(file);
-  unit->table.n_fz = (int)head.n_fz;
-  unit->table.n_curvature = (int)head.n_curvature;
-  unit->table.logarithmic = head.logarithmic != 0;
-  unit->table.flush = head.reduced ? unit->numbers : NULL;
-  unit->table.fz = unit->numbers + (head.reduced ? 4 : 0);
-  unit->table.log_fz = unit->table.fz + head.n_fz;
-  unit->table.curvature = unit->table.log_fz + head.n_fz;
-  unit->table.values = unit->table.curvature + head.n_curvature;
-  unit->table.jets = unit->table.values + n;
+  table.n_fz = (int)head.n_fz;
+  table.n_curvature = (int)head.n_curvature;
+  table.flush = head.reduced ? unit->numbers : NULL;
+  table.fz = unit->numbers + (head.reduced ? 4 : 0);
+  table.log_fz = table.fz + head.n_fz;
+  table.curvature = table.log_fz + head.n_fz;
+  next = axis_of(&unit->v, head.n_v, 1, table.curvature + head.n_curvature);
+  next = axis_of(&unit->ice, head.n_ice, 0, next);
+  unit->quantities = head.quantities;
+  for (k = 0; k < head.quantities; ++k) {
+    table.logarithmic = (head.logarithmic >> k) & 1u;
+    table.values = next;
+    table.jets = next + n * layers;
+    next = table.jets + 4 * n * layers;
+    unit->tables[k].layer = table;
+    unit->tables[k].v = &unit->v;
+    unit->tables[k].ice = &unit->ice;
+  }
   return NULL;
 }
 
-static kufe_lut_looked look(const Unit *unit) {
+static kufe_lut_looked look_at(const Unit *unit, unsigned quantity) {
   const State *s = &unit->state;
   double curvature =
       s->use_curvature ? s->curvature : kufe_lut_curvature_from_pitch(s->v, s->pitch_rate);
-  return s->smooth ? kufe_lut_smooth(&unit->table, s->fz, curvature)
-                   : kufe_lut_bilinear(&unit->table, s->fz, curvature);
+  return kufe_lut_layered_(&unit->tables[quantity], s->fz, curvature, s->v, s->ice_c, s->smooth);
 }
+
+/* The peak pressure. */
+static kufe_lut_looked look(const Unit *unit) { return look_at(unit, 0); }
 
 static bool flag(const Unit *unit) {
   bool held = unit->model_exchange && unit->phase == CONTINUOUS;
@@ -145,7 +181,8 @@ static fmi3Instance instantiate(const char *token, const char *resources, bool m
     return NULL;
   }
   /* The start values that modelDescription.xml states. */
-  unit->start.fz = unit->table.fz[0];
+  unit->start.fz = unit->tables[0].layer.fz[0];
+  unit->start.ice_c = unit->ice.n ? unit->ice.values[0] : 0.0;
   unit->start.smooth = true;
   unit->state = unit->start;
   return unit;
@@ -259,7 +296,11 @@ FMI3_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueRefe
       case VR_PITCH_RATE: values[i] = unit->state.pitch_rate; break;
       case VR_CURVATURE: values[i] = unit->state.curvature; break;
       case VR_PRESSURE: values[i] = look(unit).value; break;
-      default: return refuse(unit, "no Float64 variable of that reference");
+      case VR_ICE_C: values[i] = unit->state.ice_c; break;
+      default:
+        if (vr[i] < VR_FIRST_OF_SLIDING || vr[i] - VR_FIRST_OF_SLIDING + 1 >= unit->quantities)
+          return refuse(unit, "no Float64 variable of that reference");
+        values[i] = look_at(unit, (unsigned)(vr[i] - VR_FIRST_OF_SLIDING + 1)).value;
     }
   }
   return fmi3OK;
@@ -276,6 +317,7 @@ FMI3_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueRefe
       case VR_V: unit->state.v = values[i]; break;
       case VR_PITCH_RATE: unit->state.pitch_rate = values[i]; break;
       case VR_CURVATURE: unit->state.curvature = values[i]; break;
+      case VR_ICE_C: unit->state.ice_c = values[i]; break;
       default: return refuse(unit, "no Float64 input of that reference");
     }
   }

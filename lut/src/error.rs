@@ -36,7 +36,9 @@ pub enum Error {
         expected: &'static str,
     },
     /// Reduced curvatures were asked of axes that cannot have them.
-    #[error("flush: expected curvatures from one end to another, and no rocker radii")]
+    #[error(
+        "flush: expected curvatures from one end to another, and no rocker radii, speeds or temperatures"
+    )]
     FlushPlan,
     /// The axes span more nodes than a table may hold.
     #[error("the axes span {found} nodes: expected at most {limit}")]
@@ -80,6 +82,23 @@ pub enum Error {
         /// What the table has.
         span: String,
     },
+    /// A table of contacts at rest was asked for what only a sliding runner has.
+    #[error(
+        "the table holds contacts at rest: {quantity} expects one of a case with [sliding], over v_mps or ice_c"
+    )]
+    NoQuantity {
+        /// The quantity's name.
+        quantity: &'static str,
+    },
+    /// A lookup over force and curvature was asked of a table with more axes.
+    #[error("the table has speeds or temperatures of the ice: expected those to be given")]
+    LayersNeeded,
+    /// Some points of a table slide and others are at rest.
+    #[error("{place}: expected figures of sliding at every point, or at none")]
+    SlidingMixture {
+        /// The first point that differs.
+        place: String,
+    },
     /// An interpolation error was asked that is not a positive fraction.
     #[error("interpolation = {value}: expected a relative error between 1e-6 and 0.5")]
     Tolerance {
@@ -88,9 +107,11 @@ pub enum Error {
     },
     /// The refinement reached its limits before its tolerance.
     #[error(
-        "interpolation error {measured:.3e} of the peak pressure with {nodes} nodes, asked {asked:.3e}: {reason}"
+        "interpolation error {measured:.3e} of {quantity} with {nodes} nodes, asked {asked:.3e}: {reason}"
     )]
     ToleranceNotReached {
+        /// The quantity that it is asked of.
+        quantity: &'static str,
         /// Largest relative error measured.
         measured: f64,
         /// Relative error asked.

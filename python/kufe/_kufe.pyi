@@ -11,7 +11,10 @@ __version__: str
 
 _Path = str | PathLike[str]
 _Progress = Callable[[str], object] | None
-_Quantity = Literal["p_max", "p_mean", "area", "length", "width", "approach"]
+_Quantity = Literal[
+    "p_max", "p_mean", "area", "length", "width", "approach",
+    "mu", "mu_ploughing", "mu_viscous", "groove_depth", "film_mean",
+]
 _Mode = Literal["smooth", "bilinear"]
 
 class Error(Exception):
@@ -133,6 +136,8 @@ class Table:
         curvature_1pm: ArrayLike,
         quantity: _Quantity = "p_max",
         *,
+        v_mps: ArrayLike | None = None,
+        ice_c: ArrayLike | None = None,
         mode: _Mode = "smooth",
         rocker_radius_m: float | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]: ...
@@ -145,6 +150,10 @@ class Table:
     def curvature_1pm(self) -> NDArray[np.float64]: ...
     @property
     def rocker_radius_m(self) -> NDArray[np.float64] | None: ...
+    @property
+    def v_mps(self) -> NDArray[np.float64] | None: ...
+    @property
+    def ice_c(self) -> NDArray[np.float64] | None: ...
     @property
     def solver_error(self) -> float: ...
     @property

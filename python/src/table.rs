@@ -4,17 +4,17 @@ use std::path::PathBuf;
 
 use kufe_jobs::table::{Solver, Wanted, fill, read_table};
 use kufe_jobs::write_whole;
-use kufe_lut::{Lookup, Mode, Quantity};
+use kufe_lut::{Layered, Mode, Quantity};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use pyo3::types::IntoPyDict;
+use pyo3::types::{IntoPyDict, PyTuple};
 
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
 
-/// Contact figures over normal force and track curvature.
+/// Contact figures over normal force and track curvature, of a sliding runner also over speed and temperature of the ice.
 #[pyclass(frozen, module = "kufe")]
 pub struct Table {
     table: kufe_lut::Table,
@@ -41,42 +41,60 @@ impl Table {
         py.detach(|| write(&self.table, &path))
     }
 
-    /// Figures at the nodes: an array over force, curvature and, where the table has that axis, rocker radius.
+    /// Figures at the nodes: an array over force, curvature and, where the table has those axes, rocker radius, speed and
+    /// temperature of the ice.
     #[pyo3(signature = (quantity = "p_max"))]
     fn values<'py>(
         &self,
         py: Python<'py>,
         quantity: &str,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let quantity = named(quantity)?;
-        let axes = self.table.axes();
-        let mut shape = vec![axes.fz().len(), axes.curvature().len()];
-        shape.extend(axes.rocker_radius().map(<[f64]>::len));
-        let values: Vec<f64> = self.table.nodes().iter().map(|n| n.get(quantity)).collect();
+        let quantity = self.named(quantity)?;
+        let named = self.table.axes().named();
+        let shape: Vec<usize> = named.iter().map(|(_, _, values)| values.len()).collect();
+        let nodes = self.table.nodes().iter();
+        let values: Vec<f64> = nodes.filter_map(|n| n.get(quantity)).collect();
         values.into_pyarray(py).reshape(shape)
     }
 
-    /// One quantity at forces [N] and curvatures [1/m], which are broadcast, and where an input was outside the table
-    /// and clipped to it; NaN gives NaN and the flag.
-    #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, mode = "smooth", rocker_radius_m = None))]
+    /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds [m/s] and temperatures of the
+    /// ice [C], which are broadcast, and where an input was outside the table and clipped to it; NaN gives NaN and the flag.
+    #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, v_mps = None, ice_c = None, mode = "smooth", rocker_radius_m = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn lookup<'py>(
         &self,
         py: Python<'py>,
         fz_n: &Bound<'py, PyAny>,
         curvature_1pm: &Bound<'py, PyAny>,
         quantity: &str,
+        v_mps: Option<&Bound<'py, PyAny>>,
+        ice_c: Option<&Bound<'py, PyAny>>,
         mode: &str,
         rocker_radius_m: Option<f64>,
     ) -> PyResult<Answer<'py>> {
-        let (quantity, mode) = (named(quantity)?, mode_of(mode)?);
-        let (fz, curvature) = broadcast(py, fz_n, curvature_1pm)?;
-        let shape = fz.shape().to_vec();
+        let (quantity, mode) = (self.named(quantity)?, mode_of(mode)?);
+        let axes = self.table.axes();
+        for (key, axis, given) in [
+            ("v_mps", axes.speed(), v_mps),
+            ("ice_c", axes.ice_c(), ice_c),
+        ] {
+            if axis.is_some() && given.is_none() {
+                let text = format!("the table has the axis {key}: expected {key} = ...");
+                return Err(InputError::new_err(text));
+            }
+        }
+        let nothing = f64::NAN.into_pyobject(py)?.into_any();
+        let [v_mps, ice_c] = [v_mps, ice_c].map(|given| given.unwrap_or(&nothing));
+        let inputs = broadcast(py, [fz_n, curvature_1pm, v_mps, ice_c])?;
+        let shape = inputs[0].shape().to_vec();
+        let [fz, curvature, speed, ice] = &inputs;
         let (fz, curvature) = (fz.as_slice()?, curvature.as_slice()?);
+        let (speed, ice) = (speed.as_slice()?, ice.as_slice()?);
         let (values, outside): (Vec<f64>, Vec<bool>) = py.detach(|| {
-            let lookup = Lookup::with_rocker(&self.table, quantity, mode, rocker_radius_m)
-                .map_err(bad_input)?;
-            let answers = fz.iter().zip(curvature).map(|(&fz, &curvature)| {
-                let looked = lookup.at(fz, curvature);
+            let lookup =
+                Layered::new(&self.table, quantity, mode, rocker_radius_m).map_err(bad_input)?;
+            let answers = (0..fz.len()).map(|n| {
+                let looked = lookup.at(fz[n], curvature[n], speed[n], ice[n]);
                 (looked.value, looked.out_of_range)
             });
             Ok::<_, PyErr>(answers.unzip())
@@ -92,7 +110,7 @@ impl Table {
     fn interpolation_error(&self, quantity: &str, mode: &str) -> PyResult<Option<f64>> {
         let measured = self
             .table
-            .interpolation_error(named(quantity)?, mode_of(mode)?)
+            .interpolation_error(self.named(quantity)?, mode_of(mode)?)
             .map_err(bad_input)?;
         Ok(measured.map(|measured| measured.max))
     }
@@ -116,7 +134,21 @@ impl Table {
         radii.map(|radii| PyArray1::from_slice(py, radii))
     }
 
-    /// Largest estimated solver error of the peak pressure over the nodes, relative.
+    /// Breakpoints of the speed, where the table has that axis [m/s].
+    #[getter]
+    fn v_mps<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let speeds = self.table.axes().speed();
+        speeds.map(|speeds| PyArray1::from_slice(py, speeds))
+    }
+
+    /// Breakpoints of the temperature of the ice, where the table has that axis [C].
+    #[getter]
+    fn ice_c<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let temperatures = self.table.axes().ice_c();
+        temperatures.map(|temperatures| PyArray1::from_slice(py, temperatures))
+    }
+
+    /// Largest estimated solver error over the nodes, relative: of the peak pressure, or of mu where the runner slides.
     #[getter]
     fn solver_error(&self) -> f64 {
         self.table.solver_error()
@@ -131,15 +163,33 @@ impl Table {
 
     fn __repr__(&self) -> String {
         let axes = self.table.axes();
-        let rockers = match axes.rocker_radius() {
-            Some(radii) => format!(" x {} rocker radii", radii.len()),
-            None => String::new(),
-        };
+        let further = [
+            (axes.rocker_radius(), "rocker radii"),
+            (axes.speed(), "speeds"),
+            (axes.ice_c(), "temperatures"),
+        ];
+        let further: String = further
+            .into_iter()
+            .filter_map(|(axis, name)| Some(format!(" x {} {name}", axis?.len())))
+            .collect();
         format!(
-            "<kufe.Table {} forces x {} curvatures{rockers}>",
+            "<kufe.Table {} forces x {} curvatures{further}>",
             axes.fz().len(),
             axes.curvature().len()
         )
+    }
+}
+
+impl Table {
+    /// The quantity of a name, among those that the table holds.
+    fn named(&self, quantity: &str) -> PyResult<Quantity> {
+        let among = self.table.quantities();
+        let found = among.iter().find(|q| q.name() == quantity);
+        found.copied().ok_or_else(|| {
+            let known: Vec<&str> = among.iter().map(|q| q.name()).collect();
+            let known = known.join(", ");
+            InputError::new_err(format!("quantity {quantity:?}: expected one of {known}"))
+        })
     }
 }
 
@@ -174,37 +224,28 @@ fn write(table: &kufe_lut::Table, path: &std::path::Path) -> PyResult<()> {
     write_whole(path, |writer| writer.write_all(&bytes)).map_err(raised)
 }
 
-fn named(quantity: &str) -> PyResult<Quantity> {
-    Quantity::from_name(quantity).ok_or_else(|| {
-        let known: Vec<&str> = Quantity::ALL.iter().map(|q| q.name()).collect();
-        InputError::new_err(format!(
-            "quantity {quantity:?}: expected one of {}",
-            known.join(", ")
-        ))
-    })
-}
-
 fn mode_of(name: &str) -> PyResult<Mode> {
     let mode = Mode::ALL.into_iter().find(|mode| mode.name() == name);
     mode.ok_or_else(|| InputError::new_err(format!("mode {name:?}: expected smooth or bilinear")))
 }
 
-type Pair<'py> = (PyReadonlyArrayDyn<'py, f64>, PyReadonlyArrayDyn<'py, f64>);
-
-/// Two inputs as contiguous arrays of one shape, by NumPy's own rules.
-fn broadcast<'py>(
+/// Inputs as contiguous arrays of one shape, by NumPy's own rules.
+fn broadcast<'py, const N: usize>(
     py: Python<'py>,
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-) -> PyResult<Pair<'py>> {
+    inputs: [&Bound<'py, PyAny>; N],
+) -> PyResult<[PyReadonlyArrayDyn<'py, f64>; N]> {
     let numpy = py.import("numpy")?;
-    let both = numpy.call_method1("broadcast_arrays", (a, b))?;
+    let inputs = PyTuple::new(py, inputs)?;
+    let all = numpy.call_method1("broadcast_arrays", inputs)?;
     // In C order, which a broadcast array's own order need not be.
     let order = [("order", "C")].into_py_dict(py)?;
-    let contiguous = |index: usize| -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-        let input = (both.get_item(index)?, "float64");
+    let mut arrays = Vec::with_capacity(N);
+    for index in 0..N {
+        let input = (all.get_item(index)?, "float64");
         let array = numpy.call_method("array", input, Some(&order))?;
-        array.extract()
-    };
-    Ok((contiguous(0)?, contiguous(1)?))
+        arrays.push(array.extract()?);
+    }
+    arrays
+        .try_into()
+        .map_err(|_| InputError::new_err("arrays that cannot be broadcast"))
 }

@@ -102,3 +102,23 @@ def test_an_exception_of_the_progress_keeps_the_points_done(table_file, tmp_path
     assert any((tmp_path / "table.lut.points").iterdir())
     kufe.fill_table(wanted)
     assert (tmp_path / "table.lut").read_bytes() == table_file.with_suffix(".lut").read_bytes()
+
+
+def test_a_table_that_slides_is_what_slide_says(tmp_path):
+    case = PARABOLOID.replace("p_max = 0.005", "p_max = 0.05").replace("[load]", '[load]\ntilt = "fixed"')
+    case += "[sliding]\nv_mps = 20.0\nice_c = -5.0\n"
+    (tmp_path / "case.toml").write_text(case)
+    wanted = tmp_path / "table.toml"
+    axes = "fz_n = { values = [600.0, 1000.0] }\ncurvature_1pm = { values = [0.0] }\n"
+    axes += "v_mps = { values = [6.0, 25.0] }\nice_c = { values = [-9.0, -4.0] }\n"
+    wanted.write_text(f'case = "case.toml"\n[axes]\n{axes}[accuracy]\nchecks = 0\n')
+    table = kufe.fill_table(wanted)
+    assert table.values("mu").shape == (2, 1, 2, 2)
+    assert table.v_mps.tolist() == [6.0, 25.0] and table.ice_c.tolist() == [-9.0, -4.0]
+    slid = kufe.slide(kufe.Case(case), v_mps=25.0, ice_c=-4.0)
+    assert table.values("mu")[1, 0, 1, 1] == pytest.approx(slid.result["mu"], rel=1e-9)
+    mu, outside = table.lookup(1000.0, 0.0, "mu", v_mps=[6.0, 25.0, 30.0], ice_c=-4.0)
+    assert np.array_equal(mu[:2], table.values("mu")[1, 0, :, 1])
+    assert outside.tolist() == [False, False, True]
+    with pytest.raises(kufe.InputError, match="v_mps"):
+        table.lookup(1000.0, 0.0, "mu", ice_c=-4.0)

@@ -1,12 +1,15 @@
 // The page of a lookup table.
 //
-// Data: { name, fz, curvature, flush or null, rocker or null, nodes, thinned, checks: [[fz, curvature, rocker]], check_count, quantities: [{ name,
-// unit, errors: { mode: number }, values: [rocker][fz][curvature] }], solver_error, interpolation_asked, case, case_sha256, version }.
+// Data: { name, fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count, quantities: [{ name,
+// unit, errors: { mode: number }, values: [layer][fz][curvature] }], solver_error, judged, interpolation_asked, case, case_sha256, version }.
+// A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity that the errors are asked of.
 // With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
 
 const UNITS = {
   p_max: ["peak pressure", "MPa", 1e-6], p_mean: ["mean pressure", "MPa", 1e-6], area: ["contact area", "mm\u00b2", 1e6],
   length: ["contact length", "mm", 1e3], width: ["contact width", "mm", 1e3], approach: ["approach", "\u00b5m", 1e6],
+  mu: ["coefficient of friction", "10\u207b\u00b3", 1e3], mu_ploughing: ["friction of ploughing", "10\u207b\u00b3", 1e3], mu_viscous: ["friction of the melt film", "10\u207b\u00b3", 1e3],
+  groove_depth: ["depth of the groove", "\u00b5m", 1e6], film_mean: ["mean thickness of the film", "\u00b5m", 1e6],
 };
 
 function tablePage(main, data) {
@@ -15,29 +18,31 @@ function tablePage(main, data) {
   const space = stage("the quantity over force and curvature; drag to turn, scroll to come closer");
   const readout = el("output", { class: "readout", id: "readout" }, "");
   const quantity = el("select", { id: "quantity", onchange: () => draw() }, data.quantities.map((q, k) => el("option", { value: k }, UNITS[q.name]?.[0] ?? q.name)));
-  const rocker = el("select", { onchange: () => draw() }, (data.rocker ?? [0]).map((radius, k) => el("option", { value: k }, `${plain(radius)} m`)));
+  const layer = el("select", { onchange: () => draw() }, (data.layers ?? [""]).map((name, k) => el("option", { value: k }, name)));
+  const judged = data.quantities.findIndex((q) => q.name === data.judged), ofJudged = data.judged === "mu" ? "friction" : "peak";
+  quantity.value = judged;
   const overForce = chart(), overCurvature = chart();
   const map = heatMap((x, y) => say(x, y));
   const fact = (text) => el("p", { class: "soft" }, text);
   const percent = (value) => (value === null || value === undefined ? "not measured" : `${figure(100 * value, 2)} %`);
   main.replaceChildren(
-    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.rocker ? " and rocker radius" : ""}.`)),
+    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.layers ? `, ${data.layered}` : ""}.`)),
     el("ul", { class: "figures" }, figures([
       [`${plain(data.fz[0])} to ${plain(data.fz[data.fz.length - 1])} N`, `normal force, ${data.fz.length} breakpoints`],
       [`${figure(ends[0], 3)} to ${figure(ends[1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],
-      [percent(data.solver_error), "largest solver error of the peak"],
-      [percent(data.quantities[0].errors.smooth), `largest smooth interpolation error, at ${data.check_count} solves between nodes`],
-      [percent(data.quantities[0].errors.bilinear), "the same, bilinear"],
+      [percent(data.solver_error), `largest solver error of the ${ofJudged}`],
+      [percent(data.quantities[judged].errors.smooth), `largest smooth interpolation error, at ${data.check_count} solves between nodes`],
+      [percent(data.quantities[judged].errors.bilinear), "the same, bilinear"],
     ])),
     data.thinned ? el("p", { class: "warning" }, "The table is finer than this page, which carries some of its breakpoints only.") : "",
-    el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "quantity", quantity), el("label", { hidden: !data.rocker }, "rocker radius", rocker)),
+    el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "quantity", quantity), el("label", { hidden: !data.layers }, data.layered, layer)),
     el("div", { class: "panels" },
       panel("Surface", space.box),
       panel("Map", map.box, readout, fact(`Between breakpoints (dots) values are bilinear here${data.flush ? " over reduced curvature" : ""}, as in Simulink's n-D lookup table.`)),
       panel("Over normal force", overForce.box),
       panel("Over track curvature", overCurvature.box),
       panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [UNITS[q.name]?.[0] ?? q.name, percent(q.errors.smooth), percent(q.errors.bilinear)])),
-        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_asked ? `; asked of the peak: ${percent(data.interpolation_asked)}` : ""}.`)),
+        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_asked ? `; asked of the ${ofJudged}: ${percent(data.interpolation_asked)}` : ""}.`)),
       panel("The case", caseOf(data.case, [["sha256 of case and hull", data.case_sha256], ["made by", `kufe ${data.version}`]]))),
   );
 
@@ -50,7 +55,7 @@ function tablePage(main, data) {
   const unitOf = () => UNITS[data.quantities[quantity.value].name] ?? [data.quantities[quantity.value].name, data.quantities[quantity.value].unit, 1];
 
   function draw() {
-    const [title, unit, times] = unitOf(), values = data.quantities[quantity.value].values[rocker.value];
+    const [title, unit, times] = unitOf(), values = data.quantities[quantity.value].values[layer.value];
     const all = values.flat().map((value) => times * value), [low, high] = [Math.min(...all), Math.max(...all)];
     const held = (fz) => Math.min(Math.max(fz, data.fz[0]), data.fz[data.fz.length - 1]), inTable = between(data.fz, data.curvature, values);
     at = (fz, curvature) => inTable(fz, reduced(held(fz), curvature));

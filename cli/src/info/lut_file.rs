@@ -11,29 +11,31 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
     let table = read_table(path)?;
     let told = |error| Failure::BadInput(format!("{}: {error}", path.display()));
     let mut quantities = Map::new();
-    for quantity in Quantity::ALL {
+    for &quantity in table.quantities() {
         quantities.insert(
             quantity.key().into(),
             figures(&table, quantity).map_err(told)?,
         );
     }
     let mut axes = Map::new();
-    axes.insert("fz_n".into(), axis(table.axes().fz()));
     let range = table.axes().curvature_range(table.axes().fz()[0]);
     axes.insert(
         "curvature_1pm".into(),
         json!({ "points": table.axes().curvature().len(), "from": range[0], "to": range[1] }),
     );
-    if let Some(radii) = table.axes().rocker_radius() {
-        axes.insert("rocker_radius_m".into(), axis(radii));
+    for (name, _, values) in table.axes().named() {
+        if !name.ends_with("curvature_1pm") && name != "reduced_curvature" {
+            axes.insert(name.into(), axis(values));
+        }
     }
+    let solver = format!("solver_error_{}", table.judged().name());
     Ok(json!({
         "kind": "lookup table",
         "axes": axes,
         "quantities": quantities,
         "nodes": table.nodes().len(),
         "checks": table.checks().len(),
-        "solver_error_p_max": table.solver_error(),
+        solver: table.solver_error(),
         "interpolation_asked": table.interpolation_asked,
         "case_sha256": table.case_sha256,
         "version": table.version,
@@ -46,7 +48,7 @@ fn axis(values: &[f64]) -> Value {
 
 /// Smallest and largest value, and the largest relative error of each mode where there are checks.
 fn figures(table: &Table, quantity: Quantity) -> Result<Value, kufe_lut::Error> {
-    let values = || table.nodes().iter().map(|node| node.get(quantity));
+    let values = || table.nodes().iter().filter_map(|node| node.get(quantity));
     let mut figures = Map::new();
     figures.insert("min".into(), values().fold(f64::INFINITY, f64::min).into());
     figures.insert(

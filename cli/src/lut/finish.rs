@@ -39,7 +39,7 @@ pub fn finish(
         for path in &written {
             say(&format!("{}\n", path.display()));
         }
-        say(&format!("{}\n", in_words(&summary)));
+        say(&format!("{}\n", in_words(&summary, swept.table.judged())));
     }
     let interpolation = swept.shortfall.as_ref().map(ToString::to_string);
     let reasons: Vec<String> = interpolation
@@ -58,6 +58,11 @@ pub fn finish(
 
 /// How many solves stayed short of the solver's tolerance, and the worst.
 fn short_of(table: &Table, tolerance: f64) -> Option<String> {
+    // The film's own error stands beside that of the groove, which the tolerance is asked of.
+    let allowed = match table.is_sliding() {
+        true => 2.0 * tolerance,
+        false => tolerance,
+    };
     let nodes = table.axes().points();
     let nodes = nodes.iter().zip(table.nodes());
     let checks = table
@@ -66,59 +71,78 @@ fn short_of(table: &Table, tolerance: f64) -> Option<String> {
         .map(|check| (&check.point, &check.solved));
     let short: Vec<(&Point, f64)> = nodes
         .chain(checks)
-        .map(|(point, solved)| (point, solved.p_max_error.abs() / solved.p_max.abs()))
-        .filter(|(_, error)| *error > tolerance)
+        .map(|(point, solved)| (point, solved.relative_error()))
+        .filter(|(_, error)| *error > allowed)
         .collect();
     let worst = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!(
-        "{} solves stayed short of the peak pressure's tolerance of {tolerance:.2e}, the worst with an estimated error of \
+        "{} solves stayed short of the {}'s tolerance of {allowed:.2e}, the worst with an estimated error of \
          {:.2e} at {}",
         short.len(),
+        in_a_sentence(table.judged()),
         worst.1,
         worst.0
     ))
 }
 
+fn in_a_sentence(judged: Quantity) -> &'static str {
+    match judged {
+        Quantity::PMax => "peak pressure",
+        _ => "coefficient of friction",
+    }
+}
+
 fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
     let error = |mode| {
-        let measured = table.interpolation_error(Quantity::PMax, mode);
+        let measured = table.interpolation_error(table.judged(), mode);
         let measured = measured.map_err(Failure::bad_input)?;
         Ok::<_, Failure>(measured.map(|measured| measured.max))
     };
+    let solver = format!("solver_{}", table.judged().name());
     Ok(json!({
         "nodes": table.nodes().len(),
         "fz_values": table.axes().fz().len(),
         "curvature_values": table.axes().curvature().len(),
         "rocker_radius_values": table.axes().rocker_radius().map(<[f64]>::len),
+        "v_values": table.axes().speed().map(<[f64]>::len),
+        "ice_values": table.axes().ice_c().map(<[f64]>::len),
         "checks": table.checks().len(),
         "interpolation_asked": table.interpolation_asked,
         "interpolation_smooth": error(Mode::Smooth)?,
         "interpolation_bilinear": error(Mode::Bilinear)?,
-        "solver_p_max": table.solver_error(),
+        solver: table.solver_error(),
         "solves": spent.solves,
         "seconds": spent.seconds,
         "version": table.version,
     }))
 }
 
-fn in_words(summary: &Value) -> String {
+fn in_words(summary: &Value, judged: Quantity) -> String {
     let percent = |key: &str| match summary[key].as_f64() {
         Some(value) => format!("{:.3} %", 100.0 * value),
         None => "not measured".into(),
     };
-    let rocker = match summary["rocker_radius_values"].as_u64() {
-        Some(n) => format!(" x {n}"),
-        None => String::new(),
-    };
+    let (mut sizes, mut names) = (String::new(), String::from("force x curvature"));
+    for (key, name) in [
+        ("rocker_radius_values", "rocker radius"),
+        ("v_values", "speed"),
+        ("ice_values", "ice temperature"),
+    ] {
+        if let Some(n) = summary[key].as_u64() {
+            sizes += &format!(" x {n}");
+            names += &format!(" x {name}");
+        }
+    }
     format!(
-        "  nodes                 {} x {}{rocker} (force x curvature), {} checks between them\n  \
-         solver error          {} of the peak pressure, estimated\n  \
+        "  nodes                 {} x {}{sizes} ({names}), {} checks between them\n  \
+         solver error          {} of the {}, estimated\n  \
          interpolation error   {} smooth, {} bilinear, measured at the checks\n  \
          time                  {:.1} s for {} solves",
         summary["fz_values"],
         summary["curvature_values"],
         summary["checks"],
-        percent("solver_p_max"),
+        percent(&format!("solver_{}", judged.name())),
+        in_a_sentence(judged),
         percent("interpolation_smooth"),
         percent("interpolation_bilinear"),
         summary["seconds"].as_f64().unwrap_or(0.0),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Looked, Lookup, MIN_SPEED, Mode, Quantity, Table, curvature_from_pitch};
+use kufe_lut::{Layered, Looked, MIN_SPEED, Mode, Quantity, Table, curvature_from_pitch};
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;
@@ -37,14 +37,12 @@ pub struct Args {
         requires = "v"
     )]
     pub pitch_rate: Option<f64>,
-    /// Speed, with --pitch-rate [m/s]
-    #[arg(
-        long,
-        value_name = "M_PER_S",
-        allow_hyphen_values = true,
-        requires = "pitch_rate"
-    )]
+    /// Speed, with --pitch-rate and where the table has that axis [m/s]
+    #[arg(long, value_name = "M_PER_S", allow_hyphen_values = true)]
     pub v: Option<f64>,
+    /// Temperature of the ice, where the table has that axis [C]
+    #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
+    pub ice: Option<f64>,
     /// Rocker radius, where the table has that axis [m]
     #[arg(long, value_name = "METRES")]
     pub rocker: Option<f64>,
@@ -98,44 +96,78 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ModeWord::Smooth => Mode::Smooth,
         ModeWord::Bilinear => Mode::Bilinear,
     };
+    let further = [
+        ("speed", "--v", args.v, table.axes().speed()),
+        (
+            "temperature of the ice",
+            "--ice",
+            args.ice,
+            table.axes().ice_c(),
+        ),
+    ];
+    for (name, option, value, axis) in further {
+        if axis.is_some() && value.is_none_or(f64::is_nan) {
+            return Err(Failure::Usage(format!(
+                "which {name}? the table has that axis: give {option}"
+            )));
+        }
+    }
+    let [v, ice_c] = [args.v, args.ice].map(|value| value.unwrap_or(f64::NAN));
     let mut answer = Map::new();
     let mut out_of_range = false;
-    for quantity in Quantity::ALL {
-        let lookup = Lookup::with_rocker(&table, quantity, mode, args.rocker).map_err(told)?;
+    for &quantity in table.quantities() {
+        let lookup = Layered::new(&table, quantity, mode, args.rocker).map_err(told)?;
         let Looked {
             value,
             out_of_range: outside,
-        } = lookup.at(args.fz, curvature);
+        } = lookup.at(args.fz, curvature, v, ice_c);
         out_of_range |= outside;
         answer.insert(quantity.key().into(), json!(value));
         let error = relative_error(&table, quantity, mode).map_err(told)?;
-        answer.insert(error_key(quantity), json!(error.map(|e| (e * value).abs())));
+        answer.insert(
+            error_key(&table, quantity),
+            json!(error.map(|e| (e * value).abs())),
+        );
     }
     answer.insert("fz_n".into(), json!(args.fz));
     answer.insert("curvature_1pm".into(), json!(curvature));
+    if table.axes().speed().is_some() {
+        answer.insert("v_mps".into(), json!(v));
+    }
+    if table.axes().ice_c().is_some() {
+        answer.insert("ice_c".into(), json!(ice_c));
+    }
     answer.insert("mode".into(), json!(mode.name()));
     answer.insert("out_of_range".into(), json!(out_of_range));
     answer.insert("version".into(), json!(table.version));
     if global.json {
         say(&format!("{:#}\n", Value::Object(answer)));
     } else {
-        say(&in_words(&answer));
+        say(&in_words(&answer, &table));
     }
     Ok(())
 }
 
-/// The key of a quantity's error, `p_max_error_pa` beside `p_max_pa`. What is known of the others is the error of looking them
-/// up, which the key says.
-fn error_key(quantity: Quantity) -> String {
+/// The key of a quantity's error, `p_max_error_pa` beside `p_max_pa`. What is known of those that are not judged is the error of
+/// looking them up, which the key says.
+fn error_key(table: &Table, quantity: Quantity) -> String {
     let key = quantity.key();
-    let (name, unit) = key.rsplit_once('_').unwrap_or((key, ""));
-    match quantity {
-        Quantity::PMax => format!("{name}_error_{unit}"),
-        _ => format!("{name}_interpolation_error_{unit}"),
+    let (name, unit) = match quantity.unit() {
+        "1" => (key, String::new()),
+        _ => key
+            .rsplit_once('_')
+            .map_or((key, String::new()), |(name, unit)| {
+                (name, format!("_{unit}"))
+            }),
+    };
+    if quantity == table.judged() {
+        format!("{name}_error{unit}")
+    } else {
+        format!("{name}_interpolation_error{unit}")
     }
 }
 
-/// The largest interpolation error measured, relative, and for the peak pressure the solver's largest estimated one; `None` where
+/// The largest interpolation error measured, relative, and for what is judged the solver's largest estimated one; `None` where
 /// none was measured.
 fn relative_error(
     table: &Table,
@@ -143,32 +175,43 @@ fn relative_error(
     mode: Mode,
 ) -> Result<Option<f64>, kufe_lut::Error> {
     let measured = table.interpolation_error(quantity, mode)?;
-    Ok(match quantity {
-        Quantity::PMax => Some(table.solver_error() + measured.map_or(0.0, |m| m.max)),
-        _ => measured.map(|m| m.max),
+    Ok(if quantity == table.judged() {
+        Some(table.solver_error() + measured.map_or(0.0, |m| m.max))
+    } else {
+        measured.map(|m| m.max)
     })
 }
 
-fn in_words(answer: &Map<String, Value>) -> String {
-    let number = |key: &str| answer[key].as_f64().unwrap_or(f64::NAN);
-    let row = |name: &str, quantity: Quantity, scale: f64, digits: usize, unit: &str| {
-        let error = match answer[&error_key(quantity)].as_f64() {
+/// Name, scale, digits and unit of a quantity for reading.
+fn shown(quantity: Quantity) -> (&'static str, f64, usize, &'static str) {
+    match quantity {
+        Quantity::PMax => ("peak pressure", 1e-6, 2, "MPa"),
+        Quantity::PMean => ("mean pressure", 1e-6, 2, "MPa"),
+        Quantity::Area => ("contact area", 1e6, 4, "mm2"),
+        Quantity::Length => ("length", 1e3, 2, "mm"),
+        Quantity::Width => ("width", 1e3, 4, "mm"),
+        Quantity::Approach => ("approach", 1e6, 3, "um"),
+        Quantity::Mu => ("friction mu", 1e3, 4, "1e-3"),
+        Quantity::MuPloughing => ("  of ploughing", 1e3, 4, "1e-3"),
+        Quantity::MuViscous => ("  of the film", 1e3, 4, "1e-3"),
+        Quantity::GrooveDepth => ("groove", 1e6, 2, "um deep"),
+        Quantity::FilmMean => ("film, mean", 1e6, 4, "um"),
+    }
+}
+
+fn in_words(answer: &Map<String, Value>, table: &Table) -> String {
+    let mut text = String::new();
+    for &quantity in table.quantities() {
+        let (name, scale, digits, unit) = shown(quantity);
+        let error = match answer[&error_key(table, quantity)].as_f64() {
             Some(error) => format!(" (+- {:.digits$})", scale * error),
             None => String::new(),
         };
-        let value = scale * number(quantity.key());
-        format!("{name:<15} {value:.digits$} {unit}{error}\n")
-    };
-    let mut text = [
-        row("peak pressure", Quantity::PMax, 1e-6, 2, "MPa"),
-        row("mean pressure", Quantity::PMean, 1e-6, 2, "MPa"),
-        row("contact area", Quantity::Area, 1e6, 4, "mm2"),
-        row("length", Quantity::Length, 1e3, 2, "mm"),
-        row("width", Quantity::Width, 1e3, 4, "mm"),
-        row("approach", Quantity::Approach, 1e6, 3, "um"),
-    ]
-    .concat();
-    text += "in brackets: interpolation, and the solver's error too for the peak pressure\n";
+        let value = scale * answer[quantity.key()].as_f64().unwrap_or(f64::NAN);
+        text += &format!("{name:<15} {value:.digits$} {unit}{error}\n");
+    }
+    let judged = shown(table.judged()).0;
+    text += &format!("in brackets: interpolation, and the solver's error too for the {judged}\n");
     if answer["out_of_range"] == json!(true) {
         text += "outside the table: clipped to its nearest value\n";
     }

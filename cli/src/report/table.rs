@@ -7,8 +7,8 @@ use kufe_lut::{Axes, Flush, Mode, Quantity, Table};
 use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
-/// Most breakpoints of an axis that the page carries; a longer axis is thinned.
-const MOST: [usize; 3] = [60, 60, 8];
+/// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page carries; more are thinned.
+const MOST: [usize; 3] = [60, 60, 30];
 
 /// The page of a `.lut` file.
 pub fn page(path: &Path) -> Result<String, Failure> {
@@ -24,12 +24,13 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
     let taken = [
         thinned(axes.fz().len(), MOST[0]),
         thinned(axes.curvature().len(), MOST[1]),
-        thinned(axes.rockers(), MOST[2]),
+        thinned(axes.layers(), MOST[2]),
     ];
     let pick =
         |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let layers = layers(axes, &taken[2]);
     let mut quantities = Vec::new();
-    for quantity in Quantity::ALL {
+    for &quantity in table.quantities() {
         let mut errors = serde_json::Map::new();
         for mode in Mode::ALL {
             let measured = table.interpolation_error(quantity, mode)?;
@@ -47,15 +48,14 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
         "fz": pick(axes.fz(), &taken[0]),
         "curvature": pick(axes.curvature(), &taken[1]),
         "flush": axes.flush().map(Flush::numbers),
-        "rocker": axes.rocker_radius().map(|radii| pick(radii, &taken[2])),
+        "layers": layers.as_ref().map(|(_, names)| names),
+        "layered": layers.as_ref().map(|(axes, _)| axes),
         "thinned": table.nodes().len() > taken.iter().map(Vec::len).product(),
         "nodes": table.nodes().len(),
-        "checks": table.checks().iter().map(|check| {
-            [check.point.fz, check.point.curvature, check.point.rocker_radius.unwrap_or(0.0)]
-        }).take(2000).collect::<Vec<_>>(),
         "check_count": table.checks().len(),
         "quantities": quantities,
         "solver_error": table.solver_error(),
+        "judged": table.judged().name(),
         "interpolation_asked": table.interpolation_asked,
         "case": table.case,
         "case_sha256": table.case_sha256,
@@ -63,12 +63,38 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
     }))
 }
 
-/// Values by force, curvature and rocker.
+/// What the axes beyond force and curvature are called, and each of their combinations that is taken.
+fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
+    let named = [
+        ("rocker radius", "m", axes.rocker_radius()),
+        ("speed", "m/s", axes.speed()),
+        ("ice", "C", axes.ice_c()),
+    ];
+    let there = named.into_iter().filter(|(_, _, axis)| axis.is_some());
+    let titles: Vec<&str> = there.map(|(title, _, _)| title).collect();
+    let first = axes.points();
+    let name = |&k: &usize| {
+        let point = first[k];
+        let values = [
+            (point.rocker_radius, "m"),
+            (point.speed, "m/s"),
+            (point.ice_c, "C"),
+        ];
+        let texts = values
+            .into_iter()
+            .filter_map(|(value, unit)| Some(format!("{} {unit}", value?)));
+        texts.collect::<Vec<_>>().join(", ")
+    };
+    let names = taken.iter().map(name).collect();
+    (!titles.is_empty()).then(|| (titles.join(", "), names))
+}
+
+/// Values by layer, force and curvature.
 fn values(table: &Table, axes: &Axes, quantity: Quantity, taken: &[Vec<usize>; 3]) -> Value {
-    let [forces, curvatures, rockers] = taken;
+    let [forces, curvatures, layers] = taken;
     let at = |i: usize, j: usize, k: usize| table.nodes()[axes.node(i, j, k)].get(quantity);
     json!(
-        rockers
+        layers
             .iter()
             .map(|&k| {
                 forces
@@ -76,7 +102,7 @@ fn values(table: &Table, axes: &Axes, quantity: Quantity, taken: &[Vec<usize>; 3
                     .map(|&i| curvatures.iter().map(|&j| at(i, j, k)).collect())
                     .collect()
             })
-            .collect::<Vec<Vec<Vec<f64>>>>()
+            .collect::<Vec<Vec<Vec<Option<f64>>>>>()
     )
 }
 

@@ -62,6 +62,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "groups": groups,
         "interval": "95 % of the mean, bootstrap over runs",
         "left_out": loaded.left_out,
+        "outside_tables": loaded.outside_tables,
         "version": env!("CARGO_PKG_VERSION"),
     });
     staging.write("evaluation.json", |mut file| writeln!(file, "{document:#}"))?;

@@ -82,12 +82,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         vehicle,
         prepared,
         left_out,
+        outside_tables,
     } = args.runs.load(global, |_| true)?;
     let bar = global.progress();
     bar.set_message("fitting");
     let fit = kufe_sled::fit(&prepared, &vehicle, &options).map_err(|error| failure(&error))?;
     let mut document = fit.to_json();
     document["left_out"] = left_out.into();
+    document["outside_tables"] = serde_json::json!(outside_tables);
     staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;
     let fitted = fit.applied_to(&model);
     staging.write("model.fit.toml", |mut file| {

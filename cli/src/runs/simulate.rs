@@ -7,8 +7,9 @@ use kufe_jobs::{Failure, runs::failure};
 use kufe_sled::plots::run_picture;
 use kufe_sled::sample_data::{DRIVERS, drive_sample, sample_driver, sample_plan, sample_track};
 use kufe_sled::{
-    Conditions, Driver, EnergyBalance, Model, PrepareOptions, Run, RunFormat, SimulateOptions,
-    Track, TrackShape, Vehicle, prepare, record, simulate, simulated_entry, write_index, write_run,
+    Conditions, Driver, EnergyBalance, Model, OutsideTable, PrepareOptions, Run, RunFormat,
+    SimulateOptions, Track, TrackShape, Vehicle, outside_tables, prepare, record, simulate,
+    simulated_entry, write_index, write_run,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -16,6 +17,7 @@ use serde_json::{Value, json};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
+use crate::output::watched::warn;
 use crate::runs::recorded::begin;
 
 const EXAMPLES: &str = "\
@@ -127,7 +129,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
     let bar = global.progress();
     bar.set_message(format!("driving {} runs", args.runs));
     let start = std::time::Instant::now();
-    let driven: Vec<(Run, EnergyBalance, bool)> = (0..args.runs)
+    let driven: Vec<(Run, EnergyBalance, bool, Vec<OutsideTable>)> = (0..args.runs)
         .into_par_iter()
         .map(|number| {
             let options = SimulateOptions {
@@ -145,7 +147,9 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
             entry.session.clone_from(&args.session);
             let noise = model.noise.as_ref().filter(|_| !args.no_noise);
             let run = record(&simulated, &vehicle, noise, entry, options.seed);
-            Ok((run, simulated.energy, simulated.finished))
+            let states = simulated.instants.iter().map(|instant| &instant.state);
+            let outside = outside_tables(&vehicle, states);
+            Ok((run, simulated.energy, simulated.finished, outside))
         })
         .collect::<Vec<_>>()
         .into_iter()
@@ -158,7 +162,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
         .sum();
     let mut runs: Vec<Run> = Vec::new();
     let mut told_runs: Vec<Value> = Vec::new();
-    for (number, (run, energy, finished)) in driven.into_iter().enumerate() {
+    for (number, (run, energy, finished, outside)) in driven.into_iter().enumerate() {
         told_runs.push(json!({
             "run": run.entry.run,
             "seed": args.seed.wrapping_add(number as u64),
@@ -168,7 +172,11 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
             "gravity_j": energy.gravity_j,
             "ice_j": energy.ice_j,
             "air_j": energy.air_j,
+            "outside_tables": outside,
         }));
+        for outside in outside {
+            warn(&format!("{}: {outside}", run.entry.run));
+        }
         runs.push(run);
     }
     let document = json!({

@@ -85,6 +85,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "tracks": tracks,
         "left_out_as_fitted": fitted,
         "left_out": loaded.left_out,
+        "outside_tables": loaded.outside_tables,
         "version": env!("CARGO_PKG_VERSION"),
     });
     staging.write("validation.json", |mut file| writeln!(file, "{document:#}"))?;

@@ -163,8 +163,8 @@ pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
 
 /// The keys of `[friction.longitudinal]` as they stand in a model file.
 ///
-/// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`. The paths of the pressure
-/// tables are carried along and left to who opens them.
+/// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`, or tables of mu alone with optionally
+/// `zeta`. The paths of the tables are carried along and left to who opens them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LongitudinalKeys {
@@ -183,28 +183,44 @@ pub struct LongitudinalKeys {
     /// Largest coefficient of friction, dimensionless; 0.007 where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_cap: Option<f64>,
-    /// Asperity factor; 1 where absent.
+    /// Asperity factor, of tables of mu too; 1 where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta: Option<f64>,
     /// What the asperity factor multiplies; the coefficient where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta_acts_on: Option<ZetaActsOn>,
-    /// Lookup table of the front runner's pressure, a path.
+    /// Lookup table of the front runner's pressure or, without `mu` and the quadratic, of its mu, a path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub front_table: Option<String>,
-    /// Lookup table of the rear runner's pressure, a path.
+    /// As `front_table`, of the rear runner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rear_table: Option<String>,
 }
 
 impl LongitudinalKeys {
-    /// The model the keys state.
+    /// The factor on mu where that is looked up in the tables: no other key states a law.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a factor that is not positive.
+    pub fn tabled(&self) -> Result<Option<f64>, Error> {
+        let stated = [self.mu, self.b, self.c, self.d, self.mu_cap];
+        let law = stated.iter().any(Option::is_some) || self.zeta_acts_on.is_some();
+        if law || (self.front_table.is_none() && self.rear_table.is_none()) {
+            return Ok(None);
+        }
+        let zeta = self.zeta.unwrap_or(1.0);
+        in_range("zeta", zeta, zeta > 0.0, "a positive number")?;
+        Ok(Some(zeta))
+    }
+
+    /// The model the keys state, where it is not [tabled](Self::tabled).
     ///
     /// # Errors
     /// [`Error::KeysExclude`] where `mu` stands beside a key of the quadratic, [`Error::MissingKey`] where the
     /// quadratic is incomplete, [`Error::OutOfRange`] for numbers no friction has.
     pub fn model(&self) -> Result<Longitudinal, Error> {
-        const EITHER: &str = "either mu, or b, c, d and mu_cap";
+        const EITHER: &str =
+            "either mu, or b, c, d and mu_cap, or front_table and rear_table of mu";
         let quadratic = [
             ("b", self.b.is_some()),
             ("c", self.c.is_some()),

@@ -91,7 +91,7 @@ pub fn friction_table(
 }
 
 /// The case at one speed and temperature; where the ice's elasticity follows from its temperature it follows this one.
-fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCase, Failure> {
+pub(crate) fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCase, Failure> {
     let mut loaded = loaded.clone();
     let own = loaded.case.sliding.take();
     loaded.case.sliding = Some(match own {

@@ -2,6 +2,7 @@
 
 mod fill;
 mod read;
+mod slide;
 mod solver;
 mod wanted;
 

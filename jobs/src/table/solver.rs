@@ -3,18 +3,19 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kufe_case::{Case, CaseError, FittedHull, StatedProblem, TrackTable};
-use kufe_contact::{Load, Options, Problem, Solution};
+use kufe_case::{Case, CaseError, FittedHull, TrackTable};
+use kufe_contact::{Load, Options, Problem, Runner, Solution};
 use kufe_lut::{Origin, Point, Solved, Spacing, Store, SweepError, sha256};
 
 use crate::case_file::LoadedCase;
 use crate::case_json::case_json;
 use crate::failure::Failure;
+use crate::slide::at;
 use crate::table::wanted::Wanted;
 use crate::watch::Watch;
 
 /// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
-const LARGEST_ERROR: f64 = 0.2;
+pub(crate) const LARGEST_ERROR: f64 = 0.2;
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
@@ -28,17 +29,18 @@ pub enum SolveError {
     /// The case at this point is no case.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// The hull is too coarse for the load there.
+    /// The hull is too coarse for the load there, or no groove or film is had.
     #[error(transparent)]
-    Hull(Failure),
+    Failed(#[from] Failure),
 }
 
 /// Solves points of one case.
 pub struct Solver {
-    loaded: LoadedCase,
-    base: Problem,
-    hull: Option<FittedHull>,
-    tolerance: f64,
+    pub(crate) loaded: LoadedCase,
+    pub(crate) base: Problem,
+    pub(crate) runner: Runner,
+    pub(crate) hull: Option<FittedHull>,
+    pub(crate) tolerance: f64,
     content: String,
 }
 
@@ -59,12 +61,19 @@ impl Solver {
                 wanted.case.display()
             )));
         }
+        if wanted.plan.is_sliding() && loaded.case.sliding.is_none() {
+            return Err(Failure::BadInput(format!(
+                "{}: axes: {} has no [sliding]: expected a runner that slides where an axis is v_mps or ice_c",
+                wanted.path.display(),
+                wanted.case.display()
+            )));
+        }
         check_axes(wanted, &loaded)?;
         let content = loaded.content()?;
-        let StatedProblem {
-            problem: base,
-            hull,
-        } = loaded.stated()?;
+        let named = |error: CaseError| Failure::BadInput(format!("{}: {error}", loaded.name));
+        let (runner, hull) = loaded.case.runner(&loaded.base).map_err(named)?;
+        let base = loaded.case.problem_of(runner.clone(), &loaded.base);
+        let base = base.map_err(named)?;
         for warning in loaded.hull_warnings(hull.as_ref()) {
             watch.warn(&warning);
         }
@@ -78,6 +87,7 @@ impl Solver {
             tolerance: wanted.p_max.unwrap_or(asked),
             loaded,
             base,
+            runner,
             hull,
             content,
         })
@@ -117,6 +127,9 @@ impl Solver {
         if let Some(section) = &mut case.runner.section {
             section.profile = None;
         }
+        if let Some(sliding) = &mut case.sliding {
+            sliding.previous = None;
+        }
         let marks = format!("{}\n{}", case_json(&case), self.content);
         Origin {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -124,7 +137,16 @@ impl Solver {
         }
     }
 
-    fn solve(&self, point: &Point, watch: &Watch) -> Result<Solved, SolveError> {
+    /// Points that differ in speed alone.
+    fn solve(&self, points: &[Point], watch: &Watch) -> Vec<Result<Solved, SolveError>> {
+        if self.loaded.case.sliding.is_some() {
+            return self.slide(points, watch);
+        }
+        let solved = points.iter().map(|point| self.press(point, watch));
+        solved.collect()
+    }
+
+    fn press(&self, point: &Point, watch: &Watch) -> Result<Solved, SolveError> {
         if watch.stopped() {
             return Err(SolveError::Interrupted);
         }
@@ -141,18 +163,8 @@ impl Solver {
             ..self.loaded.case.options()
         };
         let solution = best(&problem, &options)?;
-        self.loaded
-            .fine_enough(self.hull.as_ref(), &solution)
-            .map_err(SolveError::Hull)?;
-        Ok(Solved {
-            p_max: solution.p_max,
-            p_max_error: solution.p_max_error,
-            p_mean: solution.p_mean,
-            area: solution.area,
-            length: solution.length,
-            width: solution.width,
-            approach: solution.approach,
-        })
+        self.loaded.fine_enough(self.hull.as_ref(), &solution)?;
+        Ok(figures(&solution))
     }
 
     /// Solves what a store lacks of these points, telling how far it is; returns how many were solved.
@@ -169,10 +181,10 @@ impl Solver {
         let solved = AtomicUsize::new(0);
         let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
         show(0);
-        let done = kufe_lut::solve_missing(store, points, |point| {
-            let result = self.solve(point, watch)?;
-            show(solved.fetch_add(1, Ordering::Relaxed) + 1);
-            Ok(result)
+        let done = kufe_lut::solve_missing(store, points, |group| {
+            let results = self.solve(group, watch);
+            show(solved.fetch_add(results.len(), Ordering::Relaxed) + results.len());
+            results
         });
         let done = done.map_err(|error| self.failure(store, error))?;
         for damage in &done.repaired {
@@ -193,11 +205,11 @@ impl Solver {
             SweepError::Solve {
                 point,
                 source: SolveError::Contact(error),
-            } => at(&point, self.loaded.failure(&error)),
+            } => at_point(&point, self.loaded.failure(&error)),
             SweepError::Solve {
                 point,
-                source: SolveError::Hull(failure),
-            } => at(&point, failure),
+                source: SolveError::Failed(failure),
+            } => at_point(&point, failure),
             other => Failure::bad_input(other),
         }
     }
@@ -231,11 +243,27 @@ fn check_axes(wanted: &Wanted, loaded: &LoadedCase) -> Result<(), Failure> {
     for radius in plan.rocker_radius.iter().flat_map(ends) {
         checked("rocker_radius_m", with_rocker(&loaded.case, radius))?;
     }
+    let Some(sliding) = &loaded.case.sliding else {
+        return Ok(());
+    };
+    let told = |key: &str, slides: Result<LoadedCase, Failure>| match slides {
+        Ok(_) => Ok(()),
+        Err(failure) => Err(Failure::BadInput(format!(
+            "{}: axes.{key}: {failure}",
+            wanted.path.display()
+        ))),
+    };
+    for speed in plan.speed.iter().flat_map(ends) {
+        told("v_mps", at(loaded, speed, sliding.ice_c))?;
+    }
+    for ice_c in plan.ice_c.iter().flat_map(ends) {
+        told("ice_c", at(loaded, sliding.v_mps, ice_c))?;
+    }
     Ok(())
 }
 
 /// A failure with the point that it happened at.
-fn at(point: &Point, failure: Failure) -> Failure {
+fn at_point(point: &Point, failure: Failure) -> Failure {
     match failure {
         Failure::NotConverged(text) => Failure::NotConverged(format!("{text}, at {point}")),
         Failure::BadInput(text) => Failure::BadInput(format!("{text}, at {point}")),
@@ -257,7 +285,21 @@ fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::
     }
 }
 
-fn with_rocker(case: &Case, radius: f64) -> Case {
+/// The figures of a contact.
+pub(crate) fn figures(solution: &Solution) -> Solved {
+    Solved {
+        p_max: solution.p_max,
+        p_max_error: solution.p_max_error,
+        p_mean: solution.p_mean,
+        area: solution.area,
+        length: solution.length,
+        width: solution.width,
+        approach: solution.approach,
+        sliding: None,
+    }
+}
+
+pub(crate) fn with_rocker(case: &Case, radius: f64) -> Case {
     let mut case = case.clone();
     if let Some(shape) = &mut case.runner.shape {
         *shape.rocker_radius_m() = radius;

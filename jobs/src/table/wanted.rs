@@ -21,7 +21,7 @@ const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
 #[serde(deny_unknown_fields)]
 #[schemars(title = "table.toml")]
 struct TableToml {
-    /// The case's file; its load and track are replaced by the axes.
+    /// The case's file; its load and track, and its speed and temperature of the ice, are replaced by the axes.
     case: PathBuf,
     /// The axes.
     axes: AxesToml,
@@ -30,7 +30,7 @@ struct TableToml {
     accuracy: AccuracyToml,
 }
 
-/// Normal force, and the track as a curvature or as a radius.
+/// Normal force, and the track as a curvature or as a radius; further axes as the runner has them.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxesToml {
@@ -42,6 +42,10 @@ struct AxesToml {
     radius_m: Option<AxisToml>,
     /// Rocker radius of a parametric runner [m].
     rocker_radius_m: Option<AxisToml>,
+    /// Speed of a case with `[sliding]` [m/s].
+    v_mps: Option<AxisToml>,
+    /// Temperature of the ice of a case with `[sliding]` [C].
+    ice_c: Option<AxisToml>,
 }
 
 /// Given values, or a range that the sweep fills.
@@ -84,7 +88,7 @@ struct FlushToml {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AccuracyToml {
-    /// Relative error asked of the peak pressure between nodes of axes given as ranges.
+    /// Relative error asked of the peak pressure, or of the friction of a case that slides, between nodes of axes given as ranges.
     interpolation: Option<f64>,
     /// Which modes must be that good; both where absent.
     evaluation: Option<Evaluation>,
@@ -185,9 +189,12 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
     let mut plan = Plan::new(spacing("axes.fz_n", &file.axes.fz_n)?, curvature);
     let flush = file.axes.curvature_1pm.as_ref().and_then(|axis| axis.flush);
     plan.flush = flush.map(|flush| [flush.curvature_1pm, flush.scale_1pm_per_n]);
-    if let Some(axis) = &file.axes.rocker_radius_m {
-        plan.rocker_radius = Some(spacing("axes.rocker_radius_m", axis)?);
-    }
+    let further = |key: &str, axis: &Option<AxisToml>| {
+        axis.as_ref().map(|axis| spacing(key, axis)).transpose()
+    };
+    plan.rocker_radius = further("axes.rocker_radius_m", &file.axes.rocker_radius_m)?;
+    plan.speed = further("axes.v_mps", &file.axes.v_mps)?;
+    plan.ice_c = further("axes.ice_c", &file.axes.ice_c)?;
     let accuracy = &file.accuracy;
     if let Some(asked) = accuracy.interpolation {
         if !INTERPOLATIONS.contains(&asked) {
@@ -204,6 +211,16 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         Evaluation::Smooth => vec![Mode::Smooth],
         Evaluation::Bilinear => vec![Mode::Bilinear],
     };
+    if plan.is_sliding() && plan.is_fixed() {
+        // An eighth of the grooves, as of the nodes of a table of contacts at rest.
+        let grooves = [Some(&plan.fz), Some(&plan.curvature), plan.ice_c.as_ref()];
+        let count = |spacing: &Spacing| match spacing {
+            Spacing::Values(values) => values.len(),
+            Spacing::Range { .. } => 1,
+        };
+        let grooves: usize = grooves.into_iter().flatten().map(count).product();
+        plan.checks = grooves.div_ceil(8).max(4);
+    }
     plan.checks = within("accuracy.checks", accuracy.checks, plan.checks, 100_000)?;
     plan.max_nodes = within(
         "accuracy.max_nodes",

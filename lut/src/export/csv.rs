@@ -13,16 +13,13 @@ impl Table {
     /// [`Error::Csv`] where the writer fails.
     pub fn write_csv(&self, writer: &mut dyn Write) -> Result<(), Error> {
         let mut csv = csv::Writer::from_writer(writer);
-        let mut header = vec!["fz_n", "curvature_1pm"];
-        if self.axes().rocker_radius().is_some() {
-            header.push("rocker_radius_m");
-        }
-        header.extend(Solved::KEYS);
+        let points = self.axes().points();
+        let mut header: Vec<&str> = points[0].named().map(|(key, _)| key).collect();
+        header.extend(Solved::keys(self.is_sliding()));
         csv.write_record(&header)?;
-        for (point, node) in self.axes().points().iter().zip(self.nodes()) {
-            let mut row = vec![point.fz, point.curvature];
-            row.extend(point.rocker_radius);
-            row.extend(node.to_array());
+        for (point, node) in points.iter().zip(self.nodes()) {
+            let mut row: Vec<f64> = point.named().map(|(_, value)| value).collect();
+            row.extend(node.figures());
             // `{}` of an f64 is the shortest text that reads back as the same bits.
             csv.write_record(row.iter().map(f64::to_string))?;
         }

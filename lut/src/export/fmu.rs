@@ -10,10 +10,12 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::error::Error;
-use crate::export::header::{EVALUATION, rocker_on_axis};
-use crate::table::lookup::Lookup;
+use crate::export::header::{EVALUATION, layers, rocker_on_axis};
+use crate::export::picture::title;
+use crate::table::layered::Layered;
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
+use crate::table::place::Axis;
 use crate::table::quantity::Quantity;
 
 static LIBRARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/kufe_lut_fmu.bin"));
@@ -27,7 +29,8 @@ const INTERFACE: &str = include_str!("../../c/fmi3.h");
 
 impl Table {
     /// Writes an FMU whose inputs are `fz`, `v`, `pitch_rate` and `curvature` and whose outputs are `pressure`
-    /// (the peak pressure) and `out_of_range`.
+    /// (the peak pressure) and `out_of_range`; of a runner that slides also the input `ice_c` and the outputs `mu`,
+    /// `mu_ploughing`, `mu_viscous`, `groove_depth` and `film_mean`.
     ///
     /// The parameter `use_curvature` takes the input `curvature` instead of `-pitch_rate / v`; `smooth` chooses
     /// the mode. The unit holds a library for the platform that this crate was built on, and its sources
@@ -51,7 +54,7 @@ impl Table {
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect();
-        let mut table = b"KUFELUT1".to_vec();
+        let mut table = b"KUFELUT2".to_vec();
         table.extend(token.as_bytes());
         table.extend(&numbers);
         let mut lut = Vec::new();
@@ -82,39 +85,108 @@ impl Table {
 
     /// What follows magic and token in `resources/table.bin` (see `Head` in c/fmu.c), little-endian.
     fn fmu_numbers(&self, rocker_radius: Option<f64>) -> Result<Vec<u8>, Error> {
-        let rough = Lookup::with_rocker(self, Quantity::PMax, Mode::Bilinear, rocker_radius)?;
-        let smooth = Lookup::with_rocker(self, Quantity::PMax, Mode::Smooth, rocker_radius)?;
-        let (_, jets, logarithmic) = smooth.parts();
-        let (fz, curvature) = (self.axes().fz(), self.axes().curvature());
+        let quantities = self.fmu_quantities();
+        let axes = self.axes();
+        let mut numbers = Vec::new();
+        numbers.extend(axes.flush().iter().flat_map(|flush| flush.numbers()));
+        numbers.extend(axes.fz());
+        numbers.extend(axes.fz().iter().map(|fz| fz.ln()));
+        numbers.extend(axes.curvature());
+        let mut logarithmic = 0u32;
+        for (k, &quantity) in quantities.iter().enumerate() {
+            let layered = Layered::new(self, quantity, Mode::Smooth, rocker_radius)?;
+            if k == 0 {
+                let splines = layered.splines().into_iter().flatten();
+                numbers.extend(splines.flat_map(|spline| {
+                    let Axis { plain, scaled } = &spline.axis;
+                    [
+                        plain.clone(),
+                        scaled.clone(),
+                        spline.slopes.concat().concat(),
+                    ]
+                    .concat()
+                }));
+            }
+            logarithmic |= u32::from(layered.parts().1) << k;
+            // The plain values do not depend on the mode but at a rocker radius between breakpoints, which exports refuse.
+            let (values, jets) = layers(&layered);
+            numbers.extend(values);
+            numbers.extend(jets);
+        }
+        let length = |axis: Option<&[f64]>| axis.map_or(0, <[f64]>::len) as u32;
         let mut bytes = Vec::new();
         for count in [
-            fz.len() as u32,
-            curvature.len() as u32,
-            u32::from(logarithmic),
-            u32::from(self.axes().flush().is_some()),
+            axes.fz().len() as u32,
+            axes.curvature().len() as u32,
+            length(axes.speed()),
+            length(axes.ice_c()),
+            quantities.len() as u32,
+            logarithmic,
+            u32::from(axes.flush().is_some()),
+            0,
         ] {
             bytes.extend(count.to_le_bytes());
         }
-        let mut numbers = Vec::new();
-        numbers.extend(self.axes().flush().iter().flat_map(|flush| flush.numbers()));
-        numbers.extend(fz);
-        numbers.extend(fz.iter().map(|fz| fz.ln()));
-        numbers.extend(curvature);
-        numbers.extend(rough.parts().0);
-        numbers.extend(jets.iter().flat_map(|j| [j.f, j.fx, j.fy, j.fxy]));
         bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
         Ok(bytes)
     }
 
+    /// The peak pressure, and what a runner that slides has besides.
+    fn fmu_quantities(&self) -> Vec<Quantity> {
+        let beyond = self.quantities().len().min(Quantity::of(false).len());
+        let sliding = self.quantities()[beyond..].iter().copied();
+        std::iter::once(Quantity::PMax).chain(sliding).collect()
+    }
+
     fn model_description(&self, name: &str, token: &str) -> String {
+        let mut texts: [String; 5] = Default::default();
+        let [units, variables, ice, outputs, unknowns] = &mut texts;
+        if self.is_sliding() {
+            *units = "    <Unit name=\"m\"><BaseUnit m=\"1\"/></Unit>\n    \
+                      <Unit name=\"degC\"><BaseUnit K=\"1\" offset=\"273.15\"/></Unit>\n"
+                .into();
+            let start = self.axes().ice_c().map_or(0.0, |ice| ice[0]);
+            *variables = format!(
+                "    <Float64 name=\"ice_c\" valueReference=\"{ICE_C}\" causality=\"input\" variability=\"continuous\" unit=\"degC\" \
+                 start=\"{start}\" description=\"Temperature of the ice\"/>\n"
+            );
+            *ice = format!(" {ICE_C}");
+        }
+        for (k, quantity) in self.fmu_quantities().into_iter().skip(1).enumerate() {
+            let reference = ICE_C + 1 + k;
+            let unit = match quantity.unit() {
+                "1" => String::new(),
+                unit => format!(" unit=\"{unit}\""),
+            };
+            *variables += &format!(
+                "    <Float64 name=\"{}\" valueReference=\"{reference}\" causality=\"output\" variability=\"continuous\"{unit} \
+                 description=\"{}\"/>\n",
+                quantity.name(),
+                title(quantity)
+            );
+            *outputs += &format!(
+                "    <Output valueReference=\"{reference}\" dependencies=\"1 2 3 4 {ICE_C}\"/>\n"
+            );
+            *unknowns += &format!(
+                "    <InitialUnknown valueReference=\"{reference}\" dependencies=\"1 2 3 4 {ICE_C} 7 8\"/>\n"
+            );
+        }
         DESCRIPTION
             .replace("@name@", &escape(name))
             .replace("@token@", token)
             .replace("@version@", &escape(&self.version))
             .replace("@case@", &escape(&self.case_sha256))
             .replace("@fz@", &self.axes().fz()[0].to_string())
+            .replace("@units@", units)
+            .replace("@variables@", variables)
+            .replace("@ice@", ice)
+            .replace("@outputs@", outputs)
+            .replace("@unknowns@", unknowns)
     }
 }
+
+/// Value reference of the temperature of the ice; those of what sliding adds follow.
+const ICE_C: usize = 9;
 
 fn escape(text: &str) -> String {
     text.chars()

@@ -4,17 +4,18 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use crate::error::Error;
-use crate::table::lookup::Lookup;
+use crate::export::picture::title;
+use crate::table::layered::{Layered, Spline};
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
-use crate::table::quantity::Quantity;
 
 /// The evaluation in C, shared by headers and FMUs.
 pub(crate) const EVALUATION: &str = include_str!("../../c/kufe_lut.h");
 
 impl Table {
     /// Writes a C99 header with all quantities: `NAME_QUANTITY_bilinear(fz, curvature)` and `NAME_QUANTITY_smooth(fz,
-    /// curvature)` return a value and the out-of-range flag; nothing else is needed to use them but `libm`.
+    /// curvature)` return a value and the out-of-range flag; nothing else is needed to use them but `libm`. Where the table has
+    /// speeds or temperatures of the ice the functions take `(fz, curvature, v, ice_c)`.
     ///
     /// `name` becomes a C identifier; several such headers fit into one program. `rocker_radius` chooses a
     /// breakpoint of the rocker axis where the table has one [m].
@@ -45,26 +46,38 @@ impl Table {
                 format!("{name}_flush")
             }
         };
-        for quantity in Quantity::ALL {
+        let layered = self.axes().is_sliding();
+        if layered {
+            let smooth = Layered::new(self, self.judged(), Mode::Smooth, rocker_radius)?;
+            for (spline, axis) in smooth.splines().into_iter().zip(["v", "ice"]) {
+                text += &spline_text(spline, &format!("{name}_{axis}"));
+            }
+        }
+        for &quantity in self.quantities() {
             let own = format!("{name}_{}", quantity.name());
-            let rough = Lookup::with_rocker(self, quantity, Mode::Bilinear, rocker_radius)?;
-            let smooth = Lookup::with_rocker(self, quantity, Mode::Smooth, rocker_radius)?;
-            let (_, jets, logarithmic) = smooth.parts();
-            let jets: Vec<f64> = jets.iter().flat_map(|j| [j.f, j.fx, j.fy, j.fxy]).collect();
+            let smooth = Layered::new(self, quantity, Mode::Smooth, rocker_radius)?;
+            let (values, jets) = layers(&smooth);
             text += &format!("/* {} [{}] */\n", quantity.key(), quantity.unit());
-            array(&mut text, &format!("{own}_values"), rough.parts().0);
+            array(&mut text, &format!("{own}_values"), &values);
             array(&mut text, &format!("{own}_jets"), &jets);
-            text += &format!(
-                "static KUFE_LUT_UNUSED const kufe_lut_table {own} = {{ {}, {}, {name}_fz, {name}_log_fz, \
-                 {name}_curvature, {flush}, {own}_values, {own}_jets, {} }};\n",
+            let table = format!(
+                "{{ {}, {}, {name}_fz, {name}_log_fz, {name}_curvature, {flush}, {own}_values, {own}_jets, {} }}",
                 fz.len(),
                 curvature.len(),
-                u8::from(logarithmic)
+                u8::from(smooth.parts().1)
             );
+            let (kind, table, further, given) = if layered {
+                let table = format!("{{ {table}, &{name}_v, &{name}_ice }}");
+                ("layers", table, ", double v, double ice_c", ", v, ice_c")
+            } else {
+                ("table", table, "", "")
+            };
+            text += &format!("static KUFE_LUT_UNUSED const kufe_lut_{kind} {own} = {table};\n");
+            let of_layers = if layered { "layers_" } else { "" };
             for mode in Mode::ALL.map(Mode::name) {
                 text += &format!(
-                    "static KUFE_LUT_UNUSED kufe_lut_looked {own}_{mode}(double fz, double curvature) {{\n  \
-                     return kufe_lut_{mode}(&{own}, fz, curvature);\n}}\n"
+                    "static KUFE_LUT_UNUSED kufe_lut_looked {own}_{mode}(double fz, double curvature{further}) {{\n  \
+                     return kufe_lut_{of_layers}{mode}(&{own}, fz, curvature{given});\n}}\n"
                 );
             }
             text.push('\n');
@@ -76,14 +89,20 @@ impl Table {
 
     fn header_comment(&self, name: &str, rocker_radius: Option<f64>) -> Result<String, Error> {
         let mut text = format!(
-            "/* Lookup table {name}: contact figures over normal force [N] and track curvature [1/m].\n   \
-             kufe {}, case sha256 {}.\n   Peak pressure: estimated solver error {:.2e} (relative)",
+            "/* Lookup table {name}: contact figures over normal force [N] and track curvature [1/m]{}.\n   \
+             kufe {}, case sha256 {}.\n   {}: estimated solver error {:.2e} (relative)",
+            if self.axes().is_sliding() {
+                ", speed v [m/s] and ice_c [C]"
+            } else {
+                ""
+            },
             self.version.replace("*/", ""),
             self.case_sha256.replace("*/", ""),
+            title(self.judged()),
             self.solver_error()
         );
         for mode in Mode::ALL {
-            if let Some(measured) = self.interpolation_error(Quantity::PMax, mode)? {
+            if let Some(measured) = self.interpolation_error(self.judged(), mode)? {
                 text += &format!(", {} interpolation error {:.2e}", mode.name(), measured.max);
             }
         }
@@ -92,6 +111,37 @@ impl Table {
         }
         Ok(text + ". */\n")
     }
+}
+
+/// Values and jets of all layers, one after the other.
+pub(crate) fn layers(layered: &Layered) -> (Vec<f64>, Vec<f64>) {
+    let layers = layered.parts().0.iter();
+    let values = layers.clone().flat_map(|layer| layer.parts().0).copied();
+    let jets = layers.flat_map(|layer| layer.parts().1);
+    let jets = jets.flat_map(|j| [j.f, j.fx, j.fy, j.fxy]);
+    (values.collect(), jets.collect())
+}
+
+/// An axis of layers with its arrays.
+fn spline_text(spline: Option<&Spline>, name: &str) -> String {
+    let mut text = String::new();
+    let definition = match spline {
+        None => "{ 0, 0, 0, 0, 0 }".to_string(),
+        Some(spline) => {
+            array(&mut text, &format!("{name}_values"), &spline.axis.plain);
+            array(&mut text, &format!("{name}_scaled"), &spline.axis.scaled);
+            let mut slopes = spline.slopes.concat().concat();
+            // One breakpoint has no cell, and C no empty array.
+            slopes.resize(slopes.len().max(1), 0.0);
+            array(&mut text, &format!("{name}_slopes"), &slopes);
+            format!(
+                "{{ {}, {name}_values, {name}_scaled, {name}_slopes, {} }}",
+                spline.axis.plain.len(),
+                u8::from(spline.logarithmic)
+            )
+        }
+    };
+    text + &format!("static KUFE_LUT_UNUSED const kufe_lut_axis {name} = {definition};\n")
 }
 
 /// The table's rocker radii hold no value between them for an export: they must be met.

@@ -19,7 +19,7 @@ const MX_CHAR: u32 = 4;
 const MX_DOUBLE: u32 = 6;
 
 impl Table {
-    /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, as rows) and every figure as an array
+    /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as rows) and every figure as an array
     /// over them, force first, named as in `result.json`; with `case_json`, `case_sha256` and `version` as text.
     ///
     /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush` holds the four numbers that
@@ -41,27 +41,22 @@ impl Table {
 
         let axes = self.axes();
         let row = |name, values: &[f64]| doubles(name, &[1, values.len()], values);
-        writer.write_all(&row("fz_n", axes.fz()))?;
-        let mut shape = vec![axes.fz().len(), axes.curvature().len()];
-        match axes.flush() {
-            None => writer.write_all(&row("curvature_1pm", axes.curvature()))?,
-            Some(flush) => {
-                writer.write_all(&row("reduced_curvature", axes.curvature()))?;
-                writer.write_all(&row("flush", &flush.numbers()))?;
-                let points = axes.points();
-                let curvatures = self.column_major(|node| points[node].curvature);
-                writer.write_all(&doubles("curvature_1pm", &shape, &curvatures))?;
-            }
+        let named = axes.named();
+        let shape: Vec<usize> = named.iter().map(|(_, _, values)| values.len()).collect();
+        for (name, _, values) in named {
+            writer.write_all(&row(name, values))?;
         }
-        if let Some(radii) = axes.rocker_radius() {
-            writer.write_all(&row("rocker_radius_m", radii))?;
-            shape.push(radii.len());
+        if let Some(flush) = axes.flush() {
+            writer.write_all(&row("flush", &flush.numbers()))?;
+            let points = axes.points();
+            let curvatures = self.column_major(&shape, |node| points[node].curvature);
+            writer.write_all(&doubles("curvature_1pm", &shape, &curvatures))?;
         }
-        for (n, key) in Solved::KEYS.into_iter().enumerate() {
+        for (n, key) in Solved::keys(self.is_sliding()).iter().enumerate() {
             writer.write_all(&doubles(
                 key,
                 &shape,
-                &self.column_major(|node| self.nodes()[node].to_array()[n]),
+                &self.column_major(&shape, |node| self.nodes()[node].figures()[n]),
             ))?;
         }
         for (name, text) in [
@@ -75,17 +70,16 @@ impl Table {
     }
 
     /// A value of every node, force fastest.
-    fn column_major(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
-        let axes = self.axes();
-        let mut values = Vec::with_capacity(self.nodes().len());
-        for k in 0..axes.rockers() {
-            for j in 0..axes.curvature().len() {
-                for i in 0..axes.fz().len() {
-                    values.push(value(axes.node(i, j, k)));
-                }
-            }
-        }
-        values
+    fn column_major(&self, shape: &[usize], value: impl Fn(usize) -> f64) -> Vec<f64> {
+        let count = self.nodes().len();
+        let node = |n: usize| {
+            // Breakpoints from the first axis on, numbered with the last axis fastest.
+            let (node, _) = shape.iter().fold((0, n), |(node, left), &length| {
+                (node * length + left % length, left / length)
+            });
+            node
+        };
+        (0..count).map(|n| value(node(n))).collect()
     }
 }
 

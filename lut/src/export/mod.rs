@@ -6,4 +6,4 @@ pub(crate) mod header;
 pub(crate) mod mat;
 pub(crate) mod picture;
 
-pub use picture::draw;
+pub use picture::{Slice, draw};

@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::Error;
-use crate::table::lookup::Lookup;
+use crate::table::layered::Layered;
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
 use crate::table::quantity::Quantity;
@@ -16,24 +16,54 @@ use crate::table::quantity::Quantity;
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
 
+/// Which of a table's surfaces over force and curvature is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slice {
+    /// Rocker radius where the table has that axis [m].
+    pub rocker_radius: Option<f64>,
+    /// Speed where the table has that axis [m/s]; its middle breakpoint where absent.
+    pub speed: Option<f64>,
+    /// Temperature of the ice where the table has that axis [C]; its middle breakpoint where absent.
+    pub ice_c: Option<f64>,
+}
+
+impl Slice {
+    /// The slice of a table with the middle breakpoints where nothing is said, and nothing where there is no axis.
+    fn of(self, table: &Table) -> Self {
+        let on = |axis: Option<&[f64]>, value: Option<f64>| {
+            axis.map(|axis| value.unwrap_or(axis[axis.len() / 2]))
+        };
+        Slice {
+            rocker_radius: self.rocker_radius,
+            speed: on(table.axes().speed(), self.speed),
+            ice_c: on(table.axes().ice_c(), self.ice_c),
+        }
+    }
+
+    fn in_words(&self) -> String {
+        [
+            (", rocker radius", self.rocker_radius, "m"),
+            (",", self.speed, "m/s"),
+            (", ice of", self.ice_c, "C"),
+        ]
+        .into_iter()
+        .filter_map(|(words, value, unit)| Some(format!("{words} {} {unit}", value?)))
+        .collect()
+    }
+}
+
 /// Draws a quantity over curvature and (logarithmic) force as a PNG: colours and contour lines of the smooth mode, dots at
 /// the nodes, crosses at the checks.
 ///
-/// `rocker_radius` where the table has that axis [m].
-///
 /// # Errors
-/// As [`Lookup::with_rocker`], and [`Error::Picture`] where the file cannot be made.
-pub fn draw(
-    table: &Table,
-    quantity: Quantity,
-    rocker_radius: Option<f64>,
-    path: &Path,
-) -> Result<(), Error> {
-    let lookup = Lookup::with_rocker(table, quantity, Mode::Smooth, rocker_radius)?;
-    let map = Map::new(table, &lookup, quantity);
+/// As [`Layered::new`], and [`Error::Picture`] where the file cannot be made.
+pub fn draw(table: &Table, quantity: Quantity, slice: Slice, path: &Path) -> Result<(), Error> {
+    let slice = slice.of(table);
+    let lookup = Layered::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
+    let map = Map::new(table, &lookup, quantity, &slice);
     kufe_plot::png(path, 1100, 760, &|root| {
         let (left, right) = root.split_horizontally(940);
-        draw_map(&left, table, &map, quantity, rocker_radius)?;
+        draw_map(&left, table, &map, quantity, &slice)?;
         draw_colour_bar(&right, &map)
     })?;
     Ok(())
@@ -50,12 +80,13 @@ struct Map {
 }
 
 impl Map {
-    fn new(table: &Table, lookup: &Lookup, quantity: Quantity) -> Self {
+    fn new(table: &Table, lookup: &Layered, quantity: Quantity, slice: &Slice) -> Self {
         let (factor, unit) = match quantity {
             Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
             Quantity::Area => (1e6, "mm2"),
             Quantity::Length | Quantity::Width => (1e3, "mm"),
-            Quantity::Approach => (1e6, "um"),
+            Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "um"),
+            Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous => (1e3, "1e-3"),
         };
         // One breakpoint has no extent: a little room around it keeps the axes drawable.
         let widened = |values: &[f64], room: f64| {
@@ -69,12 +100,13 @@ impl Map {
         let fz = table.axes().fz();
         let fz = widened(fz, 0.1 * fz[0]);
         let curvature = widened(&table.axes().curvature_range(fz.0), 1e-3);
+        let [speed, ice_c] = [slice.speed, slice.ice_c].map(|value| value.unwrap_or(f64::NAN));
         let mut values = Vec::with_capacity((CELLS + 1) * (CELLS + 1));
         for i in 0..=CELLS {
             let force = fz.0 * (fz.1 / fz.0).powf(i as f64 / CELLS as f64);
             for j in 0..=CELLS {
                 let k = curvature.0 + (curvature.1 - curvature.0) * j as f64 / CELLS as f64;
-                values.push(factor * lookup.at(force, k).value);
+                values.push(factor * lookup.at(force, k, speed, ice_c).value);
             }
         }
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -136,16 +168,16 @@ fn draw_map<DB: DrawingBackend>(
     table: &Table,
     map: &Map,
     quantity: Quantity,
-    rocker_radius: Option<f64>,
+    slice: &Slice,
 ) -> Result<(), kufe_plot::Error>
 where
     DB::ErrorType: 'static,
 {
-    let rocker = rocker_radius.map_or(String::new(), |r| format!(", rocker radius {r} m"));
     let title = format!(
-        "{} [{}]{rocker}: {} x {} nodes, {} checks",
+        "{} [{}]{}: {} x {} nodes, {} checks",
         title(quantity),
         map.unit,
+        slice.in_words(),
         table.axes().fz().len(),
         table.axes().curvature().len(),
         table.checks().len()
@@ -254,7 +286,7 @@ where
     Ok(())
 }
 
-fn title(quantity: Quantity) -> &'static str {
+pub(crate) fn title(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::PMax => "Peak pressure",
         Quantity::PMean => "Mean pressure",
@@ -262,6 +294,11 @@ fn title(quantity: Quantity) -> &'static str {
         Quantity::Length => "Contact length",
         Quantity::Width => "Contact width",
         Quantity::Approach => "Approach",
+        Quantity::Mu => "Coefficient of friction",
+        Quantity::MuPloughing => "Friction of ploughing",
+        Quantity::MuViscous => "Friction of the melt film",
+        Quantity::GrooveDepth => "Depth of the groove",
+        Quantity::FilmMean => "Mean thickness of the film",
     }
 }
 

@@ -9,11 +9,14 @@ pub(crate) const FORMAT_VERSION: u64 = 1;
 /// What the key `format_version` says where the second axis holds reduced curvatures.
 pub(crate) const REDUCED_VERSION: u64 = 2;
 
-/// Name and unit of a figure of [`Solved::to_array`].
-pub(crate) fn figure(n: usize) -> (&'static str, &'static str) {
-    match n {
-        0 => (Quantity::PMax.name(), Quantity::PMax.unit()),
-        1 => ("p_max_error", "Pa"),
-        _ => (Quantity::ALL[n - 1].name(), Quantity::ALL[n - 1].unit()),
+/// What the key `format_version` says where the contacts slide.
+pub(crate) const SLIDING_VERSION: u64 = 3;
+
+/// Name and unit of a figure by its key in [`Solved::keys`](crate::Solved::keys).
+pub(crate) fn figure(key: &'static str) -> (&'static str, &'static str) {
+    match Quantity::ALL.into_iter().find(|q| q.key() == key) {
+        Some(quantity) => (quantity.name(), quantity.unit()),
+        None if key == "mu_error" => (key, "1"),
+        None => ("p_max_error", "Pa"),
     }
 }

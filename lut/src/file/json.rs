@@ -75,12 +75,9 @@ fn kind(value: &Value) -> &'static str {
 }
 
 pub(crate) fn point_json(point: &Point) -> Value {
-    let mut map = Map::new();
-    map.insert("fz_n".into(), json!(point.fz));
     // Adding 0 turns -0 into 0: one straight, one name.
-    map.insert("curvature_1pm".into(), json!(point.curvature + 0.0));
-    if let Some(radius) = point.rocker_radius {
-        map.insert("rocker_radius_m".into(), json!(radius));
-    }
-    Value::Object(map)
+    let pairs = point
+        .named()
+        .map(|(key, value)| (key.into(), json!(value + 0.0)));
+    Value::Object(pairs.collect())
 }

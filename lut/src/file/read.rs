@@ -5,7 +5,7 @@ use std::io::Read;
 use serde_json::{Map, Value};
 
 use crate::error::Error;
-use crate::file::format::{FORMAT, FORMAT_VERSION, REDUCED_VERSION, figure};
+use crate::file::format::{FORMAT, FORMAT_VERSION, REDUCED_VERSION, SLIDING_VERSION, figure};
 use crate::file::json::{get, known, list, number, object, text, wrong};
 use crate::table::axes::{Axes, MAX_AXIS};
 use crate::table::flush::Flush;
@@ -59,23 +59,25 @@ fn from_value(value: &Value) -> Result<Table, Error> {
         return Err(wrong("format", text(top, "format")?, FORMAT));
     }
     let version = get(top, "format_version", "the file")?;
-    let reduced = match version.as_u64() {
-        Some(FORMAT_VERSION) => false,
-        Some(REDUCED_VERSION) => true,
+    let known_versions = [FORMAT_VERSION, REDUCED_VERSION, SLIDING_VERSION];
+    let version = match version.as_u64() {
+        Some(version) if known_versions.contains(&version) => version,
         _ => {
-            let expected = format!("{FORMAT_VERSION} or {REDUCED_VERSION}");
+            let expected = format!("{FORMAT_VERSION}, {REDUCED_VERSION} or {SLIDING_VERSION}");
             return Err(wrong("format_version", &version.to_string(), &expected));
         }
     };
-    let axes = read_axes(get(top, "axes", "the file")?, reduced)?;
+    let axes = read_axes(get(top, "axes", "the file")?, version)?;
+    let keys = Solved::keys(version == SLIDING_VERSION);
     let nodes = read_nodes(
         &axes,
+        keys,
         object(get(top, "quantities", "the file")?, "quantities")?,
     )?;
     let checks = list(get(top, "checks", "the file")?, "checks")?
         .iter()
         .enumerate()
-        .map(|(n, check)| read_check(check, &format!("checks[{n}]"), &axes))
+        .map(|(n, check)| read_check(check, &format!("checks[{n}]"), &axes, keys))
         .collect::<Result<_, _>>()?;
     let accuracy = object(get(top, "accuracy", "the file")?, "accuracy")?;
     let asked = match accuracy.get("interpolation_asked") {
@@ -90,41 +92,52 @@ fn from_value(value: &Value) -> Result<Table, Error> {
     Ok(table)
 }
 
-fn read_axes(value: &Value, reduced: bool) -> Result<Axes, Error> {
+fn read_axes(value: &Value, version: u64) -> Result<Axes, Error> {
     let axes = list(value, "axes")?;
-    let names = match reduced {
-        false => ["fz_n", "curvature_1pm", "rocker_radius_m"],
-        true => ["fz_n", "reduced_curvature", ""],
+    let (first, further): (_, &[&str]) = match version {
+        REDUCED_VERSION => (["fz_n", "reduced_curvature"], &[]),
+        SLIDING_VERSION => (
+            ["fz_n", "curvature_1pm"],
+            &["rocker_radius_m", "v_mps", "ice_c"],
+        ),
+        _ => (["fz_n", "curvature_1pm"], &["rocker_radius_m"]),
     };
-    if axes.len() != 2 && (axes.len() != 3 || reduced) {
-        return Err(wrong(
-            "axes",
-            &format!("{} axes", axes.len()),
-            match reduced {
-                false => "fz_n, curvature_1pm and perhaps rocker_radius_m",
-                true => "fz_n and reduced_curvature",
-            },
-        ));
+    if !(2..=2 + further.len()).contains(&axes.len()) {
+        let mut expected = first.join(" and ");
+        if !further.is_empty() {
+            expected += &format!(" and perhaps {}", further.join(", "));
+        }
+        let found = format!("{} axes", axes.len());
+        return Err(wrong("axes", &found, &expected));
     }
-    let mut read = Vec::new();
+    let mut read: Vec<(&str, Vec<f64>)> = Vec::new();
     let mut flush = None;
+    let mut left = further;
     for (n, axis) in axes.iter().enumerate() {
         let place = format!("axes[{n}]");
         let map = object(axis, &place)?;
-        if reduced && n == 1 {
+        if version == REDUCED_VERSION && n == 1 {
             let keys = ["name", "unit", "values", "flush", "curvature_1pm"];
             known(map, &keys, &place)?;
             flush = Some(read_flush(get(map, "flush", &place)?)?);
         } else {
             known(map, &["name", "unit", "values"], &place)?;
         }
-        if text(map, "name")? != names[n] {
-            return Err(wrong(&place, text(map, "name")?, names[n]));
-        }
+        let found = text(map, "name")?;
+        let name = match (first.get(n), left.iter().position(|name| *name == found)) {
+            (Some(&name), _) if name == found => name,
+            (None, Some(k)) => {
+                let name = left[k];
+                left = &left[k + 1..];
+                name
+            }
+            (Some(name), _) => return Err(wrong(&place, found, name)),
+            (None, None) => return Err(wrong(&place, found, &left.join(" or "))),
+        };
         let values = list(get(map, "values", &place)?, &place)?;
         if values.len() > MAX_AXIS {
             return Err(Error::AxisLength {
-                axis: names[n],
+                axis: name,
                 found: values.len(),
                 limit: MAX_AXIS,
             });
@@ -134,15 +147,18 @@ fn read_axes(value: &Value, reduced: bool) -> Result<Axes, Error> {
             .enumerate()
             .map(|(i, value)| number(value, &format!("{place}.values[{i}]")))
             .collect();
-        read.push(values?);
+        read.push((name, values?));
     }
-    let rocker = (read.len() == 3).then(|| read.pop()).flatten();
-    let curvature = read.pop().unwrap_or_default();
-    let fz = read.pop().unwrap_or_default();
-    match flush {
-        None => Axes::new(fz, curvature, rocker),
+    let mut take = |name: &str| {
+        let place = read.iter().position(|(found, _)| *found == name);
+        place.map(|n| read.swap_remove(n).1)
+    };
+    let [fz, curvature] = first.map(|name| take(name).unwrap_or_default());
+    let axes = match flush {
+        None => Axes::new(fz, curvature, take("rocker_radius_m")),
         Some(flush) => Axes::reduced(fz, curvature, flush),
-    }
+    }?;
+    axes.sliding(take("v_mps"), take("ice_c"))
 }
 
 fn read_flush(value: &Value) -> Result<Flush, Error> {
@@ -155,18 +171,22 @@ fn read_flush(value: &Value) -> Result<Flush, Error> {
     Flush::new(curvature?, scale?, [from?, to?])
 }
 
-fn read_nodes(axes: &Axes, quantities: &Map<String, Value>) -> Result<Vec<Solved>, Error> {
-    let names: Vec<&str> = (0..Solved::COUNT).map(|n| figure(n).0).collect();
+fn read_nodes(
+    axes: &Axes,
+    keys: &'static [&'static str],
+    quantities: &Map<String, Value>,
+) -> Result<Vec<Solved>, Error> {
+    let names: Vec<&str> = keys.iter().map(|key| figure(key).0).collect();
     known(quantities, &names, "quantities")?;
-    let mut shape = vec![axes.fz().len(), axes.curvature().len()];
-    shape.extend(axes.rocker_radius().map(<[f64]>::len));
-    let mut figures = vec![[0.0; Solved::COUNT]; axes.node_count()];
-    for (n, name) in names.iter().enumerate() {
+    let shape: Vec<usize> = axes.named().iter().map(|(_, _, axis)| axis.len()).collect();
+    let mut figures = vec![vec![0.0; keys.len()]; axes.node_count()];
+    for (n, key) in keys.iter().enumerate() {
+        let (name, unit) = figure(key);
         let place = format!("quantities.{name}");
         let map = object(get(quantities, name, "quantities")?, &place)?;
         known(map, &["unit", "values"], &place)?;
-        if text(map, "unit")? != figure(n).1 {
-            return Err(wrong(&place, text(map, "unit")?, figure(n).1));
+        if text(map, "unit")? != unit {
+            return Err(wrong(&place, text(map, "unit")?, unit));
         }
         let mut flat = Vec::new();
         flatten(
@@ -180,14 +200,17 @@ fn read_nodes(axes: &Axes, quantities: &Map<String, Value>) -> Result<Vec<Solved
             node[n] = value;
         }
     }
-    Ok(figures.into_iter().map(Solved::from_array).collect())
+    let nodes = figures.iter().map(|node| Solved::from_figures(node));
+    Ok(nodes.collect())
 }
 
-/// Pressures and sizes of a contact are positive, errors are not negative.
+/// Pressures, sizes and friction of a contact are positive; errors and what an elastic contact has none of are not negative.
 fn credible(name: &str, value: f64, place: impl Fn() -> String) -> Result<(), Error> {
     let (holds, expected) = match name {
         "approach" => (true, ""),
-        "p_max_error" => (value >= 0.0, "0 or a positive number"),
+        "p_max_error" | "mu_error" | "mu_ploughing" | "groove_depth" => {
+            (value >= 0.0, "0 or a positive number")
+        }
         _ => (value > 0.0, "a positive number"),
     };
     if holds {
@@ -215,34 +238,37 @@ fn flatten(value: &Value, shape: &[usize], place: &str, into: &mut Vec<f64>) -> 
     Ok(())
 }
 
-fn read_check(value: &Value, place: &str, axes: &Axes) -> Result<Check, Error> {
+fn read_check(
+    value: &Value,
+    place: &str,
+    axes: &Axes,
+    keys: &'static [&'static str],
+) -> Result<Check, Error> {
     let map = object(value, place)?;
     let at = |key: &str| number(get(map, key, place)?, &format!("{place}.{key}"));
-    let rocker_radius = match axes.rocker_radius() {
-        None => None,
-        Some(radii) => {
-            let radius = at("rocker_radius_m")?;
-            if !(radii[0]..=radii[radii.len() - 1]).contains(&radius) {
-                return Err(wrong(
-                    &format!("{place}.rocker_radius_m"),
-                    &radius.to_string(),
-                    "a radius within the axis",
-                ));
-            }
-            Some(radius)
+    let within = |key: &str, axis: Option<&[f64]>| {
+        let Some(axis) = axis else { return Ok(None) };
+        let value = at(key)?;
+        if (axis[0]..=axis[axis.len() - 1]).contains(&value) {
+            return Ok(Some(value));
         }
+        let place = format!("{place}.{key}");
+        Err(wrong(&place, &value.to_string(), "a value within the axis"))
     };
-    let mut figures = [0.0; Solved::COUNT];
-    for (n, (value, key)) in figures.iter_mut().zip(Solved::KEYS).enumerate() {
-        *value = at(key)?;
-        credible(figure(n).0, *value, || format!("{place}.{key}"))?;
+    let mut figures = Vec::with_capacity(keys.len());
+    for key in keys {
+        let value = at(key)?;
+        credible(figure(key).0, value, || format!("{place}.{key}"))?;
+        figures.push(value);
     }
     Ok(Check {
         point: Point {
             fz: at("fz_n")?,
             curvature: at("curvature_1pm")?,
-            rocker_radius,
+            rocker_radius: within("rocker_radius_m", axes.rocker_radius())?,
+            speed: within("v_mps", axes.speed())?,
+            ice_c: within("ice_c", axes.ice_c())?,
         },
-        solved: Solved::from_array(figures),
+        solved: Solved::from_figures(&figures),
     })
 }

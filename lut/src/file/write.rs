@@ -5,13 +5,13 @@ use std::io::Write;
 use serde_json::{Map, Value, json};
 
 use crate::error::Error;
-use crate::file::format::{FORMAT, FORMAT_VERSION, REDUCED_VERSION, figure};
+use crate::file::format::{FORMAT, FORMAT_VERSION, REDUCED_VERSION, SLIDING_VERSION, figure};
+use crate::file::json::point_json;
 use crate::table::axes::Axes;
 use crate::table::flush::Flush;
 use crate::table::mode::Mode;
 use crate::table::nodes::{Check, Table};
-use crate::table::quantity::Quantity;
-use crate::table::solved::{Point, Solved};
+use crate::table::solved::Solved;
 
 impl Table {
     /// Writes the table as JSON; the same table gives the same bytes.
@@ -21,6 +21,7 @@ impl Table {
     /// rocker axis.
     pub fn write(&self, writer: &mut dyn Write) -> Result<(), Error> {
         let format_version = match self.axes().flush() {
+            _ if self.is_sliding() => SLIDING_VERSION,
             None => FORMAT_VERSION,
             Some(_) => REDUCED_VERSION,
         };
@@ -37,9 +38,10 @@ impl Table {
             write!(writer, "{start}\n\"{key}\": {value}")?;
         }
         write_lines(writer, "axes", '[', ']', axis_lines(self.axes()))?;
-        let quantities = Solved::KEYS.iter().enumerate().map(|(n, _)| {
-            let (name, unit) = figure(n);
-            let values: Vec<f64> = self.nodes().iter().map(|s| s.to_array()[n]).collect();
+        let keys = Solved::keys(self.is_sliding()).iter();
+        let quantities = keys.enumerate().map(|(n, key)| {
+            let (name, unit) = figure(key);
+            let values: Vec<f64> = self.nodes().iter().map(|s| s.figures()[n]).collect();
             format!(
                 "\"{name}\": {}",
                 json!({ "unit": unit, "values": nested(self.axes(), &values) })
@@ -56,19 +58,20 @@ impl Table {
         let mut modes = Map::new();
         for mode in Mode::ALL {
             let mut of_mode = Map::new();
-            for quantity in Quantity::ALL {
+            for &quantity in self.quantities() {
                 if let Some(measured) = self.interpolation_error(quantity, mode)? {
                     of_mode.insert(
                         quantity.name().into(),
-                        json!({ "max": measured.max, "rms": measured.rms, "max_at": point(&measured.at) }),
+                        json!({ "max": measured.max, "rms": measured.rms, "max_at": point_json(&measured.at) }),
                     );
                 }
             }
             modes.insert(mode.name().into(), Value::Object(of_mode));
         }
+        let solver = format!("solver_{}", self.judged().name());
         Ok(json!({
             "interpolation_asked": self.interpolation_asked,
-            "solver_p_max": self.solver_error(),
+            solver: self.solver_error(),
             "checks": self.checks().len(),
             "interpolation": modes,
         }))
@@ -92,18 +95,14 @@ fn write_lines(
 }
 
 fn axis_lines(axes: &Axes) -> Vec<String> {
-    let line = |name: &str, unit: &str, values: &[f64]| {
-        json!({ "name": name, "unit": unit, "values": values }).to_string()
-    };
-    let curvature = match axes.flush() {
-        None => line("curvature_1pm", "1/m", axes.curvature()),
-        Some(flush) => reduced_line(axes, flush),
-    };
-    let mut lines = vec![line("fz_n", "N", axes.fz()), curvature];
-    if let Some(radii) = axes.rocker_radius() {
-        lines.push(line("rocker_radius_m", "m", radii));
-    }
-    lines
+    let lines = axes
+        .named()
+        .into_iter()
+        .map(|(name, unit, values)| match axes.flush() {
+            Some(flush) if name == "reduced_curvature" => reduced_line(axes, flush),
+            _ => json!({ "name": name, "unit": unit, "values": values }).to_string(),
+        });
+    lines.collect()
 }
 
 /// The reduced axis, with the curvature of every node for readers that only want that.
@@ -120,31 +119,27 @@ fn reduced_line(axes: &Axes, flush: &Flush) -> String {
     .to_string()
 }
 
-/// Rows of columns (of rockers), as `numpy.array` takes them.
+/// Rows of columns and so on along all axes, as `numpy.array` takes them.
 fn nested(axes: &Axes, values: &[f64]) -> Value {
-    let columns = axes.curvature().len();
-    let rockers = axes.rockers();
-    let row = |row: &[f64]| match axes.rocker_radius() {
-        None => json!(row),
-        Some(_) => Value::Array(row.chunks_exact(rockers).map(|line| json!(line)).collect()),
-    };
-    Value::Array(values.chunks_exact(columns * rockers).map(row).collect())
+    let shape = axes.named().into_iter().map(|(_, _, axis)| axis.len());
+    rows(&shape.collect::<Vec<_>>(), values)
 }
 
-fn point(point: &Point) -> Value {
-    let mut map = Map::new();
-    map.insert("fz_n".into(), json!(point.fz));
-    map.insert("curvature_1pm".into(), json!(point.curvature));
-    if let Some(radius) = point.rocker_radius {
-        map.insert("rocker_radius_m".into(), json!(radius));
+fn rows(shape: &[usize], values: &[f64]) -> Value {
+    match shape {
+        [] | [_] => json!(values),
+        [rows_of, inner @ ..] => {
+            let chunks = values.chunks_exact(values.len() / rows_of);
+            Value::Array(chunks.map(|chunk| rows(inner, chunk)).collect())
+        }
     }
-    Value::Object(map)
 }
 
 fn check_line(check: &Check) -> String {
-    let mut record = point(&check.point);
+    let mut record = point_json(&check.point);
     if let Value::Object(map) = &mut record {
-        for (key, value) in Solved::KEYS.into_iter().zip(check.solved.to_array()) {
+        let keys = Solved::keys(check.solved.sliding.is_some());
+        for (&key, value) in keys.iter().zip(check.solved.figures()) {
             map.insert(key.into(), json!(value));
         }
     }

@@ -128,13 +128,13 @@ fn from_value(value: &Value) -> Result<Manifest, Error> {
         let place = format!("points[{n}]");
         let map: &Map<String, Value> = object(point, &place)?;
         let at = |key: &str| number(get(map, key, &place)?, &format!("{place}.{key}"));
+        let perhaps = |key: &str| map.contains_key(key).then(|| at(key)).transpose();
         Ok(Point {
             fz: at("fz_n")?,
             curvature: at("curvature_1pm")?,
-            rocker_radius: map
-                .contains_key("rocker_radius_m")
-                .then(|| at("rocker_radius_m"))
-                .transpose()?,
+            rocker_radius: perhaps("rocker_radius_m")?,
+            speed: perhaps("v_mps")?,
+            ice_c: perhaps("ice_c")?,
         })
     });
     Ok(Manifest {

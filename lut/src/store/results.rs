@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::error::Error;
 use crate::file::json::{get, number, object, point_json, text};
+use crate::table::quantity::Quantity;
 use crate::table::solved::{Point, Solved};
 
 /// Most bytes of a point's file.
@@ -137,9 +138,9 @@ impl Store {
         body.insert("version".into(), json!(self.origin.version));
         body.insert("case_sha256".into(), json!(self.origin.case_sha256));
         body.insert("point".into(), point_json(point));
-        let figures: Map<String, Value> = Solved::KEYS
-            .into_iter()
-            .zip(solved.to_array())
+        let figures: Map<String, Value> = Solved::keys(solved.sliding.is_some())
+            .iter()
+            .zip(solved.figures())
             .map(|(key, value)| (key.to_string(), json!(value)))
             .collect();
         body.insert("result".into(), Value::Object(figures));
@@ -184,11 +185,12 @@ fn split_checksum(record: &Value) -> Result<(Map<String, Value>, String), Error>
 
 fn read_figures(body: &Map<String, Value>) -> Result<Solved, Error> {
     let result = object(get(body, "result", "the file")?, "result")?;
-    let mut figures = [0.0; Solved::COUNT];
-    for (figure, key) in figures.iter_mut().zip(Solved::KEYS) {
-        *figure = number(get(result, key, "result")?, key)?;
-    }
-    Ok(Solved::from_array(figures))
+    let keys = Solved::keys(result.contains_key(Quantity::Mu.key()));
+    let figures: Result<Vec<f64>, Error> = keys
+        .iter()
+        .map(|key| number(get(result, key, "result")?, key))
+        .collect();
+    Ok(Solved::from_figures(&figures?))
 }
 
 /// SHA-256 as lower-case hexadecimal.

@@ -2,10 +2,9 @@
 
 use crate::error::Error;
 use crate::sweep::each::each;
-use crate::sweep::grid::spread;
-use crate::sweep::plan::{Plan, SolveBatch, Spacing};
+use crate::sweep::grid::{Grid, spread};
+use crate::sweep::plan::{Plan, SolveBatch};
 use crate::sweep::refine::{Refinement, refine};
-use crate::table::axes::Axes;
 use crate::table::nodes::{Check, Table, finite};
 use crate::table::solved::{Point, Solved};
 
@@ -49,7 +48,7 @@ pub struct Swept {
 /// let plan = Plan::new(Spacing::Range { from: 200.0, to: 8000.0 }, Spacing::Values(vec![0.0, 0.01, 0.02]));
 /// let swept = sweep(&plan, |point| {
 ///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
-///     Ok::<_, std::convert::Infallible>(Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5 })
+///     Ok::<_, std::convert::Infallible>(Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, sliding: None })
 /// })?;
 /// assert!(swept.shortfall.is_none());
 /// # Ok::<(), kufe_lut::SweepError<std::convert::Infallible>>(())
@@ -102,16 +101,9 @@ pub fn sweep_batches<E: From<Error>>(
         Ok(solved)
     };
     if plan.is_fixed() && plan.flush.is_none() {
-        let values = |spacing: &Spacing| match spacing {
-            Spacing::Values(values) => values.clone(),
-            Spacing::Range { from, to } => vec![*from, *to],
-        };
-        let axes = Axes::new(
-            values(&plan.fz),
-            values(&plan.curvature),
-            plan.rocker_radius.as_ref().map(values),
-        )?;
-        let (nodes, checks) = fixed(&axes, plan.checks, &mut checked)?;
+        let grid = Grid::start(plan)?;
+        let (nodes, checks) = fixed(&grid, plan.checks, &mut checked)?;
+        let axes = grid.axes()?;
         return Ok(Swept {
             table: Table::new(axes, nodes, checks)?,
             shortfall: None,
@@ -130,26 +122,16 @@ pub fn sweep_batches<E: From<Error>>(
 
 /// Nodes of given axes and checks between them, in one batch.
 fn fixed<E>(
-    axes: &Axes,
+    grid: &Grid,
     checks: usize,
     solve: &mut SolveBatch<E>,
 ) -> Result<(Vec<Solved>, Vec<Check>), E> {
-    let mut points = axes.points();
-    let nodes = points.len();
-    let rocker = axes.rocker_radius();
-    let values = [
-        axes.fz().to_vec(),
-        axes.curvature().to_vec(),
-        rocker.unwrap_or(&[1.0]).to_vec(),
-    ];
+    let mut places = grid.nodes();
+    let nodes = places.len();
     if nodes > 1 {
-        let between = spread(&values, checks).into_iter();
-        points.extend(between.map(|[fz, curvature, radius]| Point {
-            fz,
-            curvature,
-            rocker_radius: rocker.map(|_| radius),
-        }));
+        places.extend(spread(&grid.values, checks));
     }
+    let points: Vec<Point> = places.into_iter().map(|place| grid.point(place)).collect();
     let mut solved = solve(&points)?;
     let measured = solved.split_off(nodes);
     let checks = points[nodes..]

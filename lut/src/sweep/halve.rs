@@ -2,7 +2,7 @@
 
 use crate::sweep::grid::{Grid, middle};
 use crate::sweep::misses::Miss;
-use crate::sweep::plan::Plan;
+use crate::sweep::plan::{AXES, Plan};
 use crate::table::axes::MAX_AXIS;
 
 /// What halving did, or why it could not.
@@ -16,10 +16,10 @@ pub(crate) enum Halved {
 /// Halves the interval around every miss above `limit`, along the axis whose middles are missed most.
 pub(crate) fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
     // Largest error at the middle of each interval of each axis.
-    let mut at_middle: [Vec<f64>; 3] =
+    let mut at_middle: [Vec<f64>; AXES] =
         std::array::from_fn(|axis| vec![0.0; grid.values[axis].len().saturating_sub(1)]);
     for miss in misses {
-        for axis in (0..3).filter(|&axis| grid.refined[axis]) {
+        for axis in (0..AXES).filter(|&axis| grid.refined[axis]) {
             let k = grid.interval(axis, miss.place[axis]);
             let pair = &grid.values[axis][k..k + 2];
             if miss.place[axis] == middle(axis, pair[0], pair[1]) && miss.mendable(grid) {
@@ -27,7 +27,7 @@ pub(crate) fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -
             }
         }
     }
-    let mut marked: [Vec<usize>; 3] = Default::default();
+    let mut marked: [Vec<usize>; AXES] = Default::default();
     let mut too_small = false;
     let mut too_noisy = false;
     for miss in misses {
@@ -40,7 +40,7 @@ pub(crate) fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -
             continue;
         }
         let mut best: Option<(f64, usize, usize)> = None;
-        for axis in (0..3).filter(|&axis| grid.refined[axis]) {
+        for axis in (0..AXES).filter(|&axis| grid.refined[axis]) {
             let k = grid.interval(axis, miss.place[axis]);
             let inside = !grid.values[axis].contains(&miss.place[axis]);
             if inside && grid.divisible(axis, k, plan.smallest_interval) {
@@ -56,7 +56,7 @@ pub(crate) fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -
         }
     }
     let mut grown = grid.values.clone();
-    for axis in 0..3 {
+    for axis in 0..AXES {
         marked[axis].sort_unstable();
         marked[axis].dedup();
         for &k in &marked[axis] {

@@ -3,11 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::sweep::grid::{Grid, Place};
-use crate::sweep::plan::SolveBatch;
+use crate::sweep::plan::{AXES, SolveBatch};
 use crate::table::nodes::Check;
 use crate::table::solved::{Point, Solved};
 
-type Key = [u64; 3];
+type Key = [u64; AXES];
 
 /// Every solve so far, in the order they were asked for.
 #[derive(Default)]

@@ -4,16 +4,15 @@ use std::collections::HashMap;
 
 use crate::error::Error;
 use crate::sweep::grid::{Grid, Place};
-use crate::sweep::plan::Plan;
+use crate::sweep::plan::{AXES, Plan};
 use crate::table::axes::Axes;
-use crate::table::lookup::Lookup;
+use crate::table::layered::Layered;
 use crate::table::measure::relative_error;
 use crate::table::mode::Mode;
 use crate::table::nodes::{Check, Table};
-use crate::table::quantity::Quantity;
 use crate::table::solved::Solved;
 
-/// A check and the largest relative error of the peak pressure there over the modes asked for.
+/// A check and the largest relative error of what is judged there over the modes asked for.
 pub(crate) struct Miss {
     pub place: Place,
     pub error: f64,
@@ -24,7 +23,7 @@ pub(crate) struct Miss {
 impl Miss {
     /// Whether refinement can mend it: not between given values.
     pub fn mendable(&self, grid: &Grid) -> bool {
-        (0..3).all(|axis| grid.refined[axis] || grid.values[axis].contains(&self.place[axis]))
+        (0..AXES).all(|axis| grid.refined[axis] || grid.values[axis].contains(&self.place[axis]))
     }
 }
 
@@ -36,21 +35,22 @@ pub(crate) fn measure(
     plan: &Plan,
 ) -> Result<Vec<Miss>, Error> {
     let table = Table::new(axes.clone(), nodes.to_vec(), Vec::new())?;
-    let mut lookups: HashMap<(u64, Mode), Lookup> = HashMap::new();
+    let mut lookups: HashMap<(u64, Mode), Layered> = HashMap::new();
     let mut misses = Vec::with_capacity(checks.len());
-    let relative = |solved: &Solved| solved.p_max_error.abs() / solved.p_max.abs();
+    let judged = table.judged();
     for (place, check) in checks {
         let around = axes.around(&check.point);
-        let at_nodes = around.map(|node| relative(&nodes[node]));
-        let noise = relative(&check.solved) + at_nodes.fold(0.0, f64::max);
+        let at_nodes = around.map(|node| nodes[node].relative_error());
+        let noise = check.solved.relative_error() + at_nodes.fold(0.0, f64::max);
         let radius = check.point.rocker_radius;
         let mut error = 0.0f64;
         for &mode in &plan.modes {
             let name = (radius.unwrap_or(0.0).to_bits(), mode);
             if let std::collections::hash_map::Entry::Vacant(entry) = lookups.entry(name) {
-                entry.insert(Lookup::with_rocker(&table, Quantity::PMax, mode, radius)?);
+                entry.insert(Layered::new(&table, judged, mode, radius)?);
             }
-            error = error.max(relative_error(&lookups[&name], check, Quantity::PMax));
+            let missed = relative_error(&lookups[&name], check, judged);
+            error = error.max(missed.unwrap_or(0.0));
         }
         misses.push(Miss {
             place: *place,

@@ -3,6 +3,9 @@
 use crate::table::mode::Mode;
 use crate::table::solved::{Point, Solved};
 
+/// Axes that a sweep may have: force, curvature, rocker radius, speed, temperature of the ice.
+pub(crate) const AXES: usize = 5;
+
 /// How one axis gets its breakpoints.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spacing {
@@ -29,7 +32,11 @@ pub struct Plan {
     pub flush: Option<[f64; 2]>,
     /// Rocker radii [m]; `None`: the case's own runner.
     pub rocker_radius: Option<Spacing>,
-    /// Relative interpolation error of the peak pressure, asked of every mode in `modes`.
+    /// Speeds [m/s]; `None`: the case's own. Only a runner that slides has one.
+    pub speed: Option<Spacing>,
+    /// Temperatures of the ice [C]; `None`: the case's own. As `speed`.
+    pub ice_c: Option<Spacing>,
+    /// Relative interpolation error of [`Table::judged`](crate::Table::judged), asked of every mode in `modes`.
     pub interpolation: f64,
     /// The modes that must be that good.
     pub modes: Vec<Mode>,
@@ -59,6 +66,8 @@ impl Plan {
             curvature,
             flush: None,
             rocker_radius: None,
+            speed: None,
+            ice_c: None,
             interpolation: 0.01,
             modes: Mode::ALL.to_vec(),
             max_nodes: 20_000,
@@ -68,14 +77,24 @@ impl Plan {
 
     /// Whether every axis is given by its values.
     pub fn is_fixed(&self) -> bool {
+        let mut spacings = self.spacings().into_iter().flatten();
+        spacings.all(|spacing| matches!(spacing, Spacing::Values(_)))
+    }
+
+    /// Whether it has an axis that only a runner that slides knows.
+    pub fn is_sliding(&self) -> bool {
+        self.speed.is_some() || self.ice_c.is_some()
+    }
+
+    /// The axes in the order of the nodes.
+    pub(crate) fn spacings(&self) -> [Option<&Spacing>; AXES] {
         [
             Some(&self.fz),
             Some(&self.curvature),
             self.rocker_radius.as_ref(),
+            self.speed.as_ref(),
+            self.ice_c.as_ref(),
         ]
-        .into_iter()
-        .flatten()
-        .all(|spacing| matches!(spacing, Spacing::Values(_)))
     }
 }
 

@@ -15,6 +15,7 @@ use crate::sweep::misses::measure;
 use crate::sweep::plan::{Plan, SolveBatch};
 use crate::table::axes::Axes;
 use crate::table::nodes::Check;
+use crate::table::quantity::Quantity;
 use crate::table::solved::Solved;
 
 /// Part of the asked error that an interval's middle may have: between the checks it may be larger.
@@ -50,6 +51,7 @@ pub(crate) fn refine<E: From<Error>>(
         let limit = if spread { 1.0 } else { MARGIN };
         let halved = halve(&mut grid, &misses, limit * plan.interpolation, plan);
         let shortfall = |reason| Error::ToleranceNotReached {
+            quantity: Quantity::judged(nodes[0].sliding.is_some()).name(),
             measured: worst,
             asked: plan.interpolation,
             nodes: axes.node_count(),

@@ -11,14 +11,16 @@ pub const MAX_NODES: usize = 1 << 20;
 
 /// Breakpoints, strictly increasing on every axis.
 ///
-/// Nodes are numbered with `fz` slowest and `rocker_radius` fastest:
-/// `(i * curvature.len() + j) * rockers + k`.
+/// Nodes are numbered with `fz` slowest, then `curvature`, `rocker_radius`, `speed` and `ice_c`, as far as there are such axes:
+/// `(i * curvature.len() + j) * layers + k`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axes {
     fz: Vec<f64>,
     curvature: Vec<f64>,
     flush: Option<Flush>,
     rocker_radius: Option<Vec<f64>>,
+    speed: Option<Vec<f64>>,
+    ice_c: Option<Vec<f64>>,
 }
 
 impl Axes {
@@ -38,20 +40,49 @@ impl Axes {
         if let Some(radii) = &rocker_radius {
             check("rocker_radius_m", radii, true)?;
         }
-        let axes = Axes {
+        Axes {
             fz,
             curvature,
             flush: None,
             rocker_radius,
-        };
-        let found = axes.node_count();
+            speed: None,
+            ice_c: None,
+        }
+        .few_enough()
+    }
+
+    /// The axes with speeds [m/s] and temperatures of the ice [C] besides.
+    ///
+    /// # Errors
+    /// As [`Axes::new`], speeds being positive; [`Error::FlushPlan`] beside reduced curvatures.
+    pub fn sliding(self, speed: Option<Vec<f64>>, ice_c: Option<Vec<f64>>) -> Result<Self, Error> {
+        if self.flush.is_some() && (speed.is_some() || ice_c.is_some()) {
+            return Err(Error::FlushPlan);
+        }
+        if let Some(speeds) = &speed {
+            check("v_mps", speeds, true)?;
+        }
+        if let Some(temperatures) = &ice_c {
+            check("ice_c", temperatures, false)?;
+        }
+        Axes {
+            speed,
+            ice_c,
+            ..self
+        }
+        .few_enough()
+    }
+
+    fn few_enough(self) -> Result<Self, Error> {
+        let lengths = self.named().into_iter().map(|(_, _, values)| values.len());
+        let found = lengths.fold(1usize, usize::saturating_mul);
         if found > MAX_NODES {
             return Err(Error::TooManyNodes {
                 found,
                 limit: MAX_NODES,
             });
         }
-        Ok(axes)
+        Ok(self)
     }
 
     /// Axes whose second one holds reduced curvatures.
@@ -103,19 +134,53 @@ impl Axes {
         self.rocker_radius.as_deref()
     }
 
-    /// Number of breakpoints on the rocker axis, 1 without it.
-    pub fn rockers(&self) -> usize {
-        self.rocker_radius.as_ref().map_or(1, Vec::len)
+    /// Speeds where the table has that axis [m/s].
+    pub fn speed(&self) -> Option<&[f64]> {
+        self.speed.as_deref()
+    }
+
+    /// Temperatures of the ice where the table has that axis [C].
+    pub fn ice_c(&self) -> Option<&[f64]> {
+        self.ice_c.as_deref()
+    }
+
+    /// Whether the table has an axis that only a runner that slides knows.
+    pub fn is_sliding(&self) -> bool {
+        self.speed.is_some() || self.ice_c.is_some()
+    }
+
+    /// Name, unit and breakpoints of every axis, in the order of the nodes.
+    pub fn named(&self) -> Vec<(&'static str, &'static str, &[f64])> {
+        let (name, unit) = match self.flush {
+            None => ("curvature_1pm", "1/m"),
+            Some(_) => ("reduced_curvature", "1"),
+        };
+        let mut axes = vec![("fz_n", "N", self.fz()), (name, unit, self.curvature())];
+        axes.extend(self.rocker_radius().map(|v| ("rocker_radius_m", "m", v)));
+        axes.extend(self.speed().map(|v| ("v_mps", "m/s", v)));
+        axes.extend(self.ice_c().map(|v| ("ice_c", "C", v)));
+        axes
+    }
+
+    /// Numbers of breakpoints of rocker radius, speed and temperature of the ice, 1 without the axis.
+    pub(crate) fn inner(&self) -> [usize; 3] {
+        [&self.rocker_radius, &self.speed, &self.ice_c]
+            .map(|axis| axis.as_ref().map_or(1, Vec::len))
+    }
+
+    /// Number of nodes at one force and curvature.
+    pub fn layers(&self) -> usize {
+        self.inner().iter().product()
     }
 
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
-        self.fz.len() * self.curvature.len() * self.rockers()
+        self.fz.len() * self.curvature.len() * self.layers()
     }
 
-    /// Number of the node at breakpoints `i` (force), `j` (curvature), `k` (rocker).
+    /// Number of the node at breakpoints `i` (force), `j` (curvature) and at `k` among those of one force and curvature.
     pub fn node(&self, i: usize, j: usize, k: usize) -> usize {
-        (i * self.curvature.len() + j) * self.rockers() + k
+        (i * self.curvature.len() + j) * self.layers() + k
     }
 
     /// The corners of the cell that holds a point; a corner may come more than once.
@@ -130,30 +195,43 @@ impl Axes {
             Some(flush) => flush.reduced(point.fz, point.curvature),
         };
         let j = cell(&self.curvature, place);
-        let k = match (&self.rocker_radius, point.rocker_radius) {
-            (Some(radii), Some(radius)) => cell(radii, radius),
+        let inner = |axis: &Option<Vec<f64>>, value: Option<f64>| match (axis, value) {
+            (Some(axis), Some(value)) => cell(axis, value),
             _ => [0, 0],
         };
-        (0..8usize).map(move |n| self.node(i[n & 1], j[(n >> 1) & 1], k[n >> 2]))
+        let rocker = inner(&self.rocker_radius, point.rocker_radius);
+        let speed = inner(&self.speed, point.speed);
+        let ice = inner(&self.ice_c, point.ice_c);
+        let [_, speeds, temperatures] = self.inner();
+        (0..32usize).map(move |n| {
+            let of = |cell: [usize; 2], bit: u32| cell[(n >> bit) & 1];
+            let k = (of(rocker, 2) * speeds + of(speed, 3)) * temperatures + of(ice, 4);
+            self.node(of(i, 0), of(j, 1), k)
+        })
     }
 
     /// All nodes in their order.
     pub fn points(&self) -> Vec<Point> {
+        let inner = |axis: &Option<Vec<f64>>| match axis {
+            None => vec![None],
+            Some(values) => values.iter().copied().map(Some).collect(),
+        };
+        let [rockers, speeds, temperatures] =
+            [&self.rocker_radius, &self.speed, &self.ice_c].map(inner);
         let mut points = Vec::with_capacity(self.node_count());
         for &fz in &self.fz {
             for &place in &self.curvature {
                 let curvature = self.curvature_at(fz, place);
-                match &self.rocker_radius {
-                    None => points.push(Point {
-                        fz,
-                        curvature,
-                        rocker_radius: None,
-                    }),
-                    Some(radii) => points.extend(radii.iter().map(|&radius| Point {
-                        fz,
-                        curvature,
-                        rocker_radius: Some(radius),
-                    })),
+                for &rocker_radius in &rockers {
+                    for &speed in &speeds {
+                        points.extend(temperatures.iter().map(|&ice_c| Point {
+                            fz,
+                            curvature,
+                            rocker_radius,
+                            speed,
+                            ice_c,
+                        }));
+                    }
                 }
             }
         }

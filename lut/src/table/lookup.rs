@@ -1,7 +1,7 @@
 //! Evaluation of a table.
 
 use crate::error::Error;
-use crate::table::axes::MAX_AXIS;
+use crate::table::axes::{Axes, MAX_AXIS};
 use crate::table::flush::Flush;
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
@@ -29,7 +29,7 @@ pub struct Looked {
 /// let axes = Axes::new(vec![250.0, 2000.0], vec![0.0, 0.02], None)?;
 /// let nodes = axes.points().iter().map(|point| {
 ///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
-///     Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5 }
+///     Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, sliding: None }
 /// }).collect();
 /// let lookup = Lookup::new(&Table::new(axes, nodes, vec![])?, Quantity::PMax, Mode::Smooth)?;
 /// let looked = lookup.at(1000.0, 0.0);
@@ -40,8 +40,8 @@ pub struct Looked {
 #[derive(Clone, Debug)]
 pub struct Lookup {
     mode: Mode,
-    fz: Axis,
-    curvature: Axis,
+    pub(crate) fz: Axis,
+    pub(crate) curvature: Axis,
     /// What the second axis' reduced curvatures stand for, where it holds such.
     flush: Option<Flush>,
     /// Plain values, rows of constant force.
@@ -52,10 +52,10 @@ pub struct Lookup {
 }
 
 impl Lookup {
-    /// One quantity of a table without a rocker axis.
+    /// One quantity of a table over force and curvature alone.
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] where the table has a rocker axis.
+    /// [`Error::RockerNeeded`] where the table has a rocker axis, and as [`Lookup::with_rocker`].
     pub fn new(table: &Table, quantity: Quantity, mode: Mode) -> Result<Self, Error> {
         Self::with_rocker(table, quantity, mode, None)
     }
@@ -68,41 +68,28 @@ impl Lookup {
     ///
     /// # Errors
     /// [`Error::RockerNeeded`] where the table has a rocker axis and no radius is given,
-    /// [`Error::RockerOutside`] where the radius is not on it or there is no such axis.
+    /// [`Error::RockerOutside`] where the radius is not on it or there is no such axis, [`Error::NoQuantity`] for what only a
+    /// runner that slides has, [`Error::LayersNeeded`] where the table has speeds or temperatures: [`Layered`] takes those.
+    ///
+    /// [`Layered`]: crate::Layered
     pub fn with_rocker(
         table: &Table,
         quantity: Quantity,
         mode: Mode,
         rocker_radius: Option<f64>,
     ) -> Result<Self, Error> {
-        let axes = table.axes();
-        let all: Vec<f64> = table.nodes().iter().map(|n| n.get(quantity)).collect();
-        let logarithmic = mode == Mode::Smooth && all.iter().all(|&value| value > 0.0);
-        let values = match (axes.rocker_radius(), rocker_radius) {
-            (None, None) => all,
-            (Some(radii), None) => {
-                return Err(Error::RockerNeeded {
-                    low: radii[0],
-                    high: radii[radii.len() - 1],
-                });
-            }
-            (None, Some(value)) => {
-                return Err(Error::RockerOutside {
-                    value,
-                    span: "one runner, without a rocker axis".into(),
-                });
-            }
-            (Some(radii), Some(value)) => at_rocker(&all, radii, value, mode, logarithmic)?,
-        };
+        if table.axes().is_sliding() {
+            return Err(Error::LayersNeeded);
+        }
+        let (values, logarithmic) = at_rocker(table, quantity, mode, rocker_radius)?;
+        Ok(Self::of_values(table.axes(), values, mode, logarithmic))
+    }
+
+    /// Of the values at all forces and curvatures of these axes.
+    pub(crate) fn of_values(axes: &Axes, values: Vec<f64>, mode: Mode, logarithmic: bool) -> Self {
         let scale = |value: f64| if logarithmic { value.ln() } else { value };
-        let fz = Axis {
-            plain: axes.fz().to_vec(),
-            scaled: axes.fz().iter().map(|fz| fz.ln()).collect(),
-        };
-        let curvature = Axis {
-            plain: axes.curvature().to_vec(),
-            scaled: axes.curvature().to_vec(),
-        };
+        let fz = Axis::logarithmic(axes.fz());
+        let curvature = Axis::plain(axes.curvature());
         debug_assert!(fz.plain.len() <= MAX_AXIS && curvature.plain.len() <= MAX_AXIS);
         let jets = match mode {
             Mode::Bilinear => Vec::new(),
@@ -111,7 +98,7 @@ impl Lookup {
                 jets(&fz.scaled, &curvature.scaled, &scaled)
             }
         };
-        Ok(Lookup {
+        Lookup {
             mode,
             fz,
             curvature,
@@ -119,7 +106,7 @@ impl Lookup {
             values,
             jets,
             logarithmic,
-        })
+        }
     }
 
     /// The quantity at a force [N] and a curvature [1/m].
@@ -134,11 +121,7 @@ impl Lookup {
                 out_of_range: true,
             };
         }
-        let x = self.fz.place(fz);
-        let y = self.curvature.place(match &self.flush {
-            None => curvature,
-            Some(flush) => flush.reduced(x.clipped, curvature),
-        });
+        let (x, y) = self.places(fz, curvature);
         let value = match self.mode {
             Mode::Bilinear => self.bilinear(&x, &y),
             Mode::Smooth => self.smooth(&x, &y),
@@ -149,8 +132,19 @@ impl Lookup {
         }
     }
 
+    /// Where a force and a curvature, no NaN, lie.
     #[inline]
-    fn bilinear(&self, x: &Place, y: &Place) -> f64 {
+    pub(crate) fn places(&self, fz: f64, curvature: f64) -> (Place, Place) {
+        let x = self.fz.place(fz);
+        let y = self.curvature.place(match &self.flush {
+            None => curvature,
+            Some(flush) => flush.reduced(x.clipped, curvature),
+        });
+        (x, y)
+    }
+
+    #[inline]
+    pub(crate) fn bilinear(&self, x: &Place, y: &Place) -> f64 {
         let columns = self.curvature.plain.len();
         let tx = fraction(&self.fz.plain, x, x.clipped);
         let ty = fraction(&self.curvature.plain, y, y.clipped);
@@ -167,9 +161,26 @@ impl Lookup {
         left + (right - left) * ty
     }
 
-    /// Hermite patch of the difference to the lower corner, so that nodes come out as they went in.
     #[inline]
     fn smooth(&self, x: &Place, y: &Place) -> f64 {
+        let rise = self.rise(x, y);
+        let start = self.values[self.corner(x, y)];
+        if self.logarithmic {
+            start * rise.exp()
+        } else {
+            start + rise
+        }
+    }
+
+    /// The node at the lower corner of a cell.
+    #[inline]
+    pub(crate) fn corner(&self, x: &Place, y: &Place) -> usize {
+        x.low * self.curvature.plain.len() + y.low
+    }
+
+    /// Hermite patch of the difference to the lower corner, so that nodes come out as they went in.
+    #[inline]
+    pub(crate) fn rise(&self, x: &Place, y: &Place) -> f64 {
         let columns = self.curvature.plain.len();
         let hx = self.fz.scaled[x.high] - self.fz.scaled[x.low];
         let hy = self.curvature.scaled[y.high] - self.curvature.scaled[y.low];
@@ -185,13 +196,7 @@ impl Lookup {
         let high = (c.f - a.f) + ((d.f - c.f) * x0 + c.fx * x1 + d.fx * x2);
         let low_slope = a.fy + ((b.fy - a.fy) * x0 + a.fxy * x1 + b.fxy * x2);
         let high_slope = c.fy + ((d.fy - c.fy) * x0 + c.fxy * x1 + d.fxy * x2);
-        let rise = low + ((high - low) * y0 + low_slope * y1 + high_slope * y2);
-        let start = self.values[x.low * columns + y.low];
-        if self.logarithmic {
-            start * rise.exp()
-        } else {
-            start + rise
-        }
+        low + ((high - low) * y0 + low_slope * y1 + high_slope * y2)
     }
 
     /// Mode.
@@ -212,18 +217,39 @@ impl Lookup {
 
 /// Hermite weights of the far value and of both slopes.
 #[inline]
-fn hermite(t: f64, h: f64) -> [f64; 3] {
+pub(crate) fn hermite(t: f64, h: f64) -> [f64; 3] {
     let s = 1.0 - t;
     [t * t * (3.0 - 2.0 * t), h * t * s * s, -(h * t * t * s)]
 }
 
-fn at_rocker(
-    all: &[f64],
-    radii: &[f64],
-    radius: f64,
+/// The values of a quantity at all nodes of one rocker radius, and whether they are interpolated in logarithms.
+pub(crate) fn at_rocker(
+    table: &Table,
+    quantity: Quantity,
     mode: Mode,
-    logarithmic: bool,
-) -> Result<Vec<f64>, Error> {
+    rocker_radius: Option<f64>,
+) -> Result<(Vec<f64>, bool), Error> {
+    let values: Option<Vec<f64>> = table.nodes().iter().map(|n| n.get(quantity)).collect();
+    let all = values.ok_or(Error::NoQuantity {
+        quantity: quantity.name(),
+    })?;
+    let logarithmic = mode == Mode::Smooth && all.iter().all(|&value| value > 0.0);
+    let (radii, radius) = match (table.axes().rocker_radius(), rocker_radius) {
+        (None, None) => return Ok((all, logarithmic)),
+        (Some(radii), None) => {
+            return Err(Error::RockerNeeded {
+                low: radii[0],
+                high: radii[radii.len() - 1],
+            });
+        }
+        (None, Some(value)) => {
+            return Err(Error::RockerOutside {
+                value,
+                span: "one runner, without a rocker axis".into(),
+            });
+        }
+        (Some(radii), Some(radius)) => (radii, radius),
+    };
     let last = radii.len() - 1;
     if !(radii[0]..=radii[last]).contains(&radius) {
         return Err(Error::RockerOutside {
@@ -238,15 +264,18 @@ fn at_rocker(
         (_, Mode::Bilinear) => (radius - radii[low]) / (radii[high] - radii[low]),
         (_, Mode::Smooth) => (radius / radii[low]).ln() / (radii[high] / radii[low]).ln(),
     };
-    Ok(all
-        .chunks_exact(radii.len())
-        .map(|line| {
-            let (a, b) = (line[low], line[high]);
-            if logarithmic {
-                a * ((b / a).ln() * t).exp()
-            } else {
-                a + (b - a) * t
-            }
-        })
-        .collect())
+    let between = |a: f64, b: f64| {
+        if logarithmic {
+            a * ((b / a).ln() * t).exp()
+        } else {
+            a + (b - a) * t
+        }
+    };
+    // Rocker radii are the slowest of what lies at one force and curvature.
+    let inner = table.axes().layers() / radii.len();
+    let lines = all.chunks_exact(radii.len() * inner);
+    let at_radius = lines.flat_map(|line| {
+        (0..inner).map(move |n| between(line[low * inner + n], line[high * inner + n]))
+    });
+    Ok((at_radius.collect(), logarithmic))
 }

@@ -1,7 +1,7 @@
 //! How well a table interpolates, measured at its checks.
 
 use crate::error::Error;
-use crate::table::lookup::Lookup;
+use crate::table::layered::Layered;
 use crate::table::mode::Mode;
 use crate::table::nodes::{Check, Table};
 use crate::table::quantity::Quantity;
@@ -22,22 +22,24 @@ impl Table {
     /// Interpolation error measured at the checks; `None` where there are none.
     ///
     /// # Errors
-    /// As [`Lookup::new`].
+    /// As [`Layered::new`].
     pub fn interpolation_error(
         &self,
         quantity: Quantity,
         mode: Mode,
     ) -> Result<Option<Measured>, Error> {
-        let mut lookup: Option<(Option<f64>, Lookup)> = None;
+        let mut lookup: Option<(Option<f64>, Layered)> = None;
         let mut worst: Option<Measured> = None;
         let mut squares = 0.0;
         for check in self.checks() {
             let radius = check.point.rocker_radius;
             if lookup.as_ref().is_none_or(|(of, _)| *of != radius) {
-                lookup = Some((radius, Lookup::with_rocker(self, quantity, mode, radius)?));
+                lookup = Some((radius, Layered::new(self, quantity, mode, radius)?));
             }
             let Some((_, lookup)) = &lookup else { continue };
-            let error = relative_error(lookup, check, quantity);
+            let Some(error) = relative_error(lookup, check, quantity) else {
+                continue;
+            };
             squares += error * error;
             if worst.is_none_or(|worst| error > worst.max) {
                 worst = Some(Measured {
@@ -54,10 +56,13 @@ impl Table {
     }
 }
 
-/// Error of an interpolated value relative to the solved one; where that is 0, the plain difference.
-pub(crate) fn relative_error(lookup: &Lookup, check: &Check, quantity: Quantity) -> f64 {
-    let truth = check.solved.get(quantity);
-    let value = lookup.at(check.point.fz, check.point.curvature).value;
+/// Error of an interpolated value relative to the solved one; where that is 0, the plain difference. `None` where the contact
+/// has no such quantity.
+pub(crate) fn relative_error(lookup: &Layered, check: &Check, quantity: Quantity) -> Option<f64> {
+    let truth = check.solved.get(quantity)?;
+    let at = &check.point;
+    let [speed, ice_c] = [at.speed, at.ice_c].map(|value| value.unwrap_or(f64::NAN));
+    let value = lookup.at(at.fz, at.curvature, speed, ice_c).value;
     let scale = if truth == 0.0 { 1.0 } else { truth.abs() };
-    (value - truth).abs() / scale
+    Some((value - truth).abs() / scale)
 }

@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use crate::error::Error;
 use crate::table::axes::Axes;
+use crate::table::quantity::Quantity;
 use crate::table::solved::{Point, Solved};
 
 /// A solve that is not a node: what the interpolation is measured against.
@@ -39,7 +40,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::NodeCount`] where `nodes` does not fit `axes`, [`Error::NotFinite`] where a figure
-    /// of a node or a check is no finite number.
+    /// of a node or a check is no finite number, [`Error::SlidingMixture`] where some slide and others do not.
     pub fn new(axes: Axes, nodes: Vec<Solved>, checks: Vec<Check>) -> Result<Self, Error> {
         if nodes.len() != axes.node_count() {
             return Err(Error::NodeCount {
@@ -48,12 +49,18 @@ impl Table {
             });
         }
         let points = axes.points();
+        let sliding = axes.is_sliding() || nodes[0].sliding.is_some();
         let all = points
             .iter()
             .zip(&nodes)
             .chain(checks.iter().map(|check| (&check.point, &check.solved)));
         for (point, solved) in all {
             finite(point, solved)?;
+            if solved.sliding.is_some() != sliding {
+                return Err(Error::SlidingMixture {
+                    place: point.to_string(),
+                });
+            }
         }
         Ok(Table {
             axes,
@@ -81,17 +88,31 @@ impl Table {
         &self.checks
     }
 
-    /// Largest estimated solver error of the peak pressure over the nodes, relative.
+    /// Whether the contacts are those of a runner that slides.
+    pub fn is_sliding(&self) -> bool {
+        self.nodes[0].sliding.is_some()
+    }
+
+    /// The quantities that the table holds, in the order files list them.
+    pub fn quantities(&self) -> &'static [Quantity] {
+        Quantity::of(self.is_sliding())
+    }
+
+    /// What an interpolation error is asked of: the coefficient of friction or, at rest, the peak pressure.
+    pub fn judged(&self) -> Quantity {
+        Quantity::judged(self.is_sliding())
+    }
+
+    /// Largest estimated solver error over the nodes, relative, of what is [judged](Self::judged).
     pub fn solver_error(&self) -> f64 {
-        self.nodes
-            .iter()
-            .map(|node| node.p_max_error.abs() / node.p_max.abs())
-            .fold(0.0, f64::max)
+        let errors = self.nodes.iter().map(Solved::relative_error);
+        errors.fold(0.0, f64::max)
     }
 }
 
 pub(crate) fn finite(point: &Point, solved: &Solved) -> Result<(), Error> {
-    for (value, key) in solved.to_array().into_iter().zip(Solved::KEYS) {
+    let keys = Solved::keys(solved.sliding.is_some());
+    for (value, &key) in solved.figures().into_iter().zip(keys) {
         if !value.is_finite() {
             return Err(Error::NotFinite {
                 quantity: key,

@@ -19,6 +19,22 @@ pub(crate) struct Place {
 }
 
 impl Axis {
+    /// Breakpoints that the smooth mode sees in logarithms.
+    pub fn logarithmic(breakpoints: &[f64]) -> Self {
+        Axis {
+            plain: breakpoints.to_vec(),
+            scaled: breakpoints.iter().map(|v| v.ln()).collect(),
+        }
+    }
+
+    /// Breakpoints that both modes see as they are.
+    pub fn plain(breakpoints: &[f64]) -> Self {
+        Axis {
+            plain: breakpoints.to_vec(),
+            scaled: breakpoints.to_vec(),
+        }
+    }
+
     #[inline]
     pub fn place(&self, value: f64) -> Place {
         let last = self.plain.len() - 1;

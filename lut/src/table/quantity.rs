@@ -15,18 +15,52 @@ pub enum Quantity {
     Width,
     /// Rigid approach [m].
     Approach,
+    /// Coefficient of friction of a runner that slides.
+    Mu,
+    /// Part of it that ploughs the groove.
+    MuPloughing,
+    /// Part of it that shears the melt film.
+    MuViscous,
+    /// Depth of the groove that a sliding runner leaves [m].
+    GrooveDepth,
+    /// Thickness of the melt film averaged over the patch [m].
+    FilmMean,
 }
 
 impl Quantity {
     /// All quantities, in the order files list them.
-    pub const ALL: [Quantity; 6] = [
+    pub const ALL: [Quantity; 11] = [
         Quantity::PMax,
         Quantity::PMean,
         Quantity::Area,
         Quantity::Length,
         Quantity::Width,
         Quantity::Approach,
+        Quantity::Mu,
+        Quantity::MuPloughing,
+        Quantity::MuViscous,
+        Quantity::GrooveDepth,
+        Quantity::FilmMean,
     ];
+
+    /// Those of a contact that slides, or of one at rest.
+    pub fn of(sliding: bool) -> &'static [Quantity] {
+        const AT_REST: usize = 6;
+        if sliding {
+            &Quantity::ALL
+        } else {
+            &Quantity::ALL[..AT_REST]
+        }
+    }
+
+    /// What an interpolation error is asked of: the coefficient of friction or, at rest, the peak pressure.
+    pub fn judged(sliding: bool) -> Quantity {
+        if sliding {
+            Quantity::Mu
+        } else {
+            Quantity::PMax
+        }
+    }
 
     /// Name without a unit, as `.lut` files spell it.
     pub fn name(self) -> &'static str {
@@ -37,6 +71,11 @@ impl Quantity {
             Quantity::Length => "length",
             Quantity::Width => "width",
             Quantity::Approach => "approach",
+            Quantity::Mu => "mu",
+            Quantity::MuPloughing => "mu_ploughing",
+            Quantity::MuViscous => "mu_viscous",
+            Quantity::GrooveDepth => "groove_depth",
+            Quantity::FilmMean => "film_mean",
         }
     }
 
@@ -49,6 +88,11 @@ impl Quantity {
             Quantity::Length => "length_m",
             Quantity::Width => "width_m",
             Quantity::Approach => "approach_m",
+            Quantity::Mu => "mu",
+            Quantity::MuPloughing => "mu_ploughing",
+            Quantity::MuViscous => "mu_viscous",
+            Quantity::GrooveDepth => "groove_depth_m",
+            Quantity::FilmMean => "film_mean_m",
         }
     }
 
@@ -57,7 +101,12 @@ impl Quantity {
         match self {
             Quantity::PMax | Quantity::PMean => "Pa",
             Quantity::Area => "m2",
-            Quantity::Length | Quantity::Width | Quantity::Approach => "m",
+            Quantity::Length
+            | Quantity::Width
+            | Quantity::Approach
+            | Quantity::GrooveDepth
+            | Quantity::FilmMean => "m",
+            Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous => "1",
         }
     }
 

@@ -19,38 +19,80 @@ pub struct Solved {
     pub width: f64,
     /// Rigid approach [m].
     pub approach: f64,
+    /// What sliding adds; `None` for a contact at rest.
+    pub sliding: Option<Sliding>,
 }
 
+/// What a runner that slides adds to the figures of its contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sliding {
+    /// Coefficient of friction.
+    pub mu: f64,
+    /// Estimated error of it.
+    pub mu_error: f64,
+    /// Part of it that ploughs the groove.
+    pub mu_ploughing: f64,
+    /// Part of it that shears the melt film.
+    pub mu_viscous: f64,
+    /// Depth of the groove [m].
+    pub groove_depth: f64,
+    /// Thickness of the film averaged over the patch [m].
+    pub film_mean: f64,
+}
+
+/// Keys of [`Solved::figures`] of a runner that slides.
+const KEYS: [&str; 13] = [
+    "p_max_pa",
+    "p_max_error_pa",
+    "p_mean_pa",
+    "area_m2",
+    "length_m",
+    "width_m",
+    "approach_m",
+    "mu",
+    "mu_error",
+    "mu_ploughing",
+    "mu_viscous",
+    "groove_depth_m",
+    "film_mean_m",
+];
+/// How many of them a contact at rest has.
+const AT_REST: usize = 7;
+
 impl Solved {
-    /// How many figures there are.
-    pub const COUNT: usize = 7;
+    /// Keys of [`figures`](Self::figures), sliding or at rest.
+    pub fn keys(sliding: bool) -> &'static [&'static str] {
+        if sliding { &KEYS } else { &KEYS[..AT_REST] }
+    }
 
-    /// Keys of [`to_array`](Self::to_array).
-    pub const KEYS: [&'static str; Self::COUNT] = [
-        "p_max_pa",
-        "p_max_error_pa",
-        "p_mean_pa",
-        "area_m2",
-        "length_m",
-        "width_m",
-        "approach_m",
-    ];
-
-    /// One figure.
-    pub fn get(&self, quantity: Quantity) -> f64 {
-        match quantity {
+    /// One figure; `None` where a contact at rest has none of its kind.
+    pub fn get(&self, quantity: Quantity) -> Option<f64> {
+        Some(match quantity {
             Quantity::PMax => self.p_max,
             Quantity::PMean => self.p_mean,
             Quantity::Area => self.area,
             Quantity::Length => self.length,
             Quantity::Width => self.width,
             Quantity::Approach => self.approach,
+            Quantity::Mu => self.sliding?.mu,
+            Quantity::MuPloughing => self.sliding?.mu_ploughing,
+            Quantity::MuViscous => self.sliding?.mu_viscous,
+            Quantity::GrooveDepth => self.sliding?.groove_depth,
+            Quantity::FilmMean => self.sliding?.film_mean,
+        })
+    }
+
+    /// The solver's own estimated error, relative: of the coefficient of friction or, at rest, of the peak pressure.
+    pub fn relative_error(&self) -> f64 {
+        match &self.sliding {
+            None => self.p_max_error.abs() / self.p_max.abs(),
+            Some(sliding) => sliding.mu_error.abs() / sliding.mu.abs(),
         }
     }
 
-    /// All figures in the order of [`KEYS`](Self::KEYS).
-    pub fn to_array(&self) -> [f64; Self::COUNT] {
-        [
+    /// All figures in the order of [`keys`](Self::keys).
+    pub fn figures(&self) -> Vec<f64> {
+        let mut figures = vec![
             self.p_max,
             self.p_max_error,
             self.p_mean,
@@ -58,26 +100,63 @@ impl Solved {
             self.length,
             self.width,
             self.approach,
-        ]
+        ];
+        if let Some(sliding) = &self.sliding {
+            figures.extend([
+                sliding.mu,
+                sliding.mu_error,
+                sliding.mu_ploughing,
+                sliding.mu_viscous,
+                sliding.groove_depth,
+                sliding.film_mean,
+            ]);
+        }
+        figures
     }
 
-    /// The inverse of [`to_array`](Self::to_array).
-    pub fn from_array(figures: [f64; Self::COUNT]) -> Self {
-        let [p_max, p_max_error, p_mean, area, length, width, approach] = figures;
+    /// The inverse of [`figures`](Self::figures).
+    ///
+    /// # Panics
+    /// Where there are not as many as [`keys`](Self::keys).
+    pub fn from_figures(figures: &[f64]) -> Self {
+        let sliding = match figures[AT_REST..] {
+            [] => None,
+            [
+                mu,
+                mu_error,
+                mu_ploughing,
+                mu_viscous,
+                groove_depth,
+                film_mean,
+            ] => Some(Sliding {
+                mu,
+                mu_error,
+                mu_ploughing,
+                mu_viscous,
+                groove_depth,
+                film_mean,
+            }),
+            _ => panic!(
+                "{} figures, expected {AT_REST} or {}",
+                figures.len(),
+                KEYS.len()
+            ),
+        };
         Solved {
-            p_max,
-            p_max_error,
-            p_mean,
-            area,
-            length,
-            width,
-            approach,
+            p_max: figures[0],
+            p_max_error: figures[1],
+            p_mean: figures[2],
+            area: figures[3],
+            length: figures[4],
+            width: figures[5],
+            approach: figures[6],
+            sliding,
         }
     }
 }
 
 /// Where a contact is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Normal force [N].
     pub fz: f64,
@@ -85,14 +164,33 @@ pub struct Point {
     pub curvature: f64,
     /// Rocker radius of the runner where the table has that axis [m].
     pub rocker_radius: Option<f64>,
+    /// Speed where the table has that axis [m/s].
+    pub speed: Option<f64>,
+    /// Temperature of the ice where the table has that axis [C].
+    pub ice_c: Option<f64>,
+}
+
+impl Point {
+    /// Keys and values of the axes that the point has, in the order of the axes.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        [
+            ("fz_n", Some(self.fz)),
+            ("curvature_1pm", Some(self.curvature)),
+            ("rocker_radius_m", self.rocker_radius),
+            ("v_mps", self.speed),
+            ("ice_c", self.ice_c),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| Some((key, value?)))
+    }
 }
 
 impl std::fmt::Display for Point {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "fz_n = {}, curvature_1pm = {}", self.fz, self.curvature)?;
-        match self.rocker_radius {
-            Some(radius) => write!(f, ", rocker_radius_m = {radius}"),
-            None => Ok(()),
+        for (n, (key, value)) in self.named().enumerate() {
+            let comma = if n == 0 { "" } else { ", " };
+            write!(f, "{comma}{key} = {value}")?;
         }
+        Ok(())
     }
 }

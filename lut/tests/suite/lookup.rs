@@ -28,6 +28,7 @@ fn of_values(fz: Vec<f64>, curvature: Vec<f64>, values: &[f64]) -> Table {
             length: 1.0,
             width: 1.0,
             approach: 1.0,
+            sliding: None,
         })
         .collect();
     Table::new(axes, nodes, vec![]).unwrap()
@@ -81,12 +82,12 @@ fn the_tests_hertz_agrees_with_independent_values() {
 #[test]
 fn both_modes_reproduce_nodes_exactly() {
     let table = table(runner_axes());
-    for quantity in Quantity::ALL {
+    for &quantity in Quantity::of(false) {
         for mode in Mode::ALL {
             let lookup = Lookup::new(&table, quantity, mode).unwrap();
             for (point, node) in table.axes().points().iter().zip(table.nodes()) {
                 let looked = lookup.at(point.fz, point.curvature);
-                assert_eq!(looked.value, node.get(quantity), "{mode:?} {point}");
+                assert_eq!(Some(looked.value), node.get(quantity), "{mode:?} {point}");
                 assert!(!looked.out_of_range);
             }
         }
@@ -129,10 +130,10 @@ fn one_breakpoint_is_enough() {
 fn smooth_mode_is_exact_for_power_laws_in_the_load() {
     let axes = Axes::new(vec![200.0, 1300.0, 8000.0], vec![0.0, 0.01], None).unwrap();
     let table = table(axes);
-    for quantity in Quantity::ALL {
+    for &quantity in Quantity::of(false) {
         let lookup = Lookup::new(&table, quantity, Mode::Smooth).unwrap();
         for fz in [250.0, 777.0, 3000.0, 7999.0] {
-            let truth = hertz(fz, 30.0, 0.005).get(quantity);
+            let truth = hertz(fz, 30.0, 0.005).get(quantity).unwrap();
             assert!((lookup.at(fz, 0.0).value / truth - 1.0).abs() < 1e-12);
         }
     }

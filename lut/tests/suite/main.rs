@@ -9,5 +9,6 @@ mod picture;
 mod python;
 mod python_reads;
 mod shards;
+mod sliding;
 mod sweep;
 mod tables;

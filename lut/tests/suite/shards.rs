@@ -2,7 +2,7 @@
 
 use crate::hertz::runner;
 use kufe_lut::{
-    Error, Manifest, Next, Origin, Plan, Point, Spacing, Store, SweepError, next_batch,
+    Error, Manifest, Next, Origin, Plan, Point, Solved, Spacing, Store, SweepError, next_batch,
     solve_missing, sweep,
 };
 use std::convert::Infallible;
@@ -67,7 +67,8 @@ fn rounds_of_shards_give_the_table_of_one_process_to_the_bit() {
                 // Any order of the shards, some of them twice.
                 for shard in [5, 3, 7, 3, 1, 2, 6, 4, 4] {
                     let points = read.shard(shard, 7).unwrap();
-                    solve_missing(&store, points, |p| Ok::<_, Infallible>(runner(p))).unwrap();
+                    solve_missing(&store, points, alone(|p| Ok::<_, Infallible>(runner(p))))
+                        .unwrap();
                 }
             }
             finished => break bytes(finished),
@@ -89,7 +90,7 @@ fn shards_share_the_points_without_gap_or_overlap() {
         .map(|n| Point {
             fz: 100.0 + f64::from(n),
             curvature: 0.0,
-            rocker_radius: None,
+            ..Point::default()
         })
         .collect();
     let manifest = Manifest {
@@ -113,12 +114,19 @@ fn shards_share_the_points_without_gap_or_overlap() {
     }
 }
 
+/// Every point by itself.
+fn alone<E>(
+    solve: impl Fn(&Point) -> Result<Solved, E>,
+) -> impl Fn(&[Point]) -> Vec<Result<Solved, E>> {
+    move |group| group.iter().map(&solve).collect()
+}
+
 fn some_points() -> Vec<Point> {
     (1..=20)
         .map(|n| Point {
             fz: 100.0 * f64::from(n),
             curvature: 0.001 * f64::from(n),
-            rocker_radius: None,
+            ..Point::default()
         })
         .collect()
 }
@@ -133,8 +141,8 @@ fn finished_points_are_not_solved_again() {
         Ok::<_, Infallible>(runner(p))
     };
     let points = some_points();
-    solve_missing(&store, &points[..12], count).unwrap();
-    let done = solve_missing(&store, &points, count).unwrap();
+    solve_missing(&store, &points[..12], alone(count)).unwrap();
+    let done = solve_missing(&store, &points, alone(count)).unwrap();
     assert_eq!((done.solved, done.kept), (8, 12));
     assert_eq!(solves.load(Ordering::Relaxed), 20);
     for point in &points {
@@ -153,18 +161,22 @@ fn a_failed_point_leaves_the_others_finished() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path(), origin("1", "2")).unwrap();
     let points = some_points();
-    let failed = solve_missing(&store, &points, |p| {
-        if p.fz == 700.0 {
-            Err(PowerCut)
-        } else {
-            Ok(runner(p))
-        }
-    });
+    let failed = solve_missing(
+        &store,
+        &points,
+        alone(|p: &Point| {
+            if p.fz == 700.0 {
+                Err(PowerCut)
+            } else {
+                Ok(runner(p))
+            }
+        }),
+    );
     match failed {
         Err(SweepError::Solve { point, .. }) => assert_eq!(point, points[6]),
         other => panic!("{other:?}"),
     }
-    let done = solve_missing(&store, &points, |p| Ok::<_, PowerCut>(runner(p))).unwrap();
+    let done = solve_missing(&store, &points, alone(|p| Ok::<_, PowerCut>(runner(p)))).unwrap();
     assert_eq!((done.solved, done.kept), (1, 19));
 }
 
@@ -173,7 +185,7 @@ fn damaged_results_are_named_when_merged_and_solved_again_when_run() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path(), origin("1", "2")).unwrap();
     let points = some_points();
-    solve_missing(&store, &points, |p| Ok::<_, Infallible>(runner(p))).unwrap();
+    solve_missing(&store, &points, alone(|p| Ok::<_, Infallible>(runner(p)))).unwrap();
     let path = store.path(&points[3]);
     let good = std::fs::read(&path).unwrap();
     let mut flipped = good.clone();
@@ -188,7 +200,8 @@ fn damaged_results_are_named_when_merged_and_solved_again_when_run() {
             }
             other => panic!("{other:?}"),
         }
-        let done = solve_missing(&store, &points, |p| Ok::<_, Infallible>(runner(p))).unwrap();
+        let done =
+            solve_missing(&store, &points, alone(|p| Ok::<_, Infallible>(runner(p)))).unwrap();
         assert_eq!((done.solved, done.kept, done.repaired.len()), (1, 19, 1));
         assert!(done.repaired[0].contains(path.file_name().unwrap().to_str().unwrap()));
         assert_eq!(std::fs::read(&path).unwrap(), good);
@@ -209,14 +222,14 @@ fn versions_and_cases_are_not_mixed() {
     let folder = tempfile::tempdir().unwrap();
     let points = some_points();
     let first = Store::open(folder.path(), origin("1", "2")).unwrap();
-    solve_missing(&first, &points, |p| Ok::<_, Infallible>(runner(p))).unwrap();
+    solve_missing(&first, &points, alone(|p| Ok::<_, Infallible>(runner(p)))).unwrap();
     for (other, what) in [
         (origin("9", "2"), "version"),
         (origin("1", "9"), "case_sha256"),
     ] {
         let store = Store::open(folder.path(), other).unwrap();
         let refused =
-            solve_missing(&store, &points, |p| Ok::<_, Infallible>(runner(p))).unwrap_err();
+            solve_missing(&store, &points, alone(|p| Ok::<_, Infallible>(runner(p)))).unwrap_err();
         assert!(refused.to_string().contains(what), "{refused}");
     }
 }
@@ -230,7 +243,11 @@ fn a_folder_that_cannot_be_written_is_named() {
     assert!(refused.to_string().contains("file/points"), "{refused}");
     let store = Store::open(&folder.path().join("points"), origin("1", "2")).unwrap();
     std::fs::remove_dir_all(store.folder()).unwrap();
-    let failed = solve_missing(&store, &some_points(), |p| Ok::<_, Infallible>(runner(p)));
+    let failed = solve_missing(
+        &store,
+        &some_points(),
+        alone(|p| Ok::<_, Infallible>(runner(p))),
+    );
     assert!(
         failed
             .unwrap_err()

@@ -18,7 +18,7 @@ fn held_out(n: usize) -> Vec<Point> {
             Point {
                 fz: 200.0 * 40f64.powf(t),
                 curvature: -0.02 + 0.05 * u,
-                rocker_radius: None,
+                ..Point::default()
             }
         })
         .collect()
@@ -252,6 +252,7 @@ fn a_rocker_axis_is_refined_too() {
             fz: 1111.0,
             curvature: 0.0077,
             rocker_radius: Some(33.3),
+            ..Point::default()
         };
         let error = lookup.at(point.fz, point.curvature).value / runner(&point).p_max - 1.0;
         assert!(error.abs() < 0.01, "{mode:?} {error}");

@@ -1,7 +1,7 @@
 //! Two tables that every form is written from.
 
 use crate::hertz::runner;
-use kufe_lut::{Axes, Check, Flush, Point, Table};
+use kufe_lut::{Axes, Check, Flush, Point, Sliding, Solved, Table};
 
 /// A table over reduced curvatures.
 pub fn reduced() -> Table {
@@ -12,7 +12,7 @@ pub fn reduced() -> Table {
     let point = Point {
         fz: 777.0,
         curvature: 0.0201,
-        rocker_radius: None,
+        ..Point::default()
     };
     let checks = vec![Check {
         point,
@@ -34,6 +34,7 @@ pub fn table(rocker: bool) -> Table {
         fz: 777.0,
         curvature: 0.015,
         rocker_radius: rocker.then_some(22.0),
+        ..Point::default()
     };
     let checks = vec![Check {
         point,
@@ -44,4 +45,56 @@ pub fn table(rocker: bool) -> Table {
     table.case_sha256 = "0123abc".into();
     table.interpolation_asked = Some(0.01);
     table
+}
+
+/// A contact that slides, by formulas that bend along every axis: a film's law that grows with speed and cold, and a groove.
+pub fn slid(point: &Point) -> Solved {
+    let speed = point.speed.unwrap_or(20.0);
+    let cold = -point.ice_c.unwrap_or(-5.0);
+    let hardness = 1e6 * (14.7 + 0.6 * cold);
+    let groove_depth = 2e-4 * (point.fz / hardness).sqrt() / (1.0 - 8.0 * point.curvature);
+    let mu_ploughing = 12.0 * groove_depth;
+    let mu_viscous = 1.1e-3 * (speed.sqrt() * 0.5 + cold / speed) * (point.fz / 1000.0).powf(-0.2);
+    let mu = mu_ploughing + mu_viscous;
+    Solved {
+        p_max: hardness,
+        p_max_error: 1e-3 * hardness,
+        sliding: Some(Sliding {
+            mu,
+            mu_error: 1e-4 * mu,
+            mu_ploughing,
+            mu_viscous,
+            groove_depth,
+            film_mean: 1e-7 * speed.sqrt(),
+        }),
+        ..runner(point)
+    }
+}
+
+/// A table over speeds and temperatures too, with or without a rocker axis.
+pub fn sliding(rocker: bool) -> Table {
+    let axes = Axes::new(
+        vec![200.0, 500.0, 1300.0, 3000.0, 8000.0],
+        vec![-0.02, 0.0, 0.01, 0.02],
+        rocker.then(|| vec![20.0, 25.0, 30.0]),
+    )
+    .unwrap()
+    .sliding(
+        Some(vec![2.0, 6.0, 14.0, 25.0, 40.0]),
+        Some(vec![-12.0, -7.0, -3.0, -1.0]),
+    )
+    .unwrap();
+    let nodes = axes.points().iter().map(slid).collect();
+    let point = Point {
+        fz: 777.0,
+        curvature: 0.015,
+        rocker_radius: rocker.then_some(22.0),
+        speed: Some(9.0),
+        ice_c: Some(-4.0),
+    };
+    let checks = vec![Check {
+        point,
+        solved: slid(&point),
+    }];
+    Table::new(axes, nodes, checks).unwrap()
 }

@@ -47,7 +47,7 @@ pub struct Model {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// Fixed coefficient, or a quadratic in the pressure with its tables.
+    /// Fixed coefficient, a quadratic in the pressure with its tables, or tables of the coefficient.
     pub longitudinal: LongitudinalKeys,
     /// Front runner, lateral.
     pub front: MagicFormula,
@@ -94,10 +94,20 @@ impl Model {
         Ok(model)
     }
 
-    /// The model as TOML, with every effect it carries.
+    /// The model as TOML, with every effect it carries; of a model from a file, the tables' paths are absolute, so that it may be
+    /// written elsewhere.
     pub fn to_toml(&self) -> String {
+        let mut model = self.clone();
+        let keys = &mut model.friction.longitudinal;
+        for table in [&mut keys.front_table, &mut keys.rear_table] {
+            if let (false, Some(path)) = (self.file.is_empty(), table)
+                && let Ok(absolute) = std::path::absolute(self.folder.join(&*path))
+            {
+                *path = absolute.display().to_string();
+            }
+        }
         // Plain tables of numbers and strings: the serializer has nothing to refuse.
-        toml::to_string_pretty(self).expect("a model is plain tables")
+        toml::to_string_pretty(&model).expect("a model is plain tables")
     }
 
     /// Checks that every number is one that a sled can have; `file` names the source in errors.
@@ -172,10 +182,13 @@ impl Model {
             file: file.to_string(),
             reason: format!("[friction.{table}] {error}"),
         };
-        self.friction
-            .longitudinal
-            .model()
-            .map_err(|error| in_friction("longitudinal", error))?;
+        let longitudinal = &self.friction.longitudinal;
+        let law = match longitudinal.tabled() {
+            Ok(None) => longitudinal.model().map(|_| ()),
+            Ok(Some(_)) => Ok(()),
+            Err(error) => Err(error),
+        };
+        law.map_err(|error| in_friction("longitudinal", error))?;
         self.friction
             .front
             .check()

@@ -1,21 +1,55 @@
-//! Ice friction of one runner, with its pressure table opened.
+//! Ice friction of one runner, with its table opened.
 
+use std::path::Path;
 use std::sync::Arc;
 
-use kufe_friction::{Longitudinal, MagicFormula};
+use kufe_friction::{MagicFormula, PressureLaw};
+use kufe_lut::{Layered, Looked, Mode, Quantity, Table};
 
 use crate::error::Error;
 
-/// Peak pressure [Pa] of a runner over normal force [N] and track curvature [1/m].
-pub type PressureLookup = Arc<dyn Fn(f64, f64) -> f64 + Send + Sync>;
+/// Longitudinal friction of one runner.
+#[derive(Clone, Debug)]
+pub enum RunnerLaw {
+    /// The same coefficient everywhere.
+    Fixed(f64),
+    /// A quadratic in the peak pressure, which the table holds.
+    Pressure(PressureLaw, Arc<RunnerTable>),
+    /// The coefficient that the table holds, times a factor.
+    Tabled(f64, Arc<RunnerTable>),
+}
+
+/// One quantity of a runner's lookup table.
+#[derive(Clone, Debug)]
+pub struct RunnerTable {
+    /// The file.
+    pub file: String,
+    lookup: Layered,
+}
+
+impl RunnerTable {
+    /// Opens a table; its smooth mode has no kinks that an integrator would feel.
+    pub(crate) fn open(path: &Path, quantity: Quantity) -> Result<Self, Error> {
+        let file = path.display().to_string();
+        let told = |error: kufe_lut::Error| Error::file(&file, error);
+        let mut opened =
+            kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
+        let table = Table::read(&mut opened).map_err(told)?;
+        let lookup = Layered::new(&table, quantity, Mode::Smooth, None).map_err(told)?;
+        Ok(RunnerTable { file, lookup })
+    }
+
+    /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a temperature of the ice [C].
+    pub fn at(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Looked {
+        self.lookup.at(fz.max(0.0), curvature, speed, ice_c)
+    }
+}
 
 /// Ice friction of one runner.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct RunnerFriction {
     /// Longitudinal law.
-    pub longitudinal: Longitudinal,
-    /// Peak pressure, where the longitudinal law asks for it.
-    pub pressure: Option<PressureLookup>,
+    pub longitudinal: RunnerLaw,
     /// Lateral law.
     pub lateral: MagicFormula,
     /// Multiplier of the longitudinal coefficient: 1 but in fits.
@@ -23,36 +57,24 @@ pub struct RunnerFriction {
 }
 
 impl RunnerFriction {
-    /// Longitudinal coefficient of friction at a normal force [N] and a track curvature [1/m].
-    pub fn mu(&self, fz: f64, curvature: f64) -> f64 {
-        let mu = match (&self.longitudinal, &self.pressure) {
-            (Longitudinal::Fixed(mu), _) => *mu,
-            (law, Some(pressure)) => law.mu(pressure(fz.max(0.0), curvature)),
-            (law, None) => law.mu(f64::NAN),
+    /// Longitudinal coefficient of friction at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a
+    /// temperature of the ice [C].
+    pub fn mu(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
+        let mu = match &self.longitudinal {
+            RunnerLaw::Fixed(mu) => *mu,
+            RunnerLaw::Pressure(law, table) => law.mu(table.at(fz, curvature, speed, ice_c).value),
+            RunnerLaw::Tabled(factor, table) => {
+                factor * table.at(fz, curvature, speed, ice_c).value
+            }
         };
         self.mu_scale * mu
     }
-}
 
-impl std::fmt::Debug for RunnerFriction {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("RunnerFriction")
-            .field("longitudinal", &self.longitudinal)
-            .field("pressure", &self.pressure.is_some())
-            .field("lateral", &self.lateral)
-            .finish()
+    /// The table that the law asks.
+    pub fn table(&self) -> Option<&RunnerTable> {
+        match &self.longitudinal {
+            RunnerLaw::Fixed(_) => None,
+            RunnerLaw::Pressure(_, table) | RunnerLaw::Tabled(_, table) => Some(table),
+        }
     }
-}
-
-/// Opens a lookup table of peak pressure; its smooth mode has no kinks that an integrator would feel.
-pub(crate) fn open_table(path: &std::path::Path) -> Result<PressureLookup, Error> {
-    use kufe_lut::{Lookup, Mode, Quantity, Table};
-    let name = path.display().to_string();
-    let told = |error: kufe_lut::Error| Error::file(&name, error);
-    let mut file = kufe_files::open_regular(path).map_err(|error| Error::file(&name, error))?;
-    let table = Table::read(&mut file).map_err(told)?;
-    let lookup = Lookup::new(&table, Quantity::PMax, Mode::Smooth).map_err(told)?;
-    Ok(Arc::new(move |fz, curvature| {
-        lookup.at(fz, curvature).value
-    }))
 }

@@ -1,12 +1,21 @@
-//! A model made ready to drive: friction laws with their pressure tables opened.
+//! A model made ready to drive: friction laws with their tables opened.
+
+use std::sync::Arc;
 
 use kufe_effect::Effects;
-use kufe_friction::MagicFormula;
+use kufe_friction::{Longitudinal, MagicFormula};
+use kufe_lut::Quantity;
 
 use crate::error::Error;
 use crate::model::model_toml::Model;
-use crate::model::runner::{PressureLookup, RunnerFriction, open_table};
+use crate::model::runner::{RunnerFriction, RunnerLaw, RunnerTable};
 use crate::model::sled::{ModelConditions, Sled};
+
+/// How the longitudinal friction is stated.
+enum Law {
+    Stated(Longitudinal),
+    Tabled(f64),
+}
 
 /// A parameter of the base laws that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,40 +76,44 @@ impl std::fmt::Debug for Vehicle {
 }
 
 impl Vehicle {
-    /// The base model: opens the pressure tables that the model names, relative to the model's folder.
+    /// The base model: opens the tables that the model names, relative to the model's folder.
     ///
     /// # Errors
-    /// [`Error::Keys`] where the friction law needs a pressure and the model names no table, [`Error::File`] where a
-    /// table cannot be read.
+    /// [`Error::Keys`] where the friction law needs a table and the model names none, [`Error::File`] where a
+    /// table cannot be read or does not hold what is asked of it.
     pub fn new(model: &Model) -> Result<Vehicle, Error> {
         let keys = &model.friction.longitudinal;
-        let longitudinal = keys.model()?;
-        let open = |key: &str, path: &Option<String>| -> Result<Option<PressureLookup>, Error> {
-            if !longitudinal.needs_pressure() {
-                return Ok(None);
-            }
+        let law = match keys.tabled()? {
+            Some(factor) => Law::Tabled(factor),
+            None => Law::Stated(keys.model()?),
+        };
+        let open = |key: &str, path: &Option<String>, quantity| -> Result<_, Error> {
             let path = path.as_ref().ok_or_else(|| Error::Keys {
                 file: model.name(),
                 reason: format!(
-                    "[friction.longitudinal] {key} is missing: friction over pressure needs the runner's table"
+                    "[friction.longitudinal] {key} is missing: friction over pressure or of tables needs the runner's table"
                 ),
             })?;
-            open_table(&model.folder.join(path)).map(Some)
+            RunnerTable::open(&model.folder.join(path), quantity).map(Arc::new)
+        };
+        let runner = |key: &str, path: &Option<String>, lateral: MagicFormula| {
+            let longitudinal = match law {
+                Law::Stated(Longitudinal::Fixed(mu)) => RunnerLaw::Fixed(mu),
+                Law::Stated(Longitudinal::Pressure(law)) => {
+                    RunnerLaw::Pressure(law, open(key, path, Quantity::PMax)?)
+                }
+                Law::Tabled(factor) => RunnerLaw::Tabled(factor, open(key, path, Quantity::Mu)?),
+            };
+            Ok::<_, Error>(RunnerFriction {
+                longitudinal,
+                lateral,
+                mu_scale: 1.0,
+            })
         };
         Ok(Vehicle {
             sled: model.sled,
-            front: RunnerFriction {
-                longitudinal,
-                pressure: open("front_table", &keys.front_table)?,
-                lateral: model.friction.front,
-                mu_scale: 1.0,
-            },
-            rear: RunnerFriction {
-                longitudinal,
-                pressure: open("rear_table", &keys.rear_table)?,
-                lateral: model.friction.rear,
-                mu_scale: 1.0,
-            },
+            front: runner("front_table", &keys.front_table, model.friction.front)?,
+            rear: runner("rear_table", &keys.rear_table, model.friction.rear)?,
             effects: Effects::default(),
             conditions: model.conditions.unwrap_or_default(),
         })

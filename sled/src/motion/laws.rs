@@ -7,13 +7,15 @@ use crate::model::runner::RunnerFriction;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::law_forces::LawForces;
+use crate::motion::state::State;
 
-/// Longitudinal force on a runner in its own frame [N] at a normal force [N], a slip angle [rad] and a curvature of the
-/// track [1/m].
+/// Longitudinal force on a runner in its own frame [N] at a normal force [N] and a slip angle [rad], on the track, at the speed
+/// and on the ice of a state.
 ///
 /// A lifted runner does not push.
-pub(crate) fn longitudinal(runner: &RunnerFriction, fz: f64, alpha: f64, curvature: f64) -> f64 {
-    longitudinal_force(fz.max(0.0), alpha, runner.mu(fz, curvature))
+pub(crate) fn longitudinal(runner: &RunnerFriction, fz: f64, alpha: f64, at: &State) -> f64 {
+    let mu = runner.mu(fz, at.curvature_1pm, at.v_mps, at.ice_c);
+    longitudinal_force(fz.max(0.0), alpha, mu)
 }
 
 impl Balance {
@@ -30,11 +32,11 @@ impl Balance {
     pub fn laws(&self, vehicle: &Vehicle) -> LawForces {
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
         let (state, runner) = (&self.state, &vehicle.front);
-        let (alpha, curvature) = (state.alpha_f_rad, state.curvature_1pm);
+        let alpha = state.alpha_f_rad;
         let mut load = state.fz_f0_n / cg;
         let mut front = runner.lateral.derivatives(alpha, load);
         if sg != 0.0 {
-            let fx = longitudinal(runner, load, alpha, curvature);
+            let fx = longitudinal(runner, load, alpha, state);
             let residual = cg * load + sg * (sd * fx + cd * front.fy) - state.fz_f0_n;
             let by_load = if load > 0.0 { fx / load } else { 0.0 };
             load -= residual / (cg + sg * (sd * by_load + cd * front.fz));
@@ -69,10 +71,10 @@ impl Balance {
         load_n: [f64; 2],
         lateral: [LateralDerivatives; 2],
     ) -> LawForces {
-        let (state, curvature) = (&self.state, self.state.curvature_1pm);
+        let state = &self.state;
         let along = [
-            longitudinal(&vehicle.front, load_n[0], state.alpha_f_rad, curvature),
-            longitudinal(&vehicle.rear, load_n[1], state.alpha_r_rad, curvature),
+            longitudinal(&vehicle.front, load_n[0], state.alpha_f_rad, state),
+            longitudinal(&vehicle.rear, load_n[1], state.alpha_r_rad, state),
         ];
         LawForces {
             load_n,

@@ -7,5 +7,6 @@ pub(crate) mod law_forces;
 pub(crate) mod laws;
 pub(crate) mod measured;
 pub mod one_track;
+pub(crate) mod outside;
 pub(crate) mod state;
 pub(crate) mod transfer;

@@ -68,11 +68,10 @@ fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 
 
     let ((sd, cd), (sg, cg)) = (at.steer, at.split);
     let fz_f = cg * fz_f0 - sg * fy_f0;
-    let curvature = state.curvature_1pm;
     let [fx_f, fx_r] = along.unwrap_or_else(|| {
         [
-            longitudinal(&vehicle.front, fz_f, state.alpha_f_rad, curvature),
-            longitudinal(&vehicle.rear, fz_r, state.alpha_r_rad, curvature),
+            longitudinal(&vehicle.front, fz_f, state.alpha_f_rad, state),
+            longitudinal(&vehicle.rear, fz_r, state.alpha_r_rad, state),
         ]
     });
     let fx_f0 = (fx_f - cg * sd * fy_f0 - sg * sd * fz_f0) / cd;
@@ -93,12 +92,12 @@ fn changed(
     known: &AxleForces,
     across: Option<[f64; 2]>,
 ) -> Forces {
-    let (state, curvature) = (&at.state, at.state.curvature_1pm);
+    let state = &at.state;
     let load = [known.front[2], known.rear[2]];
     let slip = [state.alpha_f_rad, state.alpha_r_rad];
     let runners = [&vehicle.front, &vehicle.rear];
     let mut forces = Forces {
-        along: std::array::from_fn(|i| longitudinal(runners[i], load[i], slip[i], curvature)),
+        along: std::array::from_fn(|i| longitudinal(runners[i], load[i], slip[i], state)),
         across: across.unwrap_or([known.front[1], known.rear[1]]),
         stiffness: std::array::from_fn(|i| runners[i].lateral.derivatives(slip[i], load[i]).alpha),
         ..Forces::default()
@@ -159,11 +158,10 @@ pub(crate) fn forces_at(vehicle: &Vehicle, at: &Balance) -> AxleForces {
 /// [`forward`] with Braghin's lateral law on both runners and no effects, the paper's comparison.
 pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleForces {
     let at = Balance::new(&vehicle.sled, state, &Motion::default());
-    let curvature = state.curvature_1pm;
     let along = |load: [f64; 2]| {
         [
-            longitudinal(&vehicle.front, load[0], state.alpha_f_rad, curvature),
-            longitudinal(&vehicle.rear, load[1], state.alpha_r_rad, curvature),
+            longitudinal(&vehicle.front, load[0], state.alpha_f_rad, state),
+            longitudinal(&vehicle.rear, load[1], state.alpha_r_rad, state),
         ]
     };
     let mut load = [state.fz_f0_n / at.split.1, state.fz_r_n];

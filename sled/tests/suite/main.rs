@@ -9,3 +9,4 @@ mod rigid_body;
 mod round_trip;
 mod sample_statements;
 mod simulation;
+mod tables_of_mu;

@@ -1,6 +1,6 @@
 //! The simulator against energy, time steps, the inverse model and the clock.
 
-use kufe_friction::Longitudinal;
+use kufe_sled::RunnerLaw;
 use kufe_sled::one_track::inverse;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
@@ -40,7 +40,7 @@ fn speed_follows_from_altitude_when_nothing_rubs() {
     let mut vehicle = vehicle();
     vehicle.sled.cda_m2 = 0.0;
     for runner in [&mut vehicle.front, &mut vehicle.rear] {
-        runner.longitudinal = Longitudinal::Fixed(0.0);
+        runner.longitudinal = RunnerLaw::Fixed(0.0);
         runner.lateral.k_n_per_rad = 1e-12;
     }
     let track = rolling_track();

@@ -9,6 +9,7 @@
 //! | [`catalogue`] | the list of cases: families, what each hides, how large |
 //! | [`run_case`], [`experiments`], [`pressure_case`] | builders of the three kinds of data |
 //! | [`track`], [`sled`], [`drive`], [`sensors`], [`campaign`] | the sled on its track and its measurement chain |
+//! | [`film`] | the friction of groove and melt film, by closed forms |
 //! | [`inverse`], [`signature`] | residuals by an independent inversion; size and likeness of effects in them |
 //! | [`other_worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
 //! | [`half_space`], [`fourier`] | contact pressures by boundary elements |
@@ -32,4 +33,4 @@ pub use cases::{answer, catalogue, experiments, label, pressure_case, run_case};
 pub use contact::{fourier, half_space};
 pub use residuals::{inverse, least_squares, signature};
 pub use score::{ci, constants, table};
-pub use world::{campaign, drive, hidden, noise, sensors, sled, track};
+pub use world::{campaign, drive, film, hidden, noise, sensors, sled, track};

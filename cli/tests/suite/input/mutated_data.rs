@@ -38,6 +38,7 @@ fn table() -> Table {
         length: 0.05,
         width: 3e-4,
         approach: 1e-5,
+        sliding: None,
     });
     Table::new(axes.clone(), nodes.collect(), vec![]).expect("a table")
 }

@@ -3,5 +3,6 @@
 mod held_out;
 mod hertz;
 mod shards;
+mod sliding;
 mod slurm;
 mod table;

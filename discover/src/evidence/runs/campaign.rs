@@ -42,6 +42,8 @@ pub struct Campaign<'a> {
     pub free: Vec<usize>,
     /// The model before anything is fitted.
     pub given: ResidualModel,
+    /// What a reader should know of tables that do not span every sample.
+    pub outside: Vec<String>,
     /// What the forces alone say of each candidate's size, with its standard error.
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
 }

@@ -1,7 +1,7 @@
 //! Runs as evidence.
 
 use kufe_sled::effects::{CATALOGUE, Effects, Kind};
-use kufe_sled::{Model, Vehicle, refuse_effects};
+use kufe_sled::{Model, State, Vehicle, outside_tables, refuse_effects};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Told, gap_of};
@@ -10,7 +10,7 @@ use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ModelOnRun, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -64,6 +64,7 @@ impl<'a> Campaign<'a> {
                 needed: 2,
             });
         }
+        let outside = outside(&given, &data.frames);
         let used = channels_in_use(data, model, options);
         if used[3] {
             given.along_path = closes_along_path(&given, &training, &options.rules.runs);
@@ -78,9 +79,25 @@ impl<'a> Campaign<'a> {
             used,
             candidates: list(data, &trial, used[0]),
             given,
+            outside,
             by_forces: Vec::new(),
         })
     }
+}
+
+/// What a reader should know of tables that do not span every sample.
+fn outside(given: &ResidualModel, frames: &[Frame]) -> Vec<String> {
+    let runners = [&given.vehicle.front, &given.vehicle.rear];
+    if runners.iter().all(|runner| runner.table().is_none()) {
+        return Vec::new();
+    }
+    let of_run = |frame| {
+        let model = ModelOnRun::new(given, frame);
+        (0..frame.len()).map(move |i| model.state(i))
+    };
+    let states: Vec<State> = frames.iter().flat_map(of_run).collect();
+    let outside = outside_tables(&given.vehicle, states.iter());
+    outside.iter().map(ToString::to_string).collect()
 }
 
 impl Evidence for Campaign<'_> {
@@ -90,6 +107,7 @@ impl Evidence for Campaign<'_> {
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
         account.remarks.extend(self.too_few());
         account.remarks.extend(self.data.remarks.iter().cloned());
+        account.remarks.extend(self.outside.iter().cloned());
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));

@@ -105,6 +105,9 @@ pub fn all() -> Vec<Spec> {
         Recipe::Runs(R::WrongSurvey),
     );
 
+    add("film", "three-tracks", None, Recipe::Runs(R::Film));
+    add("film", "one-track", None, Recipe::Runs(R::FilmOnOneTrack));
+
     for entry in ENTRIES {
         let family = match entry.kind {
             Kind::BeyondRollRate | Kind::BeyondExtra | Kind::BeyondPitchGrip => "beyond",

@@ -4,6 +4,7 @@ pub mod answer;
 pub mod catalogue;
 pub mod experiments;
 mod film;
+mod gliding;
 pub mod label;
 pub mod pressure_case;
 pub mod run_case;

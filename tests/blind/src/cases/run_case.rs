@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::cases::answer::{Answer, Case, Hides};
+use crate::cases::gliding::glide;
 use crate::cases::label::Label;
 use crate::residuals::signature::{Channels, Gauge};
 use crate::world::campaign::{Campaign, Layout};
@@ -29,6 +30,8 @@ pub enum Recipe {
     TiedHumidity,
     TwoSessions(Kind),
     NewTrack(Kind),
+    Film,
+    FilmOnOneTrack,
 }
 
 /// Cosine of two signatures from which on the data cannot tell the effects apart.
@@ -68,6 +71,14 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             layout.runs_a_session = 6;
             kinds.push(kind);
         }
+        Recipe::Film | Recipe::FilmOnOneTrack => {
+            if recipe == Recipe::FilmOnOneTrack {
+                layout.sessions = vec![0; 12];
+            }
+            // Better sensors, and said so: the film's share of the friction is small.
+            noise = noise.times(0.3);
+            tolerated.extend(["load".to_owned(), "plowing".to_owned()]);
+        }
         Recipe::NewTrack(kind) => {
             layout.tracks[2] = ("dorn", 560.0, 0.135);
             layout.sessions = vec![0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 2, 2];
@@ -78,12 +89,20 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
         // the survey is wrong in these, and saying so is true
         tolerated.extend(["track-profile".to_owned(), "slope".to_owned()]);
     }
-    let stated_noise = Noise::default();
-    let sled = draw_sled(source);
+    let stated_noise = match recipe {
+        Recipe::Film | Recipe::FilmOnOneTrack => noise,
+        _ => Noise::default(),
+    };
+    let mut sled = draw_sled(source);
     let mut campaign = Campaign::draw(&layout, case_seed);
-    let gauge = (!kinds.is_empty()).then(|| Gauge::new(&campaign, &sled, &noise, case_seed));
+    let film = matches!(recipe, Recipe::Film | Recipe::FilmOnOneTrack);
+    let gauge =
+        (film || !kinds.is_empty()).then(|| Gauge::new(&campaign, &sled, &noise, case_seed));
     let mut hidden = Vec::new();
     let mut hides = Vec::new();
+    if let (true, Some(gauge)) = (film, &gauge) {
+        hides = glide(&mut campaign, &mut sled, gauge, SAME);
+    }
     for (kind, gauge) in kinds
         .into_iter()
         .zip(std::iter::repeat(gauge.as_ref()).flatten())
@@ -106,7 +125,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             .collect();
         let slip = |truth: &Truth| truth.velocity_mps[1].atan2(truth.velocity_mps[0]).abs();
         let slides = truths.iter().flatten().any(|t| slip(t) > 0.25);
-        let Some(gauge) = gauge.as_ref().filter(|_| slides) else {
+        let Some(gauge) = gauge.as_ref().filter(|_| slides && !hidden.is_empty()) else {
             break truths;
         };
         for (effect, answer) in hidden.iter_mut().zip(&mut hides) {

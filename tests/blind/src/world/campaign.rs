@@ -125,6 +125,7 @@ impl Campaign {
                 worn_m: 0.0,
                 session_mu: 1.0 + layout.session_drift * source.normal(),
                 session_grip: 1.0 + layout.session_drift * source.normal(),
+                glide: None,
             };
             for turn in 0..layout.runs_a_session {
                 let (driver, driver_class, skill) = DRIVERS[(turn + index) % DRIVERS.len()];

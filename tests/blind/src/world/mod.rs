@@ -2,6 +2,7 @@
 
 pub mod campaign;
 pub mod drive;
+pub mod film;
 pub mod hidden;
 pub mod noise;
 pub mod sensors;

@@ -1,6 +1,9 @@
 //! The sled of the generator: geometry, runner forces by the magic formula, and hidden effects
 //! inside them.
 
+use std::sync::Arc;
+
+use crate::world::film::Glide;
 use crate::world::hidden::{Hidden, Kind};
 
 /// Geometry and inertia; positions are from the centre of gravity.
@@ -103,6 +106,8 @@ pub struct Conditions {
     pub session_mu: f64,
     /// Unexplained factor on the lateral grip of the session (1: none).
     pub session_grip: f64,
+    /// Friction of groove and melt film in place of the sled's coefficient, where the world has that.
+    pub glide: Option<Arc<Glide>>,
 }
 
 impl Conditions {
@@ -209,7 +214,11 @@ pub fn forces(sled: &Sled, at: &Conditions, m: &Motion, hidden: &[Hidden]) -> Fo
     let hardness = 14.7 / (14.7 - 0.6 * at.ice_c);
     let mu_at = |load: f64, extra: f64| {
         let relative = (load / reference).max(0.05);
-        sled.mu * factor * relative.powf(load_power)
+        let mu = match &at.glide {
+            None => sled.mu,
+            Some(glide) => glide.mu(load, m.v_mps, -m.pitch_rate_radps / m.v_mps),
+        };
+        mu * factor * relative.powf(load_power)
             + add
             + extra
             + plow * (load / 1000.0 * hardness).max(0.0).sqrt()

@@ -1,4 +1,5 @@
 //! The generator and the scorer, without the finder.
 
+mod film;
 mod generator;
 mod judge;

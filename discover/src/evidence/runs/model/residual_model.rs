@@ -9,7 +9,7 @@ use kufe_friction::MagicFormula;
 use kufe_sled::effects::{
     self, Active, Conditions, Constants, Effects, Forces, Kind, Sensor, Signals,
 };
-use kufe_sled::{Balance, BaseParameter, LawForces, Vehicle, aero, from_sensors};
+use kufe_sled::{Balance, BaseParameter, LawForces, State, Vehicle, aero, from_sensors};
 
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -225,6 +225,11 @@ impl<'a> ModelOnRun<'a> {
         let at = self.conditions(i, moving[Sensor::Speed]);
         let (state, motion) = from_sensors(&sled, &moving, &at);
         Balance::new(&sled, &state, &motion)
+    }
+
+    /// The state of a sample, as friction sees it.
+    pub fn state(&self, i: usize) -> State {
+        self.balance(i, &self.measured(i)).state
     }
 
     /// A sample with the base laws asked, from its corrected signals.

@@ -12,7 +12,9 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
     next.friction.front = front;
     next.friction.rear = rear;
     let keys = &mut next.friction.longitudinal;
-    if let Some(mu) = keys.mu.as_mut() {
+    if let Ok(Some(factor)) = keys.tabled() {
+        keys.zeta = Some(factor * residual_model.base[0]);
+    } else if let Some(mu) = keys.mu.as_mut() {
         *mu *= residual_model.base[0];
     } else {
         // mu scales with the three coefficients of the quadratic and its cap alike.

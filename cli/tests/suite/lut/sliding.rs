@@ -1,0 +1,137 @@
+//! `kufe lut` of a case that slides.
+
+use serde_json::Value;
+
+use crate::kufe::Bench;
+
+const CASE: &str = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }\n\
+    [ice]\nyoungs_modulus_pa = 9e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n\
+    [load]\nfz_n = 900.0\ntilt = \"fixed\"\n[track]\ncurvature_1pm = 0.004\n[accuracy]\np_max = 0.05\n";
+
+fn bench(sliding: &str, axes: &str) -> Bench {
+    let bench = Bench::new();
+    bench.write("case.toml", format!("{CASE}{sliding}"));
+    let checks = "[accuracy]\nchecks = 0\n";
+    bench.write(
+        "table.toml",
+        format!("case = \"case.toml\"\n[axes]\n{axes}{checks}"),
+    );
+    bench
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
+    let axes = "fz_n = { values = [600.0, 900.0] }\ncurvature_1pm = { values = [0.004] }\n\
+                v_mps = { values = [6.0, 25.0] }\nice_c = { values = [-9.0, -4.0] }\n";
+    let bench = bench("[sliding]\nv_mps = 11.0\nice_c = -2.0\n", axes);
+    let said = bench.succeeds(&["lut", "table.toml", "-o", "front.lut", "--csv"]);
+    assert!(
+        said.contains("2 x 1 x 2 x 2 (force x curvature x speed x ice temperature)"),
+        "{said}"
+    );
+    bench.write(
+        "case.toml",
+        format!("{CASE}[sliding]\nv_mps = 25.0\nice_c = -4.0\n"),
+    );
+    bench.succeeds(&["press", "case.toml", "-o", "press"]);
+    let pressed = crate::kufe::json(&bench.path("press/result.json"));
+    let node = "query front.lut --fz 900 --curvature 0.004 --v 25 --ice -4 --json";
+    let looked = json(&bench.succeeds(&[&["lut"], &*node.split(' ').collect::<Vec<_>>()].concat()));
+    for key in [
+        "mu",
+        "mu_ploughing",
+        "mu_viscous",
+        "groove_depth_m",
+        "film_mean_m",
+        "p_max_pa",
+        "area_m2",
+        "length_m",
+    ] {
+        // Another order of the same steps may round in another way, no more.
+        let (a, b) = (
+            looked[key].as_f64().unwrap(),
+            pressed[key].as_f64().unwrap(),
+        );
+        assert!((a / b - 1.0).abs() < 1e-9, "{key}: {a} {b}");
+    }
+    assert_eq!(looked["out_of_range"], false);
+    let outside = bench.succeeds(&[
+        "lut",
+        "query",
+        "front.lut",
+        "--fz",
+        "900",
+        "--radius",
+        "250",
+        "--v",
+        "26",
+        "--ice",
+        "-4",
+    ]);
+    assert!(
+        outside.contains("outside the table") && outside.contains("friction mu"),
+        "{outside}"
+    );
+    let output = bench.kufe(&[
+        "lut",
+        "query",
+        "front.lut",
+        "--fz",
+        "900",
+        "--radius",
+        "250",
+        "--v",
+        "26",
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--ice"));
+    bench.succeeds(&["lut", "show", "front.lut", "--v", "6"]);
+    bench.succeeds(&["report", "front.lut"]);
+    let facts = json(&bench.succeeds(&["info", "front.lut", "--json"]));
+    assert_eq!(facts["axes"]["ice_c"]["from"], -9.0);
+}
+
+#[test]
+fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
+    let axes = |further: &str| {
+        format!(
+            "fz_n = {{ values = [600.0, 900.0] }}\ncurvature_1pm = {{ values = [0.0] }}\n{further}\n"
+        )
+    };
+    let slides = "[sliding]\nv_mps = 11.0\nice_c = -2.0\n";
+    for (sliding, further, told) in [
+        (
+            "",
+            "v_mps = { values = [5.0] }",
+            &["table.toml", "no [sliding]"][..],
+        ),
+        (
+            slides,
+            "v_mps = { values = [5.0, 500.0] }",
+            &["axes.v_mps", "500"],
+        ),
+        (
+            slides,
+            "v_mps = { values = [5.0, -5.0] }",
+            &["line 5", "v_mps", "-5", "positive"],
+        ),
+        (
+            slides,
+            "ice_c = { from = -5.0, to = 1.0 }",
+            &["axes.ice_c", "sliding.ice_c = 1"],
+        ),
+        (slides, "ice_c = 4", &["line 5", "integer `4`"]),
+    ] {
+        let bench = bench(sliding, &axes(further));
+        let output = bench.kufe(&["lut", "table.toml", "-o", "front.lut"]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{said}");
+        for word in told {
+            assert!(said.contains(word), "{further}: {word}: {said}");
+        }
+    }
+}
