@@ -100,7 +100,7 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         ("pitch [rad]", solution.pitch),
         ("roll [rad]", solution.roll),
     ] {
-        if !(value.abs() <= MOST_TILT) {
+        if value.is_nan() || value.abs() > MOST_TILT {
             return told(
                 name,
                 value,

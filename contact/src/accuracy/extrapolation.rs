@@ -35,15 +35,30 @@ impl Sequence {
         self.meshes.last().map_or(f64::NAN, |mesh| mesh.cells)
     }
 
-    /// The limit of fine meshes: by the order of the last three where they are similar, else the last one's value with the spread
-    /// of the last three and of what lies between them and the last coarser one. `None` before there are three, and where all
-    /// have the same cells and tell nothing of finer ones.
+    /// The limit of fine meshes: by the order of three where three are similar, else the last one's value with the spread of the last
+    /// three and of what lies between them and the last coarser one. `None` before there are three, and where all have the same
+    /// cells and tell nothing of finer ones.
     pub fn limit(&self) -> Option<Limit> {
-        let &[.., first, second, third] = &self.meshes[..] else {
+        let &[.., before, _, third] = &self.meshes[..] else {
             return None;
         };
         if self.similar >= 3 {
-            return Some(Limit::of_similar([first, second, third]));
+            // Far apart scatter counts least; not so far that the coarsest is in another range.
+            let similar = &self.meshes[self.meshes.len() - self.similar..];
+            let near = |mesh: &&Raw| mesh.cells >= third.cells / WIDEST;
+            let first = *similar.iter().find(near).unwrap_or(&before);
+            let first = if first.cells > before.cells {
+                before
+            } else {
+                first
+            };
+            let middle = (first.cells * third.cells).sqrt();
+            let off = |mesh: &Raw| (mesh.cells / middle).ln().abs();
+            let between = similar
+                .iter()
+                .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
+            let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            return Some(Limit::of_similar([first, *second, third]));
         }
         let coarser = self.meshes.iter().rposition(|m| m.cells < third.cells)?;
         Some(self.spread_from(coarser.min(self.meshes.len() - 3)))
@@ -55,11 +70,26 @@ impl Sequence {
             .unwrap_or_else(|| self.spread_from(self.meshes.len().saturating_sub(3)))
     }
 
+    /// The range of what the last three meshes say; infinite for a single one.
+    pub fn range(&self) -> f64 {
+        let last = &self.meshes[self.meshes.len().saturating_sub(3)..];
+        let values = || last.iter().map(|mesh| mesh.value);
+        match last.len() {
+            0 | 1 => f64::INFINITY,
+            _ => {
+                values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
     fn spread_from(&self, start: usize) -> Limit {
         let values: Vec<f64> = self.meshes[start..].iter().map(|mesh| mesh.value).collect();
         Limit::of_spread(&values)
     }
 }
+
+/// Most times finer that the last of three meshes is than the first.
+const WIDEST: f64 = 3.0;
 
 /// Meshes of one sequence: the finest has twice the cells of the coarsest.
 pub(crate) const REFINEMENT: f64 = std::f64::consts::SQRT_2;
@@ -69,11 +99,11 @@ pub(crate) const REFINEMENT: f64 = std::f64::consts::SQRT_2;
 pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
     const ENDS: f64 = 4.0;
     let least = if smooth { 3.0 } else { ENDS };
-    (0.175 / tolerance.sqrt() + 1.25).clamp(least, 11.0)
+    (0.175 / tolerance.sqrt() + 1.25).clamp(least, 10.0)
 }
 
 /// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors of second order, some room, and
 /// neither so near that it tells nothing nor so far that it costs all.
 pub(crate) fn next_refinement(excess: f64) -> f64 {
-    (1.05 * excess.sqrt()).clamp(1.3, 1.6)
+    (1.05 * excess.sqrt()).clamp(1.25, 1.6)
 }

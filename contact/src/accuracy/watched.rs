@@ -119,12 +119,12 @@ impl Watched {
             true => 0.5 * extent.value() / extent.cells(),
             false => 0.0,
         };
-        extent.last().error_of(extent.value()).max(cell)
+        rims_error(extent).max(cell)
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
-        let area_error = self.area.last().error_of(last.area);
+        let area_error = rims_error(&self.area);
         let length_error = self.extent_error(&self.length);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, BESIDE * area_error / last.area)
@@ -143,6 +143,13 @@ impl Watched {
             relative,
         })
     }
+}
+
+/// The error of the last mesh's area, length or width: by their limit, and at least their range, since rims between the nodes of
+/// coarse meshes can look as if they converged.
+fn rims_error(figure: &Sequence) -> f64 {
+    let by_limit = figure.last().error_of(figure.value());
+    by_limit.max(figure.range())
 }
 
 #[cfg(test)]

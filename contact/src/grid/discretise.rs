@@ -177,9 +177,8 @@ impl MeshPlan<'_> {
     /// Nodes of the ice and of an elastic bed under it along z, and that bed.
     fn layers(&self) -> Result<(Vec<f64>, Option<LowerLayer>), Error> {
         let (narrowest, depth) = (self.narrowest(), self.depth());
-        // Under a contact that is wider than the ice is thick layers refine with the cells.
-        let layers = self.resolution.cells.max(4.0);
-        let spacing = (narrowest / self.resolution.cells).min(depth / layers);
+        // Under a contact that is wider than the ice is thick layers refine with the cells: four of the coarsest mesh.
+        let spacing = narrowest.min(0.75 * depth) / self.resolution.cells;
         let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
         let mut layers = Stretch::even(-even_depth.min(depth), 0.0);
         // A ridge along the runner reaches as deep as it is wide.

@@ -91,9 +91,14 @@ impl Solved<'_> {
 
     /// The patch with a place of contact more.
     pub fn patch_with(&self, found: Penetration) -> Patch {
-        let [x, y] = found.at;
+        let mirrored = self.mesh.symmetry;
+        // Of two places that a mirror plane makes one the positive one is meshed.
+        let [x, y] = [0, 1].map(|axis| match mirrored[axis] {
+            true => found.at[axis].abs(),
+            false => found.at[axis],
+        });
         let mut patch = self.patch.clone();
-        patch.y.low = patch.y.low.min(y);
+        patch.y.low = patch.y.low.min(if mirrored[1] { -y } else { y });
         patch.y.high = patch.y.high.max(y);
         let surface = Surface::new(self);
         let [low, high, ..] = self.problem.runner.underside.extent();
@@ -138,6 +143,9 @@ fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) ->
     }
 }
 
+/// How far a curved surface may lie below what is interpolated between the corners of a cell, over the range of its values there.
+const CURVED: f64 = 0.5;
+
 /// The gap of a state anywhere on the plane.
 struct Surface<'a> {
     of: &'a Solved<'a>,
@@ -178,9 +186,12 @@ impl<'a> Surface<'a> {
             [Some((i, u)), Some((j, v))] => {
                 let nx = mesh.grid.x.len();
                 let at = |i: usize, j: usize| self.closing[j * nx + i];
-                let low = (1.0 - u) * at(i, j) + u * at(i + 1, j);
-                let high = (1.0 - u) * at(i, j + 1) + u * at(i + 1, j + 1);
-                (1.0 - v) * low + v * high
+                let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+                let low = (1.0 - u) * corners[0] + u * corners[1];
+                let high = (1.0 - u) * corners[2] + u * corners[3];
+                let least = corners.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                (1.0 - v) * low + v * high - CURVED * (most - least)
             }
             _ => {
                 let material = mesh.contact.bodies[0].material;
