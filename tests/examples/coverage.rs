@@ -1,6 +1,6 @@
 //! The table of docs/verification.md that says how often stated errors hold the true ones.
 //!
-//! `cargo run --release --example coverage` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %; what does not hold is listed
+//! `cargo run --release -p kufe-tests --example coverage` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %; what does not hold is listed
 //! after the table.
 
 use kufe_tests::coverage::{Outcome, Row, rows};
