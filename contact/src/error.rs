@@ -14,10 +14,9 @@ fn plain(value: f64) -> String {
 /// The figure whose error a solve is judged by, and how much larger than the peak's that error may be.
 fn watched(best: &Solution) -> (&'static str, f64) {
     match best.hardness {
-        Some(hardness) if best.p_max >= hardness => (
-            "area or length (the peak is the ice's hardness)",
-            1.0 / BESIDE,
-        ),
+        Some(hardness) if best.p_max >= hardness => {
+            ("the area (the peak is the ice's hardness)", 1.0 / BESIDE)
+        }
         _ => ("the peak pressure", 1.0),
     }
 }
@@ -153,6 +152,29 @@ pub enum Error {
         value: f64,
         /// What it must be.
         expected: &'static str,
+    },
+    /// The solution of a mesh violates equilibrium or the contact conditions somewhere on the plane.
+    #[error(
+        "equilibrium and contact conditions are violated by {residual:.2e} (relative; all nodes of the contact plane), {most:.1e} is the most"
+    )]
+    NotHeld {
+        /// Largest relative violation.
+        residual: f64,
+        /// Largest that passes.
+        most: f64,
+    },
+    /// The runner touches at too many places that were found late.
+    #[error(
+        "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was looked for: expected a \
+         hull that touches at fewer places"
+    )]
+    TouchesElsewhere {
+        /// Where, along the runner [m].
+        x: f64,
+        /// Where, across it [m].
+        y: f64,
+        /// How deep runner and ice would lie in one another there [m].
+        depth: f64,
     },
     /// The caller asked the solve to end.
     #[error("stopped before the end")]

@@ -21,8 +21,8 @@
 //!    nodes closed and the load balanced). With the feature `gpu` the corrections within a set may come from a graphics
 //!    processor (`device_cg`).
 //! 5. `accuracy`: `scout` finds the patch with contact problems on the contact plane alone, whose matrix is the Green's
-//!    matrix of the preconditioner (`plane_basis`); `extrapolation` makes two or three similar meshes into a peak pressure
-//!    with an error.
+//!    matrix of the preconditioner (`plane_basis`); `order` and `extrapolation` make three similar meshes into figures
+//!    with errors.
 //! 6. `result`: `pressure` turns nodal forces into pressures and figures, `answer` puts the solution together.
 //! 7. `map`: the solution on the pixels of a regular grid, as files and pages show it.
 //! 8. `groove`: steady sliding on ice that yields, on the rooms above.

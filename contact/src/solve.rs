@@ -2,7 +2,7 @@
 
 use crate::accuracy::meshes::{Meshes, Verdict};
 use crate::accuracy::scout::capacity;
-use crate::problem::check::check;
+use crate::problem::check::{MOST_TILT, check};
 use crate::problem::gap::Gap;
 use crate::{Error, Load, Options, Problem, Solution};
 
@@ -16,6 +16,7 @@ use crate::{Error, Load, Options, Problem, Solution};
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and [`Error::BeyondHardness`] for
 /// problems without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
 /// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do;
+/// [`Error::NotHeld`] and [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
 /// [`Error::TooFine`], [`Error::MeshTooLarge`] and [`Error::TooManyTouch`] where no mesh can be had, [`Error::NoAnswer`] where
 /// the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
@@ -26,16 +27,18 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
             let contact = meshes.solve_next()?;
             match meshes.judge(&contact) {
                 Verdict::Reached(limits) => {
-                    return answered(problem, meshes.solution(contact, limits));
+                    let solution = meshes.solution(contact, limits);
+                    return answered(problem, held(solution, options)?);
                 }
                 Verdict::Refine(plan) => meshes.refine(contact, plan),
+                Verdict::Widen(found) => meshes.widen(&contact, found)?,
                 Verdict::OutOfReach(limits) => {
                     let (best, estimate) = meshes.out_of_reach(contact, limits);
                     return Err(Error::AccuracyNotReached {
                         dofs: best.dofs,
                         estimate,
                         tolerance: options.p_max_tolerance,
-                        best: Box::new(answered(problem, best)?),
+                        best: Box::new(answered(problem, held(best, options)?)?),
                     });
                 }
             }
@@ -56,6 +59,22 @@ pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> 
 
 /// Relative difference of the force carried from the one asked that a balanced contact may have.
 const BALANCED: f64 = 1e-6;
+
+/// What equilibrium and contact conditions may be violated by at the end, relative: the sets' own slack where they went in circles.
+const HELD: f64 = 2e-5;
+
+/// Passes a solution on that holds equilibrium and contact conditions on all nodes of the plane, or to ten times a residual that was
+/// asked looser.
+fn held(solution: Solution, options: &Options) -> Result<Solution, Error> {
+    let most = HELD.max(10.0 * options.residual);
+    if solution.kkt_residual <= most {
+        return Ok(solution);
+    }
+    Err(Error::NotHeld {
+        residual: solution.kkt_residual,
+        most,
+    })
+}
 
 /// Passes an answer on that is one: finite, with a contact, under the load that was asked.
 pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
@@ -78,9 +97,19 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         }
     }
     for (name, value) in [
-        ("approach [m]", solution.approach),
         ("pitch [rad]", solution.pitch),
         ("roll [rad]", solution.roll),
+    ] {
+        if value.is_nan() || value.abs() > MOST_TILT {
+            return told(
+                name,
+                value,
+                "at most 0.12 either way: tilts are taken as small",
+            );
+        }
+    }
+    for (name, value) in [
+        ("approach [m]", solution.approach),
         ("residual", solution.kkt_residual),
     ] {
         if !value.is_finite() {
@@ -130,6 +159,39 @@ mod tests {
         let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
         let ice = Ice::half_space(9e9, 0.33);
         Ok(Problem::new(runner, ice, Load::central(1000.0, Tilt::Free)))
+    }
+
+    #[test]
+    fn tilts_that_are_not_small_are_refused_held_or_settled()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let with = |offset_y: f64, tilt: Tilt| -> Result<Problem, Box<dyn std::error::Error>> {
+            let load = Load::Force {
+                fz: 1000.0,
+                offset_x: 0.0,
+                offset_y,
+                tilt,
+            };
+            Ok(Problem {
+                load,
+                ..paraboloid()?
+            })
+        };
+        for roll in [0.3, -0.9] {
+            let held = with(0.0, Tilt::Fixed { pitch: 0.0, roll })?;
+            let refused = solve(&held, &Options::default()).err();
+            assert!(
+                matches!(refused, Some(Error::OutOfRange { value, .. }) if value == roll),
+                "{refused:?}"
+            );
+        }
+        // A section of 5 mm leans by y / 5 mm.
+        let settled = with(0.002, Tilt::Free)?;
+        let refused = solve(&settled, &Options::default()).err();
+        assert!(
+            matches!(refused, Some(Error::NoAnswer { name: "roll [rad]", value, .. }) if (value + 0.4).abs() < 0.01),
+            "{refused:?}"
+        );
+        Ok(())
     }
 
     #[test]

@@ -189,6 +189,8 @@ impl LoadedCase {
             | Error::TooManyTouch { .. }
             | Error::NoPatch { .. }
             | Error::NoAnswer { .. }
+            | Error::NotHeld { .. }
+            | Error::TouchesElsewhere { .. }
             | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),

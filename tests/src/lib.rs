@@ -1,4 +1,5 @@
 //! Verification suite.
 
 pub mod contact;
+pub mod coverage;
 pub mod meshes;

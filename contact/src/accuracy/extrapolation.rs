@@ -1,17 +1,8 @@
-//! The limit of fine meshes, from what two or three of them say.
+//! What meshes say together of peak pressure and approach, and how fine they are to be.
 
-/// What one mesh says of a figure: peak pressure [Pa], area [m2] or length [m].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Raw {
-    pub cells: f64,
-    pub value: f64,
-    pub approach: f64,
-}
+use crate::accuracy::order::{Limit, Raw};
 
-/// A figure and the approach in the limit of fine meshes, from two similar meshes.
-///
-/// Similar meshes (the same zones, all spacings in proportion) have errors c h^2 + higher terms, so that
-/// p = p2 + (p2 - p1) / (r^2 - 1) with r the ratio of their resolutions (L. F. Richardson, 1911).
+/// Peak pressure [Pa] with its error, and approach [m], in the limit of fine meshes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extrapolation {
     pub value: f64,
@@ -19,131 +10,100 @@ pub(crate) struct Extrapolation {
     pub approach: f64,
 }
 
-impl Extrapolation {
-    /// Share of the extrapolation's step that is reported as error: on the closed forms that the tests compare
-    /// with it holds the true error.
-    const SHARE: f64 = 0.4;
-    /// Scatter of the peak pressure with the place of the rim between nodes, times the square of the cells.
-    const SCATTER: f64 = 0.03;
-
-    fn scatter(raw: Raw) -> f64 {
-        Self::SCATTER / (raw.cells * raw.cells) * raw.value
-    }
-
-    /// The limit of two meshes. Where the patch is not smooth (it wanted uneven cells) the order is not certain, and the
-    /// whole difference of the two is the error.
-    fn of_two(coarse: Raw, fine: Raw, smooth: bool) -> Self {
-        let divisor = (fine.cells / coarse.cells).powi(2) - 1.0;
-        let difference = fine.value - coarse.value;
-        let share = if smooth { Self::SHARE / divisor } else { 1.0 };
-        Extrapolation {
-            value: fine.value + difference / divisor,
-            error: share * difference.abs() + Self::scatter(fine),
-            approach: fine.approach + (fine.approach - coarse.approach) / divisor,
-        }
-    }
-
-    /// The limit of three meshes whose steps shrink steadily, as a geometric series (A. C. Aitken, 1926); what is added
-    /// is the error. Steps that shrink by more than these meshes' order allows do so by accident: then the
-    /// error is at least what that order leaves of the first step. `None` where they do not shrink by at least 0.6.
-    fn of_three([first, second, third]: [Raw; 3]) -> Option<Self> {
-        let steps = [second.value - first.value, third.value - second.value];
-        let ratio = steps[1] / steps[0];
-        let fastest = (second.cells / third.cells).powi(2);
-        if ratio.abs() < 0.5 * fastest {
-            let limit = Self::of_two(second, third, false);
-            let error = limit.error.max(fastest * steps[0].abs());
-            return Some(Extrapolation { error, ..limit });
-        }
-        if !(0.0..0.6).contains(&ratio) {
-            return None;
-        }
-        let rest = steps[1] * ratio / (1.0 - ratio);
-        Some(Extrapolation {
-            value: third.value + rest,
-            error: rest.abs() + 0.1 * steps[1].abs() + Self::scatter(third),
-            approach: third.approach,
-        })
-    }
-}
-
-/// What the meshes solved so far say together.
-#[derive(Debug)]
+/// What the meshes solved so far say of one figure.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Sequence {
-    /// The latest similar ones, from coarse to fine.
-    similar: Vec<Raw>,
-    /// What a mesh graded anew changed, and what the refinements before it left.
-    regraded: f64,
-    /// What the mesh before the last one said, similar to it or not.
-    before: Option<f64>,
+    meshes: Vec<Raw>,
+    /// How many of the last ones are similar: the same zones, all spacings in proportion.
+    similar: usize,
 }
 
 impl Sequence {
-    pub fn new() -> Self {
-        Sequence {
-            similar: Vec::new(),
-            regraded: f64::INFINITY,
-            before: None,
-        }
-    }
-
-    /// Adds a finer mesh that is similar to the last one, or one of as many cells that is `graded_anew`.
+    /// Adds a mesh: finer and similar to the last one, or `graded_anew`.
     pub fn push(&mut self, raw: Raw, graded_anew: bool) {
-        self.before = self.similar.last().map(|last| last.value).or(self.before);
-        if graded_anew {
-            let left = match self.similar[..] {
-                [.., coarse, fine] => (fine.value - coarse.value).abs(),
-                _ => self.regraded,
+        self.meshes.push(raw);
+        self.similar = if graded_anew { 1 } else { self.similar + 1 };
+    }
+
+    /// What the last mesh says; NaN before there is one.
+    pub fn value(&self) -> f64 {
+        self.meshes.last().map_or(f64::NAN, |mesh| mesh.value)
+    }
+
+    /// Cells over half the patch of the last mesh.
+    pub fn cells(&self) -> f64 {
+        self.meshes.last().map_or(f64::NAN, |mesh| mesh.cells)
+    }
+
+    /// The limit of fine meshes: by the order of three where three are similar, else the last one's value with the spread of the last
+    /// three and of what lies between them and the last coarser one. `None` before there are three, and where all have the same
+    /// cells and tell nothing of finer ones.
+    pub fn limit(&self) -> Option<Limit> {
+        let &[.., before, _, third] = &self.meshes[..] else {
+            return None;
+        };
+        if self.similar >= 3 {
+            // Far apart scatter counts least; not so far that the coarsest is in another range.
+            let similar = &self.meshes[self.meshes.len() - self.similar..];
+            let near = |mesh: &&Raw| mesh.cells >= third.cells / WIDEST;
+            let first = *similar.iter().find(near).unwrap_or(&before);
+            let first = if first.cells > before.cells {
+                before
+            } else {
+                first
             };
-            let change = self
-                .similar
-                .last()
-                .map_or(0.0, |last| raw.value - last.value);
-            self.regraded = left + change.abs();
-            self.similar.clear();
+            let middle = (first.cells * third.cells).sqrt();
+            let off = |mesh: &Raw| (mesh.cells / middle).ln().abs();
+            let between = similar
+                .iter()
+                .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
+            let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            return Some(Limit::of_similar([first, *second, third]));
         }
-        self.similar.push(raw);
+        let coarser = self.meshes.iter().rposition(|m| m.cells < third.cells)?;
+        Some(self.spread_from(coarser.min(self.meshes.len() - 3)))
     }
 
-    /// The figure and the approach in the limit; `None` before there is anything to compare.
-    pub fn limit(&self, smooth: bool) -> Option<Extrapolation> {
-        match self.similar[..] {
-            [.., coarse, fine] if smooth => Some(Extrapolation::of_two(coarse, fine, true)),
-            [.., first, second, third] => Extrapolation::of_three([first, second, third])
-                .or_else(|| Some(Extrapolation::of_two(second, third, false))),
-            [coarse, fine] => Some(Extrapolation::of_two(coarse, fine, false)),
-            [only] if self.regraded.is_finite() => Some(Extrapolation {
-                value: only.value,
-                error: self.regraded + Extrapolation::scatter(only),
-                approach: only.approach,
-            }),
-            _ => None,
+    /// The same where nothing tells the limit: the last mesh's value with the spread of up to three.
+    pub fn last(&self) -> Limit {
+        self.limit()
+            .unwrap_or_else(|| self.spread_from(self.meshes.len().saturating_sub(3)))
+    }
+
+    /// The range of what the last three meshes say; infinite for a single one.
+    pub fn range(&self) -> f64 {
+        let last = &self.meshes[self.meshes.len().saturating_sub(3)..];
+        let values = || last.iter().map(|mesh| mesh.value);
+        match last.len() {
+            0 | 1 => f64::INFINITY,
+            _ => {
+                values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+            }
         }
+    }
+
+    fn spread_from(&self, start: usize) -> Limit {
+        let values: Vec<f64> = self.meshes[start..].iter().map(|mesh| mesh.value).collect();
+        Limit::of_spread(&values)
     }
 }
 
-impl Sequence {
-    /// The last mesh's figure with what is known of its error where nothing tells the limit: twice its difference from the mesh
-    /// before, infinite where there is none.
-    pub fn last(&self) -> Option<Extrapolation> {
-        let last = *self.similar.last()?;
-        let change = self
-            .before
-            .map_or(f64::INFINITY, |b| (last.value - b).abs());
-        Some(Extrapolation {
-            value: last.value,
-            error: 2.0 * change + Extrapolation::scatter(last),
-            approach: last.approach,
-        })
-    }
-}
+/// Most times finer that the last of three meshes is than the first.
+const WIDEST: f64 = 3.0;
 
-/// Cells of the first of two meshes whose extrapolation should meet the tolerance on a smooth contact.
-///
-/// Where the pressure peaks at the hull's ends, meshes of fewer than [`ENDS`] cells are not yet in the range in which their
-/// errors shrink steadily.
+/// Meshes of one sequence: the finest has twice the cells of the coarsest.
+pub(crate) const REFINEMENT: f64 = std::f64::consts::SQRT_2;
+
+/// Cells of the first of three meshes that should meet the tolerance on a smooth contact; where the pressure peaks at the hull's
+/// ends, meshes of fewer than [`ENDS`] cells are not yet in the range in which their errors shrink steadily.
 pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
-    const ENDS: f64 = 5.0;
-    let least = if smooth { 4.0 } else { ENDS };
-    (0.21 / tolerance.sqrt()).ceil().clamp(least, 16.0)
+    const ENDS: f64 = 4.0;
+    let least = if smooth { 3.0 } else { ENDS };
+    (0.175 / tolerance.sqrt() + 1.25).clamp(least, 10.0)
+}
+
+/// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors of second order, some room, and
+/// neither so near that it tells nothing nor so far that it costs all.
+pub(crate) fn next_refinement(excess: f64) -> f64 {
+    (1.05 * excess.sqrt()).clamp(1.25, 1.6)
 }

@@ -4,10 +4,12 @@ use std::cell::RefCell;
 
 use kufe_fem::Material;
 
-use crate::accuracy::extrapolation::{Extrapolation, first_resolution};
+use crate::accuracy::extrapolation::{
+    Extrapolation, REFINEMENT, first_resolution, next_refinement,
+};
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::scout::scout;
-use crate::accuracy::watched::{Limits, Watched};
+use crate::accuracy::watched::{Limits, Place, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::grid::assembled::assemble;
@@ -18,6 +20,7 @@ use crate::grid::zones::Resolution;
 use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
+use crate::result::elsewhere::{Penetration, Solved};
 use crate::result::pressure::{Field, Pressure};
 use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
@@ -28,8 +31,8 @@ const COARSE: f64 = 0.6;
 /// How often a mesh is graded anew; each time its cells may become three times smaller.
 const REGRADINGS: usize = 6;
 
-/// Ratio of the resolutions of successive meshes.
-const REFINEMENT: f64 = 1.5;
+/// How many places of contact may be found late.
+const WIDENINGS: usize = 4;
 
 /// Fewest cells over half the patch where the limit of unknowns leaves no more.
 const FEWEST: f64 = 2.0;
@@ -48,13 +51,18 @@ pub(crate) struct Meshes<'a> {
     /// Where contact is expected, and the forces found last.
     patch: Patch,
     forces: Forces,
-    /// Cells over half the patch of the next mesh.
+    /// Cells over half the patch of the next mesh, and of the first one that it is similar to, before rounding.
     cells: f64,
+    coarsest: f64,
+    /// Meshes solved that are similar to the next one.
+    similar: i32,
     number: usize,
     solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     graded_anew: bool,
     regraded: usize,
+    /// How often places were added to where contact is looked for.
+    widened: usize,
     history: Vec<Iterate>,
 }
 
@@ -73,6 +81,8 @@ pub(crate) enum Verdict {
     Reached(Limits),
     /// Another mesh is needed.
     Refine(Plan),
+    /// The runner touches where contact was not looked for.
+    Widen(Penetration),
     /// Another mesh is needed and would have too many unknowns; what the meshes tend to, where that is known.
     OutOfReach(Option<Limits>),
 }
@@ -81,6 +91,8 @@ pub(crate) enum Verdict {
 pub(crate) struct Plan {
     /// Graded anew with as many cells, or in the same proportions with more.
     anew: bool,
+    /// Cells over half the patch.
+    cells: f64,
 }
 
 impl<'a> Meshes<'a> {
@@ -89,7 +101,7 @@ impl<'a> Meshes<'a> {
         let material = check(problem, options)?;
         let gap = Gap::new(problem)?;
         let (patch, forces) = scout(problem, &gap, material, options)?;
-        let cells = options.cells.map_or_else(
+        let coarsest = options.cells.map_or_else(
             || first_resolution(options.p_max_tolerance, patch.is_even()),
             |c| c as f64,
         );
@@ -100,11 +112,14 @@ impl<'a> Meshes<'a> {
             material,
             patch,
             forces,
-            cells,
+            cells: coarsest.round(),
+            coarsest,
+            similar: 0,
             number: 0,
             solved: Watched::new(problem.ice.hardness),
             graded_anew: false,
             regraded: 0,
+            widened: 0,
             history: Vec::new(),
         })
     }
@@ -153,11 +168,15 @@ impl<'a> Meshes<'a> {
         let pressure = field.of(&state);
         self.history.append(&mut told.into_inner());
         self.number += 1;
+        self.similar += 1;
         self.forces = Forces::of(&mesh, &state);
         let cells = self.resolution().real_cells(mesh.symmetry);
-        let approach = mesh.contact.depth(&state);
+        let place = Place {
+            approach: mesh.contact.depth(&state),
+            tilt: self.gap.tilt(state.motion[1], state.motion[2]),
+        };
         self.solved
-            .push(pressure.figures, cells, approach, self.graded_anew);
+            .push(pressure.figures, place, cells, self.graded_anew);
         Ok(Contact {
             mesh,
             state,
@@ -174,7 +193,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// The next mesh; the first one so that the limit of unknowns leaves room for a second, to tell an error by.
+    /// The next mesh; the first one so that the limit of unknowns leaves room for two more, to tell an error by.
     fn next_mesh(&mut self) -> Result<Discretisation, Error> {
         loop {
             let mesh = MeshPlan {
@@ -186,53 +205,113 @@ impl<'a> Meshes<'a> {
                 reach: Reach::Patch,
             }
             .mesh()?;
-            let room = self.options.max_dofs as f64 / (dofs(&mesh) as f64 * REFINEMENT.powi(3));
+            let room = self.options.max_dofs as f64 / (dofs(&mesh) as f64 * REFINEMENT.powi(6));
             let first = self.number == 0 && self.options.cells.is_none();
             if !first || room >= 1.0 || self.cells <= FEWEST {
                 return Ok(mesh);
             }
             let fewer = (self.cells * room.cbrt()).floor().min(self.cells - 1.0);
             self.cells = fewer.max(FEWEST);
+            self.coarsest = self.cells;
         }
     }
 
     /// Whether the meshes solved so far are enough, and else what comes next.
     pub fn judge(&self, contact: &Contact) -> Verdict {
+        match self.judge_accuracy(contact) {
+            Verdict::Refine(plan) => Verdict::Refine(plan),
+            end => {
+                let elsewhere = self.on(contact).elsewhere();
+                elsewhere.map_or(end, Verdict::Widen)
+            }
+        }
+    }
+
+    fn on<'b>(&'b self, contact: &'b Contact) -> Solved<'b> {
+        Solved {
+            problem: self.problem,
+            gap: &self.gap,
+            patch: &self.patch,
+            mesh: &contact.mesh,
+            state: &contact.state,
+        }
+    }
+
+    /// Looks for contact at one place more, with as many cells.
+    ///
+    /// # Errors
+    /// [`Error::TouchesElsewhere`] where it was widened often enough.
+    pub fn widen(&mut self, contact: &Contact, found: Penetration) -> Result<(), Error> {
+        if self.widened == WIDENINGS {
+            return Err(Error::TouchesElsewhere {
+                x: found.at[0],
+                y: found.at[1],
+                depth: found.depth,
+            });
+        }
+        self.widened += 1;
+        // Meshes without that place say nothing of this contact.
+        self.solved = Watched::new(self.problem.ice.hardness);
+        self.patch = self.on(contact).patch_with(found);
+        self.graded_anew = true;
+        self.similar = 0;
+        self.coarsest = self.cells;
+        Ok(())
+    }
+
+    fn judge_accuracy(&self, contact: &Contact) -> Verdict {
         if self.options.cells.is_some() {
             return Verdict::Reached(self.unjudged(contact));
         }
-        let limits = self.solved.limits(self.patch.is_even());
+        let limits = self.solved.limits();
         let anew = self.regraded < REGRADINGS
             && contact.pressure.patch.wants_finer_than(&self.patch, COARSE);
-        let reached = |l: &Limits| l.relative <= self.options.p_max_tolerance;
+        let tolerance = self.options.p_max_tolerance;
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;
-        if let Some(limits) = limits.filter(|l| graded && reached(l)) {
+        if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
             return Verdict::Reached(limits);
         }
-        let more = if anew { REFINEMENT } else { REFINEMENT.powi(3) };
+        let cells = match limits {
+            _ if anew => self.cells,
+            Some(limits) if self.similar >= 3 => {
+                let finer = self.cells * next_refinement(limits.relative / tolerance);
+                finer.round().max(self.cells + 1.0)
+            }
+            _ => {
+                let planned = self.coarsest * REFINEMENT.powi(self.similar);
+                planned.round().max(self.cells + 1.0)
+            }
+        };
+        // A mesh that is graded anew may have some more than its cells say.
+        let more = (cells / self.cells).powi(3).max(REFINEMENT);
         if contact.dofs as f64 * more > self.options.max_dofs as f64 {
             return Verdict::OutOfReach(limits);
         }
-        Verdict::Refine(Plan { anew })
+        Verdict::Refine(Plan { anew, cells })
     }
 
     /// Prepares the mesh that a verdict asks for.
     pub fn refine(&mut self, contact: Contact, plan: Plan) {
         let found = contact.pressure.patch;
-        self.graded_anew = plan.anew;
+        self.graded_anew = plan.anew || found.x.len() != self.patch.x.len();
         if plan.anew {
             self.regraded += 1;
             self.patch = found;
         } else {
             self.patch = found.with_sizes_of(&self.patch);
-            self.cells = (self.cells * REFINEMENT).round();
+        }
+        self.cells = plan.cells;
+        if self.graded_anew {
+            self.similar = 0;
+            self.coarsest = plan.cells;
         }
     }
 
     /// The solution that the last mesh and the limit of all make.
     pub fn solution(self, contact: Contact, limits: Limits) -> Solution {
-        Answer {
+        let beside = self.solved.beside();
+        let solution = Answer {
             problem: self.problem,
             gap: &self.gap,
             mesh: contact.mesh,
@@ -241,7 +320,15 @@ impl<'a> Meshes<'a> {
             pressure: contact.pressure,
             dofs: contact.dofs,
         }
-        .solution(limits, self.history)
+        .solution(limits, self.history);
+        let [pitch_error, roll_error] = beside.tilt_errors;
+        Solution {
+            width_error: beside.width_error,
+            approach_error: beside.approach_error,
+            pitch_error,
+            roll_error,
+            ..solution
+        }
     }
 
     /// The best solution there is, and how far it is from what was asked: its relative error.

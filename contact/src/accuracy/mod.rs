@@ -3,5 +3,6 @@
 pub(crate) mod extrapolation;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
+pub(crate) mod order;
 pub(crate) mod scout;
 pub(crate) mod watched;

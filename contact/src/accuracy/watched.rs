@@ -1,19 +1,26 @@
 //! The figures that accuracy watches, mesh by mesh.
 
-use crate::accuracy::extrapolation::{Extrapolation, Raw, Sequence};
+use crate::accuracy::extrapolation::{Extrapolation, Sequence};
+use crate::accuracy::order::{Limit, Raw};
 use crate::result::measure::Figures;
 
-/// What the meshes solved so far say of peak pressure, area and length.
+/// What the meshes solved so far say of every figure.
 pub(crate) struct Watched {
     peak: Sequence,
-    /// Of all meshes, in order.
-    figures: Vec<Figures>,
+    approach: Sequence,
+    area: Sequence,
+    length: Sequence,
+    width: Sequence,
+    tilt: [Sequence; 2],
+    /// Of the last mesh.
+    last: Option<Figures>,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
 }
 
-/// Area and length, whose errors are of first order, are asked to be twice as uncertain as a peak.
-pub(crate) const BESIDE: f64 = 0.5;
+/// How much smaller than its own the area's error counts where it is watched instead of a peak: it is of first order and scatters
+/// with the place of the rim between nodes.
+pub(crate) const BESIDE: f64 = 0.25;
 
 /// Limits of fine meshes, and what is not known of them.
 #[derive(Clone, Copy, Debug)]
@@ -24,71 +31,113 @@ pub(crate) struct Limits {
     pub area_error: f64,
     /// Error of the last mesh's length [m].
     pub length_error: f64,
-    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that, [`BESIDE`] times the larger one of
-    /// area and length.
+    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that, [`BESIDE`] times the area's.
     pub relative: f64,
+}
+
+/// Where a mesh has the runner.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// From first touch [m].
+    pub approach: f64,
+    /// Pitch and roll [rad].
+    pub tilt: [f64; 2],
+}
+
+/// Errors of figures that nothing is judged by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beside {
+    /// Error of the last mesh's width [m].
+    pub width_error: f64,
+    /// Error of the approach in the limit [m].
+    pub approach_error: f64,
+    /// Errors of the last mesh's pitch and roll [rad].
+    pub tilt_errors: [f64; 2],
 }
 
 impl Watched {
     pub fn new(hardness: Option<f64>) -> Self {
         Watched {
-            peak: Sequence::new(),
-            figures: Vec::new(),
+            peak: Sequence::default(),
+            approach: Sequence::default(),
+            area: Sequence::default(),
+            length: Sequence::default(),
+            width: Sequence::default(),
+            tilt: [Sequence::default(), Sequence::default()],
+            last: None,
             hardness: hardness.unwrap_or(f64::INFINITY),
         }
     }
 
     /// Adds a mesh: similar to the last one and finer, or `graded_anew`.
-    pub fn push(&mut self, figures: Figures, cells: f64, approach: f64, graded_anew: bool) {
-        let raw = Raw {
-            cells,
-            value: figures.p_max,
-            approach,
-        };
-        self.peak.push(raw, graded_anew);
-        self.figures.push(figures);
+    pub fn push(&mut self, figures: Figures, place: Place, cells: f64, graded_anew: bool) {
+        let [pitch, roll] = &mut self.tilt;
+        for (sequence, value) in [
+            (&mut self.peak, figures.p_max),
+            (&mut self.approach, place.approach),
+            (&mut self.area, figures.area),
+            (&mut self.length, figures.length),
+            (&mut self.width, figures.width),
+            (pitch, place.tilt[0]),
+            (roll, place.tilt[1]),
+        ] {
+            sequence.push(Raw { cells, value }, graded_anew);
+        }
+        self.last = Some(figures);
     }
 
-    /// The limits; `None` before there is anything to compare. On `smooth` contacts the order of the peak's errors is known.
-    pub fn limits(&self, smooth: bool) -> Option<Limits> {
-        self.of(self.peak.limit(smooth)?)
+    /// The limits; `None` before there is anything to compare.
+    pub fn limits(&self) -> Option<Limits> {
+        self.peak.limit().and_then(|peak| self.of(peak))
     }
 
     /// The last mesh with what is known of its errors.
     pub fn last(&self) -> Option<Limits> {
-        self.of(self.peak.last()?)
+        self.of(self.peak.last())
     }
 
-    /// Twice the larger of the last two meshes' changes: what is left where errors fall with the cells' size and those are 1.5 times
-    /// smaller on each mesh. The rim passes between nodes, so that no higher order is certain. Infinite after one mesh.
-    fn uncertain(&self, figure: impl Fn(&Figures) -> f64) -> f64 {
-        let pairs = self.figures.windows(2).rev().take(2);
-        let changes = pairs.map(|pair| (figure(&pair[1]) - figure(&pair[0])).abs());
-        match changes.reduce(f64::max) {
-            Some(change) => 2.0 * change,
-            None => f64::INFINITY,
+    /// The errors of width, approach and tilt; infinite after one mesh.
+    pub fn beside(&self) -> Beside {
+        let last = |figure: &Sequence| figure.last().error_of(figure.value());
+        Beside {
+            tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
+            width_error: self.extent_error(&self.width),
+            approach_error: self.approach.last().error,
         }
     }
 
-    fn of(&self, peak: Extrapolation) -> Option<Limits> {
-        let last = *self.figures.last()?;
-        let area_error = self.uncertain(|figures| figures.area);
-        let length_error = self.uncertain(|figures| figures.length);
-        let fixed = last.p_max >= self.hardness * (1.0 - 1e-9);
-        let (peak, relative) = if fixed {
-            let peak = Extrapolation {
-                value: self.hardness,
-                error: 0.0,
-                ..peak
-            };
-            let relative = BESIDE * (area_error / last.area).max(length_error / last.length);
-            (peak, relative)
+    /// Whether the ice's hardness fixes the peak.
+    fn is_fixed(&self) -> bool {
+        self.last
+            .is_some_and(|last| last.p_max >= self.hardness * (1.0 - 1e-9))
+    }
+
+    /// The error of the last mesh's length or width. A rim beyond ice that yields is known to half a cell, at either end, even
+    /// where meshes that were made for it agree.
+    fn extent_error(&self, extent: &Sequence) -> f64 {
+        let cell = match self.is_fixed() {
+            true => 0.5 * extent.value() / extent.cells(),
+            false => 0.0,
+        };
+        rims_error(extent).max(cell)
+    }
+
+    fn of(&self, peak: Limit) -> Option<Limits> {
+        let last = self.last?;
+        let area_error = rims_error(&self.area);
+        let length_error = self.extent_error(&self.length);
+        let (value, error, relative) = if self.is_fixed() {
+            (self.hardness, 0.0, BESIDE * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
-            (Extrapolation { value, ..peak }, peak.error / value)
+            (value, peak.error, peak.error / value)
         };
         Some(Limits {
-            peak,
+            peak: Extrapolation {
+                value,
+                error,
+                approach: self.approach.last().value,
+            },
             area_error,
             length_error,
             relative,
@@ -96,9 +145,21 @@ impl Watched {
     }
 }
 
+/// The error of the last mesh's area, length or width: by their limit, and at least their range, since rims between the nodes of
+/// coarse meshes can look as if they converged.
+fn rims_error(figure: &Sequence) -> f64 {
+    let by_limit = figure.last().error_of(figure.value());
+    by_limit.max(figure.range())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const PLACE: Place = Place {
+        approach: 1e-6,
+        tilt: [0.0; 2],
+    };
 
     /// A mesh of so many cells whose figures have errors of second order, in parts of their limits 30e6 Pa, 1 m2 and 0.1 m.
     fn pushed(watched: &mut Watched, cells: f64, parts: [f64; 3]) {
@@ -109,32 +170,62 @@ mod tests {
             length: of(0.1, parts[2]),
             width: 0.01,
         };
-        watched.push(figures, cells, 1e-6, false);
+        watched.push(figures, PLACE, cells, false);
     }
 
     #[test]
-    fn where_hardness_fixes_the_peak_area_and_length_are_watched() {
+    fn where_hardness_fixes_the_peak_the_area_is_watched() {
         let mut watched = Watched::new(Some(20e6));
-        pushed(&mut watched, 4.0, [0.5, 0.5, -1.0]);
-        assert!(watched.limits(true).is_none());
+        pushed(&mut watched, 3.0, [0.5, 0.5, -1.0]);
+        assert!(watched.limits().is_none());
         assert_eq!(watched.last().map(|l| l.relative), Some(f64::INFINITY));
+        pushed(&mut watched, 4.0, [0.5, 0.5, -1.0]);
         pushed(&mut watched, 6.0, [0.5, 0.5, -1.0]);
-        let limits = watched.limits(true).expect("two meshes");
+        let limits = watched.limits().expect("three meshes");
         assert_eq!((limits.peak.value, limits.peak.error), (20e6, 0.0));
-        // The length is off by 1/36: that is seen, and not stated many times too large.
-        let relative = limits.length_error / 0.1;
-        assert!(relative > 1.0 / 36.0 && relative < 0.15, "{limits:?}");
-        assert!(limits.relative >= BESIDE * relative, "{limits:?}");
-        assert!(limits.length_error > 0.1 / 36.0);
+        // The length is off by 1/36 and the area by half of that: both are seen, and not stated many times too large.
+        let (area, length) = (limits.area_error, limits.length_error / 0.1);
+        assert!(length > 1.0 / 36.0 && length < 0.15, "{limits:?}");
+        assert!(area > 0.5 / 36.0 && area < 0.07, "{limits:?}");
+        assert!((limits.relative / (BESIDE * area) - 1.0).abs() < 0.02);
     }
 
     #[test]
     fn a_peak_below_the_hardness_is_watched_itself_and_never_extrapolated_beyond() {
         let mut watched = Watched::new(Some(30.001e6));
+        pushed(&mut watched, 3.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 4.0, [-0.5, 0.5, -1.0]);
-        pushed(&mut watched, 6.0, [-0.4, 0.5, -1.0]);
-        let limits = watched.limits(true).expect("two meshes");
+        pushed(&mut watched, 6.0, [-0.45, 0.5, -1.0]);
+        let limits = watched.limits().expect("three meshes");
         assert!(limits.peak.value <= 30.001e6 && limits.peak.error > 0.0);
         assert!((limits.relative - limits.peak.error / limits.peak.value).abs() < 1e-12);
+    }
+
+    #[test]
+    fn meshes_graded_anew_have_their_spread_until_three_are_similar() {
+        let mut watched = Watched::new(None);
+        let add = |watched: &mut Watched, cells: f64, p_max: f64, anew: bool| {
+            let figures = Figures {
+                p_max,
+                area: 1.0,
+                length: 0.1,
+                width: 0.01,
+            };
+            watched.push(figures, PLACE, cells, anew);
+        };
+        for p_max in [90.0, 95.0, 96.0] {
+            add(&mut watched, 4.0, p_max, true);
+        }
+        // As many cells each time: nothing is known of finer ones.
+        assert!(watched.limits().is_none());
+        add(&mut watched, 6.0, 98.0, false);
+        let limits = watched.limits().expect("two resolutions");
+        assert_eq!((limits.peak.value, limits.peak.error), (98.0, 9.0));
+        add(&mut watched, 8.0, 98.8, false);
+        let limits = watched.limits().expect("three similar meshes");
+        assert!(
+            limits.peak.value > 98.8 && limits.peak.error < 3.0,
+            "{limits:?}"
+        );
     }
 }

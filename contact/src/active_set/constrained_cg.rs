@@ -129,6 +129,20 @@ impl ContactMesh {
         }
     }
 
+    /// What is out of equilibrium in a state, in the energy norm of the preconditioner and over the state's energy: computed from
+    /// the operator, whatever an iteration made of it.
+    pub fn out_of_equilibrium(&self, state: &State) -> f64 {
+        let mut work = self.workspace();
+        self.residual(state, &mut work.residual, &mut work.bodies);
+        let mut closing = vec![0.0; self.gap.len()];
+        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
+            body.begin(&work.residual[part.clone()], &mut closing, kept);
+            body.finish(&[], &mut work.step[part], kept);
+        }
+        let energy = self.energy(state).max(f64::MIN_POSITIVE);
+        (vector::dot(&work.residual, &work.step).abs() / energy).sqrt()
+    }
+
     /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of the new state.
     pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
         self.residual(state, &mut work.residual, &mut work.bodies);

@@ -177,7 +177,8 @@ impl MeshPlan<'_> {
     /// Nodes of the ice and of an elastic bed under it along z, and that bed.
     fn layers(&self) -> Result<(Vec<f64>, Option<LowerLayer>), Error> {
         let (narrowest, depth) = (self.narrowest(), self.depth());
-        let spacing = (narrowest / self.resolution.cells).min(depth / 4.0);
+        // Under a contact that is wider than the ice is thick layers refine with the cells: four of the coarsest mesh.
+        let spacing = narrowest.min(0.75 * depth) / self.resolution.cells;
         let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
         let mut layers = Stretch::even(-even_depth.min(depth), 0.0);
         // A ridge along the runner reaches as deep as it is wide.
@@ -211,10 +212,6 @@ impl MeshPlan<'_> {
         let mut bound = Vec::with_capacity(nx * ny);
         let mut candidates = Vec::new();
         let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
-        let near = |stretch: &Stretch, x: f64| {
-            let margin = 0.7 * stretch.half();
-            (stretch.low - margin..=stretch.high + margin).contains(&x)
-        };
         // The plane problem's matrix is dense: beyond some size only the expected nodes are taken.
         let everywhere = self.reach == Reach::WholeHull && nx * ny <= 1500;
         for j in 0..ny {
@@ -225,8 +222,7 @@ impl MeshPlan<'_> {
                     || (i == 0 && !symmetry[0])
                     || (j == 0 && !symmetry[1]);
                 let value = if outer { f64::INFINITY } else { gap.at(x, y) };
-                let expected = near(&patch.y, y) && patch.x.iter().any(|s| near(s, x));
-                if value.is_finite() && (everywhere || expected) {
+                if value.is_finite() && (everywhere || expected(patch, x, y)) {
                     candidates.push(gaps.len());
                 }
                 gaps.push(value);
@@ -266,6 +262,15 @@ impl MeshPlan<'_> {
             },
         }
     }
+}
+
+/// Whether contact is looked for at (x, y): on the patch and near it.
+pub(crate) fn expected(patch: &Patch, x: f64, y: f64) -> bool {
+    let near = |stretch: &Stretch, at: f64| {
+        let margin = 0.7 * stretch.half();
+        (stretch.low - margin..=stretch.high + margin).contains(&at)
+    };
+    near(&patch.y, y) && patch.x.iter().any(|stretch| near(stretch, x))
 }
 
 /// The bed as the operator sees it.

@@ -70,8 +70,9 @@ impl Stretch {
     ///
     /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well everywhere. So the
     /// measure is the curvature of p^2 against that parabola's, 2 p_max^2 / half^2: where it is larger, as at
-    /// the ends of a conformal contact or at a worn edge, the spacing falls with its root.
-    pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64]) {
+    /// the ends of a conformal contact or at a worn edge, the spacing falls with its root. Beside pressures at their `bound` it is
+    /// infinite on every mesh, and tells nothing.
+    pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64], bound: f64) {
         let inside: Vec<usize> = (0..nodes.len())
             .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)
             .collect();
@@ -84,6 +85,7 @@ impl Stretch {
         let mut sizes: Vec<[f64; 2]> = inside
             .windows(3)
             .filter(|w| w[2] == w[0] + 2)
+            .filter(|w| w.iter().all(|&i| pressures[i] < bound))
             .map(|w| {
                 let [a, b, c] = [0, 1, 2].map(|k| (nodes[w[k]], pressures[w[k]].powi(2)));
                 let curvature =
@@ -154,7 +156,7 @@ mod tests {
         let nodes: Vec<f64> = (0..41).map(|i| -1.0 + f64::from(i) / 20.0).collect();
         let pressures: Vec<f64> = nodes.iter().map(|&x| pressure(x)).collect();
         let mut stretch = Stretch::even(-1.0, 1.0);
-        stretch.adapt(&nodes, &pressures);
+        stretch.adapt(&nodes, &pressures, f64::INFINITY);
         stretch
     }
 

@@ -61,7 +61,7 @@ impl Answer<'_> {
             [values, gaps, ice_surface],
         );
         let depth = mesh.contact.depth(&state);
-        let kkt_residual = kkt(&mesh.contact, &state, &progress, depth);
+        let kkt_residual = kkt(&mesh.contact, &state, depth);
         let nodes = mesh.grid.node_count();
         let u = &state.displacement;
         let displacement = by_node(&u[..3 * nodes]);
@@ -79,14 +79,20 @@ impl Answer<'_> {
             p_max_mesh: figures.p_max,
             hardness: problem.ice.hardness,
             p_mean: fz / figures.area,
+            p_mean_error: fz / figures.area * limits.area_error / figures.area,
             area: figures.area,
             area_error: limits.area_error,
             length: figures.length,
             length_error: limits.length_error,
             width: figures.width,
+            // Where nothing else tells: as uncertain as what is judged by.
+            width_error: figures.width * limits.length_error / figures.length,
             approach: limits.peak.approach,
+            approach_error: limits.peak.approach * limits.relative,
             pitch,
+            pitch_error: pitch.abs() * limits.relative,
             roll,
+            roll_error: roll.abs() * limits.relative,
             fz,
             centre_of_pressure,
             kkt_residual,
@@ -119,8 +125,8 @@ fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Largest relative violation: equilibrium, balance, tension, penetration.
-fn kkt(contact: &ContactMesh, state: &State, progress: &Progress, depth: f64) -> f64 {
+/// Largest relative violation: equilibrium by the operator, balance, and tension and penetration over all nodes of the plane.
+fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
     let largest = state
         .force
         .iter()
@@ -153,7 +159,8 @@ fn kkt(contact: &ContactMesh, state: &State, progress: &Progress, depth: f64) ->
         .filter(|&a| contact.motion.free[a])
         .map(|a| (resultant[a] - contact.motion.balance[a]).abs() / (force * reach[a]))
         .fold(0.0, f64::max);
-    [progress.residual, tension, penetration, balance]
+    let equilibrium = contact.out_of_equilibrium(state);
+    [equilibrium, tension, penetration, balance]
         .into_iter()
         .fold(0.0, f64::max)
 }

@@ -8,6 +8,8 @@ pub(crate) struct PressureField<'a> {
     pub y: &'a [f64],
     /// Nodal forces [N].
     pub force: &'a [f64],
+    /// Gaps at the nodes, where they are to help to find rims [m].
+    pub gap: Option<Vec<f64>>,
     /// Integrals of the nodes' hat functions, by x and by y [m].
     pub lumped: [&'a [f64]; 2],
     /// Mirror planes x = 0 and y = 0.
@@ -26,6 +28,11 @@ pub(crate) struct Figures {
 }
 
 impl PressureField<'_> {
+    /// Pressures from here on are the hardness but for rounding [Pa].
+    pub fn bound(&self) -> f64 {
+        self.hardness * (1.0 - 1e-9)
+    }
+
     /// Nodal pressures [Pa].
     ///
     /// A node's force over the integral of its hat function is a weighted mean of the pressure:
@@ -40,7 +47,7 @@ impl PressureField<'_> {
         for j in 0..ny {
             for i in 0..nx {
                 let n = j * nx + i;
-                if mean[n] <= 0.0 || mean[n] >= self.hardness * (1.0 - 1e-9) {
+                if mean[n] <= 0.0 || mean[n] >= self.bound() {
                     continue;
                 }
                 let along_x = moment_share(self.x, i, self.symmetry[0], |k| mean[j * nx + k]);
@@ -88,11 +95,15 @@ impl PressureField<'_> {
         let nx = self.x.len();
         (0..nx)
             .map(|i| {
+                let column = |of: &[f64]| -> Vec<f64> {
+                    (0..self.y.len()).map(|j| of[j * nx + i]).collect()
+                };
+                let gap = self.gap.as_deref().map(column);
                 chords(
                     self.y,
-                    &(0..self.y.len())
-                        .map(|j| pressure[j * nx + i])
-                        .collect::<Vec<f64>>(),
+                    &column(pressure),
+                    gap.as_deref(),
+                    self.bound(),
                     self.symmetry[1],
                 )
             })
@@ -101,9 +112,14 @@ impl PressureField<'_> {
 
     /// Contact intervals of every line along (one for each y).
     pub fn chords_along(&self, pressure: &[f64]) -> Vec<Vec<[f64; 2]>> {
+        let nx = self.x.len();
         pressure
-            .chunks_exact(self.x.len())
-            .map(|row| chords(self.x, row, self.symmetry[0]))
+            .chunks_exact(nx)
+            .enumerate()
+            .map(|(j, row)| {
+                let gap = self.gap.as_ref().map(|gap| &gap[j * nx..(j + 1) * nx]);
+                chords(self.x, row, gap, self.bound(), self.symmetry[0])
+            })
             .collect()
     }
 
@@ -179,8 +195,16 @@ fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -
 
 /// Stretches of positive pressure along a line, resolved below the cell.
 ///
-/// Ends are found by [`rim`]; a mirror plane at the first node is the start of a stretch that touches it.
-fn chords(nodes: &[f64], pressure: &[f64], symmetric: bool) -> Vec<[f64; 2]> {
+/// Ends are found by [`rim`], where that finds none by [`rim_by_gap`]; beyond a node that bears all it can,
+/// and where neither finds one, half-way; a mirror plane at the first node is the
+/// start of a stretch that touches it.
+fn chords(
+    nodes: &[f64],
+    pressure: &[f64],
+    gap: Option<&[f64]>,
+    bound: f64,
+    symmetric: bool,
+) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
     let mut i = 0;
     while i < nodes.len() {
@@ -196,35 +220,45 @@ fn chords(nodes: &[f64], pressure: &[f64], symmetric: bool) -> Vec<[f64; 2]> {
         let at = |k: usize| (nodes[k], pressure[k]);
         let upwards: Vec<(f64, f64)> = (first..=last).take(4).map(at).collect();
         let downwards: Vec<(f64, f64)> = (first..=last).rev().take(4).map(at).collect();
+        let open = |k: usize| Some((*nodes.get(k)?, *gap?.get(k)?));
+        let below = [1, 2].map(|k| first.checked_sub(k).and_then(open));
+        let above = [1, 2].map(|k| open(last + k));
         let low = if first == 0 && symmetric {
             nodes[0]
         } else {
-            rim(
-                &upwards,
-                first.checked_sub(1).map_or(nodes[first], |o| nodes[o]),
-            )
+            let outside = first.checked_sub(1).map_or(nodes[first], |o| nodes[o]);
+            rim(&upwards, outside, bound)
+                .or_else(|| rim_by_gap([first, (first + 1).min(last)].map(at), below, bound))
+                .unwrap_or(0.5 * (nodes[first] + outside))
         };
-        let high = rim(
-            &downwards,
-            nodes.get(last + 1).copied().unwrap_or(nodes[last]),
-        );
+        let outside = nodes.get(last + 1).copied().unwrap_or(nodes[last]);
+        let high = rim(&downwards, outside, bound)
+            .or_else(|| {
+                rim_by_gap(
+                    [last, last.saturating_sub(1).max(first)].map(at),
+                    above,
+                    bound,
+                )
+            })
+            .unwrap_or(0.5 * (nodes[last] + outside));
         found.push([low, high]);
         i += 1;
     }
     found
 }
 
-/// Where p^2 reaches zero beyond the outermost node in contact.
+/// Where p^2 reaches zero beyond the outermost node in contact; `None` where it is no parabola there, or a rising one.
 ///
-/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too large (its hat
-/// reaches out of the contact), so the parabola goes through the next three inside; with fewer nodes the rim
-/// is put half a cell beyond the last one.
-fn rim(inside: &[(f64, f64)], outside: f64) -> f64 {
+/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too large (its hat reaches out of
+/// the contact), so the parabola goes through the next three inside; they have to be there, and below the bound of pressures.
+fn rim(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> {
     let outermost = inside[0].0;
-    let half_way = 0.5 * (outermost + outside);
     let [_, a, b, c, ..] = inside else {
-        return half_way;
+        return None;
     };
+    if [a, b, c].iter().any(|node| node.1 >= bound) {
+        return None;
+    }
     let [pa, pb, pc] = [a, b, c].map(|n| n.1 * n.1);
     // Newton's form from a outwards: p^2(t) = pa + d1 t + d2 t (t - (b - a)), t = x - a.
     let d1 = (pb - pa) / (b.0 - a.0);
@@ -232,7 +266,7 @@ fn rim(inside: &[(f64, f64)], outside: f64) -> f64 {
     let slope = d1 - d2 * (b.0 - a.0);
     let outwards = (outside - outermost).signum();
     if slope * outwards >= 0.0 || !slope.is_finite() {
-        return half_way;
+        return None;
     }
     let discriminant = slope * slope - 4.0 * d2 * pa;
     let t = if discriminant > 0.0 {
@@ -241,7 +275,25 @@ fn rim(inside: &[(f64, f64)], outside: f64) -> f64 {
         -pa / slope
     };
     let (low, high) = (0.5 * (a.0 + outermost), outside);
-    (a.0 + t).clamp(low.min(high), low.max(high))
+    Some((a.0 + t).clamp(low.min(high), low.max(high)))
+}
+
+/// Where the gap closes between the outermost node in contact, `inside` with the next one (place, pressure), and the two open ones
+/// (place, gap) beyond it; `None` where the outermost one bears all it can, up to the end of its part of the line.
+///
+/// Beside a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson, Contact Mechanics, 1985, section 5.1),
+/// so that its power 2/3 is a line. What the outermost node bears needs some of its part at the `bound` at least.
+fn rim_by_gap(inside: [(f64, f64); 2], open: [Option<(f64, f64)>; 2], bound: f64) -> Option<f64> {
+    let [near, far] = [open[0]?, open[1]?];
+    let [outermost, next] = inside;
+    if outermost.1 >= bound || !(near.1 > 0.0 && far.1 > near.1 && far.1.is_finite()) {
+        return None;
+    }
+    let [a, b] = [near.1, far.1].map(|gap| gap.powf(2.0 / 3.0));
+    let rim = near.0 - (far.0 - near.0) * a / (b - a);
+    let (start, end) = (0.5 * (next.0 + outermost.0), 0.5 * (outermost.0 + near.0));
+    let least = start + (end - start) * outermost.1 / bound;
+    Some(rim.clamp(least.min(near.0), least.max(near.0)))
 }
 
 /// Area from the chords on the lines of one axis, with the square of the chord linear between lines (it is a

@@ -38,6 +38,7 @@ impl<'a> Field<'a> {
             x: &self.mesh.grid.x,
             y: &self.mesh.grid.y,
             force: &state.force,
+            gap: (!state.displacement.is_empty()).then(|| self.mesh.contact.gaps(state)),
             lumped: [along, across],
             symmetry: self.mesh.symmetry,
             hardness: self.hardness,
@@ -104,17 +105,18 @@ fn found_patch(
         .chunks_exact(nx)
         .map(|row| highest(row.iter()))
         .collect();
+    let bound = field.bound();
     for stretch in &mut x {
         if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
             stretch.sizes.clone_from(&same.sizes);
         }
         if !edge {
-            stretch.adapt(field.x, &highest_at_x);
+            stretch.adapt(field.x, &highest_at_x, bound);
         }
     }
     y.sizes.clone_from(&before.y.sizes);
     if !edge {
-        y.adapt(field.y, &highest_at_y);
+        y.adapt(field.y, &highest_at_y, bound);
     }
     if x.is_empty() {
         x.clone_from(&before.x);

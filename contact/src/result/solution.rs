@@ -20,9 +20,11 @@ pub struct Solution {
     pub hardness: Option<f64>,
     /// Force over contact area [Pa].
     pub p_mean: f64,
+    /// Estimated error of the mean pressure, that of the area [Pa].
+    pub p_mean_error: f64,
     /// Contact area, resolved below the cell [m2].
     pub area: f64,
-    /// Estimated error of the area: twice the larger of what the last two meshes changed; infinite after one mesh [m2].
+    /// Estimated error of the area of this mesh, by the order that the last three show; infinite after one mesh [m2].
     pub area_error: f64,
     /// Extent of the contact along x, from its first to its last point [m].
     pub length: f64,
@@ -30,12 +32,20 @@ pub struct Solution {
     pub length_error: f64,
     /// Extent of the contact along y [m].
     pub width: f64,
+    /// Estimated error of the width, likewise [m].
+    pub width_error: f64,
     /// Rigid approach at the origin, from first touch [m].
     pub approach: f64,
+    /// Estimated error of the approach [m].
+    pub approach_error: f64,
     /// Pitch about y, positive lowers the nose [rad].
     pub pitch: f64,
+    /// Estimated error of the pitch; 0 where it is held [rad].
+    pub pitch_error: f64,
     /// Roll about x [rad].
     pub roll: f64,
+    /// Estimated error of the roll; 0 where it is held [rad].
+    pub roll_error: f64,
     /// Integrated normal force [N].
     pub fz: f64,
     /// Where the resultant of the pressure acts, x and y [m].

@@ -296,6 +296,68 @@ fn hardness_bounds_the_pressure_keeps_the_balance_and_tends_to_elasticity() {
     }
 }
 
+/// A rocker's bump, and far from it one so short that neither the first guess nor the first mesh meets it.
+/// Each is a Hertz contact under the one approach: F_i = K_i d^(3/2).
+#[test]
+fn a_second_bump_far_from_where_contact_was_looked_for_bears_its_share() {
+    let bumps = [[-0.3, 0.0, 5.0, 0.005], [0.3004, 0.0, 0.01, 0.005]];
+    let hull = Formula {
+        height: move |x: f64, y: f64| {
+            bumps
+                .iter()
+                .map(|[x0, y0, rocker, section]| {
+                    (x - x0).powi(2) / (2.0 * rocker) + (y - y0).powi(2) / (2.0 * section)
+                })
+                .fold(f64::INFINITY, f64::min)
+        },
+        extent: [-0.5, 0.5, -0.005, 0.005],
+        symmetric: [false; 2],
+    };
+    let mut problem = on_half_space(hull, 1000.0);
+    problem.load = Load::central(1000.0, Tilt::LEVEL);
+    let options = Options {
+        p_max_tolerance: 0.01,
+        ..Options::default()
+    };
+    let s = solve(&problem, &options).unwrap();
+    let stiffness = bumps.map(|[_, _, rocker, section]| {
+        hertz(rocker, section, contact_modulus(), 1.0)
+            .approach
+            .powf(-1.5)
+    });
+    let depth = (1000.0 / (stiffness[0] + stiffness[1])).powf(2.0 / 3.0);
+    assert!(
+        (s.approach / depth - 1.0).abs() < 0.01,
+        "{} {depth}",
+        s.approach
+    );
+    let peaks = [0, 1].map(|k| {
+        let [_, _, rocker, section] = bumps[k];
+        let force = stiffness[k] * depth.powf(1.5);
+        hertz(rocker, section, contact_modulus(), force).p_max
+    });
+    let (x, pressure) = (&s.surface.x, &s.surface.pressure);
+    let found = pressure
+        .iter()
+        .enumerate()
+        .fold([0.0f64; 2], |mut m, (n, p)| {
+            let side = usize::from(x[n % x.len()] > 0.0);
+            m[side] = m[side].max(*p);
+            m
+        });
+    for (found, expected) in found.iter().zip(peaks) {
+        assert!(
+            (found / expected - 1.0).abs() < 0.04,
+            "{found:.4e} {expected:.4e}"
+        );
+    }
+    assert!(
+        (s.p_max / peaks[0].max(peaks[1]) - 1.0).abs() < 0.01,
+        "{}",
+        s.p_max
+    );
+}
+
 /// Two meshes that both miss the peaks at the ends would agree on a pressure that is too low by a tenth, and which track
 /// has such meshes would be an accident of rounding.
 #[test]

@@ -3,7 +3,7 @@
 use kufe_outside::python;
 use serde_json::Value;
 
-use crate::kufe::{Bench, CASE, names};
+use crate::kufe::{Bench, CASE, errors, names};
 
 #[test]
 fn ice_and_runner_are_written_without_an_inverted_cell() {
@@ -50,6 +50,37 @@ fn the_meshes_of_a_hull_are_written_too() {
     let said = bench.succeeds(&["mesh", "case.toml", "--json"]);
     let quality: Value = serde_json::from_str(&said).expect("JSON");
     assert_eq!(quality["runner"]["inverted"], 0);
+}
+
+/// What `kufe mesh` writes is half a runner or a quarter, as coarse as its columns are far from the patch: given back as a runner's own
+/// mesh it is refused, and so is one with 5 um of noise and one in millimetres that is read in metres.
+#[test]
+fn meshes_that_are_no_runner_for_their_load_are_refused_with_one_reason() {
+    let bench = Bench::new();
+    let refused = |case: &str, reasons: [&str; 2]| {
+        bench.write("own.toml", case);
+        let output = bench.kufe(&["press", "own.toml", "-o", "own"]);
+        let told = errors(&output);
+        assert!(matches!(output.status.code(), Some(3 | 4)), "{told}");
+        assert!(reasons.iter().all(|reason| told.contains(reason)), "{told}");
+        assert!(!bench.path("own/result.json").exists());
+    };
+    let case = CASE.replace("[ice]", "elastic = true\n[ice]");
+    bench.write("case.toml", &case);
+    bench.succeeds(&["mesh", "case.toml"]);
+    let shape = case
+        .lines()
+        .find(|line| line.starts_with("shape"))
+        .expect("a shape");
+    let own = case.replace(shape, "mesh = \"out/runner.vtu\"");
+    refused(
+        &own,
+        ["runs along the rim", "half a runner is mirrored first"],
+    );
+    let level = own.replace("[accuracy]", "tilt = \"fixed\"\n[accuracy]");
+    refused(&level, ["runner.mesh", "too coarse for its load"]);
+    let metres = own.replace("out/runner.vtu\"", "out/runner.vtu\"\nscale = 1000.0");
+    refused(&metres, ["runs along the rim", "set scale = 0.001"]);
 }
 
 #[test]

@@ -1,0 +1,211 @@
+"""Contacts drawn at random, class by class, with their peak pressure, area and approach. Nothing here is a finite element.
+
+    python coverage.py > coverage.csv
+
+Hertz's closed form (rigid, two elastic bodies, offset loads, which shift a paraboloid's patch and nothing else); Hankel transforms in depth
+(`layered.py`) for round hulls on one or two layers over a rigid bed; for gaps that are no paraboloid and for ice that yields, rectangles of uniform
+pressure (A. E. H. Love, 1929) whose displacements are convolutions, on N x N of them and on half as many along each side: `truth` is what the two
+differ by, over the figure. The last lines are those of `slender.py`, whose pressures have their peaks at a runner's ends.
+"""
+import csv
+import io
+import contextlib
+import pathlib
+import sys
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+import layered
+
+E, NU = 9e9, 0.33
+STEEL = 210e9, 0.30
+COLUMNS = (
+    "class rocker_radius_m section_radius_m quartic_1pm3 fz_n offset_x_m offset_y_m thickness_m bed_youngs_modulus_pa"
+    " bed_thickness_m steel hardness_pa worn_m curvature_1pm p_max_pa area_m2 approach_m truth"
+).split()
+random = np.random.default_rng(20261122)
+
+
+def modulus(steel=False):
+    soft = (1 - NU**2) / E + ((1 - STEEL[1] ** 2) / STEEL[0] if steel else 0)
+    return 1 / soft
+
+
+def logarithmic(low, high):
+    return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+
+def hertz(rocker, section, contact_modulus, force):
+    """Peak, area, approach: K. L. Johnson, Contact Mechanics (1985), section 4.2, with the eccentricity e^2 = 1 - b^2/a^2 as the unknown."""
+    long, short = max(rocker, section), min(rocker, section)
+
+    def ratio(m):
+        """A/B = R_short / R_long of an ellipse of parameter m = e^2."""
+        k, e = ellipk(m), ellipe(m)
+        return (k - e) * (1 - m) / (e - (1 - m) * k)
+
+    m = 0.0 if long / short < 1 + 1e-9 else brentq(lambda m: ratio(m) - short / long, 1e-12, 1 - 1e-13, xtol=1e-16, rtol=1e-14)
+    k = np.sqrt(1 - m)
+    total = 0.5 * (1 / rocker + 1 / section)
+    a = (3 * force * ellipe(m) / (2 * np.pi * contact_modulus * total * (1 - m))) ** (1 / 3)
+    b = k * a
+    peak = 1.5 * force / (np.pi * a * b)
+    approach = peak * b * ellipk(m) / contact_modulus
+    return peak, np.pi * a * b, approach
+
+
+class Rectangles:
+    """A half-space under n x n rectangles over [-x, x] x [-y, y]."""
+
+    def __init__(self, n, x, y, contact_modulus):
+        self.n, self.dx, self.dy = n, 2 * x / n, 2 * y / n
+        self.x = (np.arange(n) + 0.5) * self.dx - x
+        self.y = (np.arange(n) + 0.5) * self.dy - y
+        place = np.concatenate([np.arange(n), np.arange(-n, 0)])
+        gx, gy = np.meshgrid(place * self.dx, place * self.dy, indexing="ij")
+
+        def corner(a, b):
+            return a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b))
+
+        love = sum(
+            s * t * corner(gx + s * self.dx / 2, gy + t * self.dy / 2) for s in (1, -1) for t in (1, -1)
+        )
+        self.kernel = np.fft.rfft2(love / (np.pi * contact_modulus))
+
+    def displacement(self, pressure):
+        padded = np.zeros((2 * self.n, 2 * self.n))
+        padded[: self.n, : self.n] = pressure
+        return np.fft.irfft2(np.fft.rfft2(padded) * self.kernel, padded.shape)[: self.n, : self.n]
+
+    def solve(self, inside, side, start):
+        """Conjugate gradients on the rectangles inside."""
+        x = np.where(inside, start, 0.0)
+        r = np.where(inside, side - self.displacement(x), 0.0)
+        p, rho = r.copy(), (r * r).sum()
+        first = (np.where(inside, side, 0) ** 2).sum()
+        while rho > 1e-18 * first:
+            q = np.where(inside, self.displacement(p), 0.0)
+            step = rho / (p * q).sum()
+            x += step * p
+            r -= step * q
+            rho, before = (r * r).sum(), rho
+            p = r + rho / before * p
+        return x
+
+    def press(self, gap, force, hardness):
+        """Pressure and approach: an active set of open, pressed and full rectangles."""
+        cell = self.dx * self.dy
+        depth = np.sort(gap.ravel())[int(0.3 * gap.size)]
+        inside, full = gap < depth, np.zeros(gap.shape, bool)
+        ones, shape = np.zeros(gap.shape), np.zeros(gap.shape)
+        for _ in range(60):
+            load = np.where(full, min(hardness, 1e30), 0.0)
+            ones = self.solve(inside, np.ones(gap.shape), ones)
+            shape = self.solve(inside, gap + self.displacement(load), shape)
+            approach = (force / cell - load.sum() + shape.sum()) / ones.sum()
+            pressure = np.where(inside, approach * ones - shape, load)
+            left = gap + self.displacement(pressure) - approach
+            slack = 1e-9 * approach
+            new_full = (inside & (pressure > hardness)) | (full & (left <= slack))
+            new_inside = (inside & (pressure > 0) & (pressure <= hardness)) | (full & (left > slack)) | (~inside & ~full & (left < -slack))
+            if (new_full == full).all() and (new_inside == inside).all():
+                return pressure, approach
+            inside, full = new_inside, new_full
+        raise SystemExit("the contact set does not settle")
+
+
+def boundary(gap, force, hardness, reach):
+    """Peak, area, approach and what two resolutions differ by."""
+    found = []
+    for n in (64, 128):
+        grid = Rectangles(n, *reach, modulus())
+        pressure, approach = grid.press(gap(*np.meshgrid(grid.x, grid.y, indexing="ij")), force, hardness)
+        top = pressure.max()
+        if np.isinf(hardness):
+            # The four rectangles at the middle are half a step off the peak along either axis.
+            m = n // 2
+            near, far = pressure[m, m], (pressure[m + 1, m], pressure[m, m + 1])
+            top = near + sum((near - f) / 8 for f in far)
+        area = (pressure > 0).sum() * grid.dx * grid.dy
+        found.append((top, area, approach))
+    coarse, fine = found
+    return (*fine, max(abs(fine[0] / coarse[0] - 1), abs(fine[2] / coarse[2] - 1)))
+
+
+def row(kind, rocker, section, force, figures, truth=1e-6, **more):
+    values = dict.fromkeys(COLUMNS, 0)
+    values.update(
+        {"class": kind, "rocker_radius_m": rocker, "section_radius_m": section, "fz_n": force, "truth": truth, "thickness_m": "inf", "hardness_pa": "inf"}
+    )
+    values.update(zip(("p_max_pa", "area_m2", "approach_m"), figures))
+    values.update(more)
+    writer.writerow([f"{v:.7g}" if isinstance(v, float) else v for v in (values[c] for c in COLUMNS)])
+    sys.stdout.flush()
+
+
+def layers(radius, force, *numbers):
+    said = io.StringIO()
+    sys.argv = ["layered.py", *map(str, (radius, force, *numbers))]
+    with contextlib.redirect_stdout(said):
+        layered.main()
+    a, approach, peak = map(float, said.getvalue().split())
+    return peak, np.pi * a * a, approach
+
+
+writer = csv.writer(sys.stdout, lineterminator="\n")
+writer.writerow(COLUMNS)
+for _ in range(70):
+    section = logarithmic(1e-3, 2e-2)
+    # The patch's aspect goes with the radii's ratio to the power 2/3 or so.
+    rocker, force = section * logarithmic(1.0, 3e4), logarithmic(100, 8000)
+    row("rigid Hertz", rocker, section, force, hertz(rocker, section, modulus(), force))
+for _ in range(20):
+    section = logarithmic(2e-3, 2e-2)
+    rocker, force = section * logarithmic(1.0, 2e4), logarithmic(100, 8000)
+    row("two elastic bodies", rocker, section, force, hertz(rocker, section, modulus(True), force), steel=1)
+for _ in range(25):
+    section, rocker, force = logarithmic(3e-3, 1e-2), logarithmic(5, 60), logarithmic(100, 4000)
+    places = {"offset_x_m": random.uniform(-0.02, 0.02) * rocker, "offset_y_m": random.uniform(-0.1, 0.1) * section}
+    row("offset load", rocker, section, force, hertz(rocker, section, modulus(), force), **places)
+for kind, count, low, high in (("thick layer", 15, 1.0, 10.0), ("layer as thick as the patch", 15, 0.1, 1.0), ("thin layer", 15, 0.02, 0.1)):
+    for _ in range(count):
+        radius, force = logarithmic(0.02, 2.0), logarithmic(100, 4000)
+        patch = (0.75 * force * radius / modulus()) ** (1 / 3)
+        thickness = patch * logarithmic(low, high)
+        figures = layers(radius, force, E, NU, thickness / 2, E, NU, thickness / 2)
+        row(kind, radius, radius, force, figures, 2e-4, thickness_m=thickness)
+for _ in range(15):
+    radius, force = logarithmic(0.02, 2.0), logarithmic(100, 4000)
+    patch = (0.75 * force * radius / modulus()) ** (1 / 3)
+    thickness, bed, bed_modulus = patch * logarithmic(0.3, 3), patch * logarithmic(1, 5), logarithmic(3e9, 60e9)
+    figures = layers(radius, force, E, NU, thickness, bed_modulus, 0.2, bed)
+    row("elastic bed", radius, radius, force, figures, 2e-4, thickness_m=thickness, bed_youngs_modulus_pa=bed_modulus, bed_thickness_m=bed)
+for _ in range(20):
+    section, force = logarithmic(3e-3, 1e-2), logarithmic(100, 4000)
+    rocker = section * logarithmic(1, 3e3)
+    peak, area, _ = hertz(rocker, section, modulus(), force)
+    ratio = (rocker / section) ** (2 / 3)
+    a, b = np.sqrt(area / np.pi * ratio), np.sqrt(area / np.pi / ratio)
+    quartic = logarithmic(0.05, 3) / (2 * rocker * a * a)
+    gap = lambda x, y: x * x / (2 * rocker) + quartic * x**4 + y * y / (2 * section)
+    *figures, truth = boundary(gap, force, np.inf, (1.25 * a, 1.5 * b))
+    row("no paraboloid", rocker, section, force, figures, truth, quartic_1pm3=quartic)
+for _ in range(15):
+    section, force = logarithmic(3e-3, 1e-2), logarithmic(100, 4000)
+    rocker = section * logarithmic(1, 3e3)
+    peak, area, _ = hertz(rocker, section, modulus(), force)
+    share = random.uniform(0.3, 0.95)
+    ratio = (rocker / section) ** (2 / 3)
+    area /= share
+    a, b = np.sqrt(area / np.pi * ratio), np.sqrt(area / np.pi / ratio)
+    gap = lambda x, y: x * x / (2 * rocker) + y * y / (2 * section)
+    *figures, truth = boundary(gap, force, share * peak, (1.35 * a, 1.5 * b))
+    row("ice that yields", rocker, section, force, figures, truth, hardness_pa=share * peak)
+for line in csv.DictReader((pathlib.Path(__file__).parent / "slender.csv").open()):
+    numbers = {key: float(value) for key, value in line.items()}
+    worn = numbers["worn_m"]
+    kind = "worn flat" if worn else "peaks at the ends"
+    figures = (numbers["p_max_pa"], 0, 0)
+    row(kind, numbers["rocker_radius_m"], numbers["section_radius_m"], numbers["fz_n"], figures, 2e-3, worn_m=worn, curvature_1pm=line["curvature_1pm"])
