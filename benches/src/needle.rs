@@ -1,6 +1,6 @@
 //! The equations of ice under a needle-shaped patch, as a runner of 30 m rocker and 5 mm section leaves it.
 
-use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
+use kufe_fem::{End, Material, PlanewiseDiagonal, TensorOperator};
 use kufe_mesh::TensorGrid;
 
 /// Young's modulus [Pa] and Poisson's ratio of the ice in every benchmark.
@@ -16,7 +16,7 @@ pub struct NeedleBlock {
     /// The stiffness.
     pub operator: TensorOperator,
     /// Its preconditioner.
-    pub preconditioner: LayeredDiagonal,
+    pub preconditioner: PlanewiseDiagonal,
 }
 
 /// A block of `cells` cells along each axis: even to the patch's half width, then in geometric progression to 0.3 m.
@@ -38,7 +38,7 @@ pub fn needle_block(cells: usize) -> NeedleBlock {
     // Mirror planes at x = 0 and y = 0, the far faces held, the surface free.
     let held = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
     let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held);
-    let preconditioner = LayeredDiagonal::new(&operator, End::High);
+    let preconditioner = PlanewiseDiagonal::new(&operator, End::High);
     NeedleBlock {
         grid,
         patch,

@@ -10,7 +10,7 @@
 //! | [`assemble`], [`BlockMatrix`], [`MatrixFree`] | the stiffness, stored and not |
 //! | [`SparseStiffness`], [`write_matrix_market`] | the stored one as faer's sparse matrix, by component, and as text |
 //! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
-//! | [`TensorOperator`], [`LayeredDiagonal`] | stiffness and preconditioner on a tensor grid ([`FastDiagonal`]: the plain one) |
+//! | [`TensorOperator`], [`PlanewiseDiagonal`] | stiffness and preconditioner on a tensor grid ([`FastDiagonal`]: the plain one) |
 //! | [`MappedPreconditioner`], [`BeamModes`] | the same for bent grids and slender bodies |
 //! | `gpu`, with the feature of that name | the kernels of tensor grids and conjugate gradients on a graphics processor |
 //! | [`boussinesq`], [`love_rectangle`], [`ThickCylinder`], [`Beam`] | closed forms |
@@ -74,8 +74,8 @@ pub use matrix_free::operator::MatrixFree;
 pub use precondition::beam_modes::BeamModes;
 pub use precondition::elimination::End;
 pub use precondition::fast_diagonal::FastDiagonal;
-pub use precondition::layered_diagonal::LayeredDiagonal;
 pub use precondition::mapped::MappedPreconditioner;
+pub use precondition::planewise_diagonal::PlanewiseDiagonal;
 pub use section::{ElementKind, Section};
 pub use sparse::assembly::{assemble, assemble_on};
 pub use sparse::block_matrix::BlockMatrix;

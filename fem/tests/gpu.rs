@@ -4,7 +4,7 @@
 //! unless `KUFE_GPU=1` demands one.
 
 use kufe_fem::gpu::{Device, DeviceCg, Options, Solver};
-use kufe_fem::{End, Error, HeldFaces, LayeredDiagonal, LowerLayer, TensorOperator, cg};
+use kufe_fem::{End, Error, HeldFaces, LowerLayer, PlanewiseDiagonal, TensorOperator, cg};
 use kufe_mesh::TensorGrid;
 
 fn device() -> Option<Device> {
@@ -101,7 +101,7 @@ fn diagonal(operator: &TensorOperator) -> Vec<f64> {
 fn stiffness_is_the_operators_to_single_precision() {
     let Some(device) = device() else { return };
     for (operator, end) in problems() {
-        let layered = LayeredDiagonal::new(&operator, end);
+        let layered = PlanewiseDiagonal::new(&operator, end);
         let mut kernels = DeviceCg::new(&device, &operator, &layered).unwrap();
         let n = 3 * operator.node_count();
         let diagonal = diagonal(&operator);
@@ -125,7 +125,7 @@ fn stiffness_is_the_operators_to_single_precision() {
 fn preconditioner_is_that_of_layers_to_single_precision() {
     let Some(device) = device() else { return };
     for (operator, end) in problems() {
-        let layered = LayeredDiagonal::new(&operator, end);
+        let layered = PlanewiseDiagonal::new(&operator, end);
         let mut kernels = DeviceCg::new(&device, &operator, &layered).unwrap();
         let n = 3 * operator.node_count();
         let mut modal = vec![0.0; layered.mode_count()];
@@ -155,7 +155,7 @@ fn units_of_the_caller_do_not_matter() {
         };
         let held = [[[false, true], [true, false], [true, false]]; 3];
         let operator = TensorOperator::new(&grid, 2.0 * modulus, modulus, held);
-        let layered = LayeredDiagonal::new(&operator, End::High);
+        let layered = PlanewiseDiagonal::new(&operator, End::High);
         let mut kernels = DeviceCg::new(&device, &operator, &layered).unwrap();
         let n = 3 * operator.node_count();
         let v = masked(&operator, 0.7, 1.0);
@@ -188,7 +188,7 @@ fn grids_beyond_the_device_are_refused_with_its_limit() {
     };
     let held = [[[false; 2], [false; 2], [true, false]]; 3];
     let operator = TensorOperator::new(&grid, 2.0, 1.0, held);
-    let layered = LayeredDiagonal::new(&operator, End::High);
+    let layered = PlanewiseDiagonal::new(&operator, End::High);
     let error = DeviceCg::new(&device, &operator, &layered).err();
     let Some(Error::DeviceLimit { needed, limit, .. }) = error else {
         // A device that starts so many groups.
@@ -212,7 +212,7 @@ fn refined_solves_are_those_of_double_precision() {
     // Each grid once, in one material or two.
     for place in [0, 3, 4, 7] {
         let (operator, end) = problems().swap_remove(place);
-        let layered = LayeredDiagonal::new(&operator, end);
+        let layered = PlanewiseDiagonal::new(&operator, end);
         let mut solver = Solver::new(&device, &operator, &layered).unwrap();
         let mut modal = vec![0.0; layered.mode_count()];
         let [mut x, mut kx] = [(); 2].map(|()| vec![0.0; 3 * operator.node_count()]);
@@ -270,7 +270,7 @@ fn refined_solves_are_those_of_double_precision() {
 fn two_solves_of_one_problem_have_the_same_bits() {
     let Some(device) = device() else { return };
     let (operator, end) = problems().swap_remove(4);
-    let layered = LayeredDiagonal::new(&operator, end);
+    let layered = PlanewiseDiagonal::new(&operator, end);
     let b = masked(&operator, 0.11, 1.0);
     let solve = |device: &Device| {
         let mut solver = Solver::new(device, &operator, &layered).unwrap();
@@ -290,7 +290,7 @@ fn two_solves_of_one_problem_have_the_same_bits() {
 fn what_cannot_be_solved_is_an_error_with_its_numbers() {
     let Some(device) = device() else { return };
     let (operator, end) = problems().swap_remove(0);
-    let layered = LayeredDiagonal::new(&operator, end);
+    let layered = PlanewiseDiagonal::new(&operator, end);
     let mut solver = Solver::new(&device, &operator, &layered).unwrap();
     let mut b = masked(&operator, 0.2, 1.0);
     let mut x = vec![0.0; b.len()];

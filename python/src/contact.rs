@@ -218,10 +218,22 @@ impl Contact {
         self.pressed.solution.p_mean
     }
 
+    /// Error of the mean pressure [Pa].
+    #[getter]
+    fn p_mean_error_pa(&self) -> f64 {
+        self.pressed.solution.p_mean_error
+    }
+
     /// Contact area [m2].
     #[getter]
     fn area_m2(&self) -> f64 {
         self.pressed.solution.area
+    }
+
+    /// Error of the area [m2].
+    #[getter]
+    fn area_error_m2(&self) -> f64 {
+        self.pressed.solution.area_error
     }
 
     /// Extent of the contact along the runner [m].
@@ -230,10 +242,22 @@ impl Contact {
         self.pressed.solution.length
     }
 
+    /// Error of the length [m].
+    #[getter]
+    fn length_error_m(&self) -> f64 {
+        self.pressed.solution.length_error
+    }
+
     /// Extent of the contact across the runner [m].
     #[getter]
     fn width_m(&self) -> f64 {
         self.pressed.solution.width
+    }
+
+    /// Error of the width [m].
+    #[getter]
+    fn width_error_m(&self) -> f64 {
+        self.pressed.solution.width_error
     }
 
     /// Rigid approach at the origin, from first touch [m].
@@ -242,16 +266,34 @@ impl Contact {
         self.pressed.solution.approach
     }
 
+    /// Error of the approach [m].
+    #[getter]
+    fn approach_error_m(&self) -> f64 {
+        self.pressed.solution.approach_error
+    }
+
     /// Pitch about y, positive lowers the nose [rad].
     #[getter]
     fn pitch_rad(&self) -> f64 {
         self.pressed.solution.pitch
     }
 
+    /// Error of the pitch [rad].
+    #[getter]
+    fn pitch_error_rad(&self) -> f64 {
+        self.pressed.solution.pitch_error
+    }
+
     /// Roll about x [rad].
     #[getter]
     fn roll_rad(&self) -> f64 {
         self.pressed.solution.roll
+    }
+
+    /// Error of the roll [rad].
+    #[getter]
+    fn roll_error_rad(&self) -> f64 {
+        self.pressed.solution.roll_error
     }
 
     /// Integrated normal force [N].

@@ -29,6 +29,11 @@ def test_the_peak_is_hertz_within_the_accuracy_asked():
     contact = kufe.press(kufe.Case(PARABOLOID))
     assert contact.p_max_pa == pytest.approx(HERTZ_PA, rel=0.005)
     assert 0 < contact.p_max_error_pa < 0.005 * contact.p_max_pa
+    for key in ("p_mean_pa", "area_m2", "length_m", "width_m", "approach_m"):
+        name, unit = key.rsplit("_", 1)
+        error = getattr(contact, f"{name}_error_{unit}")
+        assert error == contact.result[f"{name}_error_{unit}"]
+        assert 0 < error < 0.1 * getattr(contact, key)
 
 
 def test_the_pressure_field_carries_the_load():

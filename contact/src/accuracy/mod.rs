@@ -4,5 +4,7 @@ pub(crate) mod extrapolation;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 pub(crate) mod order;
+#[cfg(test)]
+mod rejection_tests;
 pub(crate) mod scout;
 pub(crate) mod watched;

@@ -1,7 +1,7 @@
 //! The preconditioner of a body that nothing but faces holds.
 
 use faer::{Mat, MatMut, MatRef};
-use kufe_fem::{End, LayeredDiagonal, Material, TensorOperator};
+use kufe_fem::{End, Material, PlanewiseDiagonal, TensorOperator};
 
 use crate::bodies::columns::Columns;
 use crate::precondition::plane_basis::PlaneBasis;
@@ -10,7 +10,7 @@ use crate::precondition::work::InverseWork;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
 pub(crate) struct PlanewiseInverse {
-    pub preconditioner: LayeredDiagonal,
+    pub preconditioner: PlanewiseDiagonal,
     basis: PlaneBasis,
     columns: Columns,
     sign: f64,
@@ -27,7 +27,7 @@ impl PlanewiseInverse {
         sign: f64,
         material: Material,
     ) -> Self {
-        let preconditioner = LayeredDiagonal::new(operator, end);
+        let preconditioner = PlanewiseDiagonal::new(operator, end);
         let [x, y] = preconditioner.plane_modes();
         PlanewiseInverse {
             basis: PlaneBasis::new(x, y),

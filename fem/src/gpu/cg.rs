@@ -9,7 +9,7 @@ use crate::gpu::place::Place;
 use crate::gpu::preconditioner::Preconditioner;
 use crate::gpu::sums::{FACTORS, Progress, Sums};
 use crate::gpu::units::Units;
-use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
 use crate::tensor::operator::TensorOperator;
 
 /// The kernels of one operator and its preconditioner, and conjugate gradients made of them.
@@ -49,7 +49,7 @@ impl<'a> DeviceCg<'a> {
     pub fn new(
         device: &'a Device,
         operator: &TensorOperator,
-        layered: &LayeredDiagonal,
+        layered: &PlanewiseDiagonal,
     ) -> Result<Self, Error> {
         assert_eq!(operator.shape(), layered.shape);
         let units = Units::of(operator);

@@ -11,7 +11,7 @@ use crate::gpu::sums::{FACTORS, Progress};
 /// The vertical component on the plane that elimination ends on.
 #[derive(Clone, Debug)]
 pub struct EndPlane {
-    /// What it has gathered, modes of x fastest, as [`crate::LayeredDiagonal::gathered`].
+    /// What it has gathered, modes of x fastest, as [`crate::PlanewiseDiagonal::gathered`].
     pub gathered: Vec<f64>,
     /// The residual on its nodes, x fastest.
     pub residual: Vec<f64>,

@@ -12,14 +12,14 @@
 //!
 //! ```
 //! use kufe_fem::gpu::{Device, Options, Solver};
-//! use kufe_fem::{End, LayeredDiagonal, TensorOperator};
+//! use kufe_fem::{End, PlanewiseDiagonal, TensorOperator};
 //! use kufe_mesh::TensorGrid;
 //!
 //! let axis: Vec<f64> = (0..9).map(|i| 0.01 * f64::from(i)).collect();
 //! let grid = TensorGrid { x: axis.clone(), y: axis.clone(), z: axis };
 //! let held = [[[false, true], [false, true], [true, false]]; 3];
 //! let operator = TensorOperator::new(&grid, 6.6e9, 3.4e9, held);
-//! let preconditioner = LayeredDiagonal::new(&operator, End::High);
+//! let preconditioner = PlanewiseDiagonal::new(&operator, End::High);
 //! let mut load = vec![0.0; 3 * grid.node_count()];
 //! load[3 * grid.node_count() - 81] = 1000.0;
 //! let mut u = vec![0.0; load.len()];

@@ -1,6 +1,6 @@
 //! Where the plane that elimination ends on lies in the vectors.
 
-use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
 
 /// Where the vertical component on that plane begins among modal and among nodal values, and its numbers.
 pub(super) struct Place {
@@ -9,7 +9,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub fn of(layered: &LayeredDiagonal) -> Self {
+    pub fn of(layered: &PlanewiseDiagonal) -> Self {
         let vertical = &layered.components[2];
         let [nx, ny, nz] = layered.shape;
         let pairs: usize = vertical.pairs().iter().product();

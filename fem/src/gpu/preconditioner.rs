@@ -6,8 +6,8 @@ use crate::gpu::device::work::Work;
 use crate::gpu::elimination::passes;
 use crate::gpu::product::{self, Matrices, product};
 use crate::gpu::units::Units;
-use crate::precondition::layered_diagonal::Component;
-use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::precondition::planewise_diagonal::Component;
+use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
 
 /// P^-1 times modulus and length, in two halves: a constraint on the end plane acts between them.
 pub(super) struct Preconditioner {
@@ -23,7 +23,7 @@ impl Preconditioner {
     /// From the buffer `r` to the buffer `z`, which must be 0 on held planes.
     pub fn new(
         device: &Device,
-        layered: &LayeredDiagonal,
+        layered: &PlanewiseDiagonal,
         units: &Units,
         [r, z]: [&wgpu::Buffer; 2],
     ) -> Result<Self, Error> {

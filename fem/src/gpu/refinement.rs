@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::gpu::cg::DeviceCg;
 use crate::gpu::device::open::Device;
-use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
 use crate::tensor::operator::TensorOperator;
 
 /// When a solve ends.
@@ -61,7 +61,7 @@ impl<'a> Solver<'a> {
     pub fn new(
         device: &'a Device,
         operator: &'a TensorOperator,
-        layered: &LayeredDiagonal,
+        layered: &PlanewiseDiagonal,
     ) -> Result<Self, Error> {
         Ok(Solver {
             operator,

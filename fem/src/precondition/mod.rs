@@ -4,6 +4,6 @@ pub mod beam_modes;
 mod dense;
 pub mod elimination;
 pub mod fast_diagonal;
-pub mod layered_diagonal;
 pub mod mapped;
+pub mod planewise_diagonal;
 pub mod single_precision;

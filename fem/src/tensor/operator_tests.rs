@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::material::Material;
 use crate::precondition::elimination::End;
 use crate::precondition::fast_diagonal::FastDiagonal;
-use crate::precondition::layered_diagonal::LayeredDiagonal;
+use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
 use crate::section::{ElementKind, Section};
 use crate::sparse::assembly::assemble;
 
@@ -196,7 +196,7 @@ fn layers_of_one_poissons_ratio_are_inverted_exactly_in_each_component() {
         for n in c * nodes..(c + 1) * nodes {
             assert!((back[n] - u[n]).abs() < 1e-10, "{} {}", back[n], u[n]);
         }
-        let eliminated = LayeredDiagonal::new(&operator, End::High);
+        let eliminated = PlanewiseDiagonal::new(&operator, End::High);
         eliminated.apply(&force, &mut back, &mut modal);
         // Its products are done in single precision.
         for n in c * nodes..(c + 1) * nodes {

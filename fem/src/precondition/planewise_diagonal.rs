@@ -18,12 +18,12 @@ use crate::tensor::operator::TensorOperator;
 ///
 /// which is eliminated towards one end of z: four small matrix products a component instead of six. What that end has
 /// gathered, y, tells the answer there before any other is known: z = T y with T one over the last pivot. A constraint on
-/// that plane acts between [`LayeredDiagonal::gather`] and [`LayeredDiagonal::spread`].
+/// that plane acts between [`PlanewiseDiagonal::gather`] and [`PlanewiseDiagonal::spread`].
 ///
 /// The products are done in single precision ([`crate::precondition::single_precision`]), the elimination in double; so is the answer on that
 /// plane, where a constraint must hold to rounding.
 #[derive(Clone, Debug)]
-pub struct LayeredDiagonal {
+pub struct PlanewiseDiagonal {
     pub(crate) shape: [usize; 3],
     pub(crate) components: [Component; 3],
 }
@@ -38,7 +38,7 @@ pub(crate) struct Component {
     pub start: usize,
 }
 
-impl LayeredDiagonal {
+impl PlanewiseDiagonal {
     /// Diagonalises x and y once for each pair of held ends that occurs, and eliminates z towards `end`.
     ///
     /// # Panics
@@ -86,7 +86,7 @@ impl LayeredDiagonal {
             !operator.held[2][2][usize::from(end == End::High)],
             "the plane that elimination ends on is held"
         );
-        LayeredDiagonal {
+        PlanewiseDiagonal {
             shape: operator.shape(),
             components,
         }
@@ -114,7 +114,7 @@ impl LayeredDiagonal {
     }
 
     /// What the end plane has gathered of the vertical component, modes of x by modes of y: times
-    /// [`LayeredDiagonal::end_response`] it is the displacement there.
+    /// [`PlanewiseDiagonal::end_response`] it is the displacement there.
     pub fn gathered<'a>(&self, modal: &'a [f64]) -> MatRef<'a, f64> {
         let [mx, my] = self.components[2].pairs();
         columns(&modal[self.end_plane()], [mx, my])
@@ -145,7 +145,7 @@ impl LayeredDiagonal {
         }
     }
 
-    /// `z` from what [`LayeredDiagonal::gather`] left, which it uses up.
+    /// `z` from what [`PlanewiseDiagonal::gather`] left, which it uses up.
     pub fn spread(&self, modal: &mut [f64], z: &mut [f64]) {
         let nodes: usize = self.shape.iter().product();
         assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
@@ -273,7 +273,7 @@ mod tests {
         for (end, held_high) in [(End::High, false), (End::Low, true)] {
             let operator = operator(held_high);
             let plain = FastDiagonal::new(&operator);
-            let layered = LayeredDiagonal::new(&operator, end);
+            let layered = PlanewiseDiagonal::new(&operator, end);
             let n = 3 * operator.node_count();
             let r: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
             let (mut expected, mut found) = (vec![0.0; n], vec![f64::NAN; n]);
@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn response_times_what_the_end_has_gathered_is_the_displacement_there() {
         let operator = operator(false);
-        let layered = LayeredDiagonal::new(&operator, End::High);
+        let layered = PlanewiseDiagonal::new(&operator, End::High);
         let n = 3 * operator.node_count();
         let r: Vec<f64> = (0..n).map(|i| (0.3 * i as f64).cos()).collect();
         let mut modal = vec![0.0; layered.mode_count()];

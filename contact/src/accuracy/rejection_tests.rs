@@ -1,0 +1,129 @@
+//! Claims on accelerations whose energy rises.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use kufe_mesh::Paraboloid;
+
+use crate::accuracy::scout::scout;
+use crate::active_set::constrained_cg::OneSet;
+use crate::active_set::plane_problem::PlaneState;
+use crate::active_set::progress::{Control, Counts, SetUpdate};
+use crate::active_set::sets::Sets;
+use crate::grid::contact_mesh::State;
+use crate::grid::discretise::{MeshPlan, Reach};
+use crate::grid::zones::Resolution;
+use crate::problem::check::check;
+use crate::problem::gap::Gap;
+use crate::{Foundation, Ice, Load, Options, Problem, Runner, Tilt};
+
+/// Share of the touching nodes that the bad acceleration keeps.
+const KEPT: f64 = 0.3;
+
+#[test]
+fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_the_same()
+-> Result<(), Box<dyn std::error::Error>> {
+    let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+    let ice = Ice {
+        foundation: Foundation::RigidBed { thickness: 0.005 },
+        ..Ice::half_space(9e9, 0.33)
+    };
+    let problem = Problem::new(runner, ice, Load::central(1000.0, Tilt::Free));
+    let options = Options::default();
+    let material = check(&problem, &options)?;
+    let gap = Gap::new(&problem)?;
+    let (patch, _) = scout(&problem, &gap, material, &options)?;
+    let cells = 5.0;
+    let mesh = MeshPlan {
+        problem: &problem,
+        gap: &gap,
+        material,
+        patch: &patch,
+        resolution: Resolution {
+            cells,
+            growth: 3.0 / cells,
+        },
+        reach: Reach::Patch,
+    }
+    .mesh()?;
+    let contact = &mesh.contact;
+    let greens = contact.greens();
+    // Energies and sweeps as they are told, after every update of the set; and those of the bad acceleration beside the one before it.
+    let solve = |disturbed: Option<usize>| {
+        let none = vec![0.0; contact.candidates.len()];
+        let start = PlaneState::new(none, [patch.motion, 0.0, 0.0]);
+        let found = contact.plane_contact(&greens[1], &contact.unpressed_gap(), start);
+        let mut state = contact.state_of(&found.force, found.motion);
+        state.displacement = vec![0.0; contact.len()];
+        let told = RefCell::new(Vec::new());
+        let tell = |update: &SetUpdate, _: &State| {
+            told.borrow_mut()
+                .push((update.energy, update.counts.sweeps));
+        };
+        let control = Control {
+            tolerance: 1e-9,
+            iterations: 1000,
+            options: &options,
+            tell: &tell,
+        };
+        let mut work = contact.workspace();
+        let (mut number, mut before, mut risen) = (0, None, None);
+        let progress = contact.solve_by(
+            &mut state,
+            &greens,
+            Counts::default(),
+            &control,
+            |set, state, progress| {
+                number += 1;
+                let Some(at) = disturbed.filter(|at| number <= *at) else {
+                    return Ok::<_, std::convert::Infallible>(
+                        contact.iterate(set, state, &mut work, progress),
+                    );
+                };
+                if number < at {
+                    contact.iterate(set, state, &mut work, progress);
+                    before = Some(contact.feasible(state, &greens[1], None));
+                    return Ok(false);
+                }
+                let mut inside = set.sets.inside.clone();
+                let force = |i: &usize| state.force[contact.candidates[*i]];
+                inside.sort_by(|a, b| force(b).total_cmp(&force(a)));
+                inside.truncate((KEPT * inside.len() as f64) as usize);
+                inside.sort_unstable();
+                let sets = Sets {
+                    inside,
+                    full: Vec::new(),
+                };
+                let constraint = contact.constrain(&sets, &greens[0]).expect("independent");
+                let bad = OneSet {
+                    sets: &sets,
+                    constraint: &constraint,
+                    ..*set
+                };
+                contact.iterate(&bad, state, &mut work, progress);
+                let last = before.as_ref().expect("one before");
+                let now = contact.feasible(state, &greens[1], Some(last));
+                risen = Some([last.energy, now.energy]);
+                Ok(false)
+            },
+        );
+        let Ok(progress) = progress;
+        (progress, state, told.into_inner(), risen)
+    };
+    let (straight, expected, ..) = solve(None);
+    let (progress, state, told, risen) = solve(Some(2));
+    assert!(straight.converged && progress.converged);
+    let [last, bad] = risen.expect("a second update");
+    assert!(bad > last + 1e-3 * last.abs(), "{last} {bad}");
+    assert!(
+        told.windows(2).all(|pair| pair[1].0 <= pair[0].0),
+        "{told:?}"
+    );
+    // After what is accepted sweeps look for the next set; after what is not, the forces accepted last have it.
+    assert!(told[1].1 > 0 && told[2].1 == 0, "{told:?}");
+    let largest = expected.force.iter().copied().fold(0.0, f64::max);
+    for (a, b) in state.force.iter().zip(&expected.force) {
+        assert!((a - b).abs() < 1e-6 * largest, "{a} {b}");
+    }
+    Ok(())
+}
