@@ -102,8 +102,11 @@ pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
     (0.175 / tolerance.sqrt() + 1.25).clamp(least, 10.0)
 }
 
+/// Least ratio of cells of a mesh and the one before that tells anything.
+pub(crate) const LEAST_REFINEMENT: f64 = 1.25;
+
 /// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors of second order, some room, and
 /// neither so near that it tells nothing nor so far that it costs all.
 pub(crate) fn next_refinement(excess: f64) -> f64 {
-    (1.05 * excess.sqrt()).clamp(1.25, 1.6)
+    (1.05 * excess.sqrt()).clamp(LEAST_REFINEMENT, 1.6)
 }

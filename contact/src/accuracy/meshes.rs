@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use kufe_fem::Material;
 
 use crate::accuracy::extrapolation::{
-    Extrapolation, REFINEMENT, first_resolution, next_refinement,
+    Extrapolation, LEAST_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
 };
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::scout::scout;
@@ -275,8 +275,14 @@ impl<'a> Meshes<'a> {
         let cells = match limits {
             _ if anew => self.cells,
             Some(limits) if self.similar >= 3 => {
-                let finer = self.cells * next_refinement(limits.relative / tolerance);
-                finer.round().max(self.cells + 1.0)
+                let room = (self.options.max_dofs as f64 / contact.dofs as f64).cbrt();
+                let wished = next_refinement(limits.relative / tolerance);
+                // Where that would have too many unknowns, what they allow.
+                let finer = match wished <= room {
+                    true => (self.cells * wished).round(),
+                    false => (self.cells * room.max(LEAST_REFINEMENT)).floor(),
+                };
+                finer.max(self.cells + 1.0)
             }
             _ => {
                 let planned = self.coarsest * REFINEMENT.powi(self.similar);

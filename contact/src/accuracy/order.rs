@@ -31,9 +31,9 @@ impl Limit {
     /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d = (f3 - f2) h3^p / (h2^p - h3^p)
     /// (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of that limit is (SAFETY - 1) |d|, and what the order is
     /// uncertain by: the difference of what observed and formal order make of d. An order above the formal one is taken for the
-    /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that tell no order between
-    /// [`LOWEST`] and infinity (they go to and fro, or do not settle) have [`Limit::of_spread`], at least what the lowest order
-    /// leaves.
+    /// formal one, and its d has to agree with what the coarser two meshes make of it. Values that go to and fro by less each time
+    /// have SAFETY times their last step. Meshes that tell no order between [`LOWEST`] and infinity have [`Limit::of_spread`], at least
+    /// what the lowest order leaves.
     pub fn of_similar(meshes: [Raw; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
@@ -48,6 +48,13 @@ impl Limit {
         let ratio =
             |order: f64| (h2.powf(order) - h3.powf(order)) / (h1.powf(order) - h2.powf(order));
         let observed = steps[1] / steps[0];
+        if (-1.0..0.0).contains(&observed) {
+            // To and fro, by less each time: such a series has its limit between the last two values (Leibniz).
+            return Limit {
+                value: f3,
+                error: SAFETY * steps[1].abs(),
+            };
+        }
         if observed.is_nan() || observed < 0.0 || observed > ratio(LOWEST) {
             let spread = Limit::of_spread(&[f1, f2, f3]);
             let slow = match observed > 0.0 {
@@ -135,14 +142,15 @@ mod tests {
 
     #[test]
     fn values_without_an_order_have_their_spread() {
-        for values in [[1.0, 2.0, 1.5], [1.0, 1.1, 1.3], [1.0, 1.0, 1.1]] {
+        for values in [[1.0, 1.5, 0.5], [1.0, 1.1, 1.3], [1.0, 1.0, 1.1]] {
             let mut next = values.into_iter();
             let raw = [4.0, 6.0, 8.0].map(|cells| Raw {
                 cells,
                 value: next.next().unwrap(),
             });
             let limit = Limit::of_similar(raw);
-            let range = values.iter().fold(0.0f64, |m, v| m.max(*v)) - 1.0;
+            let range = values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+                - values.iter().copied().fold(f64::INFINITY, f64::min);
             assert_eq!(limit.value, values[2]);
             assert!(limit.error >= UNKNOWN * range - 1e-12);
         }
@@ -151,6 +159,24 @@ mod tests {
             Limit::of_similar(meshes([4.0, 6.0, 8.0], |_| 7.0)).error,
             0.0
         );
+    }
+
+    #[test]
+    fn values_that_go_to_and_fro_by_less_each_time_have_their_limit_within_the_last_step() {
+        for ratio in [-0.1, -0.5, -0.9f64] {
+            let mut powers = [0, 1, 2].map(|k| 5.0 + ratio.powi(k)).into_iter();
+            let raw = [4.0, 6.0, 9.0].map(|cells| Raw {
+                cells,
+                value: powers.next().unwrap(),
+            });
+            let limit = Limit::of_similar(raw);
+            assert!((limit.value - 5.0).abs() < limit.error, "{ratio} {limit:?}");
+            // Far less than the spread where they settle.
+            assert!(
+                limit.error < 2.0 * SAFETY * ratio.abs(),
+                "{ratio} {limit:?}"
+            );
+        }
     }
 
     /// A generator of numbers in [0, 1) (G. Marsaglia's xorshift, 2003).
