@@ -1,14 +1,20 @@
 //! The table of docs/verification.md that says how often stated errors hold the true ones.
 //!
-//! `cargo run --release -p kufe-tests --example coverage` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %; what does not hold is listed
-//! after the table.
+//! `cargo run --release -p kufe-tests --example coverage -- all` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %, without `all` one in ten
+//! to 2 %; what does not hold is listed after the table.
 
 use kufe_tests::coverage::{Outcome, Row, rows};
 
 const ASKED: [f64; 3] = [0.02, 0.005, 0.001];
 
 fn main() {
-    let rows = rows();
+    let all = std::env::args().any(|word| word == "all");
+    let (step, asked) = if all {
+        (1, &ASKED[..])
+    } else {
+        (10, &ASKED[..1])
+    };
+    let rows: Vec<Row> = rows().into_iter().step_by(step).collect();
     let mut classes: Vec<&str> = rows.iter().map(|row| row.class.as_str()).collect();
     classes.dedup();
     println!(
@@ -18,7 +24,7 @@ fn main() {
     let mut misses = Vec::new();
     for class in classes {
         let of: Vec<&Row> = rows.iter().filter(|row| row.class == class).collect();
-        for asked in ASKED {
+        for &asked in asked {
             let outcomes: Vec<(&Row, Outcome)> = of
                 .iter()
                 .filter_map(|row| match row.outcome(asked) {

@@ -16,9 +16,19 @@ pub(crate) struct Sequence {
     meshes: Vec<Raw>,
     /// How many of the last ones are similar: the same zones, all spacings in proportion.
     similar: usize,
+    /// Whether no rim between nodes moves the figure, so that it may go to and fro by law.
+    alternating: bool,
 }
 
 impl Sequence {
+    /// Of a figure that no rim between nodes moves.
+    pub fn alternating() -> Self {
+        Sequence {
+            alternating: true,
+            ..Self::default()
+        }
+    }
+
     /// Adds a mesh: finer and similar to the last one, or `graded_anew`.
     pub fn push(&mut self, raw: Raw, graded_anew: bool) {
         self.meshes.push(raw);
@@ -58,7 +68,11 @@ impl Sequence {
                 .iter()
                 .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
             let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            return Some(Limit::of_similar([first, *second, third]));
+            let three = [first, *second, third];
+            return Some(match self.alternating {
+                true => Limit::of_alternating(three),
+                false => Limit::of_similar(three),
+            });
         }
         let coarser = self.meshes.iter().rposition(|m| m.cells < third.cells)?;
         Some(self.spread_from(coarser.min(self.meshes.len() - 3)))

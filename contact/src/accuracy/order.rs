@@ -31,9 +31,9 @@ impl Limit {
     /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d = (f3 - f2) h3^p / (h2^p - h3^p)
     /// (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of that limit is (SAFETY - 1) |d|, and what the order is
     /// uncertain by: the difference of what observed and formal order make of d. An order above the formal one is taken for the
-    /// formal one, and its d has to agree with what the coarser two meshes make of it. Values that go to and fro by less each time
-    /// have SAFETY times their last step. Meshes that tell no order between [`LOWEST`] and infinity have [`Limit::of_spread`], at least
-    /// what the lowest order leaves.
+    /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that tell no order between
+    /// [`LOWEST`] and infinity (they go to and fro, or do not settle) have [`Limit::of_spread`], at least what the lowest order
+    /// leaves.
     pub fn of_similar(meshes: [Raw; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
@@ -48,13 +48,6 @@ impl Limit {
         let ratio =
             |order: f64| (h2.powf(order) - h3.powf(order)) / (h1.powf(order) - h2.powf(order));
         let observed = steps[1] / steps[0];
-        if (-1.0..0.0).contains(&observed) {
-            // To and fro, by less each time: such a series has its limit between the last two values (Leibniz).
-            return Limit {
-                value: f3,
-                error: SAFETY * steps[1].abs(),
-            };
-        }
         if observed.is_nan() || observed < 0.0 || observed > ratio(LOWEST) {
             let spread = Limit::of_spread(&[f1, f2, f3]);
             let slow = match observed > 0.0 {
@@ -78,6 +71,19 @@ impl Limit {
         Limit {
             value: f3 + step,
             error: (SAFETY - 1.0) * step.abs() + (step - formal).abs(),
+        }
+    }
+
+    /// The same for a figure that no rim between nodes moves: values that go to and fro by less each time have their limit between the
+    /// last two (Leibniz), and SAFETY times their last step is the error.
+    pub fn of_alternating(meshes: [Raw; 3]) -> Self {
+        let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
+        match (-1.0..0.0).contains(&((f3 - f2) / (f2 - f1))) {
+            true => Limit {
+                value: f3,
+                error: SAFETY * (f3 - f2).abs(),
+            },
+            false => Limit::of_similar(meshes),
         }
     }
 
@@ -169,7 +175,7 @@ mod tests {
                 cells,
                 value: powers.next().unwrap(),
             });
-            let limit = Limit::of_similar(raw);
+            let limit = Limit::of_alternating(raw);
             assert!((limit.value - 5.0).abs() < limit.error, "{ratio} {limit:?}");
             // Far less than the spread where they settle.
             assert!(
@@ -225,7 +231,7 @@ mod tests {
         let mut random = Random(0x2545_f491_4f6c_dd1d);
         let mut ratios: Vec<f64> = (0..20_000)
             .map(|_| {
-                let limit = Limit::of_similar(sequence(&mut random));
+                let limit = Limit::of_alternating(sequence(&mut random));
                 limit.error / (limit.value - 1.0).abs().max(f64::MIN_POSITIVE)
             })
             .collect();

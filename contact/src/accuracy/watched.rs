@@ -58,7 +58,7 @@ pub(crate) struct Beside {
 impl Watched {
     pub fn new(hardness: Option<f64>) -> Self {
         Watched {
-            peak: Sequence::default(),
+            peak: Sequence::alternating(),
             approach: Sequence::default(),
             area: Sequence::default(),
             length: Sequence::default(),
