@@ -20,8 +20,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 E, NU, FORCE, ROCKER, SECTION = 9.0e9, 0.33, 1000.0, 30.0, 0.005
 WAVES = 'waviness = { amplitude_m = 4.0e-6, wavelength_m = 0.02 }'
-# Relative error asked of kufe's peak pressure, whose last mesh is the map's; the conformal peak is not had to 0.1 %.
-ACCURACY = {"conformal": 0.003}
+# Relative error asked of kufe's peak pressure, whose last mesh is the map's; the conformal and the worn peak are not had to 0.1 %.
+ACCURACY = {"conformal": 0.003, "worn": 0.005}
 FINE = 0.001
 # Points along and across in a cell over which a map is averaged.
 INNER = 6
