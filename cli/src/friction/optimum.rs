@@ -70,12 +70,13 @@ fn parameter(text: &str) -> Result<Parameter, Failure> {
 
 fn document(found: &Optimum, loaded: &LoadedCase) -> Value {
     let friction = &found.point.friction;
+    let flat = found.flat();
     let parameters = found.parameters.iter().enumerate().map(|(k, parameter)| {
         let [low, high] = parameter.span.bounds();
         json!({
             "key": parameter.key, "value": found.values[k], "low": low, "high": high,
             "on_bound": found.on_bound(k).is_some(),
-            "flat_from": found.flat[k][0], "flat_to": found.flat[k][1],
+            "flat_from": flat[k][0], "flat_to": flat[k][1],
         })
     });
     let solved = found.solved.iter().map(|(values, point)| {
@@ -123,8 +124,7 @@ fn text(found: &Optimum) -> String {
         1e3 * friction.ploughing.value,
         1e3 * friction.viscous.value,
     );
-    for (k, parameter) in found.parameters.iter().enumerate() {
-        let [from, to] = found.flat[k];
+    for (k, (parameter, [from, to])) in found.parameters.iter().zip(found.flat()).enumerate() {
         let bound = match found.on_bound(k) {
             Some(_) => ", on its bound",
             None => "",

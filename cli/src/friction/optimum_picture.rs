@@ -72,7 +72,7 @@ fn line(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
         .label_style(("sans-serif", 16))
         .axis_desc_style(("sans-serif", 18))
         .draw()?;
-    let [left, right] = found.flat[0];
+    let [left, right] = found.flat()[0];
     let corners = [(left, low - margin), (right, high + margin)];
     let flat = Rectangle::new(corners, PALETTE[2].mix(0.18).filled());
     chart
@@ -131,7 +131,7 @@ fn map(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
         .x_label_area_size(50)
         .y_label_area_size(90);
     let mut chart = builder.build_cartesian_2d(x0..x1, y0..y1)?;
-    let level = |mu: f64| (20.0 * (mu - least) / (most - least)).floor();
+    let level = |mu: f64| (20.0 * (mu - least) / (most - least).max(f64::MIN_POSITIVE)).floor();
     chart.draw_series(cells().map(|(k, l)| {
         let corners = [
             (place(found, 0, k as f64), place(found, 1, l as f64)),
@@ -157,9 +157,8 @@ fn map(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
         .iter()
         .map(|(values, _)| (values[0], values[1]));
     chart.draw_series(dots.map(|at| Circle::new(at, 3, WHITE.filled())))?;
-    let share =
-        found.point.friction.mu.error / found.point.friction.mu.value + found.response.misfit();
-    let flat = cells().filter(|&(k, l)| cell(k, l) <= least * (1.0 + share));
+    let most_alike = least * (1.0 + found.indistinct());
+    let flat = cells().filter(|&(k, l)| cell(k, l) <= most_alike);
     let middles = flat.map(|(k, l)| {
         (
             place(found, 0, k as f64 + 0.5),

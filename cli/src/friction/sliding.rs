@@ -51,8 +51,14 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
         "cases": cases.iter().map(|loaded| case_json(&loaded.case)).collect::<Vec<Value>>(),
     });
-    if runners.len() > 1 {
-        document["fastest"] = verdicts(&runners).iter().map(Verdict::json).collect();
+    // A single runner is compared with none.
+    let verdicts = if runners.len() > 1 {
+        verdicts(&runners)
+    } else {
+        Vec::new()
+    };
+    if !verdicts.is_empty() {
+        document["fastest"] = verdicts.iter().map(Verdict::json).collect();
     }
     if let Some(staging) = staging {
         staging.write("friction.json", |mut file| writeln!(file, "{document:#}"))?;
@@ -67,9 +73,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {
         let mut text = table(&runners);
-        if runners.len() > 1 {
-            verdicts(&runners).iter().for_each(|v| text += &v.text());
-        }
+        verdicts.iter().for_each(|v| text += &v.text());
         say(&text);
     }
     Ok(())

@@ -1,14 +1,6 @@
-//! What meshes say together of peak pressure and approach, and how fine they are to be.
+//! What meshes say together of a figure, and how fine they are to be.
 
-use crate::accuracy::order::{Limit, Raw};
-
-/// Peak pressure [Pa] with its error, and approach [m], in the limit of fine meshes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Extrapolation {
-    pub value: f64,
-    pub error: f64,
-    pub approach: f64,
-}
+use crate::accuracy::order::{Limit, Raw, range};
 
 /// What the meshes solved so far say of one figure.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +27,11 @@ impl Sequence {
         self.similar = if graded_anew { 1 } else { self.similar + 1 };
     }
 
+    /// How many of the last meshes are similar.
+    pub fn similar(&self) -> usize {
+        self.similar
+    }
+
     /// What the last mesh says; NaN before there is one.
     pub fn value(&self) -> f64 {
         self.meshes.last().map_or(f64::NAN, |mesh| mesh.value)
@@ -49,33 +46,29 @@ impl Sequence {
     /// three and of what lies between them and the last coarser one. `None` before there are three, and where all have the same
     /// cells and tell nothing of finer ones.
     pub fn limit(&self) -> Option<Limit> {
-        let &[.., before, _, third] = &self.meshes[..] else {
+        let &[.., third] = &self.meshes[..] else {
             return None;
         };
-        if self.similar >= 3 {
+        if let [coarser @ .., before, _, _] = &self.meshes[self.meshes.len() - self.similar..] {
             // Far apart scatter counts least; not so far that the coarsest is in another range.
-            let similar = &self.meshes[self.meshes.len() - self.similar..];
             let near = |mesh: &&Raw| mesh.cells >= third.cells / WIDEST;
-            let first = *similar.iter().find(near).unwrap_or(&before);
-            let first = if first.cells > before.cells {
-                before
-            } else {
-                first
-            };
+            let first = coarser.iter().find(near).unwrap_or(before);
             let middle = (first.cells * third.cells).sqrt();
             let off = |mesh: &Raw| (mesh.cells / middle).ln().abs();
+            let similar = &self.meshes[self.meshes.len() - self.similar..];
             let between = similar
                 .iter()
                 .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
             let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let three = [first, *second, third];
+            let three = [*first, *second, third];
             return Some(match self.alternating {
                 true => Limit::of_alternating(three),
                 false => Limit::of_similar(three),
             });
         }
+        let third_last = self.meshes.len().checked_sub(3)?;
         let coarser = self.meshes.iter().rposition(|m| m.cells < third.cells)?;
-        Some(self.spread_from(coarser.min(self.meshes.len() - 3)))
+        Some(self.spread_from(coarser.min(third_last)))
     }
 
     /// The same where nothing tells the limit: the last mesh's value with the spread of up to three.
@@ -86,26 +79,22 @@ impl Sequence {
 
     /// The range of what the last three meshes say; infinite for a single one.
     pub fn range(&self) -> f64 {
-        let last = &self.meshes[self.meshes.len().saturating_sub(3)..];
-        let values = || last.iter().map(|mesh| mesh.value);
-        match last.len() {
-            0 | 1 => f64::INFINITY,
-            _ => {
-                values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-            }
-        }
+        range(&self.values_from(self.meshes.len().saturating_sub(3)))
     }
 
     fn spread_from(&self, start: usize) -> Limit {
-        let values: Vec<f64> = self.meshes[start..].iter().map(|mesh| mesh.value).collect();
-        Limit::of_spread(&values)
+        Limit::of_spread(&self.values_from(start))
+    }
+
+    fn values_from(&self, start: usize) -> Vec<f64> {
+        self.meshes[start..].iter().map(|mesh| mesh.value).collect()
     }
 }
 
 /// Most times finer that the last of three meshes is than the first.
 const WIDEST: f64 = 3.0;
 
-/// Meshes of one sequence: the finest has twice the cells of the coarsest.
+/// How much finer the second and third mesh of a sequence are than the one before: the third has twice the cells of the first.
 pub(crate) const REFINEMENT: f64 = std::f64::consts::SQRT_2;
 
 /// Cells of the first of three meshes that should meet the tolerance on a smooth contact; where the pressure peaks at the hull's

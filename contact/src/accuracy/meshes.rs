@@ -5,9 +5,10 @@ use std::cell::RefCell;
 use kufe_fem::Material;
 
 use crate::accuracy::extrapolation::{
-    Extrapolation, LEAST_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
+    LEAST_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
 };
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
+use crate::accuracy::order::Limit;
 use crate::accuracy::scout::scout;
 use crate::accuracy::watched::{Limits, Place, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
@@ -54,8 +55,6 @@ pub(crate) struct Meshes<'a> {
     /// Cells over half the patch of the next mesh, and of the first one that it is similar to, before rounding.
     cells: f64,
     coarsest: f64,
-    /// Meshes solved that are similar to the next one.
-    similar: i32,
     number: usize,
     solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
@@ -114,7 +113,6 @@ impl<'a> Meshes<'a> {
             forces,
             cells: coarsest.round(),
             coarsest,
-            similar: 0,
             number: 0,
             solved: Watched::new(problem.ice.hardness),
             graded_anew: false,
@@ -168,7 +166,6 @@ impl<'a> Meshes<'a> {
         let pressure = field.of(&state);
         self.history.append(&mut told.into_inner());
         self.number += 1;
-        self.similar += 1;
         self.forces = Forces::of(&mesh, &state);
         let cells = self.resolution().real_cells(mesh.symmetry);
         let place = Place {
@@ -254,7 +251,6 @@ impl<'a> Meshes<'a> {
         self.solved = Watched::new(self.problem.ice.hardness);
         self.patch = self.on(contact).patch_with(found);
         self.graded_anew = true;
-        self.similar = 0;
         self.coarsest = self.cells;
         Ok(())
     }
@@ -274,7 +270,7 @@ impl<'a> Meshes<'a> {
         }
         let cells = match limits {
             _ if anew => self.cells,
-            Some(limits) if self.similar >= 3 => {
+            Some(limits) if self.solved.similar() >= 3 => {
                 let room = (self.options.max_dofs as f64 / contact.dofs as f64).cbrt();
                 let wished = next_refinement(limits.relative / tolerance);
                 // Where that would have too many unknowns, what they allow.
@@ -285,7 +281,7 @@ impl<'a> Meshes<'a> {
                 finer.max(self.cells + 1.0)
             }
             _ => {
-                let planned = self.coarsest * REFINEMENT.powi(self.similar);
+                let planned = self.coarsest * REFINEMENT.powi(self.solved.similar() as i32);
                 planned.round().max(self.cells + 1.0)
             }
         };
@@ -309,7 +305,6 @@ impl<'a> Meshes<'a> {
         }
         self.cells = plan.cells;
         if self.graded_anew {
-            self.similar = 0;
             self.coarsest = plan.cells;
         }
     }
@@ -348,11 +343,11 @@ impl<'a> Meshes<'a> {
     /// One mesh, nothing to tell its errors by.
     fn unjudged(&self, contact: &Contact) -> Limits {
         Limits {
-            peak: Extrapolation {
+            peak: Limit {
                 value: contact.pressure.figures.p_max,
                 error: f64::INFINITY,
-                approach: contact.mesh.contact.depth(&contact.state),
             },
+            approach: contact.mesh.contact.depth(&contact.state),
             area_error: f64::INFINITY,
             length_error: f64::INFINITY,
             relative: f64::INFINITY,

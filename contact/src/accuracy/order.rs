@@ -89,24 +89,27 @@ impl Limit {
 
     /// The last of some values, and as its error a multiple of their range; infinite for a single one.
     pub fn of_spread(values: &[f64]) -> Self {
-        let (least, most) = values
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |m, v| {
-                (m.0.min(*v), m.1.max(*v))
-            });
-        let error = match values.len() {
-            0 | 1 => f64::INFINITY,
-            _ => UNKNOWN * (most - least),
-        };
         Limit {
             value: values.last().copied().unwrap_or(f64::NAN),
-            error,
+            error: UNKNOWN * range(values),
         }
     }
 
     /// The error of `value`, which a mesh says, by this limit.
     pub fn error_of(&self, value: f64) -> f64 {
         (value - self.value).abs() + self.error
+    }
+}
+
+/// From the least to the largest of some values; infinite for a single one.
+pub(crate) fn range(values: &[f64]) -> f64 {
+    match values.len() {
+        0 | 1 => f64::INFINITY,
+        _ => {
+            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            most - least
+        }
     }
 }
 
@@ -155,10 +158,8 @@ mod tests {
                 value: next.next().unwrap(),
             });
             let limit = Limit::of_similar(raw);
-            let range = values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                - values.iter().copied().fold(f64::INFINITY, f64::min);
             assert_eq!(limit.value, values[2]);
-            assert!(limit.error >= UNKNOWN * range - 1e-12);
+            assert!(limit.error >= UNKNOWN * range(&values) - 1e-12);
         }
         assert_eq!(Limit::of_spread(&[1.0]).error, f64::INFINITY);
         assert_eq!(

@@ -1,6 +1,6 @@
 //! The figures that accuracy watches, mesh by mesh.
 
-use crate::accuracy::extrapolation::{Extrapolation, Sequence};
+use crate::accuracy::extrapolation::Sequence;
 use crate::accuracy::order::{Limit, Raw};
 use crate::result::measure::Figures;
 
@@ -25,8 +25,10 @@ pub(crate) const BESIDE: f64 = 0.25;
 /// Limits of fine meshes, and what is not known of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
-    /// Peak pressure and approach.
-    pub peak: Extrapolation,
+    /// Peak pressure [Pa].
+    pub peak: Limit,
+    /// Approach [m].
+    pub approach: f64,
     /// Error of the last mesh's area [m2].
     pub area_error: f64,
     /// Error of the last mesh's length [m].
@@ -86,6 +88,11 @@ impl Watched {
         self.last = Some(figures);
     }
 
+    /// How many of the last meshes are similar.
+    pub fn similar(&self) -> usize {
+        self.peak.similar()
+    }
+
     /// The limits; `None` before there is anything to compare.
     pub fn limits(&self) -> Option<Limits> {
         self.peak.limit().and_then(|peak| self.of(peak))
@@ -133,11 +140,8 @@ impl Watched {
             (value, peak.error, peak.error / value)
         };
         Some(Limits {
-            peak: Extrapolation {
-                value,
-                error,
-                approach: self.approach.last().value,
-            },
+            peak: Limit { value, error },
+            approach: self.approach.last().value,
             area_error,
             length_error,
             relative,

@@ -2,8 +2,8 @@
 
 use kufe_fem::Material;
 
-use crate::accuracy::extrapolation::Extrapolation;
 use crate::accuracy::mesh_solve::Forces;
+use crate::accuracy::order::Limit;
 use crate::accuracy::watched::Limits;
 use crate::active_set::progress::Progress;
 use crate::bodies::elastic_body::ElasticBody;
@@ -228,11 +228,11 @@ impl SlidingMeshes<'_> {
             dofs,
         };
         let limits = Limits {
-            peak: Extrapolation {
+            peak: Limit {
                 value: m.p_max,
                 error: errors.p_max,
-                approach: m.approach,
             },
+            approach: m.approach,
             // The width is taken to be as uncertain as the length.
             area_error: 2.0 * length_error / (m.front - m.back) * area,
             length_error,

@@ -87,8 +87,8 @@ impl Answer<'_> {
             width: figures.width,
             // Where nothing else tells: as uncertain as what is judged by.
             width_error: figures.width * limits.length_error / figures.length,
-            approach: limits.peak.approach,
-            approach_error: limits.peak.approach * limits.relative,
+            approach: limits.approach,
+            approach_error: limits.approach * limits.relative,
             pitch,
             pitch_error: pitch.abs() * limits.relative,
             roll,

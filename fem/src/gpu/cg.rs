@@ -49,9 +49,9 @@ impl<'a> DeviceCg<'a> {
     pub fn new(
         device: &'a Device,
         operator: &TensorOperator,
-        layered: &PlanewiseDiagonal,
+        planewise: &PlanewiseDiagonal,
     ) -> Result<Self, Error> {
-        assert_eq!(operator.shape(), layered.shape);
+        assert_eq!(operator.shape(), planewise.shape);
         let units = Units::of(operator);
         let numbers = 3 * operator.node_count();
         let vector = |what: &'static str| device.room(what, numbers);
@@ -62,7 +62,7 @@ impl<'a> DeviceCg<'a> {
         let correction = vector("correction")?;
         let sums = Sums::new(device)?;
         let preconditioner =
-            Preconditioner::new(device, layered, &units, [&residual, &preconditioned])?;
+            Preconditioner::new(device, planewise, &units, [&residual, &preconditioned])?;
         let groups = [numbers.div_ceil(GROUP).min(MOST_GROUPS), 1, 1];
         let kernel = |entry: &'static str| device.kernel(include_str!("vectors.wgsl"), entry);
         let turn_works = || {
@@ -84,7 +84,7 @@ impl<'a> DeviceCg<'a> {
         advance.push(device.work(&kernel("advance"), &buffers, groups)?);
         let made = DeviceCg {
             operator: stiffness(device, operator, &units, [&direction, &image])?,
-            end: Place::of(layered),
+            end: Place::of(planewise),
             device,
             units,
             nodes: operator.node_count(),

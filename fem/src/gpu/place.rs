@@ -9,9 +9,9 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub fn of(layered: &PlanewiseDiagonal) -> Self {
-        let vertical = &layered.components[2];
-        let [nx, ny, nz] = layered.shape;
+    pub fn of(planewise: &PlanewiseDiagonal) -> Self {
+        let vertical = &planewise.components[2];
+        let [nx, ny, nz] = planewise.shape;
         let pairs: usize = vertical.pairs().iter().product();
         let planes = &vertical.z.planes;
         Place {

@@ -23,13 +23,13 @@ impl Preconditioner {
     /// From the buffer `r` to the buffer `z`, which must be 0 on held planes.
     pub fn new(
         device: &Device,
-        layered: &PlanewiseDiagonal,
+        planewise: &PlanewiseDiagonal,
         units: &Units,
         [r, z]: [&wgpu::Buffer; 2],
     ) -> Result<Self, Error> {
-        let [nx, ny, nz] = layered.shape;
-        let components = layered.components.each_ref();
-        let modal = device.room("modal values", layered.mode_count())?;
+        let [nx, ny, nz] = planewise.shape;
+        let components = planewise.components.each_ref();
+        let modal = device.room("modal values", planewise.mode_count())?;
         let passes = passes(device, components.map(|c| &c.z), units, &modal)?;
         let halves = components.map(|c| {
             let [mx, my] = c.pairs();
@@ -44,7 +44,7 @@ impl Preconditioner {
                 device,
                 kernel: &kernel,
                 component,
-                shape: layered.shape,
+                shape: planewise.shape,
                 nodal_start: c * nx * ny * nz,
                 vectors: vectors(device, component, units)?,
                 half: &half,

@@ -61,11 +61,11 @@ impl<'a> Solver<'a> {
     pub fn new(
         device: &'a Device,
         operator: &'a TensorOperator,
-        layered: &PlanewiseDiagonal,
+        planewise: &PlanewiseDiagonal,
     ) -> Result<Self, Error> {
         Ok(Solver {
             operator,
-            cg: DeviceCg::new(device, operator, layered)?,
+            cg: DeviceCg::new(device, operator, planewise)?,
         })
     }
 

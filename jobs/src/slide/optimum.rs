@@ -30,9 +30,6 @@ pub struct Optimum {
     pub solved: Vec<(Vec<f64>, FrictionPoint)>,
     /// The response, mu over the parameters.
     pub response: Response,
-    /// From where to where each parameter goes over all runners that cannot be told from the best: the error of mu at the optimum and
-    /// the scatter of the response are as large as what they lose.
-    pub flat: Vec<[f64; 2]>,
 }
 
 impl Optimum {
@@ -40,6 +37,17 @@ impl Optimum {
     pub fn on_bound(&self, k: usize) -> Option<f64> {
         let bounds = self.parameters[k].span.bounds();
         bounds.into_iter().find(|&bound| bound == self.values[k])
+    }
+
+    /// How much more friction than the least, over it, cannot be told from it: the error of mu there and the scatter of the response.
+    pub fn indistinct(&self) -> f64 {
+        let mu = self.point.friction.mu;
+        mu.error / mu.value + self.response.misfit()
+    }
+
+    /// From where to where each parameter goes over all runners that cannot be told from the best ([`indistinct`](Self::indistinct)).
+    pub fn flat(&self) -> Vec<[f64; 2]> {
+        self.response.flat(self.indistinct())
     }
 
     /// What the response says where the friction was solved, over what was solved, less 1.
@@ -108,10 +116,8 @@ pub fn optimise(
     let values = response.least();
     watch.progress("the best runner");
     let point = friction(&runner(&values)?)?;
-    let mu = point.friction.mu;
     Ok(Optimum {
         parameters: parameters.to_vec(),
-        flat: response.flat(mu.error / mu.value + response.misfit()),
         values,
         point,
         solved,

@@ -35,14 +35,16 @@ pub fn outside_tables<'a>(
     vehicle: &Vehicle,
     states: impl Iterator<Item = &'a State> + Clone,
 ) -> Vec<OutsideTable> {
-    let counted = [("front", &vehicle.front), ("rear", &vehicle.rear)].map(|(runner, friction)| {
+    let front_load = |s: &State| s.fz_f0_n / s.gamma_rad.cos();
+    let rear_load = |s: &State| s.fz_r_n;
+    let runners: [(_, _, fn(&State) -> f64); 2] = [
+        ("front", &vehicle.front, front_load),
+        ("rear", &vehicle.rear, rear_load),
+    ];
+    let counted = runners.map(|(runner, friction, load)| {
         let table = friction.table()?;
         let outside = |s: &&State| {
-            let load = match runner {
-                "front" => s.fz_f0_n / s.gamma_rad.cos(),
-                _ => s.fz_r_n,
-            };
-            let looked = table.at(load, s.curvature_1pm, s.v_mps, s.ice_c);
+            let looked = table.at(load(s), s.curvature_1pm, s.v_mps, s.ice_c);
             looked.out_of_range
         };
         let samples = states.clone().filter(outside).count();
