@@ -7,6 +7,8 @@ use serde::Serialize;
 pub struct Picture {
     /// What it shows.
     pub title: String,
+    /// What its marks mean; empty where its key says it.
+    pub caption: String,
     /// What is drawn.
     pub plot: Plot,
 }
@@ -31,6 +33,23 @@ pub enum Plot {
         #[serde(skip_serializing_if = "Option::is_none")]
         curve: Option<Curve>,
     },
+    /// What is left along a track, run by run, before and after.
+    Strip {
+        /// Channel.
+        channel: String,
+        /// Its unit.
+        unit: String,
+        /// Track.
+        track: String,
+        /// Where the first stretch begins [m].
+        from_m: f64,
+        /// Length of a stretch [m].
+        step_m: f64,
+        /// Where effects were found.
+        places: Vec<Place>,
+        /// The runs.
+        runs: Vec<StripRun>,
+    },
     /// A measured map and the simulated ones on its pixels, row by row from the lower left.
     Maps {
         /// Pixels along x.
@@ -52,6 +71,30 @@ pub enum Plot {
         /// Simulated after [Pa]; empty where nothing was added.
         after: Vec<f64>,
     },
+}
+
+/// Where an effect acts along a track.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// The effect.
+    pub effect: String,
+    /// From [m].
+    pub from: f64,
+    /// To [m].
+    pub to: f64,
+}
+
+/// One run along its track.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StripRun {
+    /// Run.
+    pub run: String,
+    /// Its session.
+    pub session: String,
+    /// Mean residual of each stretch before any effect was added; NaN where the run has none.
+    pub before: Vec<f64>,
+    /// After.
+    pub after: Vec<f64>,
 }
 
 /// One set of points.

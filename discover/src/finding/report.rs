@@ -91,6 +91,8 @@ pub struct Step {
     pub effect: String,
     /// Every effect that the data cannot tell from it, itself included.
     pub class: Vec<String>,
+    /// What it means, in a few words; empty for what has no name.
+    pub summary: String,
     /// Channel in which it shows most.
     pub channel: String,
     /// Where.
@@ -126,6 +128,8 @@ impl Step {
 /// The gap on runs that were locked away.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HeldOut {
+    /// What one of them is: `run`, `segment`, `row` or `measurement`.
+    pub what: String,
     /// Their names.
     pub runs: Vec<String>,
     /// Root mean square before.

@@ -187,12 +187,23 @@ pub struct Description {
     pub located: bool,
     /// Effects that could not be tested, and why.
     pub untestable: Vec<(String, String)>,
-    /// What would tell each effect from its rivals.
-    pub decides: Vec<(String, String)>,
+    /// What is known of the effects that may be named.
+    pub effects: Vec<Meaning>,
     /// Sentences of this kind of data.
     pub words: Words,
     /// The next model, as its file's text.
     pub next_model: String,
+}
+
+/// What an effect means.
+#[derive(Clone, Debug)]
+pub struct Meaning {
+    /// Its name.
+    pub name: String,
+    /// What it means; empty for a column that no effect has.
+    pub summary: String,
+    /// What would tell it from its rivals.
+    pub decides: String,
 }
 
 /// Sentences of one kind of data.

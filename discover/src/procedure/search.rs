@@ -88,6 +88,10 @@ pub fn search_evidence<E: Evidence>(
     for (step, parameters) in account.steps.iter_mut().zip(described.parameters.clone()) {
         step.parameters.extend(parameters);
     }
+    for step in &mut account.steps {
+        let known = described.effects.iter().find(|e| e.name == step.effect);
+        step.summary = known.map_or(String::new(), |e| e.summary.clone());
+    }
     let verdict = verdict(&account, described.located);
     let next_experiment = next_experiment(verdict, &account, &described);
     let sentence = sentence(
@@ -137,6 +141,7 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
     Step {
         effect: claim.candidate.effect,
         class: claim.class,
+        summary: String::new(),
         channel: channel.to_owned(),
         place: place.unwrap_or(claim.place),
         p_value: claim.p_value,

@@ -43,8 +43,11 @@ pub fn sentence(
         String::new()
     } else {
         format!(
-            " On locked-away data ({} in number) the gap went from {} to {}.",
-            held.runs.len(),
+            " On {} that the search had not seen the gap went from {} to {}.",
+            match held.runs.len() {
+                1 => format!("one {}", held.what),
+                count => format!("{count} {}s", held.what),
+            },
             quantity(held.gap_before, &held.unit),
             quantity(held.gap_after, &held.unit)
         )

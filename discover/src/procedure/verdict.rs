@@ -33,8 +33,8 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
                 .iter()
                 .filter(|s| split(&s.class))
                 .flat_map(|s| &s.class)
-                .filter_map(|name| described.decides.iter().find(|(effect, _)| effect == name))
-                .map(|(effect, decides)| format!("{effect}: {decides}"))
+                .filter_map(|name| described.effects.iter().find(|e| e.name == *name))
+                .map(|e| format!("{}: {}", e.name, e.decides))
                 .collect();
             what.dedup();
             what.join("; ")

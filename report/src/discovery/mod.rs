@@ -4,6 +4,10 @@ mod bars;
 mod data;
 mod diagram;
 mod maps;
+mod page;
+mod parts;
 mod sections;
+mod strip;
+mod summary;
 
-pub use sections::discovery_page;
+pub use page::discovery_page;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use kufe_friction::Longitudinal;
 use kufe_sled::Model;
-use kufe_sled::effects::Effects;
+use kufe_sled::effects::{Effects, find};
 
 use crate::error::Error;
 use crate::evidence::experiments::bins::bins;
@@ -25,7 +25,7 @@ use crate::input::table::Table;
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
+    Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -262,6 +262,7 @@ impl Evidence for Experiments<'_> {
         let (before, after) = (rms(base), rms(last));
         Ok(Opened {
             held_out: HeldOut {
+                what: "row".to_owned(),
                 runs: self.held.iter().map(|r| r.name.clone()).collect(),
                 gap_before: before,
                 gap_after: after,
@@ -290,7 +291,11 @@ impl Evidence for Experiments<'_> {
         let parameters: Vec<Vec<Fitted>> = (0..last.chosen.len())
             .map(|k| vec![self.size(last, k, quantile)])
             .collect();
-        let decides = setting.candidates.iter();
+        let effects = setting.candidates.iter().map(|c| Meaning {
+            name: c.effect.clone(),
+            summary: find(&c.effect).map_or(String::new(), |e| e.info.summary.to_owned()),
+            decides: c.decides.clone(),
+        });
         Ok(Description {
             data: "friction experiments".to_owned(),
             training: vec![self.gap(first.rms, last.fit.rms)],
@@ -300,9 +305,7 @@ impl Evidence for Experiments<'_> {
             pictures: pictures(setting, rows, first, (&last.fit, &last.chosen)),
             clean: last.fit.chi2 < rules.experiments.unclean * left.max(1.0),
             untestable: self.untestable.clone(),
-            decides: decides
-                .map(|c| (c.effect.clone(), c.decides.clone()))
-                .collect(),
+            effects: effects.collect(),
             words: Words {
                 nothing: format!(
                     "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect stands out from chance.",

@@ -33,6 +33,7 @@ pub fn pictures(
         });
         pictures.push(Picture {
             title: format!("{} over {column}", setting.candidates[*c].effect),
+            caption: String::new(),
             plot: Plot::Scatter {
                 label: "what is left of mu".to_owned(),
                 x_name: column,
@@ -63,6 +64,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
         .unzip();
     Picture {
         title: "Measured friction and the base law".to_owned(),
+        caption: String::new(),
         plot: Plot::Scatter {
             label: "friction over pressure".to_owned(),
             x_name: "largest pressure [MPa]".to_owned(),

@@ -32,7 +32,7 @@ use crate::finding::report::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
+    Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::MapRules;
@@ -329,6 +329,7 @@ impl Evidence for Maps<'_> {
         };
         Ok(Opened {
             held_out: HeldOut {
+                what: "measurement".to_owned(),
                 runs: self.held.rows.iter().map(|r| r.name.clone()).collect(),
                 gap_before: before.rms,
                 gap_after: after.rms,
@@ -358,8 +359,12 @@ impl Evidence for Maps<'_> {
             pictures: pictures(&self.training, &self.held, &last.active)?,
             clean: !self.unclean(&last.misfit),
             untestable: untestable(self.rows),
-            decides: infos
-                .map(|i| (i.name.to_owned(), i.decides.to_owned()))
+            effects: infos
+                .map(|i| Meaning {
+                    name: i.name.to_owned(),
+                    summary: i.summary.to_owned(),
+                    decides: i.decides.to_owned(),
+                })
                 .collect(),
             words: Words {
                 next_after_nothing:

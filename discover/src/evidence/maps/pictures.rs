@@ -32,6 +32,7 @@ pub fn pictures(
         {
             pictures.push(Picture {
                 title: format!("{}, {kind}", simulations.rows[k].name),
+                caption: String::new(),
                 plot: Plot::Maps {
                     nx: measured.nx,
                     ny: measured.ny,

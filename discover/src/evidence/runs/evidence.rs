@@ -21,7 +21,7 @@ use crate::evidence::runs::recordings::prepare::Data;
 use crate::finding::report::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Opened, Screen, Words,
+    Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -249,6 +249,12 @@ impl Evidence for Campaign<'_> {
             .or(channels.first());
         Ok(Opened {
             held_out: HeldOut {
+                what: if self.data.segmented {
+                    "segment"
+                } else {
+                    "run"
+                }
+                .to_owned(),
                 runs: self.held.iter().map(|f| f.name.clone()).collect(),
                 gap_before: one.map_or(0.0, |c| c.before),
                 gap_after: one.map_or(0.0, |c| c.after),
@@ -287,9 +293,17 @@ impl Evidence for Campaign<'_> {
             false => "runs",
         };
         let infos = CATALOGUE.iter().map(|e| e.info());
+        let training = channels(
+            &self.given,
+            &last.settled,
+            &self.training,
+            &simulator,
+            self.used,
+        );
         Ok(Description {
             data: data.to_owned(),
-            training: channels(&self.given, &last.settled, &self.training, &simulator, self.used),
+            pictures: self.pictures(last, &account.steps, &training),
+            training,
             within_tolerance: self.within_tolerance(last, account),
             parameters: self.parameters(last, account.steps.len()),
             base: self.base_parameters(last),
@@ -302,8 +316,12 @@ impl Evidence for Campaign<'_> {
             bins_after,
             by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),
             untestable: self.candidates.untestable.clone(),
-            decides: infos
-                .map(|i| (i.name.to_owned(), i.decides.to_owned()))
+            effects: infos
+                .map(|i| Meaning {
+                    name: i.name.to_owned(),
+                    summary: i.summary.to_owned(),
+                    decides: i.decides.to_owned(),
+                })
                 .collect(),
             words: Words {
                 nothing: self.too_few().filter(|_| self.least_p() > rules.alpha).map_or(
@@ -317,7 +335,6 @@ impl Evidence for Campaign<'_> {
                     .to_owned(),
             },
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
-            ..Description::default()
         })
     }
 }

@@ -8,6 +8,22 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::sign_flips::{MaxT, statistics};
 
+/// A column of a run by its name.
+type ColumnOf = fn(&Frame) -> &[f64];
+
+/// Columns over which residuals are looked at.
+pub const COLUMNS: [(&str, ColumnOf); 9] = [
+    ("v_mps", |f| &f.v),
+    ("alpha_rad", |f| &f.slip),
+    ("delta_rad", |f| &f.steer),
+    ("gamma_rad", |f| &f.roll_split),
+    ("az_mps2", |f| &f.acceleration[2]),
+    ("roll_acceleration_radps2", |f| &f.rate_slope[0]),
+    ("yaw_rate_radps", |f| &f.rate[2]),
+    ("t_s", |f| &f.t),
+    ("s_m", |f| &f.s),
+];
+
 /// Bins of every column in which the whitened residual stands out, by sign-flips over runs and max-T over all bins.
 pub fn stand_out(
     residual_model: &ResidualModel,
@@ -16,18 +32,6 @@ pub fn stand_out(
     limit: f64,
     seed: u64,
 ) -> Vec<crate::finding::Bin> {
-    type ColumnOf = fn(&Frame) -> &[f64];
-    let columns: [(&str, &str, ColumnOf); 9] = [
-        ("v_mps", "m/s", |f| &f.v),
-        ("alpha_rad", "rad", |f| &f.slip),
-        ("delta_rad", "rad", |f| &f.steer),
-        ("gamma_rad", "rad", |f| &f.roll_split),
-        ("az_mps2", "m/s2", |f| &f.acceleration[2]),
-        ("roll_acceleration_radps2", "rad/s2", |f| &f.rate_slope[0]),
-        ("yaw_rate_radps", "rad/s", |f| &f.rate[2]),
-        ("t_s", "s", |f| &f.t),
-        ("s_m", "m", |f| &f.s),
-    ];
     struct Cell {
         channel: usize,
         column: String,
@@ -39,7 +43,7 @@ pub fn stand_out(
     let rows = residuals(residual_model, frames);
     let white: Vec<Vec<f64>> = rows.iter().map(|r| whitener.apply(r)).collect();
     let mut cells: Vec<Cell> = Vec::new();
-    for (name, _, of) in &columns {
+    for (name, of) in &COLUMNS {
         let tracks: Vec<Option<String>> = if *name == "s_m" {
             let mut t: Vec<String> = frames.iter().map(|f| f.track.clone()).collect();
             t.sort();

@@ -16,16 +16,16 @@ pub fn channels(
     simulator: &RunSimulator,
     used: [bool; CHANNELS],
 ) -> Vec<ChannelGap> {
-    let rms = |residual_model: &ResidualModel, frames: &[Frame], c: usize| -> f64 {
-        let (sum, count) = residuals(residual_model, frames)
-            .iter()
-            .flat_map(|rows| rows[c].clone())
-            .fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
-        if count > 0.0 {
-            f64::sqrt(sum / count)
-        } else {
-            0.0
-        }
+    let rms = |residual_model: &ResidualModel, frames: &[Frame]| -> [f64; CHANNELS] {
+        let runs = residuals(residual_model, frames);
+        std::array::from_fn(|c| {
+            let rows = runs.iter().flat_map(|rows| &rows[c]);
+            let (sum, count) = rows.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
+            match count > 0.0 {
+                true => f64::sqrt(sum / count),
+                false => 0.0,
+            }
+        })
     };
     let quiet = simulator.sensors_only();
     let sensors: Vec<Frame> = frames
@@ -33,14 +33,16 @@ pub fn channels(
         .enumerate()
         .map(|(i, frame)| quiet.pair(frame, after, 2_000_003, i).plus)
         .collect();
+    let [before, noise] = [(before, frames), (after, &sensors)].map(|(m, f)| rms(m, f));
+    let after = rms(after, frames);
     (0..CHANNELS)
         .filter(|c| used[*c])
         .map(|c| ChannelGap {
             channel: CHANNEL_NAMES[c].0.to_owned(),
             unit: CHANNEL_NAMES[c].1.to_owned(),
-            before: rms(before, frames, c),
-            after: rms(after, frames, c),
-            noise: rms(after, &sensors, c),
+            before: before[c],
+            after: after[c],
+            noise: noise[c],
         })
         .collect()
 }

@@ -7,5 +7,6 @@ pub(crate) mod explained;
 pub(crate) mod gap;
 pub(crate) mod lowered;
 pub(crate) mod next_model;
+pub(crate) mod pictures;
 pub(crate) mod superfluous;
 pub(crate) mod written;

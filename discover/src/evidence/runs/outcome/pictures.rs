@@ -1,0 +1,295 @@
+//! Pictures of a search over runs: residuals along the track, and each effect over the column that drives it.
+
+use std::collections::BTreeSet;
+
+use kufe_sled::effects::{Active, Kind};
+
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ChannelRows, ResidualModel};
+use crate::evidence::runs::outcome::bins::COLUMNS;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::picture::{Curve, Picture, Place, Plot, Series, StripRun};
+use crate::finding::report::{ChannelGap, Step};
+
+/// Places along a track at which a strip has a value, at most.
+const PLACES: usize = 240;
+/// Shortest distance between them [m].
+const SHORTEST: f64 = 2.0;
+/// Most channels that are drawn along the track.
+const MOST_CHANNELS: usize = 2;
+/// Bins of a driving column, with as many rows each.
+const BINS: usize = 16;
+/// Fewest rows of a bin that is drawn.
+const FEWEST: usize = 20;
+
+impl Campaign<'_> {
+    /// Residuals along each track of the given model and of the one that was written, then each effect that acts everywhere over
+    /// its column.
+    pub fn pictures(&self, last: &RunFit, steps: &[Step], gaps: &[ChannelGap]) -> Vec<Picture> {
+        let frames: Vec<Frame> = self.training.iter().chain(&self.held).cloned().collect();
+        let rows = [&self.given, &last.settled].map(|model| residuals(model, &frames));
+        let shown = shown_channels(steps, gaps);
+        let mut pictures = strips(last, &shown, &frames, &rows);
+        let settled = &last.settled;
+        for (e, active) in settled
+            .effects
+            .active
+            .iter()
+            .enumerate()
+            .skip(last.already())
+        {
+            let step = &steps[last.owners[e - last.already()]];
+            let channel = CHANNEL_NAMES.iter().position(|c| c.0 == step.channel);
+            if let (None, Some(channel)) = (window(active), channel) {
+                pictures.extend(driven(settled, e, channel, &frames, &rows[1]));
+            }
+        }
+        pictures
+    }
+}
+
+fn strips(
+    last: &RunFit,
+    shown: &[usize],
+    frames: &[Frame],
+    rows: &[Vec<ChannelRows>; 2],
+) -> Vec<Picture> {
+    let tracks: BTreeSet<&str> = frames.iter().map(|f| f.track.as_str()).collect();
+    let added = &last.settled.effects.active[last.already()..];
+    let mut strips = Vec::new();
+    for &c in shown {
+        for track in &tracks {
+            let on: Vec<usize> = (0..frames.len())
+                .filter(|&i| frames[i].track == **track && !rows[0][i][c].is_empty())
+                .collect();
+            let Some((from, to)) = extent(&on, frames) else {
+                continue;
+            };
+            let step_m = ((to - from) / PLACES as f64).max(SHORTEST);
+            let along = |rows: &ChannelRows, frame: &Frame| {
+                means_along(&frame.rows(&frame.s), &rows[c], from, step_m, to)
+            };
+            let places = added.iter().filter(|a| a.acts_on(track)).filter_map(|a| {
+                let [from, to] = window(a)?;
+                Some(Place {
+                    effect: a.effect_name().to_owned(),
+                    from,
+                    to,
+                })
+            });
+            let (channel, unit) = CHANNEL_NAMES[c];
+            strips.push(Picture {
+                title: format!("{channel} on track {track}"),
+                caption: String::new(),
+                plot: Plot::Strip {
+                    channel: channel.to_owned(),
+                    unit: unit.to_owned(),
+                    track: (*track).to_owned(),
+                    from_m: from,
+                    step_m,
+                    places: places.collect(),
+                    runs: on
+                        .iter()
+                        .map(|&i| StripRun {
+                            run: frames[i].name.clone(),
+                            session: frames[i].session.clone(),
+                            before: along(&rows[0][i], &frames[i]),
+                            after: along(&rows[1][i], &frames[i]),
+                        })
+                        .collect(),
+                },
+            });
+        }
+    }
+    strips
+}
+
+/// The channels of the steps, or the one that is farthest above its noise where there is none.
+fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
+    let place = |channel: &str| CHANNEL_NAMES.iter().position(|c| c.0 == channel);
+    let mut shown: Vec<usize> = Vec::new();
+    for step in steps {
+        shown.extend(place(&step.channel).filter(|c| !shown.contains(c)));
+    }
+    if shown.is_empty() {
+        let above = |gap: &&ChannelGap| gap.before / gap.noise;
+        let most = gaps.iter().max_by(|a, b| above(a).total_cmp(&above(b)));
+        shown.extend(most.and_then(|gap| place(&gap.channel)));
+    }
+    shown.truncate(MOST_CHANNELS);
+    shown
+}
+
+/// From where to where an effect acts along the track [m]; `None` where it acts everywhere.
+fn window(active: &Active) -> Option<[f64; 2]> {
+    match &active.kind {
+        Kind::Catalogue(effect) => Some(effect.info.window()?.map(|k| active.values[k])),
+        Kind::Custom(_) => None,
+    }
+}
+
+/// First and last place of some runs along their track [m].
+fn extent(on: &[usize], frames: &[Frame]) -> Option<(f64, f64)> {
+    let places = || on.iter().flat_map(|&i| &frames[i].s).copied();
+    let from = places().reduce(f64::min)?;
+    let to = places().reduce(f64::max)?;
+    (to > from).then_some((from, to))
+}
+
+/// Means of rows over stretches of equal length [m]; NaN where there is no row.
+fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f64> {
+    let count = ((to - from) / step).ceil().max(1.0) as usize;
+    let mut sums = vec![(0.0, 0.0); count];
+    for (s, row) in s.iter().zip(rows) {
+        let cell = &mut sums[(((s - from) / step) as usize).min(count - 1)];
+        *cell = (cell.0 + row, cell.1 + 1.0);
+    }
+    sums.iter().map(|(sum, n)| sum / n).collect()
+}
+
+/// An effect's contribution to one channel over the column that explains most of it, with what the data say: the residual that is
+/// left when the effect alone is taken out of the model.
+///
+/// The column is the one of [`COLUMNS`] with the largest correlation ratio: the share of the contribution's variance that lies
+/// between its bins.
+fn driven(
+    model: &ResidualModel,
+    effect: usize,
+    channel: usize,
+    frames: &[Frame],
+    with: &[ChannelRows],
+) -> Option<Picture> {
+    let mut without = model.clone();
+    let active = without.effects.active.remove(effect);
+    let partial = residuals(&without, frames);
+    let (name, bins) = COLUMNS
+        .iter()
+        .filter(|(name, _)| *name != "s_m")
+        .filter_map(|(name, column)| {
+            let mut rows: Vec<Row> = Vec::new();
+            for (i, frame) in frames.iter().enumerate() {
+                let x = frame.rows(column(frame));
+                for ((x, partial), with) in
+                    x.iter().zip(&partial[i][channel]).zip(&with[i][channel])
+                {
+                    let contribution = partial - with;
+                    let finite = x.is_finite() && partial.is_finite() && contribution.is_finite();
+                    rows.extend(finite.then_some(Row {
+                        run: i,
+                        x: *x,
+                        partial: *partial,
+                        contribution,
+                    }));
+                }
+            }
+            (rows.len() >= BINS * FEWEST).then(|| (*name, bins(rows)))
+        })
+        .max_by(|a, b| between(&a.1).total_cmp(&between(&b.1)))?;
+    let (quantity, unit) = CHANNEL_NAMES[channel];
+    let x: Vec<f64> = bins.iter().map(|b| mean(b.iter().map(|r| r.x))).collect();
+    Some(Picture {
+        title: format!("{} over {name}", active.effect_name()),
+        caption: format!(
+            "Points: what is left on average when {} is taken out of the model, with one standard error over runs. Line: what it adds.",
+            active.effect_name()
+        ),
+        plot: Plot::Scatter {
+            label: format!(
+                "what is left of {quantity} without {}",
+                active.effect_name()
+            ),
+            x_name: name.to_owned(),
+            y_name: format!("{quantity} without it [{unit}]"),
+            x: x.clone(),
+            series: vec![Series {
+                name: "measured".to_owned(),
+                y: bins
+                    .iter()
+                    .map(|b| mean(b.iter().map(|r| r.partial)))
+                    .collect(),
+                sd: bins.iter().map(|b| error_over_runs(b)).collect(),
+            }],
+            curve: Some(Curve {
+                name: "the effect".to_owned(),
+                y: bins
+                    .iter()
+                    .map(|b| mean(b.iter().map(|r| r.contribution)))
+                    .collect(),
+                x,
+            }),
+        },
+    })
+}
+
+/// One row of one run.
+struct Row {
+    run: usize,
+    x: f64,
+    partial: f64,
+    contribution: f64,
+}
+
+/// Rows in order of their column, as many in each bin.
+fn bins(mut rows: Vec<Row>) -> Vec<Vec<Row>> {
+    rows.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let count = rows.len();
+    let mut bins: Vec<Vec<Row>> = (0..BINS).map(|_| Vec::new()).collect();
+    for (k, row) in rows.into_iter().enumerate() {
+        bins[k * BINS / count].push(row);
+    }
+    bins
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(s, n), x| (s + x, n + 1.0));
+    sum / count
+}
+
+/// Variance of the bins' mean contributions; the total is the same for all columns.
+fn between(bins: &[Vec<Row>]) -> f64 {
+    let means = || bins.iter().map(|b| mean(b.iter().map(|r| r.contribution)));
+    let centre = mean(means());
+    mean(means().map(|m| (m - centre).powi(2)))
+}
+
+/// Standard error of a bin's mean over runs, whose rows are not independent.
+fn error_over_runs(bin: &[Row]) -> f64 {
+    let runs: BTreeSet<usize> = bin.iter().map(|r| r.run).collect();
+    let means: Vec<f64> = runs
+        .iter()
+        .map(|run| mean(bin.iter().filter(|r| r.run == *run).map(|r| r.partial)))
+        .collect();
+    if means.len() < 2 {
+        return 0.0;
+    }
+    let centre = mean(means.iter().copied());
+    let squares: f64 = means.iter().map(|m| (m - centre).powi(2)).sum();
+    (squares / (means.len() - 1) as f64 / means.len() as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_along_the_track_are_those_of_their_stretch_and_no_value_where_nothing_is() {
+        let means = means_along(&[0.0, 1.0, 4.5, 6.0], &[1.0, 3.0, 5.0, 7.0], 0.0, 2.0, 6.0);
+        assert_eq!(means[0], 2.0);
+        assert!(means[1].is_nan());
+        assert_eq!(means[2], 6.0);
+    }
+
+    /// Two runs whose rows differ by 2: the mean of two means 2 apart is known to 1, however many rows there are.
+    #[test]
+    fn a_bin_is_as_uncertain_as_its_runs_differ() {
+        let rows = (0..100).map(|k| Row {
+            run: k % 2,
+            x: 0.0,
+            partial: 2.0 * (k % 2) as f64,
+            contribution: 0.0,
+        });
+        let bin: Vec<Row> = rows.collect();
+        assert!((error_over_runs(&bin) - 1.0).abs() < 1e-12);
+    }
+}

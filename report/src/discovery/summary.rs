@@ -1,0 +1,186 @@
+//! The first screen: what is missing, how large, where, how sure, what is left, what to measure next.
+
+use std::fmt::Write as _;
+
+use kufe_plot::{number4, quantity, usual};
+
+use super::data::Data;
+use super::parts::p_value;
+use crate::page::escape;
+
+/// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
+pub fn summary(out: &mut String, report: Data) {
+    let _ = writeln!(out, "<h1>{}</h1>", in_words(report));
+    let steps = report.list("steps");
+    if steps.is_empty() {
+        let _ = writeln!(
+            out,
+            "<p class=\"verdict\">{}</p>",
+            escape(report.text("sentence"))
+        );
+    } else {
+        out.push_str("<ol class=\"verdict\">\n");
+        for step in &steps {
+            let _ = writeln!(out, "<li>{}</li>", effect(*step));
+        }
+        out.push_str("</ol>\n");
+    }
+    out.push_str("<div class=\"tiles\">\n");
+    gap_tile(out, report);
+    if let Some(step) = steps.first() {
+        step_tiles(out, *step, report);
+    }
+    if !steps.is_empty() {
+        let left = report.list("bins_after").len();
+        let (text, why) = match report.is("clean") {
+            true => (
+                "clean".to_owned(),
+                "nothing that repeats is left".to_owned(),
+            ),
+            false => (
+                "not clean".to_owned(),
+                format!("{left} bins still stand out: something else is missing, too"),
+            ),
+        };
+        tile(out, &text, &why);
+    }
+    out.push_str("</div>\n");
+    if !report.text("next_experiment").is_empty() {
+        let _ = writeln!(
+            out,
+            "<p><b>What to measure next:</b> {}</p>",
+            escape(report.text("next_experiment"))
+        );
+    }
+}
+
+fn in_words(report: Data) -> &'static str {
+    match report.text("verdict") {
+        "named" if report.list("steps").len() > 1 => "Effects are missing from the model",
+        "named" => "An effect is missing from the model",
+        "one-of" => "An effect is missing: one of a few",
+        "depends-on" => "What is missing depends on what is assumed",
+        "law" => "Something beyond the catalogue is missing: a law for it",
+        "located" => "Something is missing at some places, and has no name",
+        "none" => "Nothing is missing that these data could show",
+        _ => "Something differs, but these data cannot name it",
+    }
+}
+
+/// Name, what it means, size with interval, place.
+fn effect(step: Data) -> String {
+    let mut text = format!("<b>{}</b>", escape(step.text("effect")));
+    let class = step.texts("class");
+    if class.len() > 1 {
+        let _ = write!(text, " or {}", escape(&class[1..].join(" or ")));
+    }
+    if !step.text("summary").is_empty() {
+        let _ = write!(text, ": {}", escape(step.text("summary")));
+    }
+    let sizes: Vec<String> = step.list("parameters").iter().map(|p| size(*p)).collect();
+    if !sizes.is_empty() {
+        let _ = write!(text, "<br>{}", escape(&sizes.join("; ")));
+    }
+    if !step.text("where").is_empty() {
+        let _ = write!(
+            text,
+            "<br><small>where: {}</small>",
+            escape(step.text("where"))
+        );
+    }
+    text
+}
+
+/// `name value unit (low to high)`.
+fn size(parameter: Data) -> String {
+    let (value, unit) = usual(parameter.number("value"), parameter.text("unit"));
+    let show = |key: &str| number4(usual(parameter.number(key), parameter.text("unit")).0);
+    let name = parameter.text("name");
+    let (low, high) = (show("low"), show("high"));
+    let text = format!("{name} = {} {unit}", number4(value));
+    format!("{} ({low} to {high})", text.trim_end())
+}
+
+fn gap_tile(out: &mut String, report: Data) {
+    let held = report.part("held_out");
+    let runs = held.texts("runs");
+    let learned = report.list("training");
+    if runs.is_empty() {
+        if let Some(gap) = learned.first() {
+            let shown = format!(
+                "{} → {}",
+                number4(usual(gap.number("before"), gap.text("unit")).0),
+                quantity(gap.number("after"), gap.text("unit"))
+            );
+            tile(out, &shown, "gap between measured and simulated");
+        }
+        return;
+    }
+    let unit = held.text("unit");
+    let channels = held.list("channels");
+    let shown = channels
+        .iter()
+        .find(|c| c.number("before") == held.number("gap_before"));
+    let mut why = format!(
+        "gap on {} that the search had not seen",
+        counted(runs.len(), held.text("what"))
+    );
+    if let Some(channel) = shown {
+        let _ = write!(
+            why,
+            " ({}); the sensors’ noise alone makes {}",
+            channel.text("channel"),
+            quantity(channel.number("noise"), unit)
+        );
+    }
+    let before = number4(usual(held.number("gap_before"), unit).0);
+    let after = quantity(held.number("gap_after"), unit);
+    tile(out, &format!("{before} → {after}"), &why);
+}
+
+fn step_tiles(out: &mut String, step: Data, report: Data) {
+    let closed = step.part("explainable_gap_closed");
+    let [value, low, high] = ["value", "low", "high"].map(|key| 100.0 * closed.number(key));
+    if value.is_finite() {
+        let steps = report.list("steps");
+        let by = match steps.len() {
+            1 => "by it",
+            _ => "by all of them together",
+        };
+        let known = match low > -100.0 || high < 100.0 {
+            true => format!(" ({low:.0} to {high:.0} %)"),
+            false => String::new(),
+        };
+        tile(
+            out,
+            &format!("{value:.0} %"),
+            &format!("of what repeats is explained {by}{known}"),
+        );
+    }
+    let p = p_value(step.number("p_value"));
+    let p = match p.starts_with('&') {
+        true => format!("p {p}"),
+        false => format!("p = {p}"),
+    };
+    let _ = writeln!(
+        out,
+        "<div><b>{p}</b><span>chance that noise alone looks like the first</span></div>"
+    );
+}
+
+fn tile(out: &mut String, figure: &str, why: &str) {
+    let _ = writeln!(
+        out,
+        "<div><b>{}</b><span>{}</span></div>",
+        escape(figure),
+        escape(why)
+    );
+}
+
+/// `2 runs`, `one measurement`.
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("one {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
