@@ -4,7 +4,7 @@
  * A chart in a new element; `draw(spec)` fills it.
  *
  * spec: { x: axis, y: axis, series: [line], marks: [{ x, text }], bands: [{ y, low, high }], height }, an axis being
- * { title, log, from, to } and a line { x, y, name, colour, fill, points, dashed }; values that are not finite break a line.
+ * { title, log, from, to } and a line { x, y, errors, name, colour, fill, points, dashed }; values that are not finite break a line.
  */
 function chart() {
   const box = el("div", { class: "chart" });
@@ -90,5 +90,10 @@ function lineOf(line, x, y, floor) {
     if (!line.bare) made.push(svg("path", { d: `M${path}`, fill: "none", stroke: line.colour, "stroke-width": 2, "stroke-linejoin": "round", "stroke-dasharray": line.dashed ? "5 4" : "none" }));
     if (line.points) for (const [px, py] of part) made.push(svg("circle", { cx: px, cy: py, r: 3.5, fill: line.colour }));
   }
+  (line.errors ?? []).forEach((error, k) => {
+    if (!(error > 0) || !Number.isFinite(line.y[k] + error)) return;
+    const at = x.at(line.x[k]);
+    made.push(svg("line", { x1: at, x2: at, y1: y.at(line.y[k] - error), y2: y.at(line.y[k] + error), stroke: line.colour, "stroke-width": 1.5 }));
+  });
   return made;
 }

@@ -9,6 +9,8 @@ pub enum Kind {
     Press,
     /// A lookup table.
     Table,
+    /// A series of contacts.
+    Series,
     /// An evaluation of drivers.
     Evaluation,
     /// One contact with a form that solves again.
@@ -21,6 +23,7 @@ pub const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-
 
 const TEMPLATE: &str = include_str!("../assets/page.html");
 const STYLE: &str = include_str!("../assets/page.css");
+const PLAIN: &str = include_str!("../assets/plain.css");
 const THREE: &str = include_str!("../assets/three/three.min.js");
 const BASE: &str = include_str!("../assets/base.js");
 const CHART: &str = include_str!("../assets/chart.js");
@@ -29,6 +32,7 @@ const SCENE: &str = include_str!("../assets/scene.js");
 const CONTACT: &str = include_str!("../assets/contact.js");
 const PRESS: &str = include_str!("../assets/press.js");
 const TABLE: &str = include_str!("../assets/table.js");
+const SERIES: &str = include_str!("../assets/series.js");
 const EVALUATION: &str = include_str!("../assets/evaluation.js");
 const VIEW: &str = include_str!("../assets/view.js");
 
@@ -39,6 +43,7 @@ impl Kind {
             Kind::Press => &[THREE, BASE, CHART, HEAT_MAP, SCENE, CONTACT, PRESS],
             Kind::View => &[THREE, BASE, CHART, HEAT_MAP, SCENE, CONTACT, VIEW],
             Kind::Table => &[THREE, BASE, CHART, HEAT_MAP, SCENE, TABLE],
+            Kind::Series => &[BASE, CHART, SERIES],
             Kind::Evaluation => &[BASE, CHART, EVALUATION],
         }
     }
@@ -73,6 +78,15 @@ pub fn page(kind: Kind, title: &str, data: &Value) -> String {
     html + rest
 }
 
+/// A page of text, tables and pictures without scripts; `body` is HTML.
+pub fn plain_page(title: &str, body: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+<title>{}</title><style>{PLAIN}</style></head><body>\n{body}</body></html>\n",
+        escape(title)
+    )
+}
+
 /// Text as text in HTML.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
@@ -101,7 +115,13 @@ mod tests {
 
     #[test]
     fn every_kind_is_a_page_without_an_address_that_it_would_load() {
-        for kind in [Kind::Press, Kind::Table, Kind::Evaluation, Kind::View] {
+        for kind in [
+            Kind::Press,
+            Kind::Table,
+            Kind::Series,
+            Kind::Evaluation,
+            Kind::View,
+        ] {
             let html = page(kind, "x", &json!({}));
             for word in ["src=\"http", "href=\"http", "@import", "import("] {
                 assert!(!html.contains(word), "{kind:?} has {word}");

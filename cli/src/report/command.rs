@@ -8,11 +8,12 @@ use serde_json::json;
 use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::report::{contact, evaluation, table};
+use crate::report::{contact, evaluation, results, series, table};
 
 const EXAMPLES: &str = "\
 Examples:
   kufe report out/                             a solved contact, to out/report.html
+  kufe report series/                          a series of contacts, over what was varied
   kufe report front.lut -o front.html          a lookup table
   kufe report evaluation/ -o drivers.html      what drivers lose
   kufe report finding/ -o finding.html         what kufe discover found
@@ -23,7 +24,7 @@ The page is one file that needs no network: open it in a browser, or send it to 
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A folder that press, evaluate or discover has written, or a lookup table (.lut)
+    /// A folder that a command has written, or a lookup table (.lut)
     pub result: PathBuf,
     /// Where the page goes [default: report.html in the folder, or the table's name with .html]
     #[arg(long, short, value_name = "HTML")]
@@ -54,14 +55,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// What is read: a table, or the files of a folder; the page of a finding is read and given back.
 fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
-    const FILES: [&str; 5] = [
+    const FILES: [&str; 6] = [
         "result.json",
         "pressure.exr",
         "hull.glb",
+        "table.json",
         "evaluation.json",
         "report.json",
     ];
-    let mut read: Vec<PathBuf> = FILES.iter().map(|name| result.join(name)).collect();
+    let names = FILES.iter().chain(&results::DOCUMENTS);
+    let mut read: Vec<PathBuf> = names.map(|name| result.join(name)).collect();
     if !result.is_dir() {
         read = vec![result.to_path_buf()];
     }
@@ -81,20 +84,27 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
             return Ok(("table", result.with_extension("html"), html));
         }
         return Err(told(
-            "expected a folder that kufe press, evaluate or discover has written, or a .lut file",
+            "expected a folder that a command of kufe has written, or a .lut file",
         ));
     }
     let default = result.join("report.html");
     if result.join("result.json").is_file() {
         Ok(("press", default, contact::page(result)?))
+    } else if result.join("table.json").is_file() {
+        Ok(("series", default, series::page(result)?))
     } else if result.join("evaluation.json").is_file() {
         Ok(("evaluation", default, evaluation::page(result)?))
     } else if result.join("report.json").is_file() {
         Ok(("discovery", default, finding(result)?))
+    } else if results::DOCUMENTS
+        .iter()
+        .any(|name| result.join(name).is_file())
+    {
+        Ok(("results", default, results::page(result)?))
     } else {
         Err(told(
-            "nothing to report on: expected result.json (kufe press), evaluation.json (kufe evaluate) or \
-             report.json (kufe discover) in it",
+            "nothing to report on: expected what a command of kufe has written, as result.json or table.json (kufe press), \
+             evaluation.json (kufe evaluate) or report.json (kufe discover)",
         ))
     }
 }

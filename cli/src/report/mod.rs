@@ -4,6 +4,8 @@ mod command;
 mod contact;
 mod evaluation;
 mod read_json;
+mod results;
+mod series;
 mod table;
 
 pub use command::{Args, run};

@@ -13,20 +13,7 @@ use super::parts::{fold, list, wide};
 use super::sections::{bins, detectable, parameters, runs, step};
 use super::strip::strip;
 use super::summary::summary;
-use crate::page::escape;
-
-const STYLE: &str = "\
-:root{color-scheme:light dark;--text:#1a1a1a;--back:#fff;--faint:#595959;--line:#d4d4d4;--box:#eef3f8;--edge:#2a6496;--in:#fff0cf}\
-@media(prefers-color-scheme:dark){:root{--text:#e6e6e6;--back:#16181b;--faint:#a8a8a8;--line:#3c4046;--box:#1f2a35;--edge:#6aa5dc;--in:#463a18}}\
-body{font:16px/1.45 system-ui,sans-serif;max-width:60em;margin:1em auto;padding:0 1em;color:var(--text);background:var(--back)}\
-h1{font-size:1.4em;margin:.4em 0}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid var(--line)}h3{font-size:1em;margin:1em 0 .3em}\
-.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9em}\
-td,th{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}\
-.verdict{padding:.6em 1em;margin:.5em 0;background:var(--box);border-left:5px solid var(--edge);overflow-wrap:anywhere}ol.verdict{padding-left:2.2em}ol.verdict li{margin:.25em 0}\
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(12em,1fr));gap:.6em;margin:.7em 0}.tiles div{border:1px solid var(--line);border-radius:6px;padding:.45em .8em}\
-.tiles b{display:block;font-size:1.25em;font-variant-numeric:tabular-nums}.tiles span{font-size:.85em;color:var(--faint)}\
-details{border-bottom:1px solid var(--line);padding:.5em 0}summary{cursor:pointer;font-weight:600}\
-.in td{background:var(--in)}td:last-child:not(.n){min-width:11em}p,li{overflow-wrap:anywhere}small{color:var(--faint)}svg{max-width:100%;min-width:33em;height:auto}svg.strip{min-width:44em}";
+use crate::page::{escape, plain_page};
 
 /// The page of a search for missing effects: one HTML file without scripts.
 ///
@@ -36,11 +23,6 @@ details{border-bottom:1px solid var(--line);padding:.5em 0}summary{cursor:pointe
 pub fn discovery_page(report: &Value) -> String {
     let report = Data(report);
     let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-<title>What the model lacks</title><style>{STYLE}</style></head><body>"
-    );
     summary(&mut out, report);
     let (strips, others): (Vec<Data>, Vec<Data>) = report
         .list("pictures")
@@ -71,12 +53,12 @@ pub fn discovery_page(report: &Value) -> String {
     details(&mut out, report);
     let _ = write!(
         out,
-        "<p><small>kufe {}, seed {}, data: {}</small></p>\n</body></html>\n",
+        "<p><small>kufe {}, seed {}, data: {}</small></p>\n",
         escape(report.text("version")),
         report.count("seed"),
         escape(report.text("data"))
     );
-    out
+    plain_page("What the model lacks", &out)
 }
 
 /// Tables of numbers, folded.

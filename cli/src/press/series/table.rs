@@ -20,18 +20,36 @@ pub struct Row {
 }
 
 /// The figures of result.json that a table has as columns; `fz_n` is the step's own where it varies.
-pub const FIGURES: [&str; 11] = [
+pub const FIGURES: [&str; 16] = [
     "p_max_pa",
     "p_max_error_pa",
     "p_mean_pa",
+    "p_mean_error_pa",
     "area_m2",
+    "area_error_m2",
     "length_m",
+    "length_error_m",
     "width_m",
+    "width_error_m",
     "approach_m",
+    "approach_error_m",
     "kkt_residual",
     "dofs",
     "iterations",
     "seconds",
+];
+
+/// What result.json of a runner that slides has besides.
+const SLIDING: [&str; 9] = [
+    "mu",
+    "mu_error",
+    "mu_ploughing",
+    "mu_ploughing_error",
+    "mu_viscous",
+    "mu_viscous_error",
+    "groove_depth_m",
+    "groove_depth_error_m",
+    "film_mean_m",
 ];
 
 impl Row {
@@ -57,6 +75,10 @@ impl Row {
             for key in ["max_shear_pa", "max_shear_depth_m"] {
                 row.insert(key.into(), shear[key].clone());
             }
+        }
+        for key in SLIDING {
+            let figure = self.result.as_ref().and_then(|r| r.get(key));
+            row.extend(figure.map(|figure| (key.into(), figure.clone())));
         }
         row.insert("error".into(), json!(self.error));
         Value::Object(row)

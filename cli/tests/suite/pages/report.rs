@@ -165,11 +165,23 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
     std::fs::create_dir(bench.path("drivers")).expect("a folder");
     bench.write("drivers/evaluation.json", EVALUATION);
     bench.succeeds(&["report", "drivers"]);
+    let lists = ["--fz-n", "500,1000", "--radius-m", "inf,60"];
+    bench.succeeds(&[&["press", "case.toml", "-o", "series"][..], &lists].concat());
+    bench.succeeds(&["report", "series"]);
+    std::fs::create_dir(bench.path("sliding")).expect("a folder");
+    bench.write(
+        "sliding/friction.json",
+        "{ \"points\": [{ \"v_mps\": 10.0, \"mu\": 0.0031 }] }",
+    );
+    bench.write("sliding/friction.png", "no picture, but carried as it is");
+    bench.succeeds(&["report", "sliding"]);
     let mut browser = Browser::start(&program, &WEBGL);
     for (page, height) in [
         ("out/report.html", 1420),
         ("front.html", 1420),
         ("drivers/report.html", 760),
+        ("series/report.html", 900),
+        ("sliding/report.html", 760),
     ] {
         let mut papers = Vec::new();
         for look in LOOKS {
@@ -181,7 +193,7 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
             );
             papers.push(browser.evaluate("getComputedStyle(document.body).backgroundColor"));
             assert_eq!(browser.errors(), Vec::<String>::new(), "{page} at {look:?}");
-            if page != "drivers/report.html" {
+            if ["out/report.html", "front.html"].contains(&page) {
                 assert!(
                     browser.colours(".stage canvas").0 > 100,
                     "{page} at {look:?}"
@@ -195,6 +207,7 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
         }
         assert!(papers[0] == papers[2] && papers[1] == papers[3] && papers[0] != papers[1]);
     }
+    the_series_page_shows_what_the_table_holds(&mut browser, &bench);
     // A point of each table, looked up by the command and by the page.
     for table in ["front", "flush"] {
         browser.open(&address(&bench.path(&format!("{table}.html"))), DESK);
@@ -241,6 +254,27 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
         errors.iter().all(|error| error.contains("WebGL")),
         "{errors:?}"
     );
+}
+
+/// Four points on two lines; the table's cells are those of table.json, in MPa.
+fn the_series_page_shows_what_the_table_holds(browser: &mut Browser, bench: &Bench) {
+    browser.open(&address(&bench.path("series/report.html")), DESK);
+    let count = |browser: &mut Browser, what: &str| {
+        let found = browser.evaluate(&format!("document.querySelectorAll('{what}').length"));
+        found.as_i64().expect("a number")
+    };
+    assert_eq!(count(browser, ".chart circle"), 4);
+    assert_eq!(count(browser, ".legend span"), 2);
+    let text = std::fs::read_to_string(bench.path("series/table.json")).expect("a table");
+    let rows: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let last = 1e-6 * rows[3]["p_max_pa"].as_f64().expect("a pressure");
+    let shown = browser.text("tbody tr:nth-child(4) td:nth-child(4)");
+    let shown: f64 = shown
+        .split(' ')
+        .next()
+        .and_then(|w| w.parse().ok())
+        .expect("a number");
+    assert!((shown / last - 1.0).abs() < 1e-3, "{shown} {last}");
 }
 
 #[test]

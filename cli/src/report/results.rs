@@ -1,0 +1,54 @@
+//! The page of a folder whose figures have no page of their own.
+
+use std::path::Path;
+
+use kufe_files::read_regular;
+use kufe_jobs::Failure;
+use kufe_report::results_page;
+
+use crate::report::read_json::read_json;
+
+/// Figures of a command, the ones of most to say first.
+pub const DOCUMENTS: [&str; 5] = [
+    "friction.json",
+    "fit.json",
+    "validation.json",
+    "simulation.json",
+    "icehouse.json",
+];
+
+/// Figures hold some hundreds of bytes a run; what is longer than this is something else [bytes].
+const LONGEST: u64 = 1 << 24;
+/// Longest picture that a page carries [bytes], and most of them.
+const LONGEST_PICTURE: u64 = 1 << 23;
+const MOST_PICTURES: usize = 12;
+
+/// The page of a folder that holds one of [`DOCUMENTS`].
+pub fn page(folder: &Path) -> Result<String, Failure> {
+    let mut documents = Vec::new();
+    for name in DOCUMENTS {
+        let path = folder.join(name);
+        if path.is_file() {
+            documents.push((name.to_owned(), read_json(&path, LONGEST)?));
+        }
+    }
+    let unreadable = |path: &Path, error: std::io::Error| {
+        Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
+    };
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, error))? {
+        let path = entry.map_err(|error| unreadable(folder, error))?.path();
+        if path.extension().is_some_and(|ending| ending == "png") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    let mut pictures = Vec::new();
+    for path in paths.into_iter().take(MOST_PICTURES) {
+        let png = read_regular(&path, LONGEST_PICTURE).map_err(|error| unreadable(&path, error))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        pictures.push((name.into_owned(), png));
+    }
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    Ok(results_page(&name, &pictures, &documents))
+}

@@ -1,0 +1,99 @@
+// The page of a series of contacts.
+//
+// Data: { name, keys: [what was varied], rows: [table.json's rows] }; a radius that is infinite is the text "inf".
+
+/** Key, what it is called, unit, times, key of its error. */
+const SERIES = [
+  ["p_max_pa", "peak pressure", "MPa", 1e-6, "p_max_error_pa"],
+  ["p_mean_pa", "mean pressure", "MPa", 1e-6, "p_mean_error_pa"],
+  ["area_m2", "contact area", "mm\u00b2", 1e6, "area_error_m2"],
+  ["length_m", "contact length", "mm", 1e3, "length_error_m"],
+  ["width_m", "contact width", "mm", 1e3, "width_error_m"],
+  ["approach_m", "approach", "\u00b5m", 1e6, "approach_error_m"],
+  ["mu", "coefficient of friction", "10\u207b\u00b3", 1e3, "mu_error"],
+  ["mu_ploughing", "friction of ploughing", "10\u207b\u00b3", 1e3, "mu_ploughing_error"],
+  ["mu_viscous", "friction of the melt film", "10\u207b\u00b3", 1e3, "mu_viscous_error"],
+  ["groove_depth_m", "depth of the groove", "\u00b5m", 1e6, "groove_depth_error_m"],
+];
+
+/** How a varied key is drawn: title, and its value on the axis; a radius is drawn as its curvature. */
+const VARIED = {
+  fz_n: ["normal force [N]", (value) => value],
+  radius_m: ["track curvature 1/r [1/m]", (value) => (value === "inf" ? 0 : 1 / value)],
+  rocker_radius_m: ["rocker radius [m]", (value) => value],
+  pitch_rad: ["pitch [mrad]", (value) => 1e3 * value],
+  roll_rad: ["roll [mrad]", (value) => 1e3 * value],
+};
+
+/** Most lines that are drawn; more are spread over what there is. */
+const LINES = 9;
+
+function seriesPage(main, data) {
+  const solved = data.rows.filter((row) => row.p_max_pa !== null), failed = data.rows.filter((row) => row.error);
+  const there = SERIES.filter(([key]) => solved.some((row) => Number.isFinite(row[key])));
+  const option = (text, value) => el("option", { value }, text);
+  const figureOf = el("select", { id: "figure", onchange: () => draw() }, there.map(([, title], k) => option(title, k)));
+  const over = el("select", { id: "over", onchange: () => draw() }, data.keys.map((key) => option(VARIED[key]?.[0] ?? key, key)));
+  const shown = chart(), note = el("p", { class: "soft" });
+  const peaks = solved.map((row) => row.p_max_pa), seconds = solved.reduce((sum, row) => sum + (row.seconds ?? 0), 0);
+  main.replaceChildren(
+    el("header", {}, el("h1", {}, `${data.rows.length} contacts`), el("p", { class: "soft" }, data.name)),
+    ...failed.map((row) => el("p", { class: "warning" }, `step ${row.step}: ${row.error}`)),
+    el("ul", { class: "figures" }, figures([
+      [`${figure(1e-6 * Math.min(...peaks))} to ${figure(1e-6 * Math.max(...peaks))} MPa`, "peak pressure"],
+      ...data.keys.map((key) => [valuesOf(data.rows, key), VARIED[key]?.[0].replace(/^track curvature.*/, "track radius [m]") ?? key]),
+      [`${figure(seconds, 3)} s`, "solved in"],
+    ])),
+    el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "figure", figureOf), el("label", { hidden: data.keys.length < 2 }, "over", over)),
+    el("div", { class: "panels" },
+      el("section", { class: "panel wide" }, shown.box, note),
+      el("section", { class: "panel wide" }, el("h2", {}, "Every contact"), everyContact(data, there))),
+  );
+
+  function draw() {
+    const [key, title, unit, times, error] = there[figureOf.value], along = over.value, [name, place] = VARIED[along] ?? [along, Number];
+    const others = data.keys.filter((other) => other !== along), groups = new Map();
+    for (const row of solved) {
+      const label = others.map((other) => labelOf(other, row[other])).join(", ");
+      groups.set(label, [...(groups.get(label) ?? []), row]);
+    }
+    const lines = [...groups].filter((_, k) => k === Math.round(Math.round(k * (LINES - 1) / (groups.size - 1 || 1)) * (groups.size - 1) / (LINES - 1)) || groups.size <= LINES);
+    shown.draw({
+      x: { title: name }, y: { title: `${title} [${unit}]` }, height: 340,
+      series: lines.map(([label, rows], k) => {
+        const sorted = [...rows].sort((a, b) => place(a[along]) - place(b[along]));
+        return {
+          x: sorted.map((row) => place(row[along])), y: sorted.map((row) => (row[key] === null ? NaN : times * row[key])),
+          errors: sorted.map((row) => times * (row[error] ?? 0)), points: true, name: label,
+          colour: lines.length === 1 ? "var(--accent)" : `rgb(${viridis(0.9 * k / (lines.length - 1)).join(" ")})`,
+        };
+      }),
+    });
+    note.textContent = `Bars: stated errors, where they are larger than the points.${lines.length < groups.size ? ` ${lines.length} of ${groups.size} lines.` : ""}`;
+  }
+  draw();
+}
+
+const labelOf = (key, value) => {
+  const [, name, unit] = key.match(/^(.*)_(n|m|rad)$/) ?? [null, key, ""];
+  return `${name.replace("_", " ")} ${value}${unit ? ` ${unit === "n" ? "N" : unit}` : ""}`;
+};
+
+/** A few values as they are, many by their ends. */
+function valuesOf(rows, key) {
+  const values = [...new Set(rows.map((row) => row[key]))];
+  return values.length <= 4 ? values.join(", ") : `${values[0]} to ${values[values.length - 1]}`;
+}
+
+function everyContact(data, there) {
+  const link = (row) => (row.error ? String(row.step) : el("a", { href: `${encodeURIComponent(row.folder)}/pressure.png` }, String(row.step)));
+  const cell = (row, [key, , , times, error]) => {
+    if (!Number.isFinite(row[key])) return "";
+    const stated = Number.isFinite(row[error]) ? ` \u00b1 ${figure(times * row[error], 2)}` : "";
+    return figure(times * row[key]) + stated;
+  };
+  return table(["map", ...data.keys, ...there.map(([, title, unit]) => `${title} [${unit}]`)],
+    data.rows.map((row) => [link(row), ...data.keys.map((key) => String(row[key])), ...there.map((one) => cell(row, one))]));
+}
+
+seriesPage(document.getElementById("main"), pageData());

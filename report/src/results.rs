@@ -1,0 +1,161 @@
+//! A page of what any command has written: its pictures, then its figures as tables.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use kufe_plot::number4;
+use serde_json::{Map, Value};
+
+use crate::page::{escape, plain_page};
+
+/// Most rows of a table that a page shows.
+const MOST_ROWS: usize = 200;
+/// Longest table that stands open.
+const OPEN_ROWS: usize = 40;
+/// Most values of a list that are shown one by one.
+const MOST_VALUES: usize = 8;
+
+/// The page: `pictures` are names and PNG files, `documents` names and JSON.
+pub fn results_page(
+    title: &str,
+    pictures: &[(String, Vec<u8>)],
+    documents: &[(String, Value)],
+) -> String {
+    let mut out = format!("<h1>{}</h1>\n", escape(title));
+    for (name, png) in pictures {
+        let _ = writeln!(
+            out,
+            "<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>",
+            escape(name),
+            STANDARD.encode(png)
+        );
+    }
+    for (name, document) in documents {
+        let _ = writeln!(out, "<h2>{}</h2>", escape(name));
+        match document {
+            Value::Object(fields) => object(&mut out, fields),
+            Value::Array(rows) => list(&mut out, rows),
+            single => {
+                let _ = writeln!(out, "<p>{}</p>", cell(single));
+            }
+        }
+    }
+    plain_page(title, &out)
+}
+
+/// What is single in a table of its own, what is nested after it, folded.
+fn object(out: &mut String, fields: &Map<String, Value>) {
+    let nested = |value: &Value| match value {
+        Value::Object(_) => true,
+        Value::Array(rows) => rows.iter().any(|row| row.is_object()),
+        _ => false,
+    };
+    let (tables, single): (Vec<_>, Vec<_>) = fields.iter().partition(|(_, value)| nested(value));
+    if !single.is_empty() {
+        out.push_str("<div class=\"wide\"><table>\n");
+        for (key, value) in single {
+            let _ = writeln!(
+                out,
+                "<tr><td>{}<td{}>{}",
+                escape(key),
+                class(value),
+                cell(value)
+            );
+        }
+        out.push_str("</table></div>\n");
+    }
+    for (key, value) in tables {
+        let short = value.as_array().is_some_and(|rows| rows.len() <= OPEN_ROWS);
+        let open = if short { " open" } else { "" };
+        let _ = writeln!(out, "<details{open}><summary>{}</summary>", escape(key));
+        match value {
+            Value::Object(fields) => object(out, fields),
+            Value::Array(rows) => list(out, rows),
+            _ => {}
+        }
+        out.push_str("</details>\n");
+    }
+}
+
+/// Objects as rows of one table, whose columns are all their keys.
+fn list(out: &mut String, rows: &[Value]) {
+    let mut columns: Vec<&String> = Vec::new();
+    for key in rows.iter().filter_map(Value::as_object).flat_map(Map::keys) {
+        if !columns.contains(&key) {
+            columns.push(key);
+        }
+    }
+    out.push_str("<div class=\"wide\"><table><tr>");
+    for column in &columns {
+        let _ = write!(out, "<th>{}", escape(column));
+    }
+    out.push('\n');
+    for row in rows.iter().take(MOST_ROWS) {
+        out.push_str("<tr>");
+        for column in &columns {
+            let value = &row[column.as_str()];
+            let _ = write!(out, "<td{}>{}", class(value), cell(value));
+        }
+        out.push('\n');
+    }
+    out.push_str("</table></div>\n");
+    if rows.len() > MOST_ROWS {
+        let _ = writeln!(
+            out,
+            "<p><small>The first {MOST_ROWS} of {}.</small></p>",
+            rows.len()
+        );
+    }
+}
+
+fn class(value: &Value) -> &'static str {
+    match value.is_number() {
+        true => " class=n",
+        false => "",
+    }
+}
+
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::Bool(truth) => if *truth { "yes" } else { "no" }.to_owned(),
+        Value::Number(number) => match number.as_f64() {
+            // Counts and years as they are.
+            Some(x) if x.fract() == 0.0 && x.abs() < 1e7 => format!("{x:.0}"),
+            Some(x) => number4(x),
+            None => number.to_string(),
+        },
+        Value::String(text) => escape(text),
+        Value::Array(values) if values.len() > MOST_VALUES => format!("{} values", values.len()),
+        Value::Array(values) => values.iter().map(cell).collect::<Vec<_>>().join(", "),
+        Value::Object(fields) => fields
+            .iter()
+            .map(|(key, value)| format!("{} {}", escape(key), cell(value)))
+            .collect::<Vec<_>>()
+            .join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn rows_that_differ_share_a_table_and_nothing_becomes_markup() {
+        let document = json!({
+            "mu": 0.00412345, "runs": 12, "of": { "driver": "<A>" },
+            "points": [{ "v_mps": 5.0, "mu": 4.1e-3 }, { "v_mps": 10.0, "note": "x & y" }],
+        });
+        let page = results_page("a <b>", &[], &[("friction.json".into(), document)]);
+        assert!(page.contains("<title>a &lt;b&gt;</title>"));
+        assert!(page.contains("<tr><th>v_mps<th>mu<th>note\n"));
+        assert!(page.contains("<tr><td class=n>5<td class=n>0.004100<td>\n"));
+        assert!(page.contains("<tr><td class=n>10<td><td>x &amp; y\n"));
+        assert!(
+            page.contains("<td>runs<td class=n>12") && page.contains("<td>driver<td>&lt;A&gt;")
+        );
+    }
+}
