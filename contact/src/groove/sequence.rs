@@ -113,6 +113,7 @@ impl<'a> SlidingMeshes<'a> {
             .options
             .cells
             .map_or_else(|| first_cells(tolerance), |c| c as f64);
+        self.fit(cells)?;
         loop {
             let mesh = self.mesh(cells)?;
             let dofs = dofs(&mesh);
@@ -135,6 +136,14 @@ impl<'a> SlidingMeshes<'a> {
             self.next_patch(&mesh, &slid);
             cells = (cells * REFINEMENT.min(room)).round();
         }
+    }
+
+    /// Fits the patch to the rims that the first mesh finds on the contact plane alone, so that it is one of those that follow.
+    fn fit(&mut self, cells: f64) -> Result<(), Error> {
+        let mesh = self.mesh(cells)?;
+        let slid = self.on(&mesh).on_plane(&self.start)?;
+        self.next_patch(&mesh, &slid);
+        Ok(())
     }
 
     fn on<'b>(&'b self, mesh: &'b Discretisation) -> OnMesh<'b> {
