@@ -33,7 +33,7 @@ pub use check::range::{RANGES, Range};
 pub use error::CaseError;
 pub use problem::{FittedHull, StatedProblem};
 pub use table::{
-    AccuracyTable, BedTable, CarriesTable, ForwardAxis, Hardness, HardnessTable, HeldTable,
-    IceTable, LoadTable, MountTable, RunnerTable, SectionTable, Shape, SlidingTable, SolverTable,
-    StiffnessWord, Thickness, TiltWord, TrackTable, UpAxis, WavinessTable,
+    AccuracyTable, BedTable, CarriesTable, FileAxis, Hardness, HardnessTable, HeldTable, IceTable,
+    LoadTable, MountTable, RunnerTable, SectionTable, Shape, SlidingTable, SolverTable,
+    StiffnessWord, Thickness, TiltWord, TrackTable, WavinessTable,
 };

@@ -10,7 +10,7 @@ use kufe_mesh::{
 };
 
 use crate::check::range::combination;
-use crate::table::{ForwardAxis, RunnerTable, SectionTable, Shape, UpAxis, mesh_error};
+use crate::table::{FileAxis, RunnerTable, SectionTable, Shape, mesh_error};
 use crate::{Case, CaseError};
 use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 
@@ -198,8 +198,8 @@ fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
 fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshError> {
     let options = HullOptions {
         scale: runner.scale.unwrap_or(1.0),
-        up: runner.up.map(UpAxis::axis),
-        forward: runner.forward.map_or(Axis::X, ForwardAxis::axis),
+        up: runner.up.map(FileAxis::axis),
+        forward: runner.forward.map_or(Axis::X, FileAxis::axis),
     };
     let (hull, report) = load_hull(path, &options)?;
     let underside = FittedUnderside::new(&hull, runner.noise_m.unwrap_or(0.0))?;
@@ -209,24 +209,15 @@ fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshErro
     })
 }
 
-impl UpAxis {
-    fn axis(self) -> Axis {
-        match self {
-            UpAxis::Z => Axis::Z,
-            UpAxis::Y => Axis::Y,
-        }
-    }
-}
-
-impl ForwardAxis {
+impl FileAxis {
     fn axis(self) -> Axis {
         let (index, negative) = match self {
-            ForwardAxis::X => (0, false),
-            ForwardAxis::MinusX => (0, true),
-            ForwardAxis::Y => (1, false),
-            ForwardAxis::MinusY => (1, true),
-            ForwardAxis::Z => (2, false),
-            ForwardAxis::MinusZ => (2, true),
+            FileAxis::X => (0, false),
+            FileAxis::MinusX => (0, true),
+            FileAxis::Y => (1, false),
+            FileAxis::MinusY => (1, true),
+            FileAxis::Z => (2, false),
+            FileAxis::MinusZ => (2, true),
         };
         Axis { index, negative }
     }
@@ -361,8 +352,8 @@ mod tests {
         case.runner.shape = None;
         case.runner.hull = Some("bob.obj".into());
         case.runner.scale = Some(0.001);
-        case.runner.up = Some(UpAxis::Y);
-        case.runner.forward = Some(ForwardAxis::Z);
+        case.runner.up = Some(FileAxis::Y);
+        case.runner.forward = Some(FileAxis::Z);
         let stated = case.stated(folder.path())?;
         let fitted = stated.problem.runner.underside;
         for (x, y) in [(0.0, 0.0), (0.05, 0.0), (0.02, 0.0007), (-0.03, -0.001)] {

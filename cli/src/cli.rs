@@ -33,7 +33,7 @@ pub struct Cli {
 pub enum Command {
     /// Solve one contact problem and write its pressure map
     Press(press::Args),
-    /// Write a parametric runner as a hull file
+    /// Write a parametric runner as a hull file, or check a scanned one
     Hull(bodies::hull::Args),
     /// Write the hexahedra of ice and runner, with their quality
     Mesh(bodies::mesh::Args),

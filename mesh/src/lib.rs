@@ -25,6 +25,7 @@ mod hexahedra;
 mod hull;
 mod ice;
 mod parameter;
+mod scan;
 mod shapes;
 
 pub use error::MeshError;
@@ -39,6 +40,7 @@ pub use hull::{
     write_glb, write_obj, write_stl,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
+pub use scan::{Sampling, Standing};
 pub use shapes::{
     BobRunner, Ends, LugeSteel, Paraboloid, Profile, Rocker, Section, Swept, Underside, load_points,
 };

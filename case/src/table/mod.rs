@@ -17,7 +17,7 @@ pub use ice::{BedTable, IceTable, WavinessTable};
 pub use load::{LoadTable, TiltWord};
 pub(crate) use mount::mesh_error;
 pub use mount::{CarriesTable, HeldTable, MountTable};
-pub use runner::{ForwardAxis, RunnerTable, UpAxis};
+pub use runner::{FileAxis, RunnerTable};
 pub use section::SectionTable;
 pub use shape::Shape;
 pub use sliding::{HardnessTable, SlidingTable};

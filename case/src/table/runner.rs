@@ -20,12 +20,12 @@ pub struct RunnerTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1000.0))]
     pub scale: Option<f64>,
-    /// The hull's upward axis; z where absent.
+    /// The hull's upward axis: z, or y as glTF has it, where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub up: Option<UpAxis>,
+    pub up: Option<FileAxis>,
     /// The hull's forward axis; x where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub forward: Option<ForwardAxis>,
+    pub forward: Option<FileAxis>,
     /// Standard deviation of a scanned hull's vertices; 0 where absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 0.001))]
@@ -55,19 +55,9 @@ pub struct RunnerTable {
     pub mount: Option<MountTable>,
 }
 
-/// The axis of a hull's file that points upwards.
+/// An axis of a hull's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum UpAxis {
-    /// z, this project's own.
-    Z,
-    /// y, glTF's own.
-    Y,
-}
-
-/// The axis of a hull's file that points forwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum ForwardAxis {
+pub enum FileAxis {
     /// +x.
     #[serde(rename = "x")]
     X,

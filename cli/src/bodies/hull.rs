@@ -1,4 +1,4 @@
-//! `kufe hull`: parametric runners as hull files.
+//! `kufe hull`: parametric runners as hull files, and a look at scanned ones.
 
 use std::path::PathBuf;
 
@@ -9,6 +9,7 @@ use kufe_mesh::{
 };
 use serde_json::json;
 
+use crate::bodies::scan::{self, Check};
 use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
@@ -16,7 +17,7 @@ use crate::output::say::say;
 /// Arguments of `kufe hull`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// What to make
+    /// What to make, or to look at
     #[command(subcommand)]
     kind: Kind,
 }
@@ -27,6 +28,8 @@ enum Kind {
     Bob(Bob),
     /// A luge steel on its rounded edge
     Luge(Luge),
+    /// Say whether a hull from a scanner can be pressed: unit, axes, spacing, noise, and which loads it resolves
+    Check(Check),
 }
 
 #[derive(clap::Args, Debug)]
@@ -87,16 +90,24 @@ struct File {
     edge_length_m: f64,
 }
 
-/// Writes the hull.
+/// Writes the hull, or looks at one.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let (points, out) = args.kind.files();
-    apart(points, std::slice::from_ref(out))?;
     let (name, swept, file) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept(bob.rocker()?), &bob.file),
-        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file),
+        Kind::Bob(bob) => {
+            apart(
+                bob.rocker_points.as_slice(),
+                std::slice::from_ref(&bob.file.out),
+            )?;
+            ("bob", bob.swept(bob.rocker()?), &bob.file)
+        }
+        Kind::Luge(luge) => {
+            apart(&[], std::slice::from_ref(&luge.file.out))?;
+            ("luge", luge.swept(), &luge.file)
+        }
+        Kind::Check(check) => return scan::run(check, global),
     };
     let path = file.out.display();
     let told = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
@@ -114,16 +125,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ));
     }
     Ok(())
-}
-
-impl Kind {
-    /// What is read, and what is written.
-    fn files(&self) -> (&[PathBuf], &PathBuf) {
-        match self {
-            Kind::Bob(bob) => (bob.rocker_points.as_slice(), &bob.file.out),
-            Kind::Luge(luge) => (&[], &luge.file.out),
-        }
-    }
 }
 
 impl Bob {

@@ -5,4 +5,5 @@ pub mod export;
 pub mod hull;
 pub mod mesh;
 pub mod placed_hull;
+mod scan;
 pub mod stiffness;

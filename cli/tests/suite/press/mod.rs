@@ -3,6 +3,7 @@
 mod elastic;
 mod export;
 mod gallery;
+mod hull_check;
 mod hull_rocker;
 mod mesh;
 mod one_case;

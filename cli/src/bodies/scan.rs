@@ -1,0 +1,278 @@
+//! `kufe hull check`: whether a hull from a scanner can be pressed, and how it is to be read.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use kufe_contact::hertz;
+use kufe_jobs::{Failure, write_whole};
+use kufe_mesh::{
+    Axis, Coarse, FittedUnderside, HullOptions, HullReport, Sampling, Standing, load_hull,
+};
+use serde_json::{Value, json};
+
+use crate::output::apart::apart;
+use crate::output::global::Global;
+use crate::output::say::say;
+
+/// Arguments of `kufe hull check`.
+#[derive(clap::Args, Debug)]
+pub struct Check {
+    /// The hull: .obj, .gltf, .glb or .stl
+    file: PathBuf,
+    /// Normal forces to judge it for [N]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]
+    fz_n: Vec<f64>,
+    /// Write the case that reads it so
+    #[arg(long, short, value_name = "CASE.toml")]
+    out: Option<PathBuf>,
+}
+
+/// Plane-strain modulus of ice as cases have it by default, 9 GPa/(1 - 0.33^2) [Pa].
+const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
+/// Noise below which a hull is one that a computer made [m].
+const NO_NOISE: f64 = 5e-8;
+
+/// One load, and whether the hull is fine enough for it.
+struct Judged {
+    fz: f64,
+    approach: f64,
+    coarse: Option<Coarse>,
+}
+
+struct Found {
+    standing: Standing,
+    report: HullReport,
+    vertices: usize,
+    triangles: usize,
+    sampling: Sampling,
+    /// Loads, or why no smooth underside could be fitted.
+    judged: Result<Vec<Judged>, String>,
+}
+
+/// Looks at the hull, says what it is like, and writes the case.
+///
+/// # Errors
+/// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, a force that is not positive, and a case that exists
+/// or cannot be written.
+pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
+    let path = check.file.display();
+    if let Some(fz) = check.fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
+        let text = format!("--fz-n {fz}: expected positive forces [N]");
+        return Err(Failure::Usage(text));
+    }
+    if let Some(out) = &check.out {
+        apart(std::slice::from_ref(&check.file), std::slice::from_ref(out))?;
+        if out.exists() {
+            let text = format!("{}: exists already", out.display());
+            return Err(Failure::BadInput(text));
+        }
+    }
+    let told = |reason: &str| Failure::BadInput(format!("{path}: {reason}"));
+    let found = look(&check.file, &check.fz_n)?.ok_or_else(|| {
+        told("no side of it is rounded along and across, as the underside of a runner is (rocker and section)")
+    })?;
+    let noise = found.noise();
+    if let Some(out) = &check.out {
+        let text = case(&check.file, out, &found)?;
+        write_whole(out, |writer| writer.write_all(text.as_bytes()))?;
+    }
+    if global.json {
+        say(&format!("{:#}\n", document(check, &found, noise)));
+    } else if !global.quiet {
+        say(&text(check, &found, noise));
+    }
+    Ok(())
+}
+
+fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
+    let as_it_is = HullOptions {
+        up: Some(Axis::Z),
+        ..HullOptions::default()
+    };
+    let (hull, _) = load_hull(path, &as_it_is).map_err(Failure::bad_input)?;
+    let Some(standing) = Standing::of(&hull).map_err(Failure::bad_input)? else {
+        return Ok(None);
+    };
+    let (hull, report) = load_hull(path, &standing.options).map_err(Failure::bad_input)?;
+    let Some(sampling) = Sampling::of(&hull, standing.section_radius) else {
+        return Ok(None);
+    };
+    let noise = stated(&sampling).unwrap_or(0.0);
+    let judge = |underside: FittedUnderside| {
+        let judged = forces.iter().map(|&fz| {
+            let contact = hertz(standing.rocker_radius, standing.section_radius, ICE, fz);
+            Judged {
+                fz,
+                approach: contact.approach,
+                coarse: underside.coarse_for(contact.approach),
+            }
+        });
+        judged.collect()
+    };
+    Ok(Some(Found {
+        vertices: hull.positions.len(),
+        triangles: hull.triangles.len(),
+        judged: FittedUnderside::new(&hull, noise)
+            .map(judge)
+            .map_err(|error| error.to_string()),
+        standing,
+        report,
+        sampling,
+    }))
+}
+
+impl Found {
+    /// Noise to state in a case [m].
+    fn noise(&self) -> Option<f64> {
+        stated(&self.sampling)
+    }
+}
+
+/// Noise beyond that of a hull that a computer made [m].
+fn stated(sampling: &Sampling) -> Option<f64> {
+    sampling.noise.filter(|noise| *noise > NO_NOISE)
+}
+
+/// Noise at this spacing, and spacing at this noise, with which a load would do [m].
+///
+/// The error of a smooth surface fitted to n vertices with noise goes as (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2
+/// (C.J. Stone, Ann. Statist. 10, 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5). Without noise it
+/// goes as the fourth power of the spacing.
+fn would_do(coarse: &Coarse, sampling: &Sampling) -> (Option<f64>, f64) {
+    let share = coarse.allowed / coarse.error;
+    match stated(sampling) {
+        Some(noise) => {
+            let share = share.powf(1.25);
+            (Some(share * noise), share * sampling.spacing)
+        }
+        None => (None, share.powf(0.25) * sampling.spacing),
+    }
+}
+
+fn backward(forward: Axis) -> Axis {
+    Axis {
+        negative: !forward.negative,
+        ..forward
+    }
+}
+
+/// The case that reads the hull so, with ice, track and load to edit.
+fn case(file: &Path, out: &Path, found: &Found) -> Result<String, Failure> {
+    let folder = out.parent().unwrap_or(Path::new(""));
+    let hull = match file.strip_prefix(folder) {
+        Ok(inside) => inside.to_path_buf(),
+        Err(_) => std::path::absolute(file)
+            .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?,
+    };
+    let options = &found.standing.options;
+    let mut text = format!(
+        "[runner]\nhull = {}\nscale = {}\nup = \"{}\"\nforward = \"{}\"   # or \"{}\": its shape does not tell\n",
+        json!(hull.display().to_string()),
+        options.scale,
+        options.up.unwrap_or(Axis::Z),
+        options.forward,
+        backward(options.forward),
+    );
+    if let Some(noise) = found.noise() {
+        let _ = writeln!(text, "noise_m = {noise:.2e}");
+    }
+    text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n\n\
+             [load]\nfz_n = 1000.0\n\n[accuracy]\np_max = 0.01\n";
+    Ok(text)
+}
+
+fn document(check: &Check, found: &Found, noise: Option<f64>) -> Value {
+    let options = &found.standing.options;
+    let [length, width, height] = found.report.extent;
+    let loads = found.judged.as_ref().map(|judged| {
+        let one = |j: &Judged| {
+            json!({
+                "fz_n": j.fz, "approach_m": j.approach, "resolved": j.coarse.is_none(),
+                "error_m": j.coarse.map(|c| c.error), "allowed_m": j.coarse.map(|c| c.allowed),
+                "noise_that_would_do_m": j.coarse.map(|c| would_do(&c, &found.sampling).0),
+                "spacing_that_would_do_m": j.coarse.map(|c| would_do(&c, &found.sampling).1),
+            })
+        };
+        judged.iter().map(one).collect::<Vec<Value>>()
+    });
+    json!({
+        "file": check.file,
+        "scale": options.scale,
+        "up": options.up.unwrap_or(Axis::Z).to_string(),
+        "forward": options.forward.to_string(),
+        "length_m": length, "width_m": width, "height_m": height,
+        "rocker_radius_m": found.standing.rocker_radius,
+        "section_radius_m": found.standing.section_radius,
+        "vertices": found.vertices, "triangles": found.triangles,
+        "open_edges": found.report.open_edges,
+        "spacing_m": found.sampling.spacing,
+        "noise_m": noise.unwrap_or(0.0),
+        "loads": loads.as_ref().ok(),
+        "no_underside": loads.as_ref().err(),
+        "warnings": found.report.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "written": check.out,
+    })
+}
+
+fn text(check: &Check, found: &Found, noise: Option<f64>) -> String {
+    let options = &found.standing.options;
+    let [length, width, height] = found.report.extent.map(|m| 1e3 * m);
+    let mut text = format!(
+        "{}: {} vertices, {} triangles\n\
+         \x20 scale {}, up {}, forward {} or {}: its shape does not tell\n",
+        check.file.display(),
+        found.vertices,
+        found.triangles,
+        options.scale,
+        options.up.unwrap_or(Axis::Z),
+        options.forward,
+        backward(options.forward),
+    );
+    let _ = writeln!(
+        text,
+        "  {length:.1} x {width:.2} x {height:.2} mm; rocker radius {:.2} m, section radius {:.3} mm",
+        found.standing.rocker_radius,
+        1e3 * found.standing.section_radius
+    );
+    let _ = writeln!(
+        text,
+        "  near the keel: triangles of {:.3} mm, noise {}",
+        1e3 * found.sampling.spacing,
+        noise.map_or("none".to_owned(), |n| format!("{:.2} um", 1e6 * n))
+    );
+    for warning in &found.report.warnings {
+        let _ = writeln!(text, "  {warning}");
+    }
+    match &found.judged {
+        Err(error) => {
+            let _ = writeln!(text, "  no smooth underside could be fitted: {error}");
+        }
+        Ok(judged) => {
+            for one in judged {
+                let _ = writeln!(text, "  {}", verdict(one, &found.sampling));
+            }
+        }
+    }
+    if let Some(out) = &check.out {
+        let _ = writeln!(text, "written: {}", out.display());
+    }
+    text
+}
+
+fn verdict(judged: &Judged, sampling: &Sampling) -> String {
+    let [fz, approach] = [judged.fz, 1e6 * judged.approach];
+    match &judged.coarse {
+        None => format!("{fz} N: fine enough (approach {approach:.1} um)"),
+        Some(coarse) => {
+            let (noise, spacing) = would_do(coarse, sampling);
+            let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} um or ", 1e6 * n));
+            format!(
+                "{fz} N: too coarse (approach {approach:.1} um): the fit is known to {:.2} um where {:.2} are needed; {noise}triangles of \
+                 {:.3} mm would do",
+                1e6 * coarse.error,
+                1e6 * coarse.allowed,
+                1e3 * spacing
+            )
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! What a scanned hull is like: how it stands in its file, and how dense and noisy it is where it touches the ice.
+
+pub(crate) mod polynomial;
+pub(crate) mod sampling;
+pub(crate) mod standing;
+
+pub use sampling::Sampling;
+pub use standing::Standing;

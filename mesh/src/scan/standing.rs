@@ -1,0 +1,143 @@
+//! How a hull stands in its file: unit, forward and up, told by its shape.
+
+use crate::error::MeshError;
+use crate::hull::{Axis, Hull, HullOptions};
+use crate::scan::polynomial::fit;
+
+/// Lengths that a runner may have [m].
+const LENGTHS: [f64; 2] = [0.2, 3.0];
+/// Metres in the units that files are written in: metres, millimetres, centimetres, inches.
+const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
+/// Stations along the hull at which its lowest vertex is taken.
+const STATIONS: usize = 60;
+/// Share of the length, about the middle, over which the rocker is measured.
+const MIDDLE: f64 = 0.8;
+/// Height of the section that is looked at over half its width.
+const SHALLOW: f64 = 0.2;
+/// Curvature over its standard error that is none of chance.
+const STANDS_OUT: f64 = 10.0;
+/// Largest radii of a rocker and of a section that is round [m]; what is flatter is no underside.
+const FLATTEST: [f64; 2] = [500.0, 0.2];
+
+/// How a hull most likely stands in its file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standing {
+    /// The unit and the axes with which to read it. That it points forward and not backward its shape does not tell.
+    pub options: HullOptions,
+    /// Radius of the rocker [m].
+    pub rocker_radius: f64,
+    /// Radius of the section where it is lowest [m].
+    pub section_radius: f64,
+}
+
+impl Standing {
+    /// Looks for the side that is rounded along and across, as a runner's underside is.
+    ///
+    /// `hull` is as its file has it: scale 1, x forward, z up. The longest axis is forward. Of the four sides along it the underside
+    /// is the one whose lowest line is curved (rocker) and whose section there is (edge), with the largest product of the two curvatures;
+    /// both are found by least squares. `None` where no side is rounded both ways.
+    ///
+    /// # Errors
+    /// [`MeshError::NoTriangles`] for a hull without any.
+    pub fn of(hull: &Hull) -> Result<Option<Self>, MeshError> {
+        if hull.triangles.is_empty() {
+            return Err(MeshError::NoTriangles);
+        }
+        let [low, high] = hull.bounds();
+        let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        let forward = (0..3)
+            .max_by(|a, b| extent[*a].total_cmp(&extent[*b]))
+            .unwrap_or(0);
+        let credible =
+            |unit: &&f64| (LENGTHS[0]..=LENGTHS[1]).contains(&(extent[forward] * **unit));
+        let scale = UNITS.iter().find(credible).copied().unwrap_or(1.0);
+        let sides = (0..3)
+            .filter(|axis| *axis != forward)
+            .flat_map(|index| [false, true].map(|negative| Axis { index, negative }));
+        let rounded = sides.filter_map(|up| {
+            let [rocker_radius, section_radius] = radii(hull, forward, up, scale)?;
+            let options = HullOptions {
+                scale,
+                up: Some(up),
+                forward: Axis {
+                    index: forward,
+                    negative: false,
+                },
+            };
+            Some(Self {
+                options,
+                rocker_radius,
+                section_radius,
+            })
+        });
+        let roundness = |s: &Self| 1.0 / (s.rocker_radius * s.section_radius);
+        Ok(rounded.max_by(|a, b| roundness(a).total_cmp(&roundness(b))))
+    }
+}
+
+/// Radii of rocker and section of the side that faces down when `up` points up [m]; `None` where it is flat or hollow.
+fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> {
+    let across = 3 - forward - up.index;
+    let sign = if up.negative { -1.0 } else { 1.0 };
+    let points: Vec<[f64; 3]> = hull
+        .positions
+        .iter()
+        .map(|p| {
+            [
+                scale * p[forward],
+                scale * p[across],
+                scale * sign * p[up.index],
+            ]
+        })
+        .collect();
+    let [from, to] = [f64::min, f64::max].map(|end| {
+        let xs = points.iter().map(|p| p[0]);
+        xs.reduce(end).unwrap_or(0.0)
+    });
+    let margin = 0.5 * (1.0 - MIDDLE) * (to - from);
+    let middle = |p: &&[f64; 3]| p[0] > from + margin && p[0] < to - margin;
+    let mut lowest: Vec<Option<[f64; 3]>> = vec![None; STATIONS];
+    for p in points.iter().filter(middle) {
+        let share = (p[0] - from - margin) / (to - from - 2.0 * margin);
+        let station = &mut lowest[((share * STATIONS as f64) as usize).min(STATIONS - 1)];
+        if station.is_none_or(|other| p[2] < other[2]) {
+            *station = Some(*p);
+        }
+    }
+    let keel: Vec<[f64; 3]> = lowest.into_iter().flatten().collect();
+    let place: Vec<[f64; 2]> = keel.iter().map(|p| [p[0], p[1]]).collect();
+    let heights: Vec<f64> = keel.iter().map(|p| p[2]).collect();
+    let rocker = fit(&place, &heights, &[[0, 0], [1, 0], [2, 0]])?;
+    let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
+    // The section at the lowest vertex, narrower and narrower as long as its curvature stands out from what scatters.
+    let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
+    let near = 0.02 * (to - from);
+    let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
+    let mut half = points.iter().map(off).fold(0.0, f64::max);
+    let mut section_radius = None;
+    loop {
+        // Not the walls beside it, nor the other side of the hull.
+        let section: Vec<&[f64; 3]> = points
+            .iter()
+            .filter(|p| (p[0] - lowest[0]).abs() < near && off(p) <= half)
+            .filter(|p| p[2] - lowest[2] < SHALLOW * half)
+            .collect();
+        let place: Vec<[f64; 2]> = section.iter().map(|p| [p[0], p[1]]).collect();
+        let heights: Vec<f64> = section.iter().map(|p| p[2]).collect();
+        let Some(fitted) = fit(&place, &heights, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]) else {
+            break;
+        };
+        if fitted.coefficients[2] < STANDS_OUT * fitted.errors[2] {
+            break;
+        }
+        section_radius = radius(fitted.coefficients[2], FLATTEST[1]);
+        half *= 0.7;
+    }
+    Some([rocker_radius, section_radius?])
+}
+
+/// Radius of z = c y^2 where it is convex and no more than `flattest`.
+fn radius(c: f64, flattest: f64) -> Option<f64> {
+    let radius = 0.5 / c;
+    (c > 0.0 && radius < flattest).then_some(radius)
+}
