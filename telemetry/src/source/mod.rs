@@ -1,0 +1,14 @@
+//! Recordings as loggers and their programs write them.
+
+mod cell;
+mod encoding;
+mod layout;
+mod log;
+mod read;
+mod text;
+
+pub use layout::TextOptions;
+pub use log::{Channel, Log};
+pub(crate) use read::bytes_of;
+pub use read::read_log;
+pub use text::read_text;

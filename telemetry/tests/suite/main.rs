@@ -1,0 +1,4 @@
+//! Imports from end to end.
+
+mod one_logger;
+mod truth;
