@@ -4,3 +4,4 @@ mod base;
 mod stretch;
 
 pub use base::{Base, Gap, Resampled, resample};
+pub(crate) use stretch::stretches;

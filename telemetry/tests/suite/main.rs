@@ -1,4 +1,5 @@
 //! Imports from end to end.
 
+mod clocks;
 mod one_logger;
 mod truth;

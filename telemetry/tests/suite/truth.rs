@@ -4,6 +4,9 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use kufe_telemetry::{Imported, Importer, plan};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// Columns of a run, in the order of [`at`].
 pub const COLUMNS: [&str; 10] = [
@@ -62,4 +65,36 @@ pub fn import(folder: &Path, mapping: &str) -> Result<Vec<Imported>, String> {
     runs.iter()
         .map(|run| importer.run(run).map_err(|error| error.to_string()))
         .collect()
+}
+
+/// One logger's way to write a column: the column's value to that of the file.
+pub type Writes<'a> = (&'a str, &'a dyn Fn(f64) -> f64, f64);
+
+/// A logger: its clock says `delay_s` more than the truth's, and in its own unit.
+pub struct Logger<'a> {
+    pub rate_hz: f64,
+    pub delay_s: f64,
+    /// Seconds to the unit of its time.
+    pub time: f64,
+    /// Column, value written of it, and standard deviation of its noise in the column's unit.
+    pub columns: &'a [Writes<'a>],
+}
+
+/// The text that it writes from `from` to `to` of the true time: comma-separated, one line of names as the columns are called.
+pub fn recording(logger: &Logger, from: f64, to: f64, seed: u64) -> String {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let names: Vec<&str> = logger.columns.iter().map(|(name, ..)| *name).collect();
+    let mut text = format!("time,{}\n", names.join(","));
+    let count = ((to - from) * logger.rate_hz) as usize;
+    for row in 0..=count {
+        let t = from + row as f64 / logger.rate_hz;
+        let mut cells = vec![format!("{:.9}", (t + logger.delay_s) * logger.time)];
+        for (name, write, noise) in logger.columns {
+            let error: f64 = StandardNormal.sample(&mut random);
+            cells.push(format!("{:.9}", write(column(name, t) + noise * error)));
+        }
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
 }
