@@ -7,6 +7,7 @@
 //! | [`conversion`], [`column_unit`] | units as loggers write them, in those of kufe's columns |
 //! | [`resample()`] | series at any times on one base of times; nothing is invented across gaps |
 //! | [`Importer`] | one run: read, converted, brought to one clock and one rate, with the [`Note`] of what was done |
+//! | [`guess_mapping`] | a commented mapping from samples, with its questions |
 //!
 //! ```
 //! use kufe_telemetry::Mapping;
@@ -24,6 +25,7 @@
 
 mod clock;
 mod error;
+mod guess;
 mod import;
 mod mapping;
 mod resample;
@@ -32,11 +34,15 @@ mod unit;
 
 pub use clock::{Aligned, LoggerSeries, Relation, Series, align};
 pub use error::Error;
+pub use guess::guess_mapping;
 pub use import::{ChannelNote, Imported, Importer, LoggerNote, Note, model_fragment};
 pub use mapping::{
     ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, PlannedRun, RunFormatWord,
     RunTable, index_csv, plan,
 };
 pub use resample::{Base, Gap, Resampled, resample};
-pub use source::{Channel, Log, TextOptions, read_log, read_text};
+pub use source::{Channel, Log, TextOptions, read_log, read_recording, read_text};
 pub use unit::{Conversion, column_unit, conversion};
+
+/// A commented `mapping.toml` to start from.
+pub const MAPPING_EXAMPLE: &str = include_str!("../assets/mapping.toml");

@@ -147,3 +147,22 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     }
     Ok(rows)
 }
+
+/// Questions about the lines of `runs.csv`, for a mapping that is guessed.
+pub(crate) fn index_help() -> String {
+    let mut text = String::from(
+        "\n[index]\n# What runs.csv says of the runs; a CSV with a column run may say it run by run.\n# table = \"index.csv\"\n",
+    );
+    for (name, what) in [
+        ("track", "\"\""),
+        ("driver", "\"\""),
+        ("driver_class", "\"\""),
+        ("session", "\"\""),
+        ("ice_c", "-8.0"),
+        ("air_c", "0.0"),
+        ("air_pa", "95000.0"),
+    ] {
+        text += &format!("# ? {name} of the runs\n# {name} = {what}\n");
+    }
+    text + "# humidity_pct, distance_m and mass_kg may stand here too\n"
+}

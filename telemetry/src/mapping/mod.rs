@@ -10,5 +10,6 @@ mod runs_csv;
 pub use file::{
     ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunFormatWord, RunTable,
 };
+pub(crate) use index::index_help;
 pub use plan::{PlannedRun, plan};
 pub use runs_csv::index_csv;

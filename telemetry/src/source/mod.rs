@@ -10,5 +10,5 @@ mod text;
 pub use layout::TextOptions;
 pub use log::{Channel, Log};
 pub(crate) use read::bytes_of;
-pub use read::read_log;
+pub use read::{read_log, read_recording};
 pub use text::read_text;

@@ -40,6 +40,14 @@ pub fn read_log(
     }
 }
 
+/// Reads every channel of a recording.
+///
+/// # Errors
+/// As [`read_log`]; [`Error::File`] where it cannot be read.
+pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
+    read_log(path, &bytes_of(path)?, options, None)
+}
+
 /// Columns without units.
 fn columns(path: &Path, file: &str) -> Result<Log, Error> {
     let columns = kufe_sled::read_columns(path, &[]).map_err(|error| Error::file(file, error))?;

@@ -158,7 +158,10 @@ fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
             let relation = &said.relations[0];
             scores.push((relation.delay_s - delay) / relation.delay_sd_s);
             // A sensor's noise of one run leaves some milliseconds.
-            assert!(relation.delay_sd_s < 0.02, "{name}, seed {seed}: {relation:?}");
+            assert!(
+                relation.delay_sd_s < 0.02,
+                "{name}, seed {seed}: {relation:?}"
+            );
             assert!(
                 (said.delay_s - delay).abs() < 0.02,
                 "{name}, seed {seed}: {said:?}"

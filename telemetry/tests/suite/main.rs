@@ -1,5 +1,6 @@
 //! Imports from end to end.
 
 mod clocks;
+mod guessed;
 mod one_logger;
 mod truth;
