@@ -76,12 +76,13 @@ impl Importer {
         for (name, path) in &planned.files {
             let bytes = bytes_of(path)?;
             let file = path.display().to_string();
-            let log = self.log(name, path, &bytes)?;
+            let sha256 = hexadecimal(&bytes);
+            let log = self.log(name, path, bytes)?;
             remarks.extend(log.remarks.iter().cloned());
             loggers.insert(
                 name.clone(),
                 LoggerNote {
-                    sha256: hexadecimal(&bytes),
+                    sha256,
                     clock: "the runs'",
                     delay_s: 0.0,
                     delay_sd_s: None,
@@ -89,7 +90,6 @@ impl Importer {
                     file: file.clone(),
                 },
             );
-            drop(bytes);
             for (column, source) in self.channels_of(name) {
                 let (recipe, series) = self.series(column, source, name, &log, &file)?;
                 read.insert(
@@ -168,7 +168,7 @@ impl Importer {
     }
 
     /// A logger's recording, with the channels that the mapping names.
-    fn log(&self, logger: &str, path: &std::path::Path, bytes: &[u8]) -> Result<Log, Error> {
+    fn log(&self, logger: &str, path: &std::path::Path, bytes: Vec<u8>) -> Result<Log, Error> {
         let files = &self.mapping.logger[logger];
         let sources = || {
             self.channels_of(logger)

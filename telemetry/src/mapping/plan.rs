@@ -149,8 +149,12 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, Stri
     if after.contains('*') || parent.to_string_lossy().contains('*') {
         return Err("one '*', in the last part of the path".to_string());
     }
-    let entries = std::fs::read_dir(&parent)
-        .map_err(|error| format!("a folder {}: {error}", parent.display()))?;
+    let shown = match parent.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => &parent,
+    };
+    let entries = std::fs::read_dir(shown)
+        .map_err(|error| format!("a folder {}: {error}", shown.display()))?;
     let mut found = Vec::new();
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().to_string();
@@ -158,12 +162,12 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, Stri
             .strip_prefix(before)
             .and_then(|rest| rest.strip_suffix(after));
         if let Some(run) = run.filter(|run| !run.is_empty() && !name.starts_with('.')) {
-            found.push((run.to_string(), entry.path()));
+            found.push((run.to_string(), parent.join(&name)));
         }
     }
     found.sort();
     if found.is_empty() {
-        return Err(format!("files of that pattern in {}", parent.display()));
+        return Err(format!("files of that pattern in {}", shown.display()));
     }
     Ok(found)
 }

@@ -87,12 +87,17 @@ fn with_delimiter(text: &str, delimiter: u8, decimal_comma: bool) -> Option<Layo
         let empty = line.cells.iter().filter(|cell| cell.is_empty()).count();
         line.cells.len() >= 2 && numbers >= 1 && 2 * (numbers + empty) > line.cells.len()
     };
+    // Some write a delimiter behind the last number, and none behind the last name.
+    let fits = |row: &Line, names: &Line| {
+        let more = row.cells.len() == names.cells.len() + 1;
+        row.cells.len() == names.cells.len() || more && row.cells.last() == Some(&"")
+    };
     let first = (1..lines.len()).find(|&i| {
         let alike = |j: usize| lines[j].cells.len() == lines[i].cells.len();
         let followed = i + 1 == lines.len() || alike(i + 1) && is_data(&lines[i + 1]);
-        is_data(&lines[i]) && followed && alike(i - 1) && !is_data(&lines[i - 1])
+        is_data(&lines[i]) && followed && fits(&lines[i], &lines[i - 1]) && !is_data(&lines[i - 1])
     })?;
-    let width = lines[first].cells.len();
+    let width = lines[first - 1].cells.len();
     let above = |i: usize| &lines[first - i].cells;
     // Most of it are units, and less than half of that above it: some units are a maker's own, some names are units too.
     let units_row = first >= 2 && lines[first - 2].cells.len() == width && {
@@ -119,10 +124,6 @@ fn with_delimiter(text: &str, delimiter: u8, decimal_comma: bool) -> Option<Layo
 
 /// Cells of a line of the head; numbers are read by the crate csv, which knows quotes that hold line ends too.
 fn cells(line: &str, delimiter: char) -> Vec<&str> {
-    let line = line
-        .strip_suffix(delimiter)
-        .filter(|rest| rest.contains(delimiter))
-        .unwrap_or(line);
     let mut cells = Vec::new();
     let (mut start, mut quoted) = (0, false);
     for (at, c) in line.char_indices() {
@@ -195,6 +196,13 @@ mod tests {
             (tabs.delimiter, tabs.units[1].as_deref()),
             (b'\t', Some("m/s^2"))
         );
+    }
+
+    #[test]
+    fn a_last_cell_may_be_empty_or_be_none() {
+        assert_eq!(found("t,a,b\n0,1,\n1,2,3\n").names, ["t", "a", "b"]);
+        assert_eq!(found("t,a\n0,1,\n1,2,\n").names, ["t", "a"]);
+        assert_eq!(found("t,a,\n0,1,\n1,2,\n").names, ["t", "a", ""]);
     }
 
     #[test]

@@ -4,6 +4,10 @@ mod cell;
 mod encoding;
 mod layout;
 mod log;
+#[cfg(feature = "mat73")]
+mod matlab73;
+#[cfg(feature = "mdf4")]
+mod mdf4;
 mod read;
 mod text;
 

@@ -19,15 +19,15 @@ pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
         .map_err(|error| Error::file(&path.display().to_string(), error))
 }
 
-/// Reads a recording: Parquet, MATLAB, MDF 4 or, with any other ending, text.
+/// Reads a recording: Parquet (`.parquet`), MATLAB (`.mat`), MDF 4 (`.mf4`, `.mdf`) or, with any other ending, text.
 ///
-/// Of text only the channels `wanted` by name are read, where some are.
+/// Of text, MDF 4 and MATLAB v7.3 only the channels `wanted` by name are read, where some are.
 ///
 /// # Errors
 /// Those of the format's reader.
 pub fn read_log(
     path: &Path,
-    bytes: &[u8],
+    bytes: Vec<u8>,
     options: TextOptions,
     wanted: Option<&[&str]>,
 ) -> Result<Log, Error> {
@@ -35,9 +35,37 @@ pub fn read_log(
     let ending = path.extension().and_then(|ending| ending.to_str());
     match ending.unwrap_or("").to_ascii_lowercase().as_str() {
         "parquet" => columns(path, &file),
+        "mat" if bytes.starts_with(b"MATLAB 7.3") => matlab73(bytes, wanted, &file),
         "mat" => columns(path, &file),
-        _ => read_text(bytes, options, wanted, &file),
+        "mf4" | "mdf" => mdf4(bytes, wanted, &file),
+        _ => read_text(&bytes, options, wanted, &file),
     }
+}
+
+#[cfg(feature = "mat73")]
+fn matlab73(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<Log, Error> {
+    crate::source::matlab73::read_matlab73(bytes, wanted, file)
+}
+
+#[cfg(not(feature = "mat73"))]
+fn matlab73(_: Vec<u8>, _: Option<&[&str]>, file: &str) -> Result<Log, Error> {
+    Err(Error::file(
+        file,
+        "this is MATLAB v7.3, which this build does not read (it was made without the feature mat73): save it with save(..., '-v7')",
+    ))
+}
+
+#[cfg(feature = "mdf4")]
+fn mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<Log, Error> {
+    crate::source::mdf4::read_mdf4(bytes, wanted, file)
+}
+
+#[cfg(not(feature = "mdf4"))]
+fn mdf4(_: Vec<u8>, _: Option<&[&str]>, file: &str) -> Result<Log, Error> {
+    Err(Error::file(
+        file,
+        "this is MDF, which this build does not read (it was made without the feature mdf4): export it as CSV or Parquet",
+    ))
 }
 
 /// Reads every channel of a recording.
@@ -45,7 +73,7 @@ pub fn read_log(
 /// # Errors
 /// As [`read_log`]; [`Error::File`] where it cannot be read.
 pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
-    read_log(path, &bytes_of(path)?, options, None)
+    read_log(path, bytes_of(path)?, options, None)
 }
 
 /// Columns without units.

@@ -2,5 +2,6 @@
 
 mod clocks;
 mod guessed;
+mod makers;
 mod one_logger;
 mod truth;
