@@ -2,7 +2,7 @@
 # Fills the corpora with small valid files made by the command itself.
 set -euo pipefail
 cd "$(dirname "$0")"
-mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording,mapping}
+mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording}
 kufe() { cargo run --release --quiet --manifest-path ../Cargo.toml -p kufe -- "$@"; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -10,7 +10,7 @@ kufe init "$scratch/case.toml" --quiet
 kufe init "$scratch/table.toml" --kind table --quiet
 kufe init "$scratch/model.toml" --kind model --quiet
 kufe init "$scratch/mapping.toml" --kind mapping --quiet
-cp "$scratch/mapping.toml" corpus/mapping/example
+cp "$scratch/mapping.toml" corpus/recording/mapping
 cp "$scratch/case.toml" corpus/case/example
 cp "$scratch/model.toml" corpus/model/example
 hull=(hull bob --length-m 0.05 --height-m 0.01 --edge-length-m 0.01 --quiet)

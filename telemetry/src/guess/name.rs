@@ -12,6 +12,7 @@ const NAMES: [(&str, Words, Words); 11] = [
             "longitudinal",
             "inline acc",
             "g long",
+            "force long",
             "acc x",
             "accel x",
             "langsbeschl",
@@ -29,6 +30,7 @@ const NAMES: [(&str, Words, Words); 11] = [
             "lateral",
             "lat acc",
             "g lat",
+            "force lat",
             "acc y",
             "accel y",
             "querbeschl",
@@ -44,6 +46,7 @@ const NAMES: [(&str, Words, Words); 11] = [
             "vertical acc",
             "vert acc",
             "g vert",
+            "force vert",
             "acc z",
             "accel z",
             "hochbeschl",
@@ -199,9 +202,11 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
             || plain == words
             || words.len() > 5 && plain.contains(words)
     };
+    // Geschwindigkeit holds a wind and means none.
+    let begins = |word: &str| format!(" {plain}").contains(&format!(" {word}"));
     let fits = NAMES
         .iter()
-        .filter(|(_, _, against)| !against.iter().any(|words| plain.contains(words)));
+        .filter(|(_, _, against)| !against.iter().any(|word| begins(word)));
     let fits = fits.filter_map(|(column, words, _)| {
         let weight = words
             .iter()
@@ -220,10 +225,10 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
 /// Whether a name is that of a time; earlier in the list is surer.
 pub(crate) fn time_rank(name: &str) -> Option<usize> {
     let plain = plain(name);
-    let begins = |word: &&str| plain == **word || word.len() > 3 && plain.starts_with(*word);
+    let begins = |word: &str| plain == word || word.len() > 3 && plain.starts_with(word);
     TIMES
         .iter()
-        .position(|word| begins(&word))
+        .position(|word| begins(word))
         .filter(|_| !plain.contains("lap"))
 }
 

@@ -14,8 +14,8 @@ use crate::mapping::{ChannelSource, Mapping, PlannedRun};
 use crate::resample::{Base, resample};
 use crate::source::{Log, TextOptions, bytes_of, read_log};
 
-/// Most rows of a run: a day at 1000 Hz.
-const MOST_ROWS: f64 = 1e8;
+/// Most rows of a run: a day at 100 Hz and more.
+const MOST_ROWS: f64 = 1e7;
 
 /// Imports the runs of one mapping.
 #[derive(Debug)]
@@ -91,7 +91,8 @@ impl Importer {
                 },
             );
             for (column, source) in self.channels_of(name) {
-                let (recipe, series) = self.series(column, source, name, &log, &file)?;
+                let (recipe, series, remark) = self.series(column, source, name, &log, &file)?;
+                remarks.extend(remark.filter(|text| !remarks.contains(text)));
                 read.insert(
                     column.clone(),
                     Read {
@@ -102,7 +103,7 @@ impl Importer {
                 );
             }
             for (column, source) in &self.mapping.logger[name].also {
-                let (_, series) = self.series(column, source, name, &log, &file)?;
+                let (_, series, _) = self.series(column, source, name, &log, &file)?;
                 also.push(LoggerSeries {
                     logger: name.clone(),
                     column: column.clone(),
@@ -193,9 +194,9 @@ impl Importer {
         logger: &str,
         log: &Log,
         file: &str,
-    ) -> Result<(Recipe, Series), Error> {
+    ) -> Result<(Recipe, Series, Option<String>), Error> {
         let files = &self.mapping.logger[logger];
-        let mut time = times(log, source, logger, files, &self.units, file)?;
+        let (mut time, remark) = times(log, source, logger, files, &self.units, file)?;
         let delay = source.delay_s.unwrap_or(0.0);
         time.iter_mut().for_each(|t| *t -= delay);
         let channel = &log.channels[log.find(&source.from, file)?];
@@ -205,7 +206,7 @@ impl Importer {
             .iter()
             .map(|x| recipe.factor * x + recipe.offset)
             .collect();
-        Ok((recipe, Series { time, values }))
+        Ok((recipe, Series { time, values }, remark))
     }
 
     fn delays(

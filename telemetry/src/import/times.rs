@@ -5,13 +5,16 @@ use crate::import::convert::Conversions;
 use crate::mapping::{ChannelSource, LoggerFiles};
 use crate::source::Log;
 
-/// Times of a channel's samples [s]; NaN where a sample cannot be placed.
+/// Largest share of samples that may repeat the time before them: a row written twice now and then, not a clock too coarse.
+const REPEATED: f64 = 0.1;
+
+/// Times of a channel's samples [s], NaN where a sample cannot be placed, and what is odd about them.
 ///
 /// The channel's own time channel, or the logger's, or the clock that the file has for it, or the stated rate. Of samples at
 /// one time the first counts: some loggers write a row twice.
 ///
 /// # Errors
-/// [`Error::NoChannel`]; [`Error::Channel`] where there is no time, its unit is unknown, or it runs backwards.
+/// [`Error::NoChannel`]; [`Error::Channel`] where there is no time, its unit is unknown, it runs backwards or is too coarse.
 pub(crate) fn times(
     log: &Log,
     source: &ChannelSource,
@@ -19,7 +22,7 @@ pub(crate) fn times(
     files: &LoggerFiles,
     units: &Conversions,
     file: &str,
-) -> Result<Vec<f64>, Error> {
+) -> Result<(Vec<f64>, Option<String>), Error> {
     let channel = &log.channels[log.find(&source.from, file)?];
     let wrong = |name: &str, found: String, expected: String| Error::Channel {
         file: file.to_string(),
@@ -73,6 +76,7 @@ pub(crate) fn times(
         ));
     }
     let mut last = f64::NEG_INFINITY;
+    let mut repeated = 0;
     for (row, t) in time.iter_mut().enumerate() {
         if *t < last {
             let line = row as u64 + log.first_row.max(1);
@@ -83,10 +87,22 @@ pub(crate) fn times(
             ));
         }
         if *t == last {
+            repeated += 1;
             *t = f64::NAN;
         } else if t.is_finite() {
             last = *t;
         }
     }
-    Ok(time)
+    if repeated as f64 > REPEATED * time.len() as f64 {
+        let found = format!(
+            "{repeated} of {} samples at the time of the one before",
+            time.len()
+        );
+        let expected = format!("a time that tells samples apart, or logger.{logger}.rate_hz");
+        return Err(wrong(name, found, expected));
+    }
+    let remark = (repeated > 0).then(|| {
+        format!("{file}: {repeated} samples repeat the time before them and are left out")
+    });
+    Ok((time, remark))
 }

@@ -147,6 +147,19 @@ pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
     };
     index("index", &mapping.index)?;
     for run in &mapping.run {
+        if mapping
+            .run
+            .iter()
+            .filter(|other| other.name == run.name)
+            .count()
+            > 1
+        {
+            return Err(wrong(
+                "run.name".into(),
+                format!("{} twice", run.name),
+                "each run once",
+            ));
+        }
         plain_name(&run.name).ok_or_else(|| wrong("run.name".into(), run.name.clone(), PLAIN))?;
         index(&format!("run {}: index", run.name), &run.index)?;
         let named = run.files.keys().chain(run.delay_s.keys());

@@ -84,6 +84,11 @@ mod tests {
             ),
             ("[index] ", "[indecks] ", "indecks"),
             (
+                "# [[run]]",
+                "[[run]]\nname = \"a\"\n[[run]]\nname = \"a\"\n#",
+                "run.name: found a twice, expected each run once",
+            ),
+            (
                 "scale = 12.0",
                 "scale = 0.0",
                 "channels.delta_rad.scale: found 0",

@@ -75,11 +75,11 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Vec<PlannedR
     let runs: Result<Vec<PlannedRun>, Error> = files
         .into_iter()
         .map(|(name, files)| {
-            for logger in mapping
+            let lacking = mapping
                 .logger
                 .keys()
-                .filter(|logger| !files.contains_key(*logger))
-            {
+                .find(|logger| !files.contains_key(*logger));
+            if let Some(logger) = lacking {
                 let there: Vec<String> = files
                     .values()
                     .map(|path| path.display().to_string())

@@ -80,7 +80,7 @@ pub fn conversion(unit: &str, target: &str) -> Result<Conversion, String> {
 /// Whether the unit library knows this, as a unit of whatever quantity.
 pub(crate) fn is_unit(text: &str) -> bool {
     let plain = text.trim().trim_matches(['[', ']', '(', ')', ' ']);
-    let short = plain.chars().count() <= LONGEST && plain.matches('^').count() <= 3;
+    let short = plain.chars().count() <= LONGEST;
     // Of temperatures any word would do; the others are asked for by what they are.
     ["", "m/s^2", "°C"].iter().any(|target| {
         short && spelled(plain, target).is_ok_and(|known| evaluate(&format!("1 {known}")).is_ok())
@@ -116,6 +116,18 @@ fn spelled(unit: &str, target: &str) -> Result<String, String> {
     let known = known.trim();
     if known.chars().filter(char::is_ascii_digit).count() > 4 {
         return Err("at most four digits stand in a unit".to_string());
+    }
+    // No powers of powers, which take for ever: a power is one digit of a word or number.
+    let chars: Vec<char> = known.chars().filter(|c| *c != ' ').collect();
+    for (at, _) in chars.iter().enumerate().filter(|(_, c)| **c == '^') {
+        let mut exponent = chars[at + 1..].iter().skip_while(|c| **c == '-');
+        let digit = exponent.next().is_some_and(char::is_ascii_digit);
+        let ends = exponent
+            .next()
+            .is_none_or(|c| *c != '^' && !c.is_ascii_digit());
+        if !digit || !ends || at == 0 || chars[at - 1] == ')' {
+            return Err("a power is one digit".to_string());
+        }
     }
     Ok(known.to_string())
 }
@@ -262,6 +274,7 @@ mod tests {
             ("furlongish", "m"),
             ("10^10^10", "1"),
             ("9^9^9^9 s", "s"),
+            ("(9^9)^9 s", "s"),
             ("m); exec(", "m"),
             ("", "m/s"),
             ("1", "rad/s"),
