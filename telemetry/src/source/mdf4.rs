@@ -1,6 +1,7 @@
 //! MDF 4 logs: groups of channels, each with its own clock and rate.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use falcon_mdf::Mf4File;
 
@@ -54,10 +55,10 @@ pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<
         };
         kept[place] = true;
         let group = (of[place].data_group_index, of[place].channel_group_index);
-        if !clocks.contains_key(&group) {
+        if let Entry::Vacant(clock) = clocks.entry(group) {
             // A group without times leaves its channels without a clock.
             if let Ok(times) = mdf.channel_timestamps(of[place]) {
-                clocks.insert(group, log.clocks.len());
+                clock.insert(log.clocks.len());
                 log.clocks.push(times);
             }
         }
