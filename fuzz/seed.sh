@@ -2,13 +2,15 @@
 # Fills the corpora with small valid files made by the command itself.
 set -euo pipefail
 cd "$(dirname "$0")"
-mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights}
+mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording}
 kufe() { cargo run --release --quiet --manifest-path ../Cargo.toml -p kufe -- "$@"; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 kufe init "$scratch/case.toml" --quiet
 kufe init "$scratch/table.toml" --kind table --quiet
 kufe init "$scratch/model.toml" --kind model --quiet
+kufe init "$scratch/mapping.toml" --kind mapping --quiet
+cp "$scratch/mapping.toml" corpus/recording/mapping
 cp "$scratch/case.toml" corpus/case/example
 cp "$scratch/model.toml" corpus/model/example
 hull=(hull bob --length-m 0.05 --height-m 0.01 --edge-length-m 0.01 --quiet)
@@ -26,3 +28,5 @@ printf 'x_m,y_m,z_m\n0,0,0\n1,0,0\n0,1,0\n1,1,1e-6\n' > corpus/heights/example
 printf 's_m,slope_rad,curvature_1pm,bank_rad\n0,0.1,0,0\n10,0.1,0.01,0.2\n' > corpus/track/example
 printf 'specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\na,8e6,3e5,0.0048,0.0002\n' > corpus/experiments/example
 printf 't_s,ax_mps2,ay_mps2,az_mps2,roll_rate_radps,pitch_rate_radps,yaw_rate_radps,v_mps,alpha_rad,delta_rad,gamma_rad\n0,0,0,9.81,0,0,0,30,0,0,0\n' > corpus/run/example
+printf 'Fahrt;3\n\nZeit;Lenkwinkel\nms;°\n0;1,5\n10;1,6\n' > corpus/recording/german
+printf 'Time,GPS Speed [km/h],Lateral Acc [g]\n0.00,91.5,0.1\n0.05,91.6,\n' > corpus/recording/example

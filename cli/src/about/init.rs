@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE, write_whole};
+use kufe_telemetry::MAPPING_EXAMPLE;
 
 use crate::about::schema::Kind;
 use crate::output::apart::apart;
@@ -23,7 +24,7 @@ complete the keys and show what they mean.";
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The file to write [default: case.toml, table.toml or model.toml]
+    /// The file to write [default: case.toml, table.toml, model.toml or mapping.toml]
     pub file: Option<PathBuf>,
     /// What to start
     #[arg(long, value_enum, default_value_t = Kind::Case)]
@@ -64,6 +65,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Kind::Model => (
             MODEL_EXAMPLE,
             format!("use it with: kufe evaluate runs.csv --model {path} -o evaluation/"),
+        ),
+        Kind::Mapping => (
+            MAPPING_EXAMPLE,
+            format!("import with it: kufe runs import {path} -o runs/"),
         ),
     };
     write_whole(&schema, |writer| {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use kufe_case::Case;
 use kufe_jobs::{Failure, write_whole};
 use kufe_sled::Model;
+use kufe_telemetry::Mapping;
 use schemars::generate::SchemaSettings;
 
 use crate::output::global::Global;
@@ -38,6 +39,8 @@ pub enum Kind {
     Table,
     /// model.toml: the sled and its friction
     Model,
+    /// mapping.toml: where runs are recorded, and how
+    Mapping,
 }
 
 impl Kind {
@@ -47,6 +50,7 @@ impl Kind {
             Kind::Case => "case",
             Kind::Table => "table",
             Kind::Model => "model",
+            Kind::Mapping => "mapping",
         }
     }
 
@@ -57,6 +61,7 @@ impl Kind {
             Kind::Case => generator.root_schema_for::<Case>(),
             Kind::Table => kufe_jobs::table::schema(&mut generator),
             Kind::Model => generator.root_schema_for::<Model>(),
+            Kind::Mapping => generator.root_schema_for::<Mapping>(),
         };
         format!("{:#}\n", schema.to_value())
     }

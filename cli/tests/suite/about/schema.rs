@@ -6,6 +6,7 @@ use std::process::Command;
 use kufe_case::Case;
 use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_sled::Model;
+use kufe_telemetry::{MAPPING_EXAMPLE, Mapping};
 
 use crate::kufe::Bench;
 
@@ -48,7 +49,7 @@ fn validate(pairs: &[(PathBuf, PathBuf)]) -> Option<Vec<String>> {
 /// The schemas in a folder, and where each of them is.
 fn schemas(bench: &Bench) -> impl Fn(&str) -> PathBuf {
     let place = |kind: &str| format!("{kind}.schema.json");
-    for kind in ["case", "table", "model"] {
+    for kind in ["case", "table", "model", "mapping"] {
         bench.succeeds(&["schema", kind, "-q", "-o", &place(kind)]);
     }
     move |kind: &str| bench.path(&place(kind))
@@ -78,6 +79,8 @@ fn shipped() -> Vec<(&'static str, PathBuf)> {
                     found.push(("table", path));
                 } else if starts("[sled]") {
                     found.push(("model", path));
+                } else if starts("[logger.") {
+                    found.push(("mapping", path));
                 }
             }
         }
@@ -95,7 +98,7 @@ fn every_shipped_file_is_valid_by_its_schema() {
     let bench = Bench::new();
     let schema = schemas(&bench);
     let files = shipped();
-    for kind in ["case", "table", "model"] {
+    for kind in ["case", "table", "model", "mapping"] {
         assert!(
             files.iter().any(|(found, _)| *found == kind),
             "no {kind} is shipped"
@@ -153,6 +156,16 @@ fn a_misspelt_key_and_a_wrong_value_are_refused() {
             model.replace("slope_per_k", "slope_per_c"),
             "slope_per_c",
         ),
+        (
+            "mapping",
+            MAPPING_EXAMPLE.replace("sign = -1", "sing = -1"),
+            "sing",
+        ),
+        (
+            "mapping",
+            MAPPING_EXAMPLE.replace("rate_hz = 100.0", "rate_hz = 0.1"),
+            "0.1",
+        ),
     ];
     let mut pairs = Vec::new();
     for (n, (kind, text, _)) in wrong.iter().enumerate() {
@@ -176,8 +189,9 @@ fn files_to_start_from_are_what_the_readers_take() {
         Model::published()
     );
     Case::parse(EXAMPLE).expect("a case");
+    Mapping::parse(MAPPING_EXAMPLE, "mapping.toml").expect("a mapping");
     let bench = Bench::new();
-    for kind in ["case", "table", "model"] {
+    for kind in ["case", "table", "model", "mapping"] {
         bench.succeeds(&["init", "--kind", kind, "-q"]);
         let text = std::fs::read_to_string(bench.path(&format!("{kind}.toml"))).expect("text");
         assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")));

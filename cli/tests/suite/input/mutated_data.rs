@@ -14,6 +14,7 @@ use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
 use kufe_lut::{Axes, Solved, Table};
 use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
+use kufe_telemetry::{MAPPING_EXAMPLE, Mapping, TextOptions, guess_mapping, read_text};
 
 use crate::input::damage::rounds;
 
@@ -83,6 +84,30 @@ fn run_csv() -> String {
 fn damaged_runs_are_columns_or_errors() {
     rounds("run.csv", &[run_csv().into()], |bytes| {
         read_csv(bytes, &COLUMNS, "run.csv").is_ok()
+    });
+}
+
+#[test]
+fn damaged_recordings_are_logs_or_errors() {
+    let plain = run_csv();
+    let german = plain
+        .replace(',', ";")
+        .replace('.', ",")
+        .replace("t_s", "Fahrt 3\n\nZeit [ms]");
+    let units = "Time,GPS Speed,Lateral Acc\ns,km/h,g\n\n0.0,91.5,0.1\n0.1,91.25,\n0.2,9e1,-\n";
+    let seeds: Vec<Vec<u8>> = [plain.as_str(), german.as_str(), units]
+        .map(Vec::from)
+        .into();
+    rounds("recording.csv", &seeds, |bytes| {
+        read_text(bytes, TextOptions::default(), None, "recording.csv")
+            .is_ok_and(|log| !guess_mapping(&[("recording.csv".into(), log)]).is_empty())
+    });
+}
+
+#[test]
+fn damaged_mappings_are_mappings_or_errors() {
+    rounds("mapping.toml", &[MAPPING_EXAMPLE.into()], |bytes| {
+        Mapping::parse(&String::from_utf8_lossy(bytes), "mapping.toml").is_ok()
     });
 }
 

@@ -1,0 +1,89 @@
+//! `kufe runs init`: a commented mapping, guessed from samples.
+
+use std::path::{Path, PathBuf};
+
+use kufe_jobs::{Failure, write_whole};
+use kufe_telemetry::{TextOptions, guess_mapping, read_recording};
+
+use crate::about::schema::Kind;
+use crate::output::apart::apart;
+use crate::output::global::Global;
+use crate::output::say::say;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe runs init raw/monday_01.csv                          one logger: mapping.toml
+  kufe runs init raw/imu_01.csv raw/gps_01.csv -o m.toml    two loggers of one run
+
+Names, units in the file and values tell what a channel may be; how sure that is stands beside it. What cannot be told is a
+line that begins with \"# ?\": answer the line below it.";
+
+/// Arguments of `kufe runs init`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Files of one run, one a logger
+    #[arg(required = true)]
+    pub samples: Vec<PathBuf>,
+    /// The mapping to write
+    #[arg(long, short, value_name = "FILE", default_value = "mapping.toml")]
+    pub out: PathBuf,
+    /// Replace a mapping that exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Guesses and writes.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let path = args.out.display();
+    let schema = args
+        .out
+        .parent()
+        .unwrap_or(Path::new(""))
+        .join("mapping.schema.json");
+    apart(&args.samples, &[args.out.clone(), schema.clone()])?;
+    if args.out.exists() && !args.force {
+        return Err(Failure::BadInput(format!(
+            "{path}: exists already; --force replaces it"
+        )));
+    }
+    let mut logs = Vec::new();
+    for sample in &args.samples {
+        let log = read_recording(sample, TextOptions::default()).map_err(Failure::bad_input)?;
+        logs.push((from_mapping(sample, &args.out)?, log));
+    }
+    let text = guess_mapping(&logs);
+    let questions = text.matches("\n# ? ").count();
+    write_whole(&schema, |writer| {
+        writer.write_all(Kind::Mapping.schema().as_bytes())
+    })?;
+    write_whole(&args.out, |writer| {
+        write!(writer, "#:schema ./mapping.schema.json\n{text}")
+    })?;
+    if global.json {
+        let written =
+            serde_json::json!({ "file": args.out, "schema": schema, "questions": questions });
+        say(&format!("{written}\n"));
+    } else if !global.quiet {
+        say(&format!(
+            "{path} written with {questions} questions (lines that begin with \"# ?\"); answered: kufe runs import {path} -o runs/\n"
+        ));
+    }
+    Ok(())
+}
+
+/// A sample's path as the mapping names it: as it is given where both stand in one folder, else from the root.
+fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
+    let folder = mapping.parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() || sample.is_absolute() {
+        return Ok(sample.to_path_buf());
+    }
+    if let Ok(below) = sample.strip_prefix(folder) {
+        return Ok(below.to_path_buf());
+    }
+    std::path::absolute(sample)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", sample.display())))
+}

@@ -1,0 +1,241 @@
+//! Pairs of expressions, one in each of two clocks, that are equal but for a scale and a constant.
+
+use crate::clock::series::{LoggerSeries, Series};
+use crate::clock::signal::Signal;
+
+/// Where a sensor may stand beside the place that is known of it [m]; it shifts a lateral acceleration by place over speed.
+const PLACE: f64 = 0.2;
+
+/// By how much slip that nothing measures shifts a lateral acceleration: slip angle over yaw rate [s].
+const SLIP: f64 = 0.03;
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// A column with itself.
+    Same,
+    /// `a_x` with `dv/dt`.
+    Longitudinal,
+    /// `a_y` with `r v - d(alpha v)/dt + x dr/dt`.
+    Lateral,
+    /// `a_z` with `-q v - x dq/dt`.
+    Vertical,
+}
+
+/// One relation between two loggers.
+pub(crate) struct Pair<'a> {
+    kind: Kind,
+    pub name: String,
+    left: &'a Series,
+    main: &'a Series,
+    /// Speed, where the relation has it, and whether it stands in the clock of `left`.
+    speed: Option<(&'a Series, bool)>,
+    slip: Option<&'a Series>,
+    /// Accelerometer ahead of what the right side is at [m].
+    ahead_m: f64,
+    /// Whether `left` is in the clock that is looked for.
+    pub left_late: bool,
+    /// What cannot be known of the delay by this relation [s].
+    pub doubt_s: f64,
+}
+
+/// What a pair's sides are at a corner of the low pass.
+pub(crate) struct Sides {
+    left: Signal,
+    main: Signal,
+    speed: Option<(Signal, bool)>,
+    slip: Option<Signal>,
+    kind: Kind,
+    ahead_m: f64,
+    left_late: bool,
+}
+
+/// A place of a column along the sled, where it is stated.
+pub(crate) type Place<'a> = dyn Fn(&str) -> Option<f64> + 'a;
+
+/// The pairs between one logger and those whose clocks are known, whose series are in the clock of the runs.
+pub(crate) fn pairs<'a>(
+    late: &'a [&'a LoggerSeries],
+    known: &'a [LoggerSeries],
+    place: &Place,
+) -> Vec<Pair<'a>> {
+    let mut pairs = Vec::new();
+    let in_late = |column: &str| late.iter().find(|s| s.column == column).map(|s| &s.series);
+    let in_known = |column: &str| known.iter().find(|s| s.column == column).map(|s| &s.series);
+    for own in late {
+        if let Some(other) = in_known(&own.column) {
+            pairs.push(Pair {
+                kind: Kind::Same,
+                name: format!("{} in both", own.column),
+                left: other,
+                main: &own.series,
+                speed: None,
+                slip: None,
+                ahead_m: 0.0,
+                left_late: false,
+                doubt_s: 0.0,
+            });
+        }
+    }
+    for left_late in [false, true] {
+        let left = |column: &str| {
+            if left_late {
+                in_late(column)
+            } else {
+                in_known(column)
+            }
+        };
+        let right = |column: &str| {
+            if left_late {
+                in_known(column)
+            } else {
+                in_late(column)
+            }
+        };
+        if let (Some(ax), Some(v)) = (left("ax_mps2"), right("v_mps")) {
+            pairs.push(Pair {
+                kind: Kind::Longitudinal,
+                name: "ax = dv/dt".to_string(),
+                left: ax,
+                main: v,
+                speed: None,
+                slip: None,
+                ahead_m: 0.0,
+                left_late,
+                doubt_s: 0.0,
+            });
+        }
+        for (kind, name, acceleration, rate) in [
+            (
+                Kind::Lateral,
+                "ay = yaw rate * v",
+                "ay_mps2",
+                "yaw_rate_radps",
+            ),
+            (
+                Kind::Vertical,
+                "az = g - pitch rate * v",
+                "az_mps2",
+                "pitch_rate_radps",
+            ),
+        ] {
+            let (Some(a), Some(w)) = (left(acceleration), right(rate)) else {
+                continue;
+            };
+            let speed = right("v_mps")
+                .map(|v| (v, false))
+                .or(left("v_mps").map(|v| (v, true)));
+            let Some(speed) = speed else { continue };
+            let slip = right("alpha_rad").filter(|_| kind == Kind::Lateral);
+            let mean = mean(speed.0).abs().max(1.0);
+            let sensor = place(acceleration);
+            // The slip sensor's velocity is that of its own place.
+            let at = if slip.is_some() {
+                place("alpha_rad")
+            } else {
+                Some(0.0)
+            };
+            let ahead = sensor.zip(at).map(|(sensor, at)| sensor - at);
+            let unknown_place = if ahead.is_some() { 0.0 } else { PLACE / mean };
+            let unknown_slip = if slip.is_none() && kind == Kind::Lateral {
+                SLIP
+            } else {
+                0.0
+            };
+            pairs.push(Pair {
+                kind,
+                name: name.to_string(),
+                left: a,
+                main: w,
+                speed: Some(speed),
+                slip,
+                ahead_m: ahead.unwrap_or(0.0),
+                left_late,
+                doubt_s: f64::hypot(unknown_place, unknown_slip),
+            });
+        }
+    }
+    pairs
+}
+
+fn mean(series: &Series) -> f64 {
+    let finite = series.values.iter().filter(|x| x.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
+impl Pair<'_> {
+    /// Both sides through a low pass; `None` where a series is too short.
+    pub fn sides(&self, corner_hz: f64) -> Option<Sides> {
+        let of = |series: &Series| Signal::of(series, corner_hz);
+        let speed = match self.speed {
+            Some((series, with_left)) => Some((of(series)?, with_left)),
+            None => None,
+        };
+        Some(Sides {
+            left: of(self.left)?,
+            main: of(self.main)?,
+            speed,
+            slip: self.slip.and_then(of),
+            kind: self.kind,
+            ahead_m: self.ahead_m,
+            left_late: self.left_late,
+        })
+    }
+
+    /// The rate of the slower side [Hz].
+    pub fn rate_hz(&self) -> Option<f64> {
+        let rate = |series: &Series| Signal::of(series, f64::INFINITY).map(|signal| signal.rate_hz);
+        Some(rate(self.left)?.min(rate(self.main)?))
+    }
+}
+
+impl Sides {
+    /// The left side and its derivative at a time of its own clock.
+    pub fn left(&self, t: f64) -> Option<[f64; 2]> {
+        self.left.at(t).map(|[value, slope, _]| [value, slope])
+    }
+
+    /// The right side and its derivative at a time of its own clock; `ahead` leads from there to the left side's clock.
+    pub fn right(&self, t: f64, ahead: f64) -> Option<[f64; 2]> {
+        let [w, dw, ddw] = self.main.at(t)?;
+        let (v, dv) = match &self.speed {
+            None => (1.0, 0.0),
+            Some((speed, with_left)) => {
+                let [v, dv, _] = speed.at(if *with_left { t + ahead } else { t })?;
+                (v, dv)
+            }
+        };
+        Some(match self.kind {
+            Kind::Same => [w, dw],
+            Kind::Longitudinal => [dw, ddw],
+            Kind::Vertical => [
+                -w * v - self.ahead_m * dw,
+                -dw * v - w * dv - self.ahead_m * ddw,
+            ],
+            Kind::Lateral => {
+                let [slip, dslip, ddslip] = match &self.slip {
+                    Some(slip) => slip.at(t)?,
+                    None => [0.0; 3],
+                };
+                // v_y = -alpha v; of its second derivative the speed's changes are small beside slip's.
+                let sideways = -(dslip * v + slip * dv);
+                let further = -(ddslip * v + 2.0 * dslip * dv);
+                [
+                    w * v + sideways + self.ahead_m * dw,
+                    dw * v + w * dv + further + self.ahead_m * ddw,
+                ]
+            }
+        })
+    }
+
+    /// First and last time of both sides, left and right [s].
+    pub fn spans(&self) -> [[f64; 2]; 2] {
+        [self.left.span(), self.main.span()]
+    }
+
+    /// From the right side's clock to the left's, by the delay of the logger that is looked for.
+    pub fn ahead(&self, delay: f64) -> f64 {
+        if self.left_late { delay } else { -delay }
+    }
+}

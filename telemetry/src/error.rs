@@ -1,0 +1,82 @@
+//! What can be wrong with a mapping or with the files that it names.
+
+/// Errors of mappings and recordings.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A file cannot be read, or is not of its format.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// The system's or the reader's answer.
+        reason: String,
+    },
+    /// A value of the mapping is not what it must be.
+    #[error("{file}: {key}: found {found}, expected {expected}")]
+    Key {
+        /// The mapping.
+        file: String,
+        /// The key with its table.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// A recording has no channel of this name.
+    #[error("{file}: there is no channel {channel:?}, expected one of: {found}")]
+    NoChannel {
+        /// The recording.
+        file: String,
+        /// The name asked for.
+        channel: String,
+        /// The names that are there.
+        found: String,
+    },
+    /// A cell of a text file holds no number.
+    #[error("{file}: row {row}, channel {channel:?}: found {found:?}, expected {expected}")]
+    Cell {
+        /// The recording.
+        file: String,
+        /// Line in the file, counted from 1.
+        row: u64,
+        /// The channel.
+        channel: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// The values of a channel cannot be used.
+    #[error("{file}: channel {channel:?}: found {found}, expected {expected}")]
+    Channel {
+        /// The recording.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// What is wrong, with its place.
+        found: String,
+        /// What should be there.
+        expected: String,
+    },
+    /// The clocks of two loggers cannot be brought together.
+    #[error("run {run}: the clock of logger {logger:?}: {reason}")]
+    Clock {
+        /// The run.
+        run: String,
+        /// The logger.
+        logger: String,
+        /// Why, and what may be stated instead.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// An error of the system or of a format's reader, with its file.
+    pub(crate) fn file(file: &str, reason: impl std::fmt::Display) -> Self {
+        Error::File {
+            file: file.to_string(),
+            reason: reason.to_string(),
+        }
+    }
+}

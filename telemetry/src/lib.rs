@@ -1,0 +1,48 @@
+//! Recordings of other programs, brought into the form of runs.
+//!
+//! | item | purpose |
+//! |---|---|
+//! | [`Mapping`], [`plan`] | `mapping.toml`, and the runs with the files that it names |
+//! | [`read_log`], [`read_text`] | a recording: text below any head, Parquet, MATLAB |
+//! | [`conversion`], [`column_unit`] | units as loggers write them, in those of kufe's columns |
+//! | [`resample()`] | series at any times on one base of times; nothing is invented across gaps |
+//! | [`Importer`] | one run: read, converted, brought to one clock and one rate, with the [`Note`] of what was done |
+//! | [`guess_mapping`] | a commented mapping from samples, with its questions |
+//!
+//! ```
+//! use kufe_telemetry::Mapping;
+//! let mapping = Mapping::parse(
+//!     "[logger.box]\n\
+//!      files = \"raw/*.csv\"\n\
+//!      time = \"Time\"\n\
+//!      [channels]\n\
+//!      ay_mps2 = { from = \"Lateral Acc\", unit = \"g\", sign = -1 }\n",
+//!     "mapping.toml",
+//! )?;
+//! assert_eq!(mapping.rate_hz, 100.0);
+//! # Ok::<(), kufe_telemetry::Error>(())
+//! ```
+
+mod clock;
+mod error;
+mod guess;
+mod import;
+mod mapping;
+mod resample;
+mod source;
+mod unit;
+
+pub use clock::{Aligned, LoggerSeries, Relation, Series, align};
+pub use error::Error;
+pub use guess::guess_mapping;
+pub use import::{ChannelNote, Imported, Importer, LoggerNote, Note, model_fragment};
+pub use mapping::{
+    ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, PlannedRun, RunFormatWord,
+    RunTable, index_csv, plan,
+};
+pub use resample::{Base, Gap, Resampled, resample};
+pub use source::{Channel, Log, TextOptions, read_log, read_recording, read_text};
+pub use unit::{Conversion, column_unit, conversion};
+
+/// A commented `mapping.toml` to start from.
+pub const MAPPING_EXAMPLE: &str = include_str!("../assets/mapping.toml");

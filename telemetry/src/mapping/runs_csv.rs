@@ -1,0 +1,45 @@
+//! `runs.csv` of imported runs.
+
+use kufe_sled::{INDEX_COLUMNS, MORE_INDEX_COLUMNS};
+
+use crate::error::Error;
+use crate::mapping::plan::PlannedRun;
+
+/// The text of `runs.csv`: its required columns, and of the others those that a run states.
+///
+/// # Errors
+/// [`Error::Key`] for a required column that is not stated.
+pub fn index_csv(runs: &[PlannedRun], ending: &str, mapping: &str) -> Result<Vec<u8>, Error> {
+    let stated = |name: &&str| runs.iter().any(|run| run.index.cell(name).is_some());
+    let more = MORE_INDEX_COLUMNS.into_iter().filter(stated);
+    let columns: Vec<&str> = INDEX_COLUMNS.into_iter().chain(more).collect();
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let told = |error: csv::Error| Error::file("runs.csv", error);
+    table.write_record(&columns).map_err(told)?;
+    for run in runs {
+        let mut cells = Vec::new();
+        for name in &columns {
+            cells.push(match *name {
+                "run" => run.name.clone(),
+                "file" => format!("{}.{ending}", run.name),
+                name => match run.index.cell(name).filter(|cell| !cell.trim().is_empty()) {
+                    Some(cell) => cell,
+                    None if MORE_INDEX_COLUMNS.contains(&name) => String::new(),
+                    None => {
+                        return Err(Error::Key {
+                            file: mapping.to_string(),
+                            key: format!("index.{name}"),
+                            found: format!("nothing for run {}", run.name),
+                            expected: "a value here, in the index table or in the run's own table"
+                                .to_string(),
+                        });
+                    }
+                },
+            });
+        }
+        table.write_record(&cells).map_err(told)?;
+    }
+    table
+        .into_inner()
+        .map_err(|error| Error::file("runs.csv", error.error()))
+}

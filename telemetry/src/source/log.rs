@@ -1,0 +1,59 @@
+//! What a recording holds.
+
+use crate::error::Error;
+
+/// Most names that an error lists.
+const LISTED: usize = 60;
+
+/// A named series of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Its name, without the unit that may stand behind it in brackets.
+    pub name: String,
+    /// The unit that the file states.
+    pub unit: Option<String>,
+    /// Which of [`Log::clocks`] it was sampled by, where the file says so.
+    pub clock: Option<usize>,
+    /// Its values in that unit; NaN where there is none. Empty where it was not asked for.
+    pub values: Vec<f64>,
+}
+
+/// One recording: channels, and the clocks that the file itself relates them to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// Every channel of numbers in the file's order.
+    pub channels: Vec<Channel>,
+    /// Times that the format relates channels to [s].
+    pub clocks: Vec<Vec<f64>>,
+    /// What was odd.
+    pub remarks: Vec<String>,
+    /// Line of the first row, in a text file.
+    pub first_row: u64,
+}
+
+impl Log {
+    /// Place of the channel of this name; capitals and spaces at its ends do not count where only one channel fits.
+    ///
+    /// # Errors
+    /// [`Error::NoChannel`] with the names that are there.
+    pub fn find(&self, name: &str, file: &str) -> Result<usize, Error> {
+        let names = || self.channels.iter().map(|channel| channel.name.as_str());
+        if let Some(place) = names().position(|known| known == name) {
+            return Ok(place);
+        }
+        let alike = |known: &str| known.trim().to_lowercase() == name.trim().to_lowercase();
+        let mut fitting = (0..self.channels.len()).filter(|i| alike(&self.channels[*i].name));
+        if let (Some(place), None) = (fitting.next(), fitting.next()) {
+            return Ok(place);
+        }
+        let mut found: Vec<&str> = names().take(LISTED).collect();
+        if self.channels.len() > LISTED {
+            found.push("...");
+        }
+        Err(Error::NoChannel {
+            file: file.to_string(),
+            channel: name.to_string(),
+            found: found.join(", "),
+        })
+    }
+}

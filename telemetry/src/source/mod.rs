@@ -1,0 +1,18 @@
+//! Recordings as loggers and their programs write them.
+
+mod cell;
+mod encoding;
+mod layout;
+mod log;
+#[cfg(feature = "mat73")]
+mod matlab73;
+#[cfg(feature = "mdf4")]
+mod mdf4;
+mod read;
+mod text;
+
+pub use layout::TextOptions;
+pub use log::{Channel, Log};
+pub(crate) use read::bytes_of;
+pub use read::{read_log, read_recording};
+pub use text::read_text;

@@ -1,0 +1,220 @@
+//! Loggers with clocks of their own, brought together by what they share.
+
+use crate::truth::{COLUMNS, Logger, Writes, column, import, recording};
+
+fn same(x: f64) -> f64 {
+    x
+}
+
+fn kmh(x: f64) -> f64 {
+    3.6 * x
+}
+
+fn negative_degrees(x: f64) -> f64 {
+    -x.to_degrees()
+}
+
+fn in_g(x: f64) -> f64 {
+    x / 9.806_65
+}
+
+const MAPPING: &str = r#"
+clock = "imu"
+[logger.imu]
+files = "imu_*.csv"
+time = "time"
+[logger.gps]
+files = "gps_*.csv"
+time = "time"
+[logger.steer]
+files = "steer_*.csv"
+time = "time"
+time_unit = "ms"
+also.yaw_rate_radps = { from = "yaw_rate_radps", unit = "rad/s" }
+[channels]
+ax_mps2 = { logger = "imu", from = "ax_mps2", unit = "g" }
+ay_mps2 = { logger = "imu", from = "ay_mps2", unit = "g" }
+az_mps2 = { logger = "imu", from = "az_mps2", unit = "g" }
+roll_rate_radps = { logger = "imu", from = "roll_rate_radps", unit = "deg/s", sign = -1 }
+pitch_rate_radps = { logger = "imu", from = "pitch_rate_radps", unit = "deg/s", sign = -1 }
+yaw_rate_radps = { logger = "imu", from = "yaw_rate_radps", unit = "deg/s", sign = -1 }
+v_mps = { logger = "gps", from = "v_mps", unit = "km/h" }
+alpha_rad = { logger = "steer", from = "alpha_rad" }
+delta_rad = { logger = "steer", from = "delta_rad", unit = "deg", sign = -1 }
+gamma_rad = { logger = "steer", from = "gamma_rad" }
+"#;
+
+/// Delays of the loggers `gps` and `steer` beside `imu` [s]: that of a day's time, and a switch-on later.
+const DELAYS: [f64; 2] = [47_159.327_3, -3.214_8];
+
+/// What the three loggers write, with so much noise [share of what good sensors have].
+fn folder(noise: f64, seed: u64) -> tempfile::TempDir {
+    let imu: [Writes; 6] = [
+        ("ax_mps2", &in_g, 0.2 * noise),
+        ("ay_mps2", &in_g, 0.2 * noise),
+        ("az_mps2", &in_g, 0.2 * noise),
+        ("roll_rate_radps", &negative_degrees, 0.002 * noise),
+        ("pitch_rate_radps", &negative_degrees, 0.002 * noise),
+        ("yaw_rate_radps", &negative_degrees, 0.002 * noise),
+    ];
+    let gps: [Writes; 1] = [("v_mps", &kmh, 0.03 * noise)];
+    let steer: [Writes; 4] = [
+        ("alpha_rad", &same, 0.0),
+        ("delta_rad", &negative_degrees, 0.0),
+        ("gamma_rad", &same, 0.0),
+        ("yaw_rate_radps", &same, 0.01 * noise),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, logger: Logger, from, to, seed| {
+        std::fs::write(folder.path().join(name), recording(&logger, from, to, seed)).unwrap();
+    };
+    write(
+        "imu_r1.csv",
+        Logger {
+            rate_hz: 500.0,
+            delay_s: 0.0,
+            time: 1.0,
+            columns: &imu,
+        },
+        0.0,
+        60.0,
+        seed,
+    );
+    write(
+        "gps_r1.csv",
+        Logger {
+            rate_hz: 20.0,
+            delay_s: DELAYS[0],
+            time: 1.0,
+            columns: &gps,
+        },
+        2.0,
+        63.0,
+        seed + 1000,
+    );
+    write(
+        "steer_r1.csv",
+        Logger {
+            rate_hz: 200.0,
+            delay_s: DELAYS[1],
+            time: 1e3,
+            columns: &steer,
+        },
+        -1.0,
+        58.0,
+        seed + 2000,
+    );
+    folder
+}
+
+#[test]
+fn three_loggers_with_their_own_clocks_units_and_signs_give_the_run_back() {
+    let folder = folder(0.0, 1);
+    let imported = import(folder.path(), MAPPING).unwrap();
+    let (run, note) = (&imported[0].run, &imported[0].note);
+    for (name, delay) in [("gps", DELAYS[0]), ("steer", DELAYS[1])] {
+        let said = &note.loggers[name];
+        assert_eq!(said.clock, "found");
+        // Sensors without noise: what is left is that of splines between 20 samples a second and of 9.80665 rounded to nine decimals.
+        assert!(
+            (said.delay_s - delay).abs() < 2e-4,
+            "{name}: {:?} for {delay}",
+            said
+        );
+    }
+    assert!((note.start_s - 2.0).abs() < 1e-3, "{}", note.start_s);
+    assert!(
+        (run.len() as f64 / 100.0 - 56.0).abs() < 0.1,
+        "{}",
+        run.len()
+    );
+    for name in COLUMNS {
+        let values = run.column(name).unwrap();
+        let largest = (0..600)
+            .map(|i| column(name, f64::from(i) * 0.1).abs())
+            .fold(0.0, f64::max);
+        let inner = values.iter().enumerate().take(values.len() - 200).skip(200);
+        for (row, value) in inner {
+            let error = (value - column(name, note.start_s + row as f64 * 0.01)).abs();
+            // 0.2 ms at 2 pi 1.3 Hz, and the spline.
+            assert!(
+                error < 3e-3 * largest,
+                "{name}, row {row}: {error:.2e} of {largest}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
+    let (mut gps, mut steer) = (Vec::new(), Vec::new());
+    for seed in 0..24 {
+        let folder = folder(1.0, 10 + seed);
+        let imported = import(folder.path(), MAPPING).unwrap();
+        for (name, delay, scores) in [
+            ("gps", DELAYS[0], &mut gps),
+            ("steer", DELAYS[1], &mut steer),
+        ] {
+            let said = &imported[0].note.loggers[name];
+            let relation = &said.relations[0];
+            scores.push((relation.delay_s - delay) / relation.delay_sd_s);
+            // A sensor's noise of one run leaves some milliseconds.
+            assert!(
+                relation.delay_sd_s < 0.02,
+                "{name}, seed {seed}: {relation:?}"
+            );
+            assert!(
+                (said.delay_s - delay).abs() < 0.02,
+                "{name}, seed {seed}: {said:?}"
+            );
+        }
+    }
+    for (name, scores) in [("gps", gps), ("steer", steer)] {
+        let rms = (scores.iter().map(|z| z * z).sum::<f64>() / scores.len() as f64).sqrt();
+        // Of 24 the root mean square scatters by 15 %; Bartlett's weights cut what residuals take back later, so that errors are
+        // stated up to twice too large, never much too small.
+        assert!((0.4..1.4).contains(&rms), "{name}: {rms} of {scores:.2?}");
+    }
+}
+
+#[test]
+fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
+    let folder = folder(0.0, 1);
+    let told = |mapping: &str| import(folder.path(), mapping).map(|_| ()).unwrap_err();
+    let unrelated = MAPPING.replace(
+        "also.yaw_rate_radps = { from = \"yaw_rate_radps\", unit = \"rad/s\" }",
+        "",
+    );
+    let error = told(&unrelated);
+    assert!(
+        error.starts_with("run r1: the clock of logger \"steer\": no channels of it are related"),
+        "{error}"
+    );
+    let wrong = MAPPING.replace(
+        "also.yaw_rate_radps = { from",
+        "also.yaw_rate_radps = { sign = -1, from",
+    );
+    assert!(
+        told(&wrong).contains("the clock of logger \"steer\""),
+        "{}",
+        told(&wrong)
+    );
+    let stated = unrelated.replace(
+        "time_unit = \"ms\"",
+        "time_unit = \"ms\"\ndelay_s = -3.2148",
+    );
+    let imported = import(folder.path(), &stated).unwrap();
+    let said = &imported[0].note.loggers["steer"];
+    assert_eq!(
+        (said.clock, said.delay_s, said.delay_sd_s),
+        ("stated", -3.2148, None)
+    );
+    let by_run = format!("{unrelated}\n[[run]]\nname = \"r1\"\ndelay_s.steer = -3.2\n");
+    let imported = import(folder.path(), &by_run).unwrap();
+    assert_eq!(imported[0].note.loggers["steer"].delay_s, -3.2);
+    let short = MAPPING.replace("clock = \"imu\"\n", "");
+    assert!(
+        told(&short)
+            .contains("clock: found nothing, expected the logger whose clock the runs keep")
+    );
+}

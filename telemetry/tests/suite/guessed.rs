@@ -1,0 +1,170 @@
+//! Mappings guessed from samples, answered and used.
+
+use std::path::PathBuf;
+
+use kufe_telemetry::{Mapping, TextOptions, guess_mapping, read_text};
+
+use crate::truth::{column, import};
+
+/// Rows of the truth under names and units that a maker might give them.
+fn written(columns: &[(&str, &str, f64)], separator: char, decimal: char, rate: f64) -> String {
+    let names: Vec<&str> = columns.iter().map(|(name, ..)| *name).collect();
+    let mut text = names.join(&separator.to_string()) + "\n";
+    for row in 0..(rate * 20.0) as usize {
+        let t = row as f64 / rate;
+        let cells = columns.iter().map(|(_, of, factor)| match *of {
+            "t" => format!("{:.6}", t * factor),
+            of => format!("{:.9}", column(of, t) * factor),
+        });
+        let cells: Vec<String> = cells
+            .map(|cell| cell.replace('.', &decimal.to_string()))
+            .collect();
+        text += &(cells.join(&separator.to_string()) + "\n");
+    }
+    text
+}
+
+/// Answers every question: the line below it, its `#` taken away, `?` replaced.
+fn answered(text: &str, answers: &[(&str, &str)]) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    let mut question: Option<String> = None;
+    for line in text.lines() {
+        match question.take() {
+            Some(asked) => {
+                let (_, answer) = answers
+                    .iter()
+                    .find(|(about, _)| asked.starts_with(&format!("# ? {about}")))
+                    .unwrap_or_else(|| panic!("no answer to {asked}"));
+                let bare = line.strip_prefix("# ").expect("a line to answer");
+                lines.push(
+                    bare.replace("\"?\"", &format!("{answer:?}"))
+                        .replace("\"\"", &format!("{answer:?}")),
+                );
+            }
+            None if line.starts_with("# ? ") => question = Some(line.to_string()),
+            None => lines.push(line.to_string()),
+        }
+    }
+    lines.join("\n")
+}
+
+const G: f64 = 1.0 / 9.806_65;
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+const INDEX: [(&str, &str); 7] = [
+    ("track of", "west"),
+    ("driver of", "a"),
+    ("driver_class of", "x"),
+    ("session of", "1"),
+    ("ice_c of", ""),
+    ("air_c of", ""),
+    ("air_pa of", ""),
+];
+
+#[test]
+fn what_is_guessed_of_two_loggers_is_imported_once_its_questions_are_answered() {
+    let imu = written(
+        &[
+            ("Zeit", "t", 1e3),
+            ("Längsbeschleunigung", "ax_mps2", G),
+            ("Querbeschleunigung", "ay_mps2", G),
+            ("Vertical Acc", "az_mps2", -G),
+            ("Gyro Roll", "roll_rate_radps", DEGREES),
+            ("Gyro Pitch", "pitch_rate_radps", DEGREES),
+            ("Gyro Yaw", "yaw_rate_radps", DEGREES),
+            ("Lenkwinkel [°]", "delta_rad", DEGREES),
+            ("Schwimmwinkel", "alpha_rad", 1.0),
+            ("Bremsdruck [bar]", "gamma_rad", 1.0),
+        ],
+        ';',
+        ',',
+        500.0,
+    );
+    let gps = written(
+        &[
+            ("Timestamp", "t", 1.0),
+            ("GPS Speed", "v_mps", 3.6),
+            ("YawRate [deg/s]", "yaw_rate_radps", DEGREES),
+        ],
+        ',',
+        '.',
+        20.0,
+    );
+    let log = |text: &str, name: &str| {
+        read_text(text.as_bytes(), TextOptions::default(), None, name).unwrap()
+    };
+    let samples = [
+        (PathBuf::from("raw/imu_r1.csv"), log(&imu, "imu")),
+        (PathBuf::from("raw/gps_r1.csv"), log(&gps, "gps")),
+    ];
+    let text = guess_mapping(&samples);
+    for said in [
+        "clock = \"imu\"",
+        "files = \"raw/imu_*.csv\"",
+        "time_unit = \"ms\"",
+        "az_mps2 = { logger = \"imu\", from = \"Vertical Acc\", unit = \"g\", sign = -1 }      # likely: by its name; median -0.9",
+        "ay_mps2 = { logger = \"imu\", from = \"Querbeschleunigung\", unit = \"g\" }      # likely: by its name; g as \"Vertical Acc\"",
+        "v_mps = { logger = \"gps\", from = \"GPS Speed\", unit = \"km/h\" }      # likely: by its name; largest magnitude 10",
+        "delta_rad = { logger = \"imu\", from = \"Lenkwinkel\" }      # likely: by its name; the file says °",
+        "also.yaw_rate_radps = { from = \"YawRate\" }",
+        "# ? gamma_rad: no channel of that name",
+        "# ? alpha_rad: is \"Schwimmwinkel\" in rad or deg? largest magnitude 0.02",
+        "# ? track of the runs",
+        "# Not used: \"Bremsdruck\"",
+    ] {
+        assert!(text.contains(said), "{said:?} is not in:\n{text}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("raw")).unwrap();
+    std::fs::write(folder.path().join("raw/imu_r1.csv"), imu).unwrap();
+    std::fs::write(folder.path().join("raw/gps_r1.csv"), gps).unwrap();
+    // No sensor of gamma: its question is taken out.
+    let asked: Vec<&str> = text
+        .lines()
+        .filter(|line| !line.contains("gamma_rad"))
+        .collect();
+    let mut answers = vec![("alpha_rad", "rad")];
+    answers.extend(INDEX);
+    let mapping = answered(&asked.join("\n"), &answers);
+    let imported = import(folder.path(), &mapping).unwrap();
+    let (run, note) = (&imported[0].run, &imported[0].note);
+    assert_eq!(note.run, "r1");
+    assert_eq!(note.loggers["gps"].clock, "found");
+    for name in [
+        "ax_mps2",
+        "ay_mps2",
+        "az_mps2",
+        "yaw_rate_radps",
+        "v_mps",
+        "delta_rad",
+        "alpha_rad",
+    ] {
+        let values = run.column(name).unwrap();
+        for row in (200..1700).step_by(50) {
+            let exact = column(name, note.start_s + row as f64 * 0.01);
+            // The delay is found within a millisecond.
+            assert!(
+                (values[row] - exact).abs() < 0.02 * exact.abs().max(0.05),
+                "{name}, row {row}: {} for {exact}",
+                values[row]
+            );
+        }
+    }
+}
+
+#[test]
+fn kufes_own_files_ask_for_no_more_than_the_index() {
+    let own: Vec<(&str, &str, f64)> = std::iter::once(("t_s", "t", 1.0))
+        .chain(crate::truth::COLUMNS.map(|name| (name, name, 1.0)))
+        .collect();
+    let text = written(&own, ',', '.', 100.0);
+    let log = read_text(text.as_bytes(), TextOptions::default(), None, "r.csv").unwrap();
+    let guessed = guess_mapping(&[(PathBuf::from("r.csv"), log)]);
+    assert_eq!(
+        guessed.matches("sure: the name is kufe's own").count(),
+        10,
+        "{guessed}"
+    );
+    assert_eq!(guessed.matches("\n# ? ").count(), 7, "{guessed}");
+    Mapping::parse(&answered(&guessed, &INDEX), "mapping.toml").unwrap();
+}

@@ -1,0 +1,163 @@
+//! One logger: units, signs, rates, gaps, and what is said of them.
+
+use std::fmt::Write;
+
+use crate::truth::{COLUMNS, column, import};
+
+const MAPPING: &str = r#"
+[logger.box]
+files = "raw/*.csv"
+time = "Zeit"
+[channels]
+ax_mps2 = { from = "Longitudinal Acc", unit = "g", place_m = [-0.35, 0.0, 0.12] }
+ay_mps2 = { from = "Lateral Acc", unit = "g", sign = -1, zero = 2.0, scale = 0.5 }
+az_mps2 = { from = "Vertical Acc" }
+roll_rate_radps = { from = "Roll Rate", unit = "deg/s" }
+pitch_rate_radps = { from = "Pitch Rate", unit = "deg/s" }
+yaw_rate_radps = { from = "Gyro Yaw", unit = "deg/s" }
+v_mps = { from = "GPS Speed", unit = "km/h" }
+alpha_rad = { from = "Schwimmwinkel" }
+delta_rad = { from = "Lenkwinkel", unit = "mrad", sign = -1 }
+gamma_rad = { from = "Knick", delay_s = 0.25 }
+track_c = { from = "Bahntemperatur" }
+"#;
+
+/// What the logger writes of the truth: German, at `rate_hz`, its head above.
+fn recording(rate_hz: f64, seconds: f64, lost: impl Fn(f64) -> bool) -> String {
+    let mut text = String::from(
+        "Fahrt 7;Igls\n\nZeit;Longitudinal Acc;Lateral Acc;Vertical Acc;Roll Rate;Pitch Rate;Gyro Yaw;GPS Speed;Schwimmwinkel;Lenkwinkel;Knick;Bahntemperatur;Ort\nms;g;counts;g;°/s;°/s;°/s;km/h;rad;mrad;°;°F;-\n",
+    );
+    for row in 0..(rate_hz * seconds) as usize {
+        let t = row as f64 / rate_hz;
+        if lost(t) {
+            continue;
+        }
+        let x = |name: &str| column(name, t);
+        let g = 9.806_65;
+        let cells = [
+            t * 1e3,
+            x("ax_mps2") / g,
+            2.0 - x("ay_mps2") / g / 0.5,
+            x("az_mps2") / g,
+            x("roll_rate_radps").to_degrees(),
+            x("pitch_rate_radps").to_degrees(),
+            x("yaw_rate_radps").to_degrees(),
+            x("v_mps") * 3.6,
+            x("alpha_rad"),
+            -1e3 * x("delta_rad"),
+            column("gamma_rad", t - 0.25).to_degrees(),
+            14.0,
+        ];
+        let cells: Vec<String> = cells
+            .iter()
+            .map(|c| format!("{c:.9}").replace('.', ","))
+            .collect();
+        writeln!(text, "{};hier", cells.join(";")).unwrap();
+    }
+    text
+}
+
+fn folder_with(recordings: &[(&str, String)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("raw")).unwrap();
+    for (name, text) in recordings {
+        std::fs::write(folder.path().join("raw").join(name), text).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn units_signs_zeros_and_delays_give_the_truth_back() {
+    for (rate, filtered) in [(500.0, true), (100.0, false), (40.0, false)] {
+        let folder = folder_with(&[("r7.csv", recording(rate, 20.0, |_| false))]);
+        let imported = import(folder.path(), MAPPING).unwrap();
+        assert_eq!(imported.len(), 1);
+        let (run, note) = (&imported[0].run, &imported[0].note);
+        assert_eq!((run.entry.run.as_str(), run.dt_s), ("r7", 0.01));
+        for name in COLUMNS {
+            let values = run.column(name).unwrap();
+            let largest = (0..2000)
+                .map(|i| column(name, f64::from(i) * 0.01).abs())
+                .fold(0.0, f64::max);
+            // At 40 Hz a wave of 1.3 Hz is met by its spline within (2 pi 1.3 / 40)^4 / 384 = 5e-6 of its size; the ends are natural.
+            let inner = values.iter().enumerate().take(values.len() - 100).skip(100);
+            for (row, value) in inner {
+                let error = (value - column(name, note.start_s + row as f64 * 0.01)).abs();
+                assert!(
+                    error < 1e-5 * largest,
+                    "{rate} Hz, {name}, row {row}: {error:.2e} of {largest}"
+                );
+            }
+            let said = &note.channels[name];
+            assert!(
+                (said.rate_hz / rate - 1.0).abs() < 1e-9,
+                "{name}: {}",
+                said.rate_hz
+            );
+            assert_eq!(said.filter_hz, filtered.then_some(40.0));
+        }
+        assert!((run.column("track_c").unwrap()[500] + 10.0).abs() < 1e-9);
+        assert_eq!(note.channels["az_mps2"].unit_from, "file");
+        assert_eq!(note.channels["ay_mps2"].sign, -1.0);
+        assert_eq!(note.channels["ax_mps2"].place_m, Some([-0.35, 0.0, 0.12]));
+        assert_eq!(note.loggers["box"].sha256.len(), 64);
+    }
+}
+
+#[test]
+fn lost_rows_stay_lost_and_are_listed() {
+    let lost = |t: f64| (4.0..4.5).contains(&t) || (t - 9.0).abs() < 1e-9;
+    let folder = folder_with(&[("r7.csv", recording(100.0, 20.0, lost))]);
+    let imported = import(folder.path(), MAPPING).unwrap();
+    let values = imported[0].run.column("v_mps").unwrap();
+    for (row, value) in values.iter().enumerate() {
+        let t = imported[0].note.start_s + row as f64 * 0.01;
+        assert_eq!(value.is_nan(), lost((t * 1e3).round() / 1e3), "{t}");
+    }
+    let said = &imported[0].note.channels["v_mps"];
+    assert_eq!((said.missing_rows, said.gap_count), (51, 2));
+}
+
+#[test]
+fn what_is_wrong_is_one_line_with_its_place() {
+    let good = recording(100.0, 2.0, |_| false);
+    let told = |mapping: &str, text: &str| {
+        let folder = folder_with(&[("r7.csv", text.to_string())]);
+        let error = import(folder.path(), mapping).unwrap_err();
+        assert!(!error.contains('\n'), "{error}");
+        error.replace(&format!("{}/", folder.path().display()), "")
+    };
+    assert!(
+        told(&MAPPING.replace("Knick", "Knack"), &good)
+            .starts_with("raw/r7.csv: there is no channel \"Knack\", expected one of: Zeit, ")
+    );
+    assert_eq!(
+        told(
+            &MAPPING.replace(
+                "\"GPS Speed\", unit = \"km/h\"",
+                "\"GPS Speed\", unit = \"kg\""
+            ),
+            &good
+        ),
+        "mapping.toml: channels.v_mps.unit: found kg, expected a unit that converts to m/s (cannot convert from kg to m / s: units 'kilogram' and 'meter / second' are incompatible)"
+    );
+    let text = good.replacen("90,", "9o,", 1);
+    assert!(
+        told(MAPPING, &text).contains("expected a number"),
+        "{}",
+        told(MAPPING, &text)
+    );
+    let mut rows: Vec<&str> = good.lines().collect();
+    rows.swap(50, 60);
+    assert!(told(MAPPING, &rows.join("\n")).contains("expected times that do not run backwards"));
+    assert!(
+        told(&MAPPING.replace("raw/*", "raw/x*"), &good).contains("expected files of that pattern")
+    );
+    assert!(told(&MAPPING.replace("[channels]", "[chanels]"), &good).contains("chanels"));
+    assert!(
+        told(&MAPPING.replace("time = \"Zeit\"", ""), &good).contains("expected logger.box.time")
+    );
+    assert!(
+        told(&MAPPING.replace("sign = -1 }", "sign = -2 }"), &good).contains("expected 1 or -1")
+    );
+}
