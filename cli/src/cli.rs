@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::output::global::Global;
-use crate::{about, bodies, friction, info, lut, press, report, runs, view};
+use crate::{about, bodies, friction, info, lut, press, records, report, runs, view};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -59,6 +59,8 @@ pub enum Command {
     Simulate(runs::simulate::Args),
     /// Find the effect that a model lacks, name it and add it
     Discover(runs::discover::Args),
+    /// Bring recordings of other programs into kufe's form
+    Runs(records::Args),
     /// Print the keys of case, table or model files as a JSON schema
     Schema(about::schema::Args),
     /// Write one page to look at, from what another command has written

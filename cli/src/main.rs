@@ -8,6 +8,7 @@ mod info;
 mod lut;
 mod output;
 mod press;
+mod records;
 mod report;
 mod runs;
 mod view;
@@ -46,6 +47,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Evaluate(args) => evaluate::run(&args, &global),
         Command::Simulate(args) => simulate::run(&args, &global),
         Command::Discover(args) => discover::run(&args, &global),
+        Command::Runs(args) => records::run(&args, &global),
         Command::Schema(args) => schema::run(&args, &global),
         Command::Report(args) => report::run(&args, &global),
         Command::View(args) => view::run(&args, &global),

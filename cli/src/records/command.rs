@@ -1,0 +1,38 @@
+//! `kufe runs`: one file a subcommand.
+
+use kufe_jobs::Failure;
+
+use crate::output::global::Global;
+use crate::records::{import, init};
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe runs init raw/monday_01.csv -o mapping.toml     guess what the channels are
+  kufe runs import mapping.toml -o runs/               bring them into kufe's form";
+
+/// Arguments of `kufe runs`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Command {
+    /// Write a commented mapping, guessed from samples of the files
+    Init(init::Args),
+    /// Bring recordings of other programs into kufe's form
+    Import(import::Args),
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    match &args.command {
+        Command::Init(args) => init::run(args, global),
+        Command::Import(args) => import::run(args, global),
+    }
+}

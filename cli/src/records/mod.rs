@@ -1,0 +1,7 @@
+//! `kufe runs`: recordings of other programs brought into kufe's form.
+
+mod command;
+mod import;
+mod init;
+
+pub use command::{Args, run};
