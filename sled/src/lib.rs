@@ -60,6 +60,8 @@ pub use motion::state::{AxleForces, Motion, State};
 pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;
+pub use record::check::gaps::{Gaps, OnGaps, bridged};
+pub use record::check::taking_part::{TakingPart, gaps_line};
 pub use record::columns::Columns;
 pub use record::csv::{read_csv, write_csv};
 pub use record::index::{

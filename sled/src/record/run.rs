@@ -6,7 +6,8 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::record::check::check_columns;
+use crate::record::check::columns::check_columns;
+use crate::record::check::gaps::{Gaps, OnGaps, bridged};
 use crate::record::index::{Entry, read_index};
 use crate::record::read::read_columns;
 
@@ -24,7 +25,7 @@ pub const COLUMNS: [&str; 10] = [
     "gamma_rad",
 ];
 
-/// One recorded run, uniform in time, in the units of its columns' names.
+/// One recorded run, uniform in time, in the units of its columns' names; beside a gap a column may be NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Its row in the index.
@@ -35,6 +36,8 @@ pub struct Run {
     pub dt_s: f64,
     /// Every column of the file but time, by name; extra ones are kept.
     pub columns: BTreeMap<String, Vec<f64>>,
+    /// Which samples take part, and why the others do not.
+    pub gaps: Gaps,
     /// What was noticed and is no error (a sensor at its end stop).
     pub remarks: Vec<String>,
 }
@@ -78,10 +81,10 @@ impl Run {
 ///
 /// # Errors
 /// The first bad run's error in the order of the index, [`Error::DuplicateContent`] where two runs are the same.
-pub fn read_runs(index: &Path) -> Result<Vec<Run>, Error> {
+pub fn read_runs(index: &Path, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
     let mut runs = read_index(index)?
         .into_par_iter()
-        .map(|entry| read_run(entry, &COLUMNS))
+        .map(|entry| read_run(entry, &COLUMNS, on_gaps))
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
@@ -94,10 +97,10 @@ pub fn read_runs(index: &Path) -> Result<Vec<Run>, Error> {
 ///
 /// # Errors
 /// Those of the index itself.
-pub fn read_good_runs(index: &Path) -> Result<(Vec<Run>, Vec<Error>), Error> {
+pub fn read_good_runs(index: &Path, on_gaps: OnGaps) -> Result<(Vec<Run>, Vec<Error>), Error> {
     let read: Vec<Result<Run, Error>> = read_index(index)?
         .into_par_iter()
-        .map(|entry| read_run(entry, &COLUMNS))
+        .map(|entry| read_run(entry, &COLUMNS, on_gaps))
         .collect();
     let (mut good, mut bad) = (Vec::new(), Vec::new());
     for run in read {
@@ -119,18 +122,35 @@ pub fn read_good_runs(index: &Path) -> Result<(Vec<Run>, Vec<Error>), Error> {
 
 /// Reads one run's file and checks it; `required` are the columns it must have besides `t_s`.
 ///
+/// Those of [`COLUMNS`] and `s_m` that the file has must hold numbers; a sample takes part where all of them have one. One
+/// that is not required and holds no number at all counts as not recorded.
+///
 /// # Errors
 /// Those of the format's reader and of [`check_columns`].
-pub fn read_run(entry: Entry, required: &[&str]) -> Result<Run, Error> {
+pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run, Error> {
     let file = entry.file.display().to_string();
-    let mut columns = read_columns(&entry.file, required)?;
-    let (clock, remarks) = check_columns(&columns, required, &file)?;
-    columns.remove("t_s");
+    let known: Vec<&str> = COLUMNS.into_iter().chain(["s_m"]).collect();
+    let mut columns = read_columns(&entry.file, &known)?;
+    let mut remarks = Vec::new();
+    for name in known.iter().filter(|name| !required.contains(*name)) {
+        let empty = |column: &Vec<f64>| column.iter().all(|x| !x.is_finite());
+        if columns.get(*name).is_some_and(empty) {
+            columns.remove(*name);
+            remarks.push(format!(
+                "{file}: column {name} holds no number: taken as not recorded"
+            ));
+        }
+    }
+    let there = |name: &&str| columns.contains_key(*name);
+    let used: Vec<&str> = known.into_iter().filter(there).collect();
+    let (clock, gaps, noticed) = check_columns(&mut columns, required, &used, on_gaps, &file)?;
+    remarks.extend(noticed);
     Ok(Run {
         entry,
         t0_s: clock.t0_s,
         dt_s: clock.dt_s,
         columns,
+        gaps,
         remarks,
     })
 }
@@ -149,7 +169,7 @@ pub fn state_distances(runs: &mut [Run]) {
             _ => run
                 .columns
                 .get("v_mps")
-                .map_or(0.0, |v| v.iter().sum::<f64>() * run.dt_s),
+                .map_or(0.0, |v| bridged(v).iter().sum::<f64>() * run.dt_s),
         };
     }
 }
@@ -181,7 +201,15 @@ fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
             })
             .collect();
         if let Some(&first) = seen.get(&key) {
-            if runs[first].columns == run.columns {
+            let bits = |run: &Run| -> Vec<u64> {
+                run.columns
+                    .values()
+                    .flatten()
+                    .map(|x| x.to_bits())
+                    .collect()
+            };
+            if runs[first].columns.keys().eq(run.columns.keys()) && bits(&runs[first]) == bits(run)
+            {
                 return Some((first, i));
             }
         } else {

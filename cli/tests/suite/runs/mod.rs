@@ -6,4 +6,5 @@ mod discover_runs;
 mod discover_wrong;
 mod experiments;
 mod friction;
+mod gaps;
 mod sled;

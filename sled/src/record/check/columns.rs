@@ -1,36 +1,31 @@
 //! Whether a run's columns are what their names say.
 
-use std::collections::BTreeMap;
+use std::ops::Range;
 
 use crate::error::Error;
+use crate::record::check::clock::{Base, Clock};
+use crate::record::check::gaps::{Gaps, LEAST_SPEED, OnGaps};
+use crate::record::columns::Columns;
 
 /// Fewest samples of a run that filters and derivatives can work on.
 pub const LEAST_SAMPLES: usize = 64;
-/// Least speed [m/s] at which a slip angle is taken to exist.
-pub const LEAST_SPEED: f64 = 0.1;
 
-/// Start and step of a uniform time column.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clock {
-    /// Time of the first sample [s].
-    pub t0_s: f64,
-    /// Time between samples [s].
-    pub dt_s: f64,
-}
-
-/// Checks the columns of one run and returns its clock, with remarks on what is odd but no error.
+/// Checks the columns of one run, brings them to a uniform clock and says what takes part.
 ///
-/// `required` are the columns there must be besides `t_s`; `file` names the source in errors. In this order: missing
-/// columns, too few samples, time (backwards, jumps, irregular steps), values missing in required columns, units by
-/// range (degrees, g, km/h), standstill. A sensor that sticks at its extreme for more than a few samples is a remark.
+/// `required` are the columns there must be besides `t_s`; `used` those of the file that must have a value where a sample
+/// takes part; `file` names the source in errors. In this order: missing columns, too few samples, time (backwards, jumps),
+/// values missing altogether, units by range (degrees, g, km/h). `t_s` is taken out of the columns. With [`OnGaps::Refuse`]
+/// irregular steps, missing values and standstill are errors. A sensor that sticks at its extreme is a remark.
 ///
 /// # Errors
 /// The first of these that is found, with its place.
 pub fn check_columns(
-    columns: &BTreeMap<String, Vec<f64>>,
+    columns: &mut Columns,
     required: &[&str],
+    used: &[&str],
+    on_gaps: OnGaps,
     file: &str,
-) -> Result<(Clock, Vec<String>), Error> {
+) -> Result<(Clock, Gaps, Vec<String>), Error> {
     for name in std::iter::once("t_s").chain(required.iter().copied()) {
         if !columns.contains_key(name) {
             return Err(Error::MissingColumn {
@@ -40,7 +35,7 @@ pub fn check_columns(
             });
         }
     }
-    let time = &columns["t_s"];
+    let mut time = columns.remove("t_s").unwrap_or_default();
     if time.len() < LEAST_SAMPLES {
         return Err(Error::TooShort {
             file: file.to_string(),
@@ -48,35 +43,85 @@ pub fn check_columns(
             needed: LEAST_SAMPLES,
         });
     }
-    refuse_missing(time, time, "t_s", file)?;
-    let clock = check_time(time, file)?;
-    for name in required {
-        refuse_missing(&columns[*name], time, name, file)?;
+    if on_gaps == OnGaps::Refuse {
+        refuse_gaps(columns, &time, used, file)?;
     }
-    for name in required {
-        check_unit(name, &columns[*name], file)?;
+    let rows: Vec<usize> = (0..time.len()).filter(|i| time[*i].is_finite()).collect();
+    if rows.len() < LEAST_SAMPLES {
+        refuse_missing(&time, &time, "t_s", file)?;
     }
-    if let Some(speed) = required.iter().find(|name| **name == "v_mps") {
-        let speed = &columns[*speed];
-        if let Some(at) = speed.iter().position(|v| *v <= LEAST_SPEED) {
-            return Err(Error::Standstill {
-                file: file.to_string(),
-                row: at as u64 + 2,
-                v_mps: speed[at],
-                t_s: time[at],
-                least: LEAST_SPEED,
-            });
+    if rows.len() < time.len() {
+        for column in columns.values_mut().chain([&mut time]) {
+            *column = rows.iter().map(|i| column[*i]).collect();
         }
     }
-    let remarks = required
+    let base = Base::of(&time, &|i| rows[i] as u64 + 2, file)?;
+    for name in used {
+        if columns[*name].iter().all(|x| !x.is_finite()) {
+            refuse_missing(&columns[*name], &time, name, file)?;
+        }
+    }
+    for column in columns.values_mut() {
+        *column = base.column(std::mem::take(column));
+    }
+    for name in used {
+        check_unit(name, &columns[*name], file)?;
+    }
+    let speed = columns.get("v_mps").cloned();
+    let mut gaps = Gaps::find(columns, used, base.clock.dt_s);
+    gaps.jitter = base.jitter;
+    let left: usize = gaps.pieces.iter().map(Range::len).sum();
+    if left == 0
+        && let Some(speed) = speed.filter(|v| v.iter().all(|v| *v <= LEAST_SPEED))
+    {
+        return Err(standstill(file, 2, speed[0], time[0]));
+    }
+    if left < LEAST_SAMPLES {
+        return Err(Error::TooFew {
+            what: format!(
+                "{file}: samples with a value in every channel, in stretches long enough for the filter"
+            ),
+            found: left,
+            needed: LEAST_SAMPLES,
+        });
+    }
+    let clock = Clock {
+        t0_s: base.clock.t0_s + gaps.cut_s[0],
+        ..base.clock
+    };
+    let remarks = used
         .iter()
-        .filter_map(|name| at_end_stop(name, &columns[*name], time))
+        .filter_map(|name| at_end_stop(name, &columns[*name], &clock))
         .map(|remark| format!("{file}: {remark}"))
         .collect();
-    Ok((clock, remarks))
+    Ok((clock, gaps, remarks))
 }
 
-fn check_time(time: &[f64], file: &str) -> Result<Clock, Error> {
+/// Refuses what [`OnGaps::LeaveOut`] leaves out: values without a number, uneven time, standstill.
+fn refuse_gaps(columns: &Columns, time: &[f64], used: &[&str], file: &str) -> Result<(), Error> {
+    refuse_missing(time, time, "t_s", file)?;
+    refuse_uneven(time, file)?;
+    for name in used {
+        refuse_missing(&columns[*name], time, name, file)?;
+    }
+    let speed = columns.get("v_mps").filter(|_| used.contains(&"v_mps"));
+    match speed.and_then(|speed| Some((speed, speed.iter().position(|v| *v <= LEAST_SPEED)?))) {
+        Some((speed, at)) => Err(standstill(file, at as u64 + 2, speed[at], time[at])),
+        None => Ok(()),
+    }
+}
+
+fn standstill(file: &str, row: u64, v_mps: f64, t_s: f64) -> Error {
+    Error::Standstill {
+        file: file.to_string(),
+        row,
+        v_mps,
+        t_s,
+        least: LEAST_SPEED,
+    }
+}
+
+fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
@@ -100,11 +145,7 @@ fn check_time(time: &[f64], file: &str) -> Result<Clock, Error> {
             expected_s: median,
         });
     }
-    let (first, last) = (time[0], time[time.len() - 1]);
-    Ok(Clock {
-        t0_s: first,
-        dt_s: (last - first) / (time.len() - 1) as f64,
-    })
+    Ok(())
 }
 
 fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Result<(), Error> {
@@ -131,6 +172,7 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
 
 /// What no sled reaches in the column's unit but easily does in the usual wrong one.
 fn check_unit(column: &str, values: &[f64], file: &str) -> Result<(), Error> {
+    let values: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let told = |found: String, looks_like, expected| {
         Err(Error::Unit {
@@ -165,7 +207,7 @@ fn check_unit(column: &str, values: &[f64], file: &str) -> Result<(), Error> {
             "metres per second squared, magnitudes below 500",
         ),
         "az_mps2" => {
-            let mut sorted = values.to_vec();
+            let mut sorted = values;
             let middle = sorted.len() / 2;
             let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
             if (0.5..4.5).contains(&median.abs()) {
@@ -189,7 +231,7 @@ fn check_unit(column: &str, values: &[f64], file: &str) -> Result<(), Error> {
 }
 
 /// A stretch of equal samples at the column's extreme, as a saturated sensor gives.
-fn at_end_stop(column: &str, values: &[f64], time: &[f64]) -> Option<String> {
+fn at_end_stop(column: &str, values: &[f64], clock: &Clock) -> Option<String> {
     const STRETCH: usize = 8;
     let extreme = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     if extreme == 0.0 || values.iter().all(|v| v.abs() == extreme) {
@@ -209,7 +251,7 @@ fn at_end_stop(column: &str, values: &[f64], time: &[f64]) -> Option<String> {
     (longest >= STRETCH).then(|| {
         format!(
             "column {column} stays at its extreme {extreme} for {longest} samples from t = {:.3} s on: saturated?",
-            time[end + 1 - longest]
+            clock.t0_s + (end + 1 - longest) as f64 * clock.dt_s
         )
     })
 }
