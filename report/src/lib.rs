@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`page`] | the whole page of one [`Kind`] from its title and data |
 //! | [`discovery_page`] | what a search for missing effects has found: tables and diagrams without scripts |
+//! | [`record_page`] | what is wrong and odd in recorded runs, worst first, without scripts |
 //! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
 //! | [`POLICY`] | the content security policy that every page carries |
@@ -24,8 +25,10 @@ mod discovery;
 mod grid;
 mod pack;
 mod page;
+mod record;
 
 pub use discovery::discovery_page;
 pub use grid::Grid;
 pub use pack::pack;
 pub use page::{Kind, POLICY, page};
+pub use record::record_page;

@@ -17,7 +17,7 @@ pub fn white_noise_sd(values: &[f64]) -> f64 {
 }
 
 /// The same over several stretches of a signal.
-fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
+pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
     let mut sizes: Vec<f64> = stretches
         .flat_map(|values| values.windows(4))
         .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs())

@@ -1,5 +1,7 @@
 //! Recorded runs and friction experiments, from their files to what a model lacks.
 
+mod corpus;
+mod damaged;
 mod discover_experiments;
 mod discover_pressures;
 mod discover_runs;

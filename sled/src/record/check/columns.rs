@@ -14,7 +14,7 @@ pub const LEAST_SAMPLES: usize = 64;
 ///
 /// `required` are the columns there must be besides `t_s`; `used` those of the file that must have a value where a sample
 /// takes part; `file` names the source in errors. In this order: missing columns, too few samples, time (backwards, jumps),
-/// values missing altogether, units by range (degrees, g, km/h). `t_s` is taken out of the columns. With [`OnGaps::Refuse`]
+/// values missing altogether. `t_s` is taken out of the columns. With [`OnGaps::Refuse`]
 /// irregular steps, missing values and standstill are errors. A sensor that sticks at its extreme is a remark.
 ///
 /// # Errors
@@ -63,9 +63,6 @@ pub fn check_columns(
     }
     for column in columns.values_mut() {
         *column = base.column(std::mem::take(column));
-    }
-    for name in used {
-        check_unit(name, &columns[*name], file)?;
     }
     let speed = columns.get("v_mps").cloned();
     let mut gaps = Gaps::find(columns, used, base.clock.dt_s);
@@ -168,66 +165,6 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
         bursts,
         total: values.iter().filter(|v| missing(v)).count(),
     })
-}
-
-/// What no sled reaches in the column's unit but easily does in the usual wrong one.
-fn check_unit(column: &str, values: &[f64], file: &str) -> Result<(), Error> {
-    let values: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let told = |found: String, looks_like, expected| {
-        Err(Error::Unit {
-            file: file.to_string(),
-            column: column.to_string(),
-            found,
-            looks_like,
-            expected,
-        })
-    };
-    let most = format!("largest magnitude {largest:.4}");
-    match column {
-        "alpha_rad" | "gamma_rad" if largest > 0.4 => told(
-            most,
-            "degrees",
-            "radians, magnitudes below 0.4 (23 degrees)",
-        ),
-        "delta_rad" if largest > 0.6 => told(
-            most,
-            "degrees",
-            "radians, magnitudes below 0.6 (34 degrees)",
-        ),
-        "roll_rate_radps" | "pitch_rate_radps" | "yaw_rate_radps" if largest > 12.0 => told(
-            most,
-            "degrees per second",
-            "radians per second, magnitudes below 12",
-        ),
-        "v_mps" if largest > 70.0 => told(most, "km/h", "metres per second, below 70"),
-        "ax_mps2" | "ay_mps2" | "az_mps2" if largest > 500.0 => told(
-            most,
-            "a raw count or another unit",
-            "metres per second squared, magnitudes below 500",
-        ),
-        "az_mps2" => {
-            let mut sorted = values;
-            let middle = sorted.len() / 2;
-            let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-            if (0.5..4.5).contains(&median.abs()) {
-                return told(
-                    format!("median {median:.3}"),
-                    "multiples of g",
-                    "metres per second squared, +9.81 at rest on level ice",
-                );
-            }
-            if median < 0.0 {
-                return told(
-                    format!("median {median:.3}"),
-                    "an axis that points down",
-                    "specific force upwards, +9.81 at rest on level ice",
-                );
-            }
-            Ok(())
-        }
-        _ => Ok(()),
-    }
 }
 
 /// A stretch of equal samples at the column's extreme, as a saturated sensor gives.

@@ -130,8 +130,8 @@ pub fn bridged(column: &[f64]) -> Vec<f64> {
             continue;
         }
         let from = before.map_or(0, |b| b + 1);
-        for k in from..i {
-            filled[k] = match before {
+        for (k, filled) in filled.iter_mut().enumerate().take(i).skip(from) {
+            *filled = match before {
                 None => column[i],
                 Some(b) => {
                     let share = (k - b) as f64 / (i - b) as f64;

@@ -2,7 +2,10 @@
 
 pub(crate) mod clock;
 pub(crate) mod columns;
+pub(crate) mod examine;
 pub(crate) mod gaps;
+pub(crate) mod profile;
+pub(crate) mod relations;
 pub(crate) mod taking_part;
 
 pub use clock::Clock;

@@ -12,7 +12,7 @@ fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &st
         let wave = (3.0 * t).sin();
         let shift = name.len() as f64 * 1e-3;
         let values = [
-            -0.3,
+            -0.3 - 0.01 * wave,
             0.5 * wave + shift,
             9.7 + 5.0 * wave * wave,
             0.2 * wave,

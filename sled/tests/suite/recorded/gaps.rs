@@ -186,7 +186,7 @@ fn each_stretch_is_prepared_as_a_run_of_its_own_and_its_margins_are_left_out() {
 fn a_filter_beside_a_gap_is_that_of_the_whole_run_within_a_hundredth() {
     let run = &RUNS[0];
     let whole = &prepared(std::slice::from_ref(run))[0];
-    let holed = &prepared(&[damaged(run, &[6000..6100], &[])])[0];
+    let holed = &prepared(&[damaged(run, std::slice::from_ref(&(6000..6100)), &[])])[0];
     let spread = |of: fn(&kufe_sled::State) -> f64| {
         let mean = whole.states.iter().map(of).sum::<f64>() / whole.states.len() as f64;
         let squares = whole
@@ -249,7 +249,7 @@ fn standstill_and_missing_values_at_the_ends_are_cut_off_and_the_clock_starts_af
     assert!((read.t0_s - 1.6).abs() < 1e-9);
     let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
     assert!(close(read.gaps.cut_s[0], 1.6) && close(read.gaps.cut_s[1], 0.6));
-    assert_eq!(read.gaps.pieces, [0..len - 1100]);
+    assert_eq!(read.gaps.pieces, Gaps::none(len - 1100).pieces);
     let model = Model::published();
     let vehicle = Vehicle::new(&model).unwrap();
     let states = prepare(&read, &vehicle, None, &PrepareOptions::default()).unwrap();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_sled::{Entry, Model, OnGaps, Run, read_index, read_run};
+use kufe_sled::{Entry, Model, OnGaps, Run, read_index, read_run, refuse_faults};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
@@ -33,6 +33,7 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
         runs.push(read_run(entry, &INDISPENSABLE, on_gaps)?);
     }
     refuse_copies(index, &runs)?;
+    refuse_faults(&runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
     prepare(&runs, model, &surveys(folder, &runs)?, &options.rules)
 }
