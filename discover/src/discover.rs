@@ -42,7 +42,7 @@ pub fn discover(
     if has("run") && has("file") {
         let model = kufe_sled::Model::load(model)?;
         progress("reading runs");
-        let data = runs::read(data, &model, &options.rules)?;
+        let data = runs::read(data, &model, options)?;
         return runs::search(&data, &model, options, progress);
     }
     if has("mu") {

@@ -12,7 +12,7 @@
 //! use kufe_discover::{Options, runs};
 //! let model = kufe_sled::Model::load("model.toml".as_ref())?;
 //! let options = Options::default();
-//! let data = runs::read("runs.csv".as_ref(), &model, &options.rules)?;
+//! let data = runs::read("runs.csv".as_ref(), &model, &options)?;
 //! let found = runs::search(&data, &model, &options, &|_| {})?;
 //! println!("{}", found.report.sentence);
 //! # Ok::<(), kufe_discover::Error>(())

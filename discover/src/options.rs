@@ -15,6 +15,8 @@ pub struct Options {
     pub longitudinal: bool,
     /// Whether the lateral channels of runs take part.
     pub lateral: bool,
+    /// Whether runs with gaps are refused rather than used without what stands beside the gaps.
+    pub strict: bool,
     /// Every constant of judgement.
     pub rules: Rules,
 }
@@ -27,6 +29,7 @@ impl Default for Options {
             flips: 1999,
             longitudinal: true,
             lateral: true,
+            strict: false,
             rules: Rules::default(),
         }
     }

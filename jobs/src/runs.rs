@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use kufe_sled::{
-    Error, Model, OutsideTable, PrepareOptions, Prepared, Run, Vehicle, outside_tables, prepare_all,
+    Error, Model, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, TakingPart, Vehicle,
+    gaps_line, outside_tables, prepare_all,
 };
+
+use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::watch::Watch;
@@ -22,6 +25,8 @@ pub struct RunSelection {
     pub track: Vec<String>,
     /// Leave runs with faulty files out instead of stopping at the first.
     pub leave_out_bad_runs: bool,
+    /// Refuse runs with gaps instead of leaving out what stands beside them.
+    pub strict: bool,
     /// Corner of the zero-phase low pass [Hz].
     pub cutoff_hz: f64,
 }
@@ -36,6 +41,8 @@ pub struct Loaded {
     pub prepared: Vec<Prepared>,
     /// Runs left out and why.
     pub left_out: Vec<String>,
+    /// Runs with gaps: what is not there, and how much takes part.
+    pub gaps: Vec<TakingPart>,
     /// Tables of the model that do not span every sample.
     pub outside_tables: Vec<OutsideTable>,
 }
@@ -50,6 +57,15 @@ pub fn failure(error: &Error) -> Failure {
     }
 }
 
+impl Loaded {
+    /// States the runs with gaps as `gaps` in a result, where there are any.
+    pub fn state_gaps(&self, result: &mut Value) {
+        if !self.gaps.is_empty() {
+            result["gaps"] = json!(self.gaps);
+        }
+    }
+}
+
 impl RunSelection {
     /// Every run of an index, with the model's file and a corner of 20 Hz.
     pub fn all(runs: PathBuf, model: PathBuf) -> RunSelection {
@@ -59,6 +75,7 @@ impl RunSelection {
             session: Vec::new(),
             track: Vec::new(),
             leave_out_bad_runs: false,
+            strict: false,
             cutoff_hz: 20.0,
         }
     }
@@ -77,12 +94,18 @@ impl RunSelection {
         let model = Model::load(&self.model).map_err(|error| failure(&error))?;
         let vehicle = Vehicle::with_effects(&model).map_err(|error| failure(&error))?;
         watch.progress(&format!("reading {}", self.runs.display()));
+        let on_gaps = if self.strict {
+            OnGaps::Refuse
+        } else {
+            OnGaps::LeaveOut
+        };
         let (mut runs, left_out) = if self.leave_out_bad_runs {
             let (runs, bad) =
-                kufe_sled::read_good_runs(&self.runs).map_err(|error| failure(&error))?;
+                kufe_sled::read_good_runs(&self.runs, on_gaps).map_err(|error| failure(&error))?;
             (runs, bad.iter().map(ToString::to_string).collect())
         } else {
-            let runs = kufe_sled::read_runs(&self.runs).map_err(|error| failure(&error))?;
+            let runs =
+                kufe_sled::read_runs(&self.runs, on_gaps).map_err(|error| failure(&error))?;
             (runs, Vec::new())
         };
         self.known("session", &self.session, &runs, |run| &run.entry.session)?;
@@ -109,6 +132,14 @@ impl RunSelection {
         };
         let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
             .map_err(|error| failure(&error))?;
+        let gaps: Vec<TakingPart> = prepared
+            .iter()
+            .map(|run| run.taking_part.clone())
+            .filter(|run| !run.gaps.is_none())
+            .collect();
+        if !gaps.is_empty() {
+            watch.warn(&gaps_line(&gaps));
+        }
         let states = prepared.iter().flat_map(|run| &run.states);
         let outside_tables = outside_tables(&vehicle, states);
         for outside in &outside_tables {
@@ -119,6 +150,7 @@ impl RunSelection {
             vehicle,
             prepared,
             left_out,
+            gaps,
             outside_tables,
         })
     }

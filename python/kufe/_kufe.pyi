@@ -229,6 +229,7 @@ def evaluate(
     session: Sequence[str] = (),
     track: Sequence[str] = (),
     leave_out_bad_runs: bool = False,
+    strict: bool = False,
     cutoff_hz: float = 20.0,
     seed: int = 1,
     progress: _Progress = None,

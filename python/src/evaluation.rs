@@ -30,6 +30,7 @@ pub struct Evaluation {
     session = Vec::new(),
     track = Vec::new(),
     leave_out_bad_runs = false,
+    strict = false,
     cutoff_hz = 20.0,
     seed = 1,
     progress = None,
@@ -42,6 +43,7 @@ pub fn evaluate(
     session: Vec<String>,
     track: Vec<String>,
     leave_out_bad_runs: bool,
+    strict: bool,
     cutoff_hz: f64,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
@@ -52,6 +54,7 @@ pub fn evaluate(
         session,
         track,
         leave_out_bad_runs,
+        strict,
         cutoff_hz,
     };
     let worked = work(py, progress, |watch, _| {

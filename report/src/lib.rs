@@ -9,6 +9,7 @@
 //! | [`page`] | the whole page of one [`Kind`] from its title and data |
 //! | [`discovery_page`] | what a search for missing effects has found: tables and diagrams without scripts |
 //! | [`results_page`] | what any other command has written: its pictures, and its figures as tables |
+//! | [`record_page`] | what is wrong and odd in recorded runs, worst first, without scripts |
 //! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
 //! | [`POLICY`] | the content security policy that every page carries |
@@ -25,10 +26,12 @@ mod discovery;
 mod grid;
 mod pack;
 mod page;
+mod record;
 mod results;
 
 pub use discovery::discovery_page;
 pub use grid::Grid;
 pub use pack::pack;
 pub use page::{Kind, POLICY, page};
+pub use record::record_page;
 pub use results::results_page;

@@ -1,5 +1,7 @@
 //! What can go wrong between a recorded run and a driver's score.
 
+use crate::record::check::relations::fault::Fault;
+
 /// Errors of the sled's readers, models and fits.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -100,6 +102,14 @@ pub enum Error {
         looks_like: &'static str,
         /// The unit they should have.
         expected: &'static str,
+    },
+    /// A channel is provably not what its name says.
+    #[error("{fault}{}", more_faults(*.more))]
+    Wrong {
+        /// What is wrong, and what mends it.
+        fault: Box<Fault>,
+        /// Further faults in these runs.
+        more: usize,
     },
     /// Time is not uniform.
     #[error(
@@ -203,6 +213,13 @@ pub enum Error {
     /// A picture could not be made.
     #[error(transparent)]
     Plot(#[from] kufe_plot::Error),
+}
+
+fn more_faults(more: usize) -> String {
+    match more {
+        0 => String::new(),
+        more => format!("; {more} more: kufe runs check shows all"),
+    }
 }
 
 impl Error {

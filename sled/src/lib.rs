@@ -60,6 +60,12 @@ pub use motion::state::{AxleForces, Motion, State};
 pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;
+pub use record::check::examine::{Examination, Note, examine};
+pub use record::check::gaps::{Gaps, OnGaps, bridged};
+pub use record::check::profile::{Octave, Profile};
+pub use record::check::relations::fault::{Fault, FaultKind};
+pub use record::check::relations::judge::{judge, refuse_faults};
+pub use record::check::taking_part::{TakingPart, gaps_line};
 pub use record::columns::Columns;
 pub use record::csv::{read_csv, write_csv};
 pub use record::index::{
@@ -67,7 +73,8 @@ pub use record::index::{
 };
 pub use record::parquet::{read_parquet, write_parquet};
 pub use record::read::read_columns;
-pub use record::run::{COLUMNS, Run, read_good_runs, read_run, read_runs, state_distances};
+pub use record::read_runs::{read_good_runs, read_run, read_runs, state_distances};
+pub use record::run::{COLUMNS, Run};
 pub use record::write::{RunFormat, write_run};
 pub use signals::derivative::derivative;
 pub use signals::filter::{low_pass, noise_gain, resample};

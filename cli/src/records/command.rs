@@ -3,12 +3,13 @@
 use kufe_jobs::Failure;
 
 use crate::output::global::Global;
-use crate::records::{import, init};
+use crate::records::{check, import, init};
 
 const EXAMPLES: &str = "\
 Examples:
   kufe runs init raw/monday_01.csv -o mapping.toml     guess what the channels are
-  kufe runs import mapping.toml -o runs/               bring them into kufe's form";
+  kufe runs import mapping.toml -o runs/               bring them into kufe's form
+  kufe runs check runs/runs.csv -o check/              say what is wrong with them";
 
 /// Arguments of `kufe runs`.
 #[derive(clap::Args, Debug)]
@@ -24,6 +25,8 @@ enum Command {
     Init(init::Args),
     /// Bring recordings of other programs into kufe's form
     Import(import::Args),
+    /// Say what is wrong and what is odd in runs, and what mends it
+    Check(check::Args),
 }
 
 /// Runs the subcommand.
@@ -34,5 +37,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.command {
         Command::Init(args) => init::run(args, global),
         Command::Import(args) => import::run(args, global),
+        Command::Check(args) => check::run(args, global),
     }
 }

@@ -28,6 +28,9 @@ pub struct RunArgs {
     /// Leave runs with faulty files out and say so, instead of stopping at the first
     #[arg(long)]
     pub leave_out_bad_runs: bool,
+    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    #[arg(long)]
+    pub strict: bool,
     /// Corner of the zero-phase low pass [Hz]
     #[arg(long, value_name = "HZ", default_value_t = 20.0)]
     pub cutoff: f64,
@@ -50,6 +53,7 @@ impl RunArgs {
             session: self.session.clone(),
             track: self.track.clone(),
             leave_out_bad_runs: self.leave_out_bad_runs,
+            strict: self.strict,
             cutoff_hz: self.cutoff,
         };
         let bar = global.progress();

@@ -26,6 +26,9 @@ pub struct Args {
     /// Simulated nulls for each look (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
+    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    #[arg(long)]
+    strict: bool,
     /// Which channels of runs to use
     #[arg(long, value_enum, default_value_t = Channels::All)]
     channels: Channels,
@@ -65,6 +68,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         twins: args.twins,
         longitudinal: args.channels != Channels::Lateral,
         lateral: args.channels != Channels::Longitudinal,
+        strict: args.strict,
         rules,
         ..Options::default()
     };
@@ -81,6 +85,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         kufe_discover::discover(&args.data, &args.model, &options, &progress).map_err(failure)?;
     let (report, next) = (found.report, found.next_model);
     bar.finish_and_clear();
+    if !report.gaps.is_empty() && !global.quiet {
+        eprintln!("kufe: note: {}", kufe_sled::gaps_line(&report.gaps));
+    }
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;
     let out = |name: &str| -> PathBuf { Path::new(&args.output).join(name) };

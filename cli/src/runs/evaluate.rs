@@ -57,7 +57,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             Failure::BadInput(format!("--run {name}: the runs are {}", known.join(", ")))
         })?,
     };
-    let document = json!({
+    let mut document = json!({
         "runs": runs,
         "groups": groups,
         "interval": "95 % of the mean, bootstrap over runs",
@@ -65,6 +65,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "outside_tables": loaded.outside_tables,
         "version": env!("CARGO_PKG_VERSION"),
     });
+    loaded.state_gaps(&mut document);
     staging.write("evaluation.json", |mut file| writeln!(file, "{document:#}"))?;
     staging.write("evaluation.csv", |file| write_table(file, &runs))?;
     let drawn_files = draw(args, &staging, &runs, drawn)?;

@@ -77,17 +77,21 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ],
     )?;
     staging.remove_on_interrupt();
+    let loaded = args.runs.load(global, |_| true)?;
+    let bar = global.progress();
+    bar.set_message("fitting");
+    let fit = kufe_sled::fit(&loaded.prepared, &loaded.vehicle, &options)
+        .map_err(|error| failure(&error))?;
+    let mut document = fit.to_json();
+    loaded.state_gaps(&mut document);
     let Loaded {
         model,
         vehicle,
         prepared,
         left_out,
         outside_tables,
-    } = args.runs.load(global, |_| true)?;
-    let bar = global.progress();
-    bar.set_message("fitting");
-    let fit = kufe_sled::fit(&prepared, &vehicle, &options).map_err(|error| failure(&error))?;
-    let mut document = fit.to_json();
+        ..
+    } = loaded;
     document["left_out"] = left_out.into();
     document["outside_tables"] = serde_json::json!(outside_tables);
     staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;

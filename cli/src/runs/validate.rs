@@ -80,7 +80,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             drawn.push(run);
         }
     }
-    let document = json!({
+    let mut document = json!({
         "runs": runs,
         "tracks": tracks,
         "left_out_as_fitted": fitted,
@@ -88,6 +88,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "outside_tables": loaded.outside_tables,
         "version": env!("CARGO_PKG_VERSION"),
     });
+    loaded.state_gaps(&mut document);
     staging.write("validation.json", |mut file| writeln!(file, "{document:#}"))?;
     rmse_picture(&staging.path("rmse.png"), &runs)
         .map_err(|error| staging.failure("rmse.png", &error))?;

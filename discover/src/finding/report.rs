@@ -263,6 +263,9 @@ pub struct Report {
     pub untestable: Vec<(String, String)>,
     /// What the reader should know.
     pub remarks: Vec<String>,
+    /// Runs with gaps: what is not there, and how much takes part; absent where there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<kufe_sled::TakingPart>,
     /// Kind of data.
     pub data: String,
     /// Seed.

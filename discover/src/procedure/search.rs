@@ -125,6 +125,7 @@ pub fn search_evidence<E: Evidence>(
         training: described.training,
         untestable: described.untestable,
         remarks,
+        gaps: Vec::new(),
         data: described.data,
         seed: options.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),

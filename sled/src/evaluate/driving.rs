@@ -1,5 +1,7 @@
 //! A driver's score: energy lost beyond what a straight glide would lose.
 
+use std::ops::Range;
+
 use kufe_effect::Forces;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -50,6 +52,9 @@ pub struct RunEvaluation {
     /// Forces over the run; not part of the report.
     #[serde(skip)]
     pub series: Vec<DrivingForce>,
+    /// Stretches of `series` without a gap.
+    #[serde(skip)]
+    pub pieces: Vec<Range<usize>>,
 }
 
 /// Distribution of an angle over one run.
@@ -98,7 +103,8 @@ pub struct DrivingForce {
 /// ```
 ///
 /// What effects put on the body counts with the air. Forces are those of the friction laws at the measured slips and normal forces; `alpha` is the slip at the centre of
-/// gravity for both axles, as in the paper. `ds = v dt` by the trapezoidal rule.
+/// gravity for both axles, as in the paper. `ds = v dt` by the trapezoidal rule, over the stretches that take part: across
+/// a gap nothing is lost, neither of a straight glide nor beyond it, so that the increases are those of what was seen.
 pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
     runs.par_iter()
         .map(|run| evaluate_run(run, vehicle))
@@ -112,7 +118,10 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     // Ideal loss, and what front, rear and air take beyond it.
     let mut energies = [0.0; 4];
     let mut before: Option<[f64; 4]> = None;
-    for state in &run.states {
+    for (i, state) in run.states.iter().enumerate() {
+        if run.pieces.iter().any(|piece| piece.start == i) {
+            before = None;
+        }
         let at = Balance::new(sled, state, &Motion::default());
         let forces = forces_at(vehicle, &at);
         let straight = straight_glide(vehicle, &at, &forces);
@@ -161,7 +170,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         driver: run.entry.driver.clone(),
         driver_class: run.entry.driver_class.clone(),
         session: run.entry.session.clone(),
-        time_s: run.states.len() as f64 * run.dt_s,
+        time_s: run.span_s(),
         e_tot_loss_j: least,
         increase_front: front / least,
         increase_rear: rear / least,
@@ -173,6 +182,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         slip_rear,
         chassis_slip,
         series,
+        pieces: run.pieces.clone(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! The friction model against measured runs: the lateral force at the centre of gravity.
 
+use std::ops::Range;
+
 use kufe_friction::Braghin;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -32,6 +34,9 @@ pub struct RunValidation {
     /// The lateral force over time; not part of the report.
     #[serde(skip)]
     pub series: Vec<LateralForce>,
+    /// Stretches of `series` without a gap.
+    #[serde(skip)]
+    pub pieces: Vec<Range<usize>>,
 }
 
 /// A stretch where model and measurement differ.
@@ -117,19 +122,24 @@ fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
         rmse_n,
         rmse_braghin_n: rms(&|f| f.braghin_n - f.measured_n),
         left_rms: root_mean_square(&residuals(run, vehicle)),
-        largest: largest_disagreements(&series, run.dt_s, rmse_n),
+        largest: largest_disagreements(&series, run, rmse_n),
+        pieces: run.pieces.clone(),
         series,
     }
 }
 
-/// Up to five stretches of half a second, at least two seconds apart, whose difference is twice the run's or more.
-fn largest_disagreements(series: &[LateralForce], dt: f64, rmse: f64) -> Vec<Disagreement> {
-    let window = ((0.5 / dt) as usize).clamp(1, series.len());
+/// Up to five stretches of half a second without a gap, at least two seconds apart, whose difference is twice the run's or more.
+fn largest_disagreements(series: &[LateralForce], run: &Prepared, rmse: f64) -> Vec<Disagreement> {
+    let window = ((0.5 / run.dt_s) as usize).clamp(1, series.len());
     let mut sums = vec![0.0];
     for f in series {
         sums.push(sums[sums.len() - 1] + (f.model_n - f.measured_n).powi(2));
     }
-    let mut candidates: Vec<Disagreement> = (0..=series.len() - window)
+    let starts = |piece: &Range<usize>| piece.start..(piece.end + 1).saturating_sub(window);
+    let mut candidates: Vec<Disagreement> = run
+        .pieces
+        .iter()
+        .flat_map(starts)
         .map(|start| {
             let rms_n = ((sums[start + window] - sums[start]) / window as f64)
                 .max(0.0)

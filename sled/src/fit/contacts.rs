@@ -38,10 +38,10 @@ pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
         .map(|(residual, run)| {
             let around = (0.2 / run.dt_s).round() as usize;
             let mut marked = vec![false; residual.len()];
-            for (i, size) in residual.iter().enumerate() {
-                if *size > limit {
-                    let end = (i + around + 1).min(marked.len());
-                    marked[i.saturating_sub(around)..end].fill(true);
+            for piece in &run.pieces {
+                for i in piece.clone().filter(|i| residual[*i] > limit) {
+                    let end = (i + around + 1).min(piece.end);
+                    marked[i.saturating_sub(around).max(piece.start)..end].fill(true);
                 }
             }
             marked

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::boxes::{Spread, draw_boxes};
-use super::strip::{Line, draw_strip};
+use super::strip::{Line, broken, draw_strip};
 use crate::error::Error;
 use crate::evaluate::driving::{DrivingForce, RunEvaluation};
 use crate::evaluate::groups::distinct;
@@ -130,7 +130,7 @@ pub fn force_picture(path: &Path, run: &RunEvaluation) -> Result<(), Error> {
     let line = |name, colour, pick: fn(&DrivingForce) -> f64| Line {
         name,
         colour,
-        points: run.series.iter().map(|f| (f.s_m, pick(f))).collect(),
+        points: broken(&run.pieces, |i| (run.series[i].s_m, pick(&run.series[i]))),
     };
     let forces = [
         line("as driven", 1, |f| f.actual_n),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::strip::{Line, draw_strip};
+use super::strip::{Line, broken, draw_strip};
 use crate::error::Error;
 use crate::signals::prepare::Prepared;
 
@@ -14,9 +14,7 @@ pub fn run_picture(path: &Path, run: &Prepared) -> Result<(), Error> {
     let series = |name: &'static str, colour, value: &dyn Fn(usize) -> f64| Line {
         name,
         colour,
-        points: (0..run.states.len())
-            .map(|i| (run.states[i].t_s, value(i)))
-            .collect(),
+        points: broken(&run.pieces, |i| (run.states[i].t_s, value(i))),
     };
     let (s, m) = (&run.states, &run.motions);
     let panels: [(&str, Vec<Line>); 4] = [

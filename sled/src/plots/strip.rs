@@ -1,13 +1,30 @@
 //! Lines over time or distance, one panel below the other.
 
+use std::ops::Range;
+
 use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
 use plotters::prelude::*;
 
-/// One line of a panel.
+/// One line of a panel; broken at points that are no numbers.
 pub(super) struct Line<'a> {
     pub name: &'a str,
     pub points: Vec<(f64, f64)>,
     pub colour: usize,
+}
+
+/// Points of a series with a break between its pieces.
+pub(super) fn broken(
+    pieces: &[Range<usize>],
+    point: impl Fn(usize) -> (f64, f64),
+) -> Vec<(f64, f64)> {
+    let mut points = Vec::new();
+    for piece in pieces {
+        if !points.is_empty() {
+            points.push((f64::NAN, f64::NAN));
+        }
+        points.extend(piece.clone().map(&point));
+    }
+    points
 }
 
 /// Draws lines in one panel with a legend; `marks` are vertical lines with their labels.
@@ -59,15 +76,17 @@ pub(super) fn draw_strip(
         .draw()?;
     for line in lines {
         let colour = PALETTE[line.colour];
-        chart
-            .draw_series(LineSeries::new(
-                line.points.iter().copied(),
+        for (number, piece) in line.points.split(|point| point.1.is_nan()).enumerate() {
+            let drawn = chart.draw_series(LineSeries::new(
+                piece.iter().copied(),
                 colour.stroke_width(1),
-            ))?
-            .label(line.name)
-            .legend(move |(x, y)| {
-                PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
-            });
+            ))?;
+            if number == 0 {
+                drawn.label(line.name).legend(move |(x, y)| {
+                    PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
+                });
+            }
+        }
     }
     for (x, label) in marks {
         let grey = PALETTE[6];

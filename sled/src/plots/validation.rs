@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::boxes::{Spread, draw_boxes};
-use super::strip::{Line, draw_strip};
+use super::strip::{Line, broken, draw_strip};
 use crate::error::Error;
 use crate::evaluate::validate::{RunValidation, by_track};
 
@@ -44,7 +44,7 @@ pub fn lateral_force_picture(path: &Path, run: &RunValidation) -> Result<(), Err
     let line = |name, colour, pick: fn(&crate::evaluate::validate::LateralForce) -> f64| Line {
         name,
         colour,
-        points: run.series.iter().map(|f| (f.t_s, pick(f))).collect(),
+        points: broken(&run.pieces, |i| (run.series[i].t_s, pick(&run.series[i]))),
     };
     let lines = [
         line("measured", 6, |f| f.measured_n),

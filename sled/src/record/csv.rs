@@ -56,7 +56,8 @@ pub fn read_csv(
 
 fn parse_number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
-    if text.is_empty() {
+    // How other programs write that there is no value.
+    if ["", "NA", "N/A", "null", "None"].contains(&text) {
         return Some(f64::NAN);
     }
     text.parse().ok()

@@ -9,5 +9,6 @@ mod matlab;
 mod mdf4;
 pub(crate) mod parquet;
 pub(crate) mod read;
+pub(crate) mod read_runs;
 pub(crate) mod run;
 pub(crate) mod write;

@@ -1,14 +1,10 @@
 //! Recorded runs, one file a run.
 
 use std::collections::BTreeMap;
-use std::path::Path;
-
-use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::record::check::check_columns;
-use crate::record::index::{Entry, read_index};
-use crate::record::read::read_columns;
+use crate::record::check::gaps::Gaps;
+use crate::record::index::Entry;
 
 /// Columns that a run must have besides `t_s`.
 pub const COLUMNS: [&str; 10] = [
@@ -24,7 +20,7 @@ pub const COLUMNS: [&str; 10] = [
     "gamma_rad",
 ];
 
-/// One recorded run, uniform in time, in the units of its columns' names.
+/// One recorded run, uniform in time, in the units of its columns' names; beside a gap a column may be NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Its row in the index.
@@ -35,6 +31,8 @@ pub struct Run {
     pub dt_s: f64,
     /// Every column of the file but time, by name; extra ones are kept.
     pub columns: BTreeMap<String, Vec<f64>>,
+    /// Which samples take part, and why the others do not.
+    pub gaps: Gaps,
     /// What was noticed and is no error (a sensor at its end stop).
     pub remarks: Vec<String>,
 }
@@ -69,124 +67,4 @@ impl Run {
                 found: self.columns.keys().cloned().collect::<Vec<_>>().join(", "),
             })
     }
-}
-
-/// Reads the index and every run it names, in the index's order.
-///
-/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or, with the feature `mdf4`, MDF 4 (`.mf4`).
-/// Every run is checked by [`check_columns`]. Where the index states no `distance_m`, it is [`state_distances`]'.
-///
-/// # Errors
-/// The first bad run's error in the order of the index, [`Error::DuplicateContent`] where two runs are the same.
-pub fn read_runs(index: &Path) -> Result<Vec<Run>, Error> {
-    let mut runs = read_index(index)?
-        .into_par_iter()
-        .map(|entry| read_run(entry, &COLUMNS))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?;
-    refuse_copies(&runs)?;
-    state_distances(&mut runs);
-    Ok(runs)
-}
-
-/// Like [`read_runs`], but leaves bad runs out and returns their errors beside the good ones.
-///
-/// # Errors
-/// Those of the index itself.
-pub fn read_good_runs(index: &Path) -> Result<(Vec<Run>, Vec<Error>), Error> {
-    let read: Vec<Result<Run, Error>> = read_index(index)?
-        .into_par_iter()
-        .map(|entry| read_run(entry, &COLUMNS))
-        .collect();
-    let (mut good, mut bad) = (Vec::new(), Vec::new());
-    for run in read {
-        match run {
-            Ok(run) => good.push(run),
-            Err(error) => bad.push(error),
-        }
-    }
-    while let Some((first, second)) = find_copy(&good) {
-        bad.push(Error::DuplicateContent {
-            first: good[first].entry.run.clone(),
-            second: good[second].entry.run.clone(),
-        });
-        good.remove(second);
-    }
-    state_distances(&mut good);
-    Ok((good, bad))
-}
-
-/// Reads one run's file and checks it; `required` are the columns it must have besides `t_s`.
-///
-/// # Errors
-/// Those of the format's reader and of [`check_columns`].
-pub fn read_run(entry: Entry, required: &[&str]) -> Result<Run, Error> {
-    let file = entry.file.display().to_string();
-    let mut columns = read_columns(&entry.file, required)?;
-    let (clock, remarks) = check_columns(&columns, required, &file)?;
-    columns.remove("t_s");
-    Ok(Run {
-        entry,
-        t0_s: clock.t0_s,
-        dt_s: clock.dt_s,
-        columns,
-        remarks,
-    })
-}
-
-/// States the distance run on the same finish before each run where the index does not: that of the runs before it in its
-/// session, in the order given.
-///
-/// Runners are finished between sessions and not within one; where that is not so, `distance_m` in the index says it.
-pub fn state_distances(runs: &mut [Run]) {
-    let mut before: BTreeMap<String, f64> = BTreeMap::new();
-    for run in runs {
-        let travelled = before.entry(run.entry.session.clone()).or_insert(0.0);
-        run.entry.conditions.distance_m.get_or_insert(*travelled);
-        *travelled += match run.columns.get("s_m").map(Vec::as_slice) {
-            Some([first, .., last]) if (last - first).is_finite() => last - first,
-            _ => run
-                .columns
-                .get("v_mps")
-                .map_or(0.0, |v| v.iter().sum::<f64>() * run.dt_s),
-        };
-    }
-}
-
-/// Refuses two runs with the same samples: a file copied or named twice would count double.
-fn refuse_copies(runs: &[Run]) -> Result<(), Error> {
-    match find_copy(runs) {
-        None => Ok(()),
-        Some((first, second)) => Err(Error::DuplicateContent {
-            first: runs[first].entry.run.clone(),
-            second: runs[second].entry.run.clone(),
-        }),
-    }
-}
-
-fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
-    let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
-    for (i, run) in runs.iter().enumerate() {
-        // The first samples decide almost always; the whole columns are compared only where they agree.
-        let key: Vec<u64> = COLUMNS
-            .iter()
-            .filter_map(|name| run.columns.get(*name))
-            .flat_map(|values| {
-                [
-                    values.len() as u64,
-                    values[0].to_bits(),
-                    values[values.len() / 2].to_bits(),
-                ]
-            })
-            .collect();
-        if let Some(&first) = seen.get(&key) {
-            if runs[first].columns == run.columns {
-                return Some((first, i));
-            }
-        } else {
-            seen.insert(key, i);
-        }
-    }
-    None
 }

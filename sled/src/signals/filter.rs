@@ -63,12 +63,15 @@ pub fn noise_gain(rate_hz: f64, cutoff_hz: f64) -> f64 {
         .sqrt()
 }
 
-/// Number of samples at `to_hz` that [`resample`] makes of `length` samples at `from_hz`.
-pub fn resampled_length(length: usize, from_hz: f64, to_hz: f64) -> usize {
-    if to_hz >= from_hz || length == 0 {
-        return length;
+/// Samples at `from_hz` for one at the lower `to_hz`: whole where it is within a thousandth of a whole number.
+pub fn ratio(from_hz: f64, to_hz: f64) -> f64 {
+    let ratio = from_hz / to_hz;
+    let whole = ratio.round();
+    if (ratio - whole).abs() < 1e-3 * ratio {
+        whole
+    } else {
+        ratio
     }
-    ((length - 1) as f64 * to_hz / from_hz + 1e-9).floor() as usize + 1
 }
 
 /// Brings a signal to a lower rate: low pass at 0.4 of the new rate, then every k-th sample, or, where the rates are
@@ -76,21 +79,31 @@ pub fn resampled_length(length: usize, from_hz: f64, to_hz: f64) -> usize {
 ///
 /// A rate at or below the new one is left as it is: nothing is invented between samples.
 pub fn resample(values: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
+    resample_from(values, from_hz, to_hz, 0.0)
+}
+
+/// The same with the first sample of the result `offset` samples after the first of `values`.
+pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> Vec<f64> {
     // Rates told by rounded times: 99.99 Hz is 100 Hz.
     if to_hz >= from_hz * (1.0 - 1e-3) {
         return values.to_vec();
     }
     let smooth = low_pass(values, from_hz, 0.4 * to_hz);
-    let ratio = from_hz / to_hz;
-    let whole = ratio.round();
-    if (ratio - whole).abs() < 1e-3 * ratio {
-        return smooth.into_iter().step_by(whole as usize).collect();
+    let ratio = ratio(from_hz, to_hz);
+    if ratio.fract() == 0.0 {
+        let first = offset.round() as usize;
+        return smooth
+            .into_iter()
+            .skip(first)
+            .step_by(ratio as usize)
+            .collect();
     }
     let last = smooth.len() - 1;
     let at = |i: isize| smooth[i.clamp(0, last as isize) as usize];
-    (0..resampled_length(values.len(), from_hz, to_hz))
+    let count = ((last as f64 - offset) / ratio + 1e-9).floor() as usize + 1;
+    (0..count)
         .map(|k| {
-            let position = k as f64 * ratio;
+            let position = offset + k as f64 * ratio;
             let i = (position as usize).min(last);
             let t = position - i as f64;
             let i = i as isize;

@@ -33,17 +33,11 @@ impl Stated {
 }
 
 impl Further {
-    /// Looks the values up and refuses effects that need what is stated nowhere; `resampled` brings a column of the file
-    /// to the rate of the states.
+    /// Looks the values up and refuses effects that need what is stated nowhere.
     ///
     /// # Errors
     /// [`Error::Keys`] with the run's file, the effect and the column.
-    pub fn of(
-        run: &Run,
-        vehicle: &Vehicle,
-        effects: &Effects,
-        resampled: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> Result<Further, Error> {
+    pub fn of(run: &Run, vehicle: &Vehicle, effects: &Effects) -> Result<Further, Error> {
         let (own, model) = (&run.entry.conditions, &vehicle.conditions);
         let once = [
             own.humidity_pct.or(model.humidity_pct),
@@ -52,9 +46,9 @@ impl Further {
         let mut values = once.map(|value| value.map_or(Stated::Nowhere, Stated::Once));
         for (name, value) in MORE_INDEX_COLUMNS.iter().zip(&mut values) {
             if let Some(column) = run.columns.get(*name)
-                && column.iter().all(|x| x.is_finite())
+                && run.gaps.within(column).flatten().all(|x| x.is_finite())
             {
-                *value = Stated::BySample(resampled(column));
+                *value = Stated::BySample(column.clone());
             }
         }
         let further = Further { values };
@@ -66,6 +60,16 @@ impl Further {
         let absent: Vec<&str> = nowhere.chain(NEVER).collect();
         refuse_effects(effects, &absent, &run.entry.file.display().to_string())?;
         Ok(further)
+    }
+
+    /// The same for the states of one stretch; `resampled` brings a column of the file to their rate.
+    pub fn piece(&self, resampled: impl Fn(&[f64]) -> Vec<f64>) -> Further {
+        let values = self.values.each_ref().map(|value| match value {
+            Stated::Nowhere => Stated::Nowhere,
+            Stated::Once(value) => Stated::Once(*value),
+            Stated::BySample(column) => Stated::BySample(resampled(column)),
+        });
+        Further { values }
     }
 
     /// Time [s], place [m], speed [m/s] and weather of sample `i`.

@@ -13,8 +13,13 @@ use crate::record::run::Run;
 /// What the signal itself does within four samples is mostly cancelled; the median makes the rest of little weight.
 /// 0 where there are fewer than four samples. Unit: that of the signal.
 pub fn white_noise_sd(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values
-        .windows(4)
+    noise_sd_within(std::iter::once(values))
+}
+
+/// The same over several stretches of a signal.
+pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let mut sizes: Vec<f64> = stretches
+        .flat_map(|values| values.windows(4))
         .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs())
         .collect();
     if sizes.is_empty() {
@@ -31,18 +36,21 @@ pub fn white_noise_sd(values: &[f64]) -> f64 {
 /// # Errors
 /// [`Error::MissingColumn`].
 pub fn estimate_noise(run: &Run) -> Result<Noise, Error> {
+    let sd = |name: &str| -> Result<f64, Error> {
+        Ok(noise_sd_within(run.gaps.within(run.column(name)?)))
+    };
     let largest = |names: [&str; 3]| -> Result<f64, Error> {
-        names.iter().try_fold(0.0_f64, |most, name| {
-            Ok(most.max(white_noise_sd(run.column(name)?)))
-        })
+        names
+            .iter()
+            .try_fold(0.0_f64, |most, name| Ok(most.max(sd(name)?)))
     };
     Ok(Noise {
         accel_mps2: largest(["ax_mps2", "ay_mps2", "az_mps2"])?,
         rate_radps: largest(["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"])?,
-        speed_mps: white_noise_sd(run.column("v_mps")?),
-        slip_rad: white_noise_sd(run.column("alpha_rad")?),
-        steer_rad: white_noise_sd(run.column("delta_rad")?),
-        roll_split_rad: white_noise_sd(run.column("gamma_rad")?),
+        speed_mps: sd("v_mps")?,
+        slip_rad: sd("alpha_rad")?,
+        steer_rad: sd("delta_rad")?,
+        roll_split_rad: sd("gamma_rad")?,
     })
 }
 

@@ -1,19 +1,23 @@
 //! From a recorded run to states: filter, down-sample, transfer, differentiate.
 
-use kufe_effect::{Sensor, Signals};
+use std::ops::Range;
+
+use kufe_effect::{Effects, Sensor, Signals};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::model::sled::Noise;
+use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::Vehicle;
 use crate::motion::measured::from_sensors;
 use crate::motion::one_track::inverse;
 use crate::motion::state::{AxleForces, Motion, State};
 use crate::record::check::LEAST_SAMPLES;
+use crate::record::check::gaps::bridged;
+use crate::record::check::taking_part::TakingPart;
 use crate::record::index::Entry;
 use crate::record::run::Run;
-use crate::signals::derivative::derivative;
-use crate::signals::filter::{low_pass, noise_gain, resample, resampled_length};
+use crate::signals::derivative::{HALF_WIDTH, derivative};
+use crate::signals::filter::{self, low_pass, noise_gain, ratio, resample_from};
 use crate::signals::further::Further;
 use crate::signals::noise::{estimate_noise, slip_noise};
 
@@ -46,11 +50,28 @@ pub struct Prepared {
     pub states: Vec<State>,
     /// Measured motion at the centre of gravity, beside `states`.
     pub motions: Vec<Motion>,
+    /// Stretches of `states` without a gap: within one they are `dt_s` apart, together they are all states.
+    pub pieces: Vec<Range<usize>>,
+    /// What of the run takes part.
+    pub taking_part: TakingPart,
     /// Standard deviations of the filtered slip angles, front and rear [rad].
     pub slip_sd_rad: [f64; 2],
 }
 
 impl Prepared {
+    /// The time that takes part, a step a state [s].
+    pub fn used_s(&self) -> f64 {
+        self.states.len() as f64 * self.dt_s
+    }
+
+    /// The time from the first state to the last, gaps included [s].
+    pub fn span_s(&self) -> f64 {
+        match self.states.as_slice() {
+            [first, .., last] if self.pieces.len() > 1 => last.t_s - first.t_s + self.dt_s,
+            _ => self.used_s(),
+        }
+    }
+
     /// Forces on the runners as the motion demands them, one a state.
     pub fn measured_forces(&self, vehicle: &Vehicle) -> Vec<AxleForces> {
         self.states
@@ -65,9 +86,12 @@ impl Prepared {
 ///
 /// In this order: low pass and down-sampling to `rate_hz`, low pass at `cutoff_hz`, angular accelerations by
 /// [`derivative`], accelerations to the centre of gravity, slips at the axles, normal forces. `s_m` is taken from the
-/// recording where it has one, else integrated from the speed. Effects of the vehicle that stand between the truth and
-/// its sensors are taken out. `noise` states the sensors' noise; where absent it is
-/// estimated from the recording.
+/// recording where it has one, else integrated from the speed, across a gap of the speed as if it changed evenly there.
+/// Effects of the vehicle that stand between the truth and its sensors are taken out. `noise` states the sensors' noise;
+/// where absent it is estimated from the recording.
+///
+/// Every stretch without a gap is filtered by itself. Beside a gap two periods of the corner and the derivative's three
+/// samples take no part: the slowest pole of the filter, `sin(pi/8) 2 pi f`, has decayed to 1 % there.
 ///
 /// # Errors
 /// [`Error::MissingColumn`], [`Error::TooShort`] where too little is left at the lower rate, [`Error::Keys`] for an effect
@@ -80,37 +104,208 @@ pub fn prepare(
 ) -> Result<Prepared, Error> {
     let sled = &vehicle.sled;
     let effects = vehicle.effects.on_track(&run.entry.track);
-    let from = run.rate_hz();
-    let lower = options.rate_hz < from * (1.0 - 1e-3);
-    let rate = if lower { options.rate_hz } else { from };
-    let left = resampled_length(run.len(), from, rate);
-    if left < LEAST_SAMPLES {
+    let base = Resampling::of(run, options);
+    let further = Further::of(run, vehicle, &effects)?;
+    let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
+    let mut speeds: (f64, usize) = (0.0, 0);
+    let mut distance = Distance::of(run)?;
+    for (number, piece) in run.gaps.pieces.iter().enumerate() {
+        let count = base.samples(piece).len();
+        if count < filter::LEAST_SAMPLES {
+            continue;
+        }
+        let all = prepare_piece(run, piece, &base, sled, &effects, &further, &mut distance)?;
+        speeds.0 += all.iter().map(|(state, _)| state.v_mps).sum::<f64>();
+        speeds.1 += count;
+        let last = run.gaps.pieces.len() - 1;
+        let from = if number == 0 { 0 } else { base.margin };
+        let to = count.saturating_sub(if number == last { 0 } else { base.margin });
+        if from < to {
+            let start = states.len();
+            for (state, motion) in &all[from..to] {
+                states.push(*state);
+                motions.push(*motion);
+            }
+            pieces.push(start..states.len());
+        }
+    }
+    if states.len() < LEAST_SAMPLES {
         return Err(Error::TooShort {
             file: run.entry.file.display().to_string(),
-            samples: left,
+            samples: states.len(),
             needed: LEAST_SAMPLES,
         });
     }
-    let channel = |name: &str| -> Result<Vec<f64>, Error> {
-        let slow = resample(run.column(name)?, from, rate);
-        Ok(low_pass(&slow, rate, options.cutoff_hz))
+    let noise = match noise {
+        Some(noise) => *noise,
+        None => estimate_noise(run)?,
     };
+    let mean_speed = speeds.0 / speeds.1 as f64;
+    let (front, rear) = slip_noise(sled, &noise, mean_speed);
+    // Both filters act on the noise at the recording's own rate; the narrower one decides.
+    let gain = noise_gain(base.from_hz, base.narrowest_hz);
+    let mut prepared = Prepared {
+        entry: run.entry.clone(),
+        dt_s: 1.0 / base.rate_hz,
+        taking_part: TakingPart {
+            run: run.entry.run.clone(),
+            gaps: run.gaps.clone(),
+            stretches: pieces.len(),
+            used_s: 0.0,
+            of_s: 0.0,
+        },
+        states,
+        motions,
+        pieces,
+        slip_sd_rad: [gain * front, gain * rear],
+    };
+    let (used_s, of_s) = (prepared.used_s(), run.len() as f64 * run.dt_s);
+    (prepared.taking_part.used_s, prepared.taking_part.of_s) = (used_s, of_s);
+    Ok(prepared)
+}
+
+/// The even times at the lower rate, and what stands beside a gap.
+struct Resampling {
+    from_hz: f64,
+    rate_hz: f64,
+    /// Samples of the recording a state.
+    ratio: f64,
+    cutoff_hz: f64,
+    /// Corner of the narrower of both low passes [Hz].
+    narrowest_hz: f64,
+    /// States beside a gap that take no part.
+    margin: usize,
+}
+
+impl Resampling {
+    fn of(run: &Run, options: &PrepareOptions) -> Resampling {
+        let from = run.rate_hz();
+        let lower = options.rate_hz < from * (1.0 - 1e-3);
+        let rate = if lower { options.rate_hz } else { from };
+        let narrowest_hz = options
+            .cutoff_hz
+            .min(if lower { 0.4 * rate } else { f64::INFINITY });
+        let periods = if narrowest_hz < 0.5 * from {
+            (2.0 * rate / narrowest_hz).ceil() as usize
+        } else {
+            0
+        };
+        Resampling {
+            from_hz: from,
+            rate_hz: rate,
+            ratio: if lower { ratio(from, rate) } else { 1.0 },
+            cutoff_hz: options.cutoff_hz,
+            narrowest_hz,
+            margin: periods + HALF_WIDTH,
+        }
+    }
+
+    /// The states, counted from the first sample of the run, that lie in a stretch of the recording.
+    fn samples(&self, piece: &Range<usize>) -> Range<usize> {
+        let first = (piece.start as f64 / self.ratio - 1e-9).ceil() as usize;
+        first..((piece.end - 1) as f64 / self.ratio + 1e-9).floor() as usize + 1
+    }
+
+    /// A stretch of a column at the rate of the states.
+    fn resampled(&self, column: &[f64], piece: &Range<usize>) -> Vec<f64> {
+        let first = self.samples(piece).start as f64 * self.ratio;
+        let offset = first - piece.start as f64;
+        resample_from(&column[piece.clone()], self.from_hz, self.rate_hz, offset)
+    }
+}
+
+/// Where the sled is: as recorded, or from the speed.
+enum Distance {
+    Recorded(Vec<f64>),
+    FromSpeed {
+        /// Speed across gaps of it [m/s].
+        bridged: Vec<f64>,
+        /// The last state before the next stretch: its place in the recording, distance and speed.
+        before: Option<(f64, f64, f64)>,
+    },
+}
+
+impl Distance {
+    fn of(run: &Run) -> Result<Distance, Error> {
+        Ok(match run.columns.get("s_m") {
+            Some(s) if run.gaps.within(s).flatten().all(|s| s.is_finite()) => {
+                Distance::Recorded(s.clone())
+            }
+            _ => Distance::FromSpeed {
+                bridged: bridged(run.column("v_mps")?),
+                before: None,
+            },
+        })
+    }
+
+    /// Distances of a stretch's states, `v` being their speeds.
+    fn of_piece(&mut self, base: &Resampling, piece: &Range<usize>, v: &[f64]) -> Vec<f64> {
+        match self {
+            Distance::Recorded(s) => base.resampled(s, piece),
+            Distance::FromSpeed { bridged, before } => {
+                let first = base.samples(piece).start as f64 * base.ratio;
+                let start = match *before {
+                    None => 0.0,
+                    Some((from, s, v_from)) => {
+                        s + across(bridged, (from, v_from), (first, v[0])) / base.from_hz
+                    }
+                };
+                let mut distance = integrate(v, 1.0 / base.rate_hz);
+                if start != 0.0 {
+                    distance.iter_mut().for_each(|s| *s += start);
+                }
+                let last = v.len() - 1;
+                *before = Some((first + last as f64 * base.ratio, distance[last], v[last]));
+                distance
+            }
+        }
+    }
+}
+
+/// Integral of the speed between two states, by the trapezoidal rule over the samples between; in samples times m/s.
+fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 {
+    let between = from.floor() as usize + 1..to.ceil() as usize;
+    let inner = between.map(|i| (i as f64, v[i]));
+    let points = std::iter::once((from, v_from))
+        .chain(inner)
+        .chain([(to, v_to)]);
+    let mut sum = 0.0;
+    let mut before = (from, v_from);
+    for point in points {
+        sum += 0.5 * (point.0 - before.0) * (point.1 + before.1);
+        before = point;
+    }
+    sum
+}
+
+/// All states of one stretch without a gap, those beside a gap included.
+fn prepare_piece(
+    run: &Run,
+    piece: &Range<usize>,
+    base: &Resampling,
+    sled: &Sled,
+    effects: &Effects,
+    further: &Further,
+    distance: &mut Distance,
+) -> Result<Vec<(State, Motion)>, Error> {
+    let rate = base.rate_hz;
     let dt = 1.0 / rate;
     let mut recorded = Vec::with_capacity(Sensor::ALL.len());
     for sensor in Sensor::ALL {
-        recorded.push(channel(sensor.name())?);
+        let slow = base.resampled(run.column(sensor.name())?, piece);
+        recorded.push(low_pass(&slow, rate, base.cutoff_hz));
     }
-    let samples = recorded[0].len();
-    let distance = match run.columns.get("s_m") {
-        Some(s) if s.iter().all(|s| s.is_finite()) => resample(s, from, rate),
-        _ => integrate(&recorded[Sensor::Speed as usize], dt),
+    let samples = base.samples(piece);
+    let distance = distance.of_piece(base, piece, &recorded[Sensor::Speed as usize]);
+    let further = further.piece(|column| base.resampled(column, piece));
+    let first = samples.start;
+    let conditions = |i: usize, v: f64| {
+        let t = run.t0_s + (first + i) as f64 * dt;
+        further.conditions(run, i, t, distance[i], v)
     };
-    let further = Further::of(run, vehicle, &effects, |x| resample(x, from, rate))?;
-    let conditions =
-        |i: usize, v: f64| further.conditions(run, i, run.t0_s + i as f64 * dt, distance[i], v);
     if !effects.is_empty() {
         let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
-        for i in 0..samples {
+        for i in 0..samples.len() {
             let mut signals = at(&recorded, &rates, i);
             effects.correct(&conditions(i, signals[Sensor::Speed]), &mut signals);
             for (channel, value) in recorded.iter_mut().zip(signals.value) {
@@ -119,34 +314,11 @@ pub fn prepare(
         }
     }
     let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
-    let (states, motions) = (0..samples)
-        .map(|i| {
-            let signals = at(&recorded, &rates, i);
-            from_sensors(sled, &signals, &conditions(i, signals[Sensor::Speed]))
-        })
-        .unzip();
-
-    let noise = match noise {
-        Some(noise) => *noise,
-        None => estimate_noise(run)?,
-    };
-    let v = &recorded[Sensor::Speed as usize];
-    let mean_speed = v.iter().sum::<f64>() / v.len() as f64;
-    let (front, rear) = slip_noise(sled, &noise, mean_speed);
-    // Both filters act on the noise at the recording's own rate; the narrower one decides.
-    let gain = noise_gain(
-        from,
-        options
-            .cutoff_hz
-            .min(if lower { 0.4 * rate } else { f64::INFINITY }),
-    );
-    Ok(Prepared {
-        entry: run.entry.clone(),
-        dt_s: dt,
-        states,
-        motions,
-        slip_sd_rad: [gain * front, gain * rear],
-    })
+    let states = (0..samples.len()).map(|i| {
+        let signals = at(&recorded, &rates, i);
+        from_sensors(sled, &signals, &conditions(i, signals[Sensor::Speed]))
+    });
+    Ok(states.collect())
 }
 
 /// Prepares every run, in parallel and in order.

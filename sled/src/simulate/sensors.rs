@@ -11,6 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::Vehicle;
 use crate::motion::transfer::lever_acceleration;
+use crate::record::check::gaps::Gaps;
 use crate::record::index::{Conditions, Entry};
 use crate::record::run::Run;
 use crate::signals::derivative::{HALF_WIDTH, derivative};
@@ -85,6 +86,7 @@ pub fn record(
         t0_s: 0.0,
         dt_s: simulated.dt_s,
         columns,
+        gaps: Gaps::none(simulated.instants.len()),
         remarks: Vec::new(),
     }
 }

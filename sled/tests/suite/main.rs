@@ -1,10 +1,9 @@
 //! The one-track sled against identities, closed forms, a real car and its own simulation; bad files are refused by name.
 
-mod bad_input;
 mod effects_in_commands;
 mod effects_in_the_loop;
-mod formats;
 mod real_car;
+mod recorded;
 mod rigid_body;
 mod round_trip;
 mod sample_statements;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe_friction::{LateralFitOptions, LateralSample, fit_lateral};
-use kufe_sled::{Conditions, Entry, Model, derivative, low_pass, read_run, slips};
+use kufe_sled::{Conditions, Entry, Model, OnGaps, derivative, low_pass, read_run, slips};
 
 /// Gravity, to give each axle its static load per mass [m/s2].
 const G: f64 = 9.81;
@@ -38,7 +38,7 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
         "alpha_rad",
         "delta_rad",
     ];
-    let run = read_run(entry, &required).unwrap();
+    let run = read_run(entry, &required, OnGaps::LeaveOut).unwrap();
     assert_eq!(run.len(), 27_501);
     assert!((run.rate_hz() - 50.0).abs() < 1e-6);
 

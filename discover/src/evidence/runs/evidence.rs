@@ -91,9 +91,10 @@ fn outside(given: &ResidualModel, frames: &[Frame]) -> Vec<String> {
     if runners.iter().all(|runner| runner.table().is_none()) {
         return Vec::new();
     }
-    let of_run = |frame| {
+    let of_run = |frame: &Frame| {
         let model = ModelOnRun::new(given, frame);
-        (0..frame.len()).map(move |i| model.state(i))
+        let states: Vec<State> = frame.samples().map(|i| model.state(i)).collect();
+        states
     };
     let states: Vec<State> = frames.iter().flat_map(of_run).collect();
     let outside = outside_tables(&given.vehicle, states.iter());
@@ -350,5 +351,7 @@ pub fn search(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
     let mut campaign = Campaign::new(data, model, options)?;
-    search_evidence(&mut campaign, options, progress)
+    let mut found = search_evidence(&mut campaign, options, progress)?;
+    found.report.gaps.clone_from(&data.gaps);
+    Ok(found)
 }

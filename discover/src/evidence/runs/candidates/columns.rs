@@ -104,7 +104,7 @@ fn spread(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
             other => frame.extra.get(other)?,
         };
         let unit = if name == "fz_n" { mass } else { 1.0 };
-        all.extend(column.iter().map(|x| unit * x));
+        all.extend(frame.samples().map(|i| unit * column[i]));
     }
     let n = all.len() as f64;
     let mean = all.iter().sum::<f64>() / n;

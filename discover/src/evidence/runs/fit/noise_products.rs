@@ -36,7 +36,11 @@ pub fn noise_products(
             let wanted = (n as f64 * (simulator.piece_s / span.max(1e-9)).max(1.0 / 3.0)) as usize;
             let length = wanted.clamp(1, n);
             let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
-            let piece = frame.piece(from, from + length);
+            let piece = match frame.piece(from, from + length) {
+                // All of it lies in a gap.
+                piece if piece.row_count() == 0 => frame.clone(),
+                piece => piece,
+            };
             let pair = simulator.pair(&piece, design.residual_model, round, i);
             let square = |frame: &Frame| {
                 let (columns, locals) = design.columns_and_locals(frame);

@@ -116,25 +116,27 @@ impl RunSimulator {
         rows: &ChannelRows,
         rng: &mut impl Rng,
     ) {
-        let n = plus.len();
+        // What stands beside a gap has no residual to lend.
+        let samples: Vec<usize> = plus.samples().collect();
+        let n = samples.len();
         let shift = below(rng, n);
         let flip = sign(rng);
         let sled = &residual_model.vehicle.sled;
-        let rest = |c: usize, i: usize| -> f64 {
-            match rows[c].get((i + shift) % n) {
+        let rest = |c: usize, k: usize| -> f64 {
+            match rows[c].get(samples[(k + shift) % n]) {
                 Some(r) => flip * self.beyond[c] * r,
                 None => 0.0,
             }
         };
-        for i in 0..n {
-            let yaw = rest(2, i) / sled.j_zz_kgm2;
-            let ahead = rest(0, i) / sled.mass_kg - sled.accel_y_m * yaw;
-            let aside = rest(1, i) / sled.mass_kg + sled.accel_x_m * yaw;
+        for (k, i) in samples.iter().copied().enumerate() {
+            let yaw = rest(2, k) / sled.j_zz_kgm2;
+            let ahead = rest(0, k) / sled.mass_kg - sled.accel_y_m * yaw;
+            let aside = rest(1, k) / sled.mass_kg + sled.accel_x_m * yaw;
             for (twin, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
                 twin.rate_slope[2][i] += way * yaw;
                 twin.acceleration[0][i] += way * ahead;
                 twin.acceleration[1][i] += way * aside;
-                twin.v_slope[i] += way * rest(3, i);
+                twin.v_slope[i] += way * rest(3, k);
             }
         }
     }

@@ -18,12 +18,15 @@ pub fn available(
     let first = |name: &str| {
         learned
             .first()
-            .and_then(|piece| piece.column(name)?.first())
+            .and_then(|piece| piece.column(name)?.iter().find(|x| x.is_finite()))
     };
     let varies = |name: &str| {
         learned.iter().any(|piece| {
             let column = piece.column(name);
-            column.is_some_and(|x| x.iter().any(|value| Some(value) != first(name)))
+            column.is_some_and(|x| {
+                let mut there = x.iter().filter(|value| value.is_finite());
+                there.any(|value| Some(value) != first(name))
+            })
         })
     };
     let mut list = vec![Column::Time];

@@ -31,6 +31,10 @@ pub struct Frame {
     pub recorded_dt: f64,
     /// Low pass from kept samples to rows.
     pub sieve: Kernel,
+    /// Which kept samples take part; the others stand beside a gap, with numbers across it of which no row is made.
+    pub taking_part: Vec<bool>,
+    /// Kept samples around which rows are centred.
+    pub centres: Vec<usize>,
     /// Time [s].
     pub t: Vec<f64>,
     /// Distance along the track [m].
@@ -103,17 +107,34 @@ impl Frame {
 
     /// A signal at kept samples, low-passed and thinned to rows.
     pub fn rows(&self, x: &[f64]) -> Vec<f64> {
-        self.sieve.smooth(x)
+        if x.is_empty() {
+            return Vec::new();
+        }
+        self.sieve.smooth_at(x, &self.centres)
+    }
+
+    /// The same where rows are left out beside gaps.
+    pub fn rows_left_out(&self, x: &[f64]) -> Vec<f64> {
+        let left_out = |i: &usize| self.centres.binary_search(i).is_err();
+        let centres: Vec<usize> = self.sieve.centres(self.len()).filter(left_out).collect();
+        self.sieve.smooth_at(x, &centres)
+    }
+
+    /// The kept samples that take part.
+    pub fn samples(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).filter(|i| self.taking_part[*i])
     }
 
     /// Number of rows.
     pub fn row_count(&self) -> usize {
-        self.sieve.centres(self.len()).count()
+        self.centres.len()
     }
 
     /// The samples `from..to` alone.
     pub fn piece(&self, from: usize, to: usize) -> Self {
         let mut piece = self.clone();
+        piece.taking_part = self.taking_part[from..to].to_vec();
+        piece.centres = piece.sieve.clear_centres(&piece.taking_part);
         for column in piece
             .acceleration
             .iter_mut()

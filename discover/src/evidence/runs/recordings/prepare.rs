@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use kufe_sled::effects::Column;
-use kufe_sled::{Model, Noise, Run};
+use kufe_sled::{Model, Noise, Run, TakingPart, gaps_line};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::sensor_noise::{Learned, doubted, estimate, quieter};
-use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
+use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
 use crate::procedure::lock::{LockRules, Locked, Place};
 use crate::procedure::rules::Rules;
@@ -31,6 +31,8 @@ pub struct Data {
     pub segmented: bool,
     /// Which frames are learned from and which are locked away.
     pub(crate) locked: Locked,
+    /// Runs with gaps: what is not there, and how much takes part.
+    pub gaps: Vec<TakingPart>,
     /// What a reader should know: constant columns, segments, remarks of the reader.
     pub remarks: Vec<String>,
 }
@@ -71,7 +73,7 @@ pub fn prepare(
         .collect();
     let recordings = &rules.runs.recordings;
     let segmented = runs.len() == 1;
-    let mut frames = Vec::new();
+    let (mut frames, mut gaps) = (Vec::new(), Vec::new());
     let mut before: BTreeMap<&str, f64> = BTreeMap::new();
     for run in runs {
         let own = signal_kernel(run.dt_s, recordings);
@@ -84,8 +86,18 @@ pub fn prepare(
         let distance = run.entry.conditions.distance_m.or(stated.distance_m);
         frame.distance_before = distance.unwrap_or(*travelled);
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
+        if !run.gaps.is_none() {
+            gaps.push(taking_part(run, &frame));
+        }
         if segmented {
             frames = cut(&frame);
+            if frames.is_empty() {
+                return Err(Error::TooFew {
+                    what: format!("run {}: segments that gaps leave enough of", run.entry.run),
+                    found: 0,
+                    needed: 2,
+                });
+            }
             remarks.push(format!(
                 "one run only: it is cut into {} segments of {:.0} s that stand for runs; what differs from run to run cannot be seen",
                 frames.len(),
@@ -94,6 +106,9 @@ pub fn prepare(
         } else {
             frames.push(frame);
         }
+    }
+    if !gaps.is_empty() {
+        remarks.push(gaps_line(&gaps));
     }
     let locked = locked(&frames, segmented, &rules.lock);
     let learned = learned(runs, &frames, segmented, &locked);
@@ -119,8 +134,21 @@ pub fn prepare(
         available,
         segmented,
         locked,
+        gaps,
         remarks,
     })
+}
+
+/// What of a run with gaps takes part.
+fn taking_part(run: &Run, frame: &Frame) -> TakingPart {
+    let begins = |i: &usize| *i == 0 || !frame.taking_part[i - 1];
+    TakingPart {
+        run: run.entry.run.clone(),
+        gaps: run.gaps.clone(),
+        stretches: frame.samples().filter(begins).count(),
+        used_s: frame.samples().count() as f64 * frame.sample_s(),
+        of_s: run.len() as f64 * run.dt_s,
+    }
 }
 
 fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Locked {
@@ -162,12 +190,14 @@ fn learned<'a>(
     locked.training.iter().map(piece).collect()
 }
 
-/// Cuts one long run into segments of at least 10 s, about 24 of them, with a second left out between neighbours.
+/// Cuts one long run into segments of at least 10 s, about 24 of them, with a second left out between neighbours; those that gaps leave
+/// next to nothing of are left out.
 fn cut(frame: &Frame) -> Vec<Frame> {
     let n = frame.len();
     let gap = ((n as f64 / (frame.t[n - 1] - frame.t[0]).max(1e-9)).round() as usize).max(1);
     let length = (n / 24).max(10 * gap).min(n);
     let count = (n / length).max(1);
+    let enough = |piece: &Frame| piece.row_count() >= LEAST_ROWS;
     (0..count)
         .map(|k| {
             let (from, to) = (
@@ -187,5 +217,6 @@ fn cut(frame: &Frame) -> Vec<Frame> {
             );
             piece
         })
+        .filter(enough)
         .collect()
 }

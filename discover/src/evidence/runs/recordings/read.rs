@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use kufe_sled::{Entry, Model, Run, read_index, read_run};
+use kufe_sled::{Entry, Model, OnGaps, Run, read_index, read_run, refuse_faults};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
 use crate::evidence::runs::recordings::survey::surveys;
-use crate::procedure::rules::Rules;
+use crate::options::Options;
 
 /// Reads an index and its runs, locks a part of them away and makes them ready.
 ///
@@ -15,7 +15,7 @@ use crate::procedure::rules::Rules;
 ///
 /// # Errors
 /// Those of the sled's readers; [`Error::Duplicate`] where two runs hold the same samples; [`Error::TooFew`].
-pub fn read(index: &Path, model: &Model, rules: &Rules) -> Result<Data, Error> {
+pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Error> {
     const INDISPENSABLE: [&str; 5] = [
         "ay_mps2",
         "yaw_rate_radps",
@@ -25,12 +25,17 @@ pub fn read(index: &Path, model: &Model, rules: &Rules) -> Result<Data, Error> {
     ];
     let entries: Vec<Entry> = read_index(index)?;
     let mut runs = Vec::with_capacity(entries.len());
+    let on_gaps = match options.strict {
+        true => OnGaps::Refuse,
+        false => OnGaps::LeaveOut,
+    };
     for entry in entries {
-        runs.push(read_run(entry, &INDISPENSABLE)?);
+        runs.push(read_run(entry, &INDISPENSABLE, on_gaps)?);
     }
     refuse_copies(index, &runs)?;
+    refuse_faults(&runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
-    prepare(&runs, model, &surveys(folder, &runs)?, rules)
+    prepare(&runs, model, &surveys(folder, &runs)?, &options.rules)
 }
 
 fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {

@@ -71,11 +71,11 @@ pub fn estimate(learned: &[Learned]) -> Noise {
             .iter()
             .filter_map(|piece| piece.column(name))
             .map(|x| {
-                let sum: f64 = x
-                    .windows(4)
-                    .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2))
-                    .sum();
-                (sum / (20.0 * x.len().saturating_sub(3).max(1) as f64)).sqrt()
+                let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2);
+                // Across a gap there is no difference.
+                let squares = x.windows(4).map(third).filter(|square| square.is_finite());
+                let (sum, count) = squares.fold((0.0, 0_usize), |(s, n), x| (s + x, n + 1));
+                (sum / (20.0 * count.max(1) as f64)).sqrt()
             })
             .collect();
         each.sort_by(f64::total_cmp);

@@ -48,17 +48,34 @@ impl Kernel {
 
     /// The smoothed signal at [`Kernel::centres`].
     pub fn smooth(&self, x: &[f64]) -> Vec<f64> {
-        self.convolve(x, &self.weights)
+        self.convolve(x, self.centres(x.len()), &self.weights)
     }
 
     /// Its derivative [1/s] there.
     pub fn slope(&self, x: &[f64]) -> Vec<f64> {
-        self.convolve(x, &self.slopes)
+        self.convolve(x, self.centres(x.len()), &self.slopes)
     }
 
-    fn convolve(&self, x: &[f64], kernel: &[f64]) -> Vec<f64> {
+    /// The smoothed signal around some of [`Kernel::centres`].
+    pub fn smooth_at(&self, x: &[f64], centres: &[usize]) -> Vec<f64> {
+        self.convolve(x, centres.iter().copied(), &self.weights)
+    }
+
+    /// Those of [`Kernel::centres`] whose whole window takes part.
+    pub fn clear_centres(&self, taking_part: &[bool]) -> Vec<usize> {
         let half = self.margin();
-        self.centres(x.len())
+        let clear = |i: &usize| taking_part[i - half..=i + half].iter().all(|t| *t);
+        self.centres(taking_part.len()).filter(clear).collect()
+    }
+
+    fn convolve(
+        &self,
+        x: &[f64],
+        centres: impl Iterator<Item = usize>,
+        kernel: &[f64],
+    ) -> Vec<f64> {
+        let half = self.margin();
+        centres
             .map(|i| {
                 let window = &x[i - half..=i + half];
                 window.iter().zip(kernel).map(|(a, b)| a * b).sum()

@@ -1,6 +1,6 @@
 //! A recorded run, made a frame: every signal low-passed and thinned alike, with its derivative.
 
-use kufe_sled::Run;
+use kufe_sled::{Run, bridged};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -17,6 +17,25 @@ pub fn signal_kernel(dt: f64, rules: &RecordingRules) -> Kernel {
     )
 }
 
+/// Fewest rows that a run may have: a second of them.
+pub const LEAST_ROWS: usize = 10;
+/// Kept samples beside one that does not take part that take none either: an installation's delay moves a channel by less
+/// than a kept sample, by a cubic through the two on each side.
+const DELAY_REACH: usize = 2;
+
+/// Which kept samples no gap reaches: their whole window was recorded, and that of their neighbours.
+fn taking_part(kernel: &Kernel, recorded: &[bool]) -> Vec<bool> {
+    let clear = kernel.clear_centres(recorded);
+    let all: Vec<usize> = kernel.centres(recorded.len()).collect();
+    let own: Vec<bool> = all.iter().map(|i| clear.binary_search(i).is_ok()).collect();
+    (0..own.len())
+        .map(|k| {
+            let near = k.saturating_sub(DELAY_REACH)..(k + DELAY_REACH + 1).min(own.len());
+            own[near].iter().all(|own| *own)
+        })
+        .collect()
+}
+
 /// A recorded run as a frame.
 ///
 /// # Errors
@@ -28,6 +47,10 @@ pub fn frame(
     rules: &RecordingRules,
 ) -> Result<Frame, Error> {
     let n = run.len();
+    let mut recorded = vec![false; n];
+    for piece in &run.gaps.pieces {
+        recorded[piece.clone()].fill(true);
+    }
     let kept_dt = kernel.stride as f64 * run.dt_s;
     let sieve = Kernel::new(
         kept_dt,
@@ -35,7 +58,8 @@ pub fn frame(
         rules.row_rate_hz,
     );
     // A second of rows at least.
-    let needed = 2 * kernel.margin() + (2 * sieve.margin() + 10 * sieve.stride) * kernel.stride;
+    let needed =
+        2 * kernel.margin() + (2 * sieve.margin() + LEAST_ROWS * sieve.stride) * kernel.stride;
     if n < needed {
         return Err(Error::TooFew {
             what: format!("run {}: samples", run.entry.run),
@@ -43,40 +67,55 @@ pub fn frame(
             needed,
         });
     }
+    // Across a gap a straight line: a number for every formula, of which no row is made.
     let raw = |name: &str, default: f64| -> Vec<f64> {
-        run.columns
-            .get(name)
-            .cloned()
-            .unwrap_or_else(|| vec![default; n])
+        let column = run.columns.get(name).map(|column| bridged(column));
+        column.unwrap_or_else(|| vec![default; n])
     };
     let smooth = |name: &str, default: f64| kernel.smooth(&raw(name, default));
     let slope_of = |name: &str| kernel.slope(&raw(name, 0.0));
     let v = raw("v_mps", 0.0);
-    let s_raw = run.columns.get("s_m").cloned().unwrap_or_else(|| {
-        let mut s = 0.0;
-        v.iter()
-            .map(|v| {
-                s += v * run.dt_s;
-                s
-            })
-            .collect()
-    });
+    let s_raw = run
+        .columns
+        .get("s_m")
+        .map(|s| bridged(s))
+        .unwrap_or_else(|| {
+            let mut s = 0.0;
+            v.iter()
+                .map(|v| {
+                    s += v * run.dt_s;
+                    s
+                })
+                .collect()
+        });
     let s = kernel.smooth(&s_raw);
     let known: Vec<&str> = kufe_sled::COLUMNS.iter().copied().chain(["s_m"]).collect();
     let extra = run
         .columns
         .iter()
         .filter(|(name, values)| {
-            !known.contains(&name.as_str()) && values.iter().all(|x| x.is_finite())
+            !known.contains(&name.as_str())
+                && run.gaps.within(values).flatten().all(|x| x.is_finite())
         })
-        .map(|(name, values)| (name.clone(), kernel.smooth(values)))
+        .map(|(name, values)| (name.clone(), kernel.smooth(&bridged(values))))
         .collect();
     let slope = surveys
         .get(&run.entry.track)
         .map_or_else(Vec::new, |profile| {
             s.iter().map(|s| interpolate(profile, *s)).collect()
         });
+    let taking_part = taking_part(kernel, &recorded);
+    let centres = sieve.clear_centres(&taking_part);
+    if centres.len() < LEAST_ROWS {
+        return Err(Error::TooFew {
+            what: format!("run {}: rows that no gap reaches", run.entry.run),
+            found: centres.len(),
+            needed: LEAST_ROWS,
+        });
+    }
     Ok(Frame {
+        taking_part,
+        centres,
         name: run.entry.run.clone(),
         track: run.entry.track.clone(),
         driver: run.entry.driver.clone(),
@@ -115,4 +154,99 @@ pub fn frame(
         slope,
         extra,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use kufe_sled::{Conditions, Entry, Gaps};
+
+    use super::*;
+    use crate::procedure::rules::Rules;
+
+    /// Waves in every channel; samples in `gone` have no value.
+    fn run(gone: std::ops::Range<usize>) -> Run {
+        let n = 4000;
+        let wave = |c: usize, i: usize| ((0.5 + 0.1 * c as f64) * 0.01 * i as f64).sin();
+        let mut columns: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for (c, name) in kufe_sled::COLUMNS.iter().chain(&["s_m", "own"]).enumerate() {
+            let mut column: Vec<f64> = (0..n).map(|i| 20.0 + wave(c, i)).collect();
+            column[gone.clone()].fill(f64::NAN);
+            columns.insert((*name).to_owned(), column);
+        }
+        let mut gaps = Gaps::none(n);
+        if !gone.is_empty() {
+            gaps.pieces = vec![0..gone.start, gone.end..n];
+        }
+        Run {
+            entry: Entry {
+                run: "one".to_owned(),
+                file: "one.csv".into(),
+                track: "east".to_owned(),
+                driver: String::new(),
+                driver_class: String::new(),
+                session: String::new(),
+                conditions: Conditions {
+                    ice_c: -8.0,
+                    air_c: 0.0,
+                    air_pa: 95e3,
+                    humidity_pct: None,
+                    distance_m: None,
+                },
+            },
+            t0_s: 0.0,
+            dt_s: 0.01,
+            columns,
+            gaps,
+            remarks: Vec::new(),
+        }
+    }
+
+    fn framed(run: &Run) -> Frame {
+        let rules = Rules::default().runs.recordings;
+        frame(
+            run,
+            &signal_kernel(run.dt_s, &rules),
+            &Surveys::new(),
+            &rules,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn rows_beside_a_gap_are_left_out_and_all_others_are_those_of_the_whole_run() {
+        let gone = 1500..1620;
+        let (whole, holed) = (framed(&run(0..0)), framed(&run(gone.clone())));
+        assert_eq!(whole.len(), holed.len());
+        assert_eq!(whole.row_count(), whole.sieve.centres(whole.len()).count());
+        // Plainly: a row is what the sieve's window of kept samples and the two beside it make, each of the kernel's window.
+        let rules = Rules::default().runs.recordings;
+        let kernel = signal_kernel(0.01, &rules);
+        let reach = kernel.margin() + (DELAY_REACH + whole.sieve.margin()) * kernel.stride;
+        let far = |centre: &usize| {
+            let sample = kernel.margin() + centre * kernel.stride;
+            sample + reach < gone.start || sample >= gone.end + reach
+        };
+        let expected: Vec<usize> = whole.centres.iter().copied().filter(far).collect();
+        assert_eq!(holed.centres, expected);
+        assert!(expected.len() < whole.row_count());
+        for of in [
+            |f: &Frame| f.rows(&f.v),
+            |f| f.rows(&f.rate_slope[2]),
+            |f| f.rows(&f.extra["own"]),
+            |f| f.rows(&f.s),
+        ] as [fn(&Frame) -> Vec<f64>; 4]
+        {
+            let (all, left) = (of(&whole), of(&holed));
+            let same = whole.centres.iter().zip(all).filter(|(i, _)| far(i));
+            assert!(same.map(|(_, x)| x).eq(left.iter().copied()));
+            // Across the gap there is a number all the same.
+            assert!(holed.v.iter().all(|v| (18.0..22.0).contains(v)));
+        }
+        let left_out = holed.rows_left_out(&holed.s).len();
+        assert_eq!(left_out + holed.row_count(), whole.row_count());
+        let piece = holed.piece(holed.len() / 4, holed.len() / 2);
+        assert!(piece.row_count() > 0 && piece.samples().count() < piece.len());
+    }
 }

@@ -43,8 +43,11 @@ pub fn surveys(folder: &Path, runs: &[Run]) -> Result<Surveys, Error> {
 pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<String>) {
     let mut agreement = 0.0;
     for frame in learned.iter().map(|i| &frames[*i]) {
-        for (i, slope) in frame.slope.iter().enumerate() {
-            agreement += (frame.v_slope[i] - frame.acceleration[0][i]) * slope;
+        if frame.slope.is_empty() {
+            continue;
+        }
+        for i in frame.samples() {
+            agreement += (frame.v_slope[i] - frame.acceleration[0][i]) * frame.slope[i];
         }
     }
     if agreement < 0.0 {

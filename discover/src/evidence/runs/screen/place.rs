@@ -36,7 +36,8 @@ impl Campaign<'_> {
             .residual_model
             .with(candidate.active(candidate.typical))
             .raw(frame);
-        let mut size: Vec<(f64, usize)> = (0..frame.len())
+        let mut size: Vec<(f64, usize)> = frame
+            .samples()
             .map(|i| {
                 (
                     (0..3)
@@ -61,7 +62,7 @@ impl Campaign<'_> {
         let count_f = f64::from(count.max(1));
         format!(
             "all runs{on}; half of it in {:.0} % of the samples, around v = {:.1} m/s and a_z = {:.1} m/s2",
-            100.0 * count_f / frame.len() as f64,
+            100.0 * count_f / size.len() as f64,
             speed / count_f,
             load / count_f
         )

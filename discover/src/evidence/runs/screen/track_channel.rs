@@ -88,10 +88,17 @@ impl TrackChannel {
                     *sum += column[i];
                 }
             }
-            // Where a run begins and ends it crosses a part of a bin: a mean of few samples, noisier than the others.
-            let ends = [sums.keys().next().copied(), sums.keys().last().copied()];
+            // Where a run begins and ends it crosses a part of a bin, and beside a gap it has a part: a mean of few samples,
+            // noisier than the others.
+            let mut parts: Vec<i64> = [sums.keys().next(), sums.keys().last()]
+                .into_iter()
+                .flatten()
+                .copied()
+                .collect();
+            let gone = frame.rows_left_out(&frame.s);
+            parts.extend(gone.iter().map(|s| (s / width).floor() as i64));
             for (bin, (count, sum)) in sums {
-                if ends.contains(&Some(bin)) {
+                if parts.contains(&bin) {
                     continue;
                 }
                 by_bin

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use kufe_sled::{
-    COLUMNS, Conditions, Entry, Model, Noise, PrepareOptions, Run, RunFormat, SimulateOptions,
-    TrackShape, Vehicle, low_pass, prepare, read_columns, read_run, record, simulate,
-    simulated_entry, write_run,
+    COLUMNS, Conditions, Entry, Model, Noise, OnGaps, PrepareOptions, Run, RunFormat,
+    SimulateOptions, TrackShape, Vehicle, low_pass, prepare, read_columns, read_run, record,
+    simulate, simulated_entry, write_run,
 };
 
 /// Runs a script; `None`, and says so, where the interpreter or a module is absent.
@@ -140,7 +140,7 @@ fn written_runs_read_back_and_csv_and_parquet_say_the_same() {
     for format in [RunFormat::Csv, RunFormat::Parquet] {
         let path = folder.path().join(format!("r.{}", format.extension()));
         write_run(&run, &mut std::fs::File::create(&path).unwrap(), format).unwrap();
-        let back = read_run(entry(path), &COLUMNS).unwrap();
+        let back = read_run(entry(path), &COLUMNS, OnGaps::LeaveOut).unwrap();
         assert_eq!(back.len(), run.len());
         assert!((back.dt_s - run.dt_s).abs() < 1e-12);
         for name in COLUMNS {
@@ -179,7 +179,7 @@ fn mdf4_logs_are_read_with_their_own_time_channel() {
     slow.add_channel("ice_c", "degC", &[-8.0, -8.1, -8.2])
         .unwrap();
     writer.write_to_file(&path).unwrap();
-    let run = read_run(entry(path), &["v_mps", "alpha_rad"]).unwrap();
+    let run = read_run(entry(path), &["v_mps", "alpha_rad"], OnGaps::LeaveOut).unwrap();
     assert_eq!(run.column("v_mps").unwrap(), speed);
     assert!((run.rate_hz() - 100.0).abs() < 1e-9);
     // Another rate: left out, not stretched.

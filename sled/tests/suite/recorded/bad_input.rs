@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_sled::{COLUMNS, Error, read_good_runs, read_runs};
+use kufe_sled::{COLUMNS, Error, OnGaps, read_good_runs, read_index, read_run, read_runs};
 
 /// A plausible run of `samples` samples at 100 Hz; `spoil` may change any cell of it.
 fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) {
@@ -12,7 +12,7 @@ fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &st
         let wave = (3.0 * t).sin();
         let shift = name.len() as f64 * 1e-3;
         let values = [
-            -0.3,
+            -0.3 - 0.01 * wave,
             0.5 * wave + shift,
             9.7 + 5.0 * wave * wave,
             0.2 * wave,
@@ -52,7 +52,7 @@ fn told(samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) -> String {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "bad", samples, spoil);
     let index = index(folder.path(), &[("K1", "bad.csv")]);
-    match read_runs(&index) {
+    match read_runs(&index, OnGaps::Refuse) {
         Ok(_) => panic!("accepted"),
         Err(error) => error.to_string(),
     }
@@ -84,7 +84,11 @@ fn a_good_file_is_accepted_and_extra_columns_are_kept() {
         })
         .collect();
     std::fs::write(&path, with.join("\n")).unwrap();
-    let runs = read_runs(&index(folder.path(), &[("K1", "good.csv")])).unwrap();
+    let runs = read_runs(
+        &index(folder.path(), &[("K1", "good.csv")]),
+        OnGaps::LeaveOut,
+    )
+    .unwrap();
     assert_eq!(runs[0].len(), 200);
     assert!((runs[0].rate_hz() - 100.0).abs() < 1e-6);
     assert_eq!(runs[0].column("lap").unwrap()[3], 4.0);
@@ -100,7 +104,11 @@ fn a_missing_column_is_named_with_those_that_are_there() {
         .unwrap()
         .replace("gamma_rad", "gamma");
     std::fs::write(&path, text).unwrap();
-    let error = read_runs(&index(folder.path(), &[("K1", "bad.csv")])).unwrap_err();
+    let error = read_runs(
+        &index(folder.path(), &[("K1", "bad.csv")]),
+        OnGaps::LeaveOut,
+    )
+    .unwrap_err();
     has(
         &error.to_string(),
         &["bad.csv", "gamma_rad is missing", "delta_rad"],
@@ -212,6 +220,43 @@ fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
 }
 
 #[test]
+fn text_in_any_column_of_a_run_is_refused_and_other_words_for_no_value_are_not() {
+    let with = |word: &'static str| {
+        move |i: usize, name: &str, value: f64| {
+            if name == "gamma_rad" && i == 150 {
+                word.to_string()
+            } else {
+                value.to_string()
+            }
+        }
+    };
+    let folder = tempfile::tempdir().unwrap();
+    run_file(folder.path(), "bad", 300, &with("abc"));
+    let path = index(folder.path(), &[("K1", "bad.csv")]);
+    let entry = read_index(&path).unwrap().remove(0);
+    // Not among those that are required, but a column of a run.
+    let error = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut).unwrap_err();
+    has(&error.to_string(), &["gamma_rad", "row 152", "\"abc\""]);
+    for word in ["", "NA", "null", "nan"] {
+        run_file(folder.path(), "bad", 300, &with(word));
+        let run = read_run(entry.clone(), &COLUMNS, OnGaps::LeaveOut).unwrap();
+        assert_eq!(run.gaps.missing["gamma_rad"], 1, "{word:?}");
+    }
+    run_file(folder.path(), "bad", 300, &|_, name, value| {
+        if name == "gamma_rad" {
+            String::new()
+        } else {
+            value.to_string()
+        }
+    });
+    let run = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut).unwrap();
+    assert!(!run.columns.contains_key("gamma_rad") && run.gaps.is_none());
+    has(&run.remarks[0], &["gamma_rad", "not recorded"]);
+    let error = read_run(entry, &COLUMNS, OnGaps::LeaveOut).unwrap_err();
+    has(&error.to_string(), &["gamma_rad", "300 values"]);
+}
+
+#[test]
 fn three_samples_and_standstill_are_refused() {
     has(&told(3, &plain), &["3 samples", "at least 64"]);
     let message = told(200, &|i, name, value| {
@@ -237,7 +282,7 @@ fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
     .unwrap();
     let twice = index(folder.path(), &[("K1", "one.csv"), ("K1", "other.csv")]);
     has(
-        &read_runs(&twice).unwrap_err().to_string(),
+        &read_runs(&twice, OnGaps::LeaveOut).unwrap_err().to_string(),
         &["row 3", "\"K1\"", "row 2"],
     );
     let copied = index(
@@ -245,10 +290,12 @@ fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
         &[("K1", "one.csv"), ("K2", "other.csv"), ("K3", "copy.csv")],
     );
     has(
-        &read_runs(&copied).unwrap_err().to_string(),
+        &read_runs(&copied, OnGaps::LeaveOut)
+            .unwrap_err()
+            .to_string(),
         &["\"K1\"", "\"K3\"", "same samples"],
     );
-    let (good, bad) = read_good_runs(&copied).unwrap();
+    let (good, bad) = read_good_runs(&copied, OnGaps::LeaveOut).unwrap();
     assert_eq!(good.len(), 2);
     assert!(matches!(bad[..], [Error::DuplicateContent { .. }]));
 }
@@ -284,7 +331,10 @@ fn an_index_with_other_columns_or_values_is_refused() {
         ),
     ] {
         std::fs::write(&path, text).unwrap();
-        has(&read_runs(&path).unwrap_err().to_string(), &parts);
+        has(
+            &read_runs(&path, OnGaps::LeaveOut).unwrap_err().to_string(),
+            &parts,
+        );
     }
 }
 
@@ -308,7 +358,8 @@ fn damaged_parquet_and_matlab_files_are_errors_and_no_panics() {
             _ => Vec::new(),
         };
         std::fs::write(folder.path().join(name), bytes).unwrap();
-        let error = read_runs(&index(folder.path(), &[("K1", name)])).unwrap_err();
+        let error =
+            read_runs(&index(folder.path(), &[("K1", name)]), OnGaps::LeaveOut).unwrap_err();
         has(&error.to_string(), &[name]);
     }
 }

@@ -1,0 +1,117 @@
+//! `kufe runs check`: what is provably wrong with recorded runs, what is odd, and what to do about it.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use kufe_jobs::{Failure, runs::failure};
+use kufe_sled::{Examination, examine};
+use serde_json::json;
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+
+const EXAMPLES: &str = "\
+Example:
+  kufe runs check runs/runs.csv -o check/
+
+Writes check.json and check.html. Ends with 3 where something is provably wrong with a run, else with 0.";
+
+/// Arguments of `kufe runs check`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Index of the runs
+    pub runs: PathBuf,
+    /// Folder for check.json and check.html
+    #[arg(long, short, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+}
+
+/// Examines, writes and tells.
+///
+/// # Errors
+/// [`Failure::BadInput`] for the index, and, once the report is written, where something is provably wrong.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let names = ["check.json", "check.html"];
+    let staging = Staging::beside(std::slice::from_ref(&args.runs), &args.out, &names)?;
+    staging.remove_on_interrupt();
+    let bar = global.progress();
+    bar.set_message("examining the runs");
+    let runs = examine(&args.runs).map_err(|error| failure(&error))?;
+    bar.finish_and_clear();
+    let wrong = runs.iter().filter(|run| run.is_wrong()).count();
+    let document = json!({
+        "index": args.runs.display().to_string(),
+        "wrong": wrong,
+        "runs": runs,
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    staging.write("check.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.write("check.html", |mut file| {
+        file.write_all(kufe_report::record_page(&document).as_bytes())
+    })?;
+    staging.commit()?;
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        say(&summary(&runs));
+        say(&format!("{}: check.json, check.html\n", args.out.display()));
+    }
+    match wrong {
+        0 => Ok(()),
+        wrong => Err(Failure::BadInput(format!(
+            "{}: {wrong} of {} runs are provably wrong: see {}",
+            args.runs.display(),
+            runs.len(),
+            args.out.join("check.html").display()
+        ))),
+    }
+}
+
+/// What is wrong, each kind once with its runs, and the worst of what is odd.
+fn summary(runs: &[Examination]) -> String {
+    const MOST_NAMES: usize = 6;
+    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    let mut add = |line: String, run| match lines.iter_mut().find(|(known, _)| *known == line) {
+        Some((_, names)) => names.push(run),
+        None => lines.push((line, vec![run])),
+    };
+    for run in runs {
+        if let Some(reason) = &run.refused {
+            add(format!("wrong  {reason}"), &run.run);
+        }
+        for fault in &run.faults {
+            let columns = fault.columns.join(", ");
+            let mend = format!(
+                "wrong  {columns}: {}; in a mapping: {}",
+                fault.looks_like, fault.mend
+            );
+            add(mend, &run.run);
+        }
+        for note in run.notes.iter().filter(|note| note.weight >= 0.05) {
+            let column = if note.column.is_empty() {
+                "rows"
+            } else {
+                &note.column
+            };
+            add(format!("odd    {column}: {}", note.what), &run.run);
+        }
+    }
+    let mut text = String::new();
+    for (line, names) in lines {
+        let more = names.len().saturating_sub(MOST_NAMES);
+        let shown = names[..names.len() - more].join(", ");
+        let more = if more > 0 {
+            format!(" and {more} more")
+        } else {
+            String::new()
+        };
+        text += &format!("{line}  ({shown}{more})\n");
+    }
+    let good = runs.iter().filter(|run| !run.is_wrong()).count();
+    text + &format!(
+        "{good} of {} runs show nothing that is provably wrong\n",
+        runs.len()
+    )
+}

@@ -1,0 +1,188 @@
+//! The page of recorded runs: what is wrong, what is odd, what to do, and what every channel is like.
+
+use std::fmt::Write;
+
+use kufe_plot::number4;
+use serde_json::Value;
+
+use crate::page::escape;
+
+const STYLE: &str = "\
+:root{color-scheme:light dark;--text:#1a1a1a;--back:#fff;--faint:#595959;--line:#d4d4d4;--bad:#fbe3e0;--bad-edge:#b3261e;--odd:#fff0cf;--odd-edge:#a86400;--good:#e6f3e6;--good-edge:#2e7d32;--bar:#2a6496}\
+@media(prefers-color-scheme:dark){:root{--text:#e6e6e6;--back:#16181b;--faint:#a8a8a8;--line:#3c4046;--bad:#43201d;--bad-edge:#f2877d;--odd:#463a18;--odd-edge:#e0b050;--good:#1e3320;--good-edge:#7cc47f;--bar:#6aa5dc}}\
+body{font:16px/1.5 system-ui,sans-serif;max-width:66em;margin:1.5em auto;padding:0 1em;color:var(--text);background:var(--back)}\
+h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid var(--line)}\
+.told{padding:.6em 1em;margin:.5em 0;border-left:5px solid;overflow-wrap:anywhere}.told p{margin:.2em 0}\
+.wrong{background:var(--bad);border-color:var(--bad-edge)}.odd{background:var(--odd);border-color:var(--odd-edge)}.good{background:var(--good);border-color:var(--good-edge)}\
+.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85em}td,th{padding:.2em .6em;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}\
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}small{color:var(--faint)}code{font-size:.95em}svg{display:block;fill:var(--bar)}summary{cursor:pointer}";
+
+/// The page of `check.json`: one HTML file without scripts.
+///
+/// `check` holds `index`, `wrong` and `runs`, each with `run`, `refused`, `faults`, `notes`, `length_s`, `used_s`, `rate_hz`
+/// and `channels`, as `kufe runs check` writes them.
+pub fn record_page(check: &Value) -> String {
+    let runs = list(&check["runs"]);
+    let wrong = check["wrong"].as_u64().unwrap_or(0);
+    let (class, verdict) = match wrong {
+        0 => (
+            "good",
+            format!("Nothing is provably wrong in {} runs.", runs.len()),
+        ),
+        1 => (
+            "wrong",
+            format!("1 of {} runs is provably wrong.", runs.len()),
+        ),
+        wrong => (
+            "wrong",
+            format!("{wrong} of {} runs are provably wrong.", runs.len()),
+        ),
+    };
+    let mut out = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+<title>Recorded runs</title><style>{STYLE}</style></head><body>\n<h1>Recorded runs</h1>\n<p class=\"told {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
+        escape(text(&check["index"]))
+    );
+    out.push_str("<p><small>Wrong is what channels prove of one another; odd is what only you can judge. The worst run comes first.</small></p>\n");
+    for run in runs {
+        one_run(&mut out, run);
+    }
+    let _ = writeln!(
+        out,
+        "<p><small>Noise by octave: bars are white noise with as much in that octave, the highest frequencies left, on a logarithmic scale. \
+A delay is that of the channel if it alone is late. kufe {}</small></p>\n</body></html>",
+        escape(text(&check["version"]))
+    );
+    out
+}
+
+fn one_run(out: &mut String, run: &Value) {
+    let number = |key: &str| run[key].as_f64().unwrap_or(0.0);
+    let _ = writeln!(out, "<h2>{}</h2>", escape(text(&run["run"])));
+    if let Some(reason) = run["refused"].as_str() {
+        told(out, "wrong", "Refused", reason, "");
+    } else {
+        let _ = writeln!(
+            out,
+            "<p><small>{}: {:.2} s at {} Hz, {:.2} s of it take part</small></p>",
+            escape(text(&run["file"])),
+            number("length_s"),
+            number4(number("rate_hz")),
+            number("used_s")
+        );
+    }
+    for fault in list(&run["faults"]) {
+        let columns: Vec<&str> = list(&fault["columns"]).iter().map(text).collect();
+        let looks = if columns.len() == 1 {
+            "looks like"
+        } else {
+            "look like"
+        };
+        let head = format!(
+            "{} {looks} {}",
+            columns.join(", "),
+            text(&fault["looks_like"])
+        );
+        told(
+            out,
+            "wrong",
+            &head,
+            text(&fault["evidence"]),
+            text(&fault["mend"]),
+        );
+    }
+    for note in list(&run["notes"]) {
+        let column = text(&note["column"]);
+        let head = if column.is_empty() { "The run" } else { column };
+        told(out, "odd", head, text(&note["what"]), text(&note["advice"]));
+    }
+    let Some(channels) = run["channels"]
+        .as_object()
+        .filter(|channels| !channels.is_empty())
+    else {
+        return;
+    };
+    let open = if list(&run["faults"]).is_empty() {
+        ""
+    } else {
+        " open"
+    };
+    let _ = writeln!(
+        out,
+        "<details{open}><summary>Every channel</summary>\n<div class=\"wide\"><table><tr><th>channel</th><th class=\"n\">missing</th><th class=\"n\">noise</th>\
+<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>"
+    );
+    for (name, channel) in channels {
+        let known = |key: &str| channel[key].as_f64().map_or(String::new(), number4);
+        let delay = list(&channel["delay_s"]);
+        let delay = match (
+            delay.first().and_then(Value::as_f64),
+            delay.last().and_then(Value::as_f64),
+        ) {
+            (Some(delay), Some(error)) => format!("{:.0} ± {:.0}", 1e3 * delay, 1e3 * error),
+            _ => String::new(),
+        };
+        let _ = writeln!(
+            out,
+            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{:.2}</td><td class=\"n\">{}</td>\
+<td class=\"n\">{}</td><td class=\"n\">{delay}</td><td>{}</td></tr>",
+            escape(name),
+            channel["missing"],
+            known("noise_sd"),
+            known("quantum"),
+            channel["longest_still_s"].as_f64().unwrap_or(0.0),
+            channel["leaps"],
+            known("at_standstill"),
+            strip(list(&channel["octaves"]))
+        );
+    }
+    out.push_str("</table></div></details>\n");
+}
+
+fn told(out: &mut String, class: &str, head: &str, what: &str, mend: &str) {
+    let _ = write!(
+        out,
+        "<div class=\"told {class}\"><p><b>{}.</b> {}</p>",
+        escape(head),
+        escape(what)
+    );
+    if !mend.is_empty() {
+        let _ = write!(out, "<p>To do: <code>{}</code></p>", escape(mend));
+    }
+    out.push_str("</div>\n");
+}
+
+/// Bars of the octaves over five decades below the largest.
+fn strip(octaves: &[Value]) -> String {
+    const DECADES: f64 = 5.0;
+    let height =
+        |value: f64, most: f64| 22.0 * (1.0 + (value / most).log10() / DECADES).clamp(0.04, 1.0);
+    let sd = |octave: &Value| octave["sd"].as_f64().unwrap_or(0.0);
+    let most = octaves.iter().map(sd).fold(0.0, f64::max);
+    if most <= 0.0 {
+        return String::new();
+    }
+    let mut svg = String::from(
+        "<svg width=\"80\" height=\"22\" role=\"img\" aria-label=\"noise by octave\">",
+    );
+    for (k, octave) in octaves.iter().enumerate() {
+        let tall = height(sd(octave).max(1e-300), most);
+        let _ = write!(
+            svg,
+            "<rect x=\"{}\" y=\"{:.1}\" width=\"8\" height=\"{tall:.1}\"><title>up to {} Hz: {}</title></rect>",
+            10 * k,
+            22.0 - tall,
+            number4(octave["to_hz"].as_f64().unwrap_or(0.0)),
+            number4(sd(octave))
+        );
+    }
+    svg + "</svg>"
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or("")
+}

@@ -1,0 +1,165 @@
+//! What one recorded channel is like: its noise, its steps, its stretches of one value.
+
+use serde::Serialize;
+
+use crate::record::check::relations::plain::rows_held;
+use crate::signals::noise::noise_sd_within;
+
+/// Noise of an octave of frequencies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Octave {
+    /// Upper end [Hz]; the lower one is half of it.
+    pub to_hz: f64,
+    /// Standard deviation of a white noise that would have as much there, in the channel's unit.
+    pub sd: f64,
+}
+
+/// What a recorded channel is like, in its own unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Profile {
+    /// Values that are NaN or empty in rows that hold others.
+    pub missing: usize,
+    /// White noise, from third differences.
+    pub noise_sd: f64,
+    /// Smallest difference between values, where three in ten or more do not differ from those before: the step of a converter.
+    pub quantum: Option<f64>,
+    /// Rows for which each value stands, where it is more than one.
+    pub rows_held: Option<usize>,
+    /// Longest stretch of one value [s].
+    pub longest_still_s: f64,
+    /// Single values that leap off the line of their neighbours by more than twenty deviations of the noise
+    /// and a fifth of the channel's span.
+    pub leaps: usize,
+    /// Mean while the speed stood at 0 for a second or more: a gyroscope's bias.
+    pub at_standstill: Option<f64>,
+    /// How late it is beside the others, if it alone is, and the standard error [s].
+    pub delay_s: Option<[f64; 2]>,
+    /// Noise and motion by octave, highest first.
+    pub octaves: Vec<Octave>,
+}
+
+impl Profile {
+    /// Of the stretches of a channel that take part, at a rate [Hz].
+    pub fn of<'a>(stretches: impl Iterator<Item = &'a [f64]> + Clone, rate_hz: f64) -> Profile {
+        let noise_sd = noise_sd_within(stretches.clone());
+        let differences = stretches
+            .clone()
+            .flat_map(|x| x.windows(2))
+            .map(|w| (w[1] - w[0]).abs());
+        let (mut equal, mut count, mut least) = (0_usize, 0_usize, f64::INFINITY);
+        for difference in differences {
+            count += 1;
+            if difference == 0.0 {
+                equal += 1;
+            } else {
+                least = least.min(difference);
+            }
+        }
+        let coarse = 10 * equal >= 3 * count && least.is_finite();
+        let ends = stretches.clone().flatten();
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (x.min(l), x.max(h))
+        });
+        // A fifth of all that it does is more than a quick hand.
+        let far = (20.0 * noise_sd).max(0.2 * (high - low));
+        let off = |w: &[f64]| (w[1] - 0.5 * (w[0] + w[2])).abs() > far;
+        let lone = |w: &&[f64]| noise_sd > 0.0 && off(w) && (w[2] - w[0]).abs() < 10.0 * noise_sd;
+        let longest = stretches.clone().map(longest_still).max().unwrap_or(0);
+        Profile {
+            noise_sd,
+            quantum: coarse.then_some(least),
+            rows_held: rows_held(stretches.clone()),
+            longest_still_s: longest as f64 / rate_hz,
+            leaps: stretches
+                .clone()
+                .flat_map(|x| x.windows(3))
+                .filter(lone)
+                .count(),
+            octaves: octaves(stretches, rate_hz),
+            ..Profile::default()
+        }
+    }
+}
+
+/// Most equal values one after the other; 0 where none repeats.
+fn longest_still(x: &[f64]) -> usize {
+    let (mut longest, mut length) = (0, 0);
+    for pair in x.windows(2) {
+        length = if pair[0] == pair[1] { length + 1 } else { 0 };
+        longest = longest.max(length);
+    }
+    longest
+}
+
+/// Details of Haar's wavelet, octave by octave: differences of neighbouring means, so that white noise gives its deviation in each.
+fn octaves<'a>(stretches: impl Iterator<Item = &'a [f64]>, rate_hz: f64) -> Vec<Octave> {
+    const FEWEST: usize = 16;
+    const MOST: usize = 8;
+    let mut levels: Vec<Vec<f64>> = stretches.map(<[f64]>::to_vec).collect();
+    let mut all = Vec::new();
+    let mut to_hz = 0.5 * rate_hz;
+    let half = 0.5_f64.sqrt();
+    for _ in 0..MOST {
+        let pairs = || levels.iter().flat_map(|x| x.chunks_exact(2));
+        let count = pairs().count();
+        if count < FEWEST {
+            break;
+        }
+        let squares: f64 = pairs().map(|w| (half * (w[1] - w[0])).powi(2)).sum();
+        all.push(Octave {
+            to_hz,
+            sd: (squares / count as f64).sqrt(),
+        });
+        let means = |x: &Vec<f64>| x.chunks_exact(2).map(|w| half * (w[0] + w[1])).collect();
+        levels = levels.iter().map(means).collect();
+        to_hz *= 0.5;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_noise_has_one_deviation_in_every_octave_and_a_converter_its_step() {
+        let mut state = 7_u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+        };
+        // Evenly spread over a unit: deviation 12^-1/2.
+        let noise: Vec<f64> = (0..16_384).map(|_| draw()).collect();
+        let expected = 12.0_f64.sqrt().recip();
+        let plain = Profile::of(std::iter::once(noise.as_slice()), 500.0);
+        assert_eq!(plain.octaves.len(), 8);
+        for (k, octave) in plain.octaves.iter().enumerate() {
+            // Of n details the deviation is known to (2 n)^-1/2; four of these.
+            let bound = 4.0 / (2.0 * 16_384.0 / f64::from(2 << k)).sqrt();
+            assert!((octave.sd / expected - 1.0).abs() < bound, "{octave:?}");
+        }
+        assert!((plain.noise_sd / expected - 1.0).abs() < 0.05);
+        assert_eq!(
+            (plain.quantum, plain.leaps, plain.rows_held),
+            (None, 0, None)
+        );
+        // The last value of seventeen equal ones is sixteen rows after the first.
+        let mut coarse: Vec<f64> = noise.iter().map(|x| (x * 2.0).round() * 0.25).collect();
+        coarse[1000..1017].fill(5.0);
+        let coarse = Profile::of(std::iter::once(coarse.as_slice()), 500.0);
+        assert_eq!(coarse.quantum, Some(0.25));
+        assert!((coarse.longest_still_s - 16.0 / 500.0).abs() < 1e-12);
+        let mut leaping: Vec<f64> = (0..2000)
+            .map(|i| (0.01 * f64::from(i)).sin() + 1e-3 * draw())
+            .collect();
+        for at in [300, 900, 1500] {
+            leaping[at] += 1.0;
+        }
+        assert_eq!(
+            Profile::of(std::iter::once(leaping.as_slice()), 500.0).leaps,
+            3
+        );
+    }
+}

@@ -1,0 +1,151 @@
+//! How a sled answers: what steering, roll-split and air must do, whatever their size.
+//!
+//! ```text
+//! dr/dt = c_1 alpha + c_2 r/v + c_3 delta + c_4 gamma + c_5,    c_3 > 0: steering to the left turns left; c_4 < 0
+//! -a_x  = d rho v^2/2 + e a_z + f,                              d = c_d A/m > 0: air brakes; e holds a tilt of the sensor
+//! ```
+//!
+//! Coefficients come by least squares with their errors by leaving out a twentieth of the run at a time.
+
+use crate::record::check::relations::coefficients::{Coefficient, coefficients};
+use crate::record::check::relations::fault::{Fault, FaultKind};
+use crate::record::check::relations::slow::Slow;
+use crate::record::run::{COLUMNS, Run};
+
+/// Standard errors from 0 of a coefficient with the wrong sign: by chance once in 10^9.
+const LEAST_T: f64 = 6.0;
+/// Share of the runs that must agree where all together prove it.
+const AGREE: f64 = 0.8;
+/// Density of the air [kg/m3]: near enough for what is judged here.
+const AIR: f64 = 1.2;
+/// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in g would show a tenth of that.
+const LEAST_DRAG: f64 = 2e-4;
+/// What drives or brakes changes a_x by more than this [m/s2]: nothing is said of its air then.
+const FREE: f64 = 1.0;
+
+/// What the answers of these runs to steering, roll-split and air prove; the slow parts are those that are mended already.
+pub fn response_faults(runs: &[(&Run, Slow)]) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let turning: Vec<Option<Vec<Coefficient>>> =
+        runs.iter().map(|(_, slow)| turning(slow)).collect();
+    for (channel, place, sign) in [(8, 2, 1.0), (9, 3, -1.0)] {
+        let each: Vec<Option<Coefficient>> = turning
+            .iter()
+            .map(|found| {
+                found
+                    .as_ref()?
+                    .get(place)
+                    .map(|(c, error)| (sign * c, *error))
+            })
+            .collect();
+        for (run, (c, error)) in wrong_way(runs, &each) {
+            let name = COLUMNS[channel];
+            faults.push(fault(
+                run,
+                name,
+                (FaultKind::Sign, "the other sign"),
+                format!("the yaw acceleration answers with {:.1} +- {error:.1} 1/s2, good runs with the other sign", sign * c),
+                format!("sign = -1 for {name}"),
+            ));
+        }
+    }
+    let braking: Vec<Option<Coefficient>> = runs.iter().map(|(_, slow)| braking(slow)).collect();
+    let reversed = wrong_way(runs, &braking);
+    for (run, (c, error)) in &reversed {
+        faults.push(fault(
+            run,
+            "ax_mps2",
+            (FaultKind::Sign, "the other sign"),
+            format!("air brakes with c_d A/m = {c:.1e} +- {error:.1e} m2/kg, a bobsled with 7e-4"),
+            "sign = -1 for ax_mps2".to_string(),
+        ));
+    }
+    for ((run, _), found) in runs.iter().zip(&braking) {
+        if let Some((c, error)) = found
+            && *c > 0.0
+            && c + 4.0 * error < LEAST_DRAG
+        {
+            faults.push(fault(
+                run,
+                "ax_mps2",
+                (FaultKind::Unit, "multiples of g"),
+                format!(
+                    "air brakes with c_d A/m = {c:.1e} +- {error:.1e} m2/kg, a bobsled with 7e-4"
+                ),
+                "unit = \"g\" for ax_mps2".to_string(),
+            ));
+        }
+    }
+    faults
+}
+
+fn fault(
+    run: &Run,
+    column: &str,
+    what: (FaultKind, &str),
+    evidence: String,
+    mend: String,
+) -> Fault {
+    Fault {
+        run: run.entry.run.clone(),
+        file: run.entry.file.display().to_string(),
+        columns: vec![column.to_string()],
+        kind: what.0,
+        looks_like: what.1.to_string(),
+        evidence,
+        mend,
+    }
+}
+
+/// The runs whose coefficient is negative, by themselves or because nearly all runs together show it.
+fn wrong_way<'a>(
+    runs: &[(&'a Run, Slow)],
+    each: &[Option<Coefficient>],
+) -> Vec<(&'a Run, Coefficient)> {
+    let known = || each.iter().flatten().filter(|(_, error)| *error > 0.0);
+    let weights: f64 = known().map(|(_, error)| error.powi(-2)).sum();
+    let t = known().map(|(c, error)| c / error.powi(2)).sum::<f64>() / weights.sqrt().max(1e-300);
+    let below = known().filter(|(c, _)| *c < 0.0).count();
+    let all = t < -LEAST_T && below as f64 >= AGREE * known().count() as f64;
+    let wrong = |(c, error): &Coefficient| *c < -LEAST_T * error || (all && *c < 0.0);
+    runs.iter()
+        .zip(each)
+        .filter_map(|((run, _), found)| Some((*run, found.filter(wrong)?)))
+        .collect()
+}
+
+/// How the yaw acceleration answers to slip, yaw rate, steering and roll-split; `None` where one of them is not recorded.
+fn turning(slow: &Slow) -> Option<Vec<Coefficient>> {
+    let channel = |c: usize| {
+        slow.channels[c]
+            .as_ref()
+            .filter(|x| x.iter().any(|y| *y != x[0]))
+    };
+    let (yaw, v) = (channel(5)?, channel(6)?);
+    let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
+    let (alpha, delta) = (channel(7)?, channel(8)?);
+    // Drivers turn the front part as they steer: without the roll-split its share would be taken for the steering's.
+    let columns: Vec<&[f64]> = vec![alpha, &turn, delta, channel(9)?];
+    let mut rows = Vec::new();
+    for piece in &slow.pieces {
+        for i in piece.start + 1..piece.end - 1 {
+            rows.push((i, (yaw[i + 1] - yaw[i - 1]) / (2.0 * slow.dt_s)));
+        }
+    }
+    coefficients(&columns, &rows)
+}
+
+/// The air's share of what brakes, c_d A/m [m2/kg]; `None` where something drives.
+fn braking(slow: &Slow) -> Option<Coefficient> {
+    let (ax, v) = (slow.channels[0].as_ref()?, slow.channels[6].as_ref()?);
+    let mean = ax.iter().sum::<f64>() / ax.len() as f64;
+    let spread = ax.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / ax.len() as f64;
+    if spread.sqrt() > FREE {
+        return None;
+    }
+    let pressure: Vec<f64> = v.iter().map(|v| 0.5 * AIR * v * v).collect();
+    let mut columns: Vec<&[f64]> = vec![&pressure];
+    columns.extend(slow.channels[2].as_deref());
+    let rows: Vec<(usize, f64)> = ax.iter().map(|a| -a).enumerate().collect();
+    coefficients(&columns, &rows)?.first().copied()
+}
