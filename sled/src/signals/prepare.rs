@@ -1,6 +1,6 @@
 //! From a recorded run to states: filter, down-sample, transfer, differentiate.
 
-use kufe_effect::{Sensor, Signals};
+use kufe_effect::{Sensor, Signals, ahead};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -108,6 +108,12 @@ pub fn prepare(
     let further = Further::of(run, vehicle, &effects, |x| resample(x, from, rate))?;
     let conditions =
         |i: usize, v: f64| further.conditions(run, i, run.t0_s + i as f64 * dt, distance[i], v);
+    for (channel, delay) in recorded.iter_mut().zip(effects.delays()) {
+        if delay != 0.0 {
+            *channel = ahead(channel, delay / dt);
+        }
+    }
+    let effects = effects.in_time();
     if !effects.is_empty() {
         let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
         for i in 0..samples {

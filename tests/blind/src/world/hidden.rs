@@ -51,6 +51,21 @@ pub enum Kind {
     SteerLag,
     SpeedScale,
     YawInertia,
+    YawRateLag,
+    RollRateBias,
+    RollRateScale,
+    RollRateLag,
+    PitchRateBias,
+    PitchRateScale,
+    PitchRateLag,
+    SpeedBias,
+    SpeedLag,
+    SteerScale,
+    RollSplitBias,
+    RollSplitScale,
+    RollSplitLag,
+    AccelerometerScaleY,
+    CgPlace,
 }
 
 /// Where an effect's first guess of size starts, and which rivals its signature is compared with.
@@ -128,9 +143,59 @@ entries! {
     SteerLag "steer-lag" "time_s" "s" 0.02 0.12 false false;
     SpeedScale "speed-scale" "factor" "" 0.02 0.15 true true;
     YawInertia "yaw-inertia" "factor" "" 0.1 0.5 true false;
+    YawRateLag "yaw-rate-lag" "time_s" "s" 0.01 0.12 false false;
+    RollRateBias "roll-rate-bias" "offset_radps" "rad/s" 0.02 0.1 true false;
+    RollRateScale "roll-rate-scale" "factor" "" 0.05 0.3 true false;
+    RollRateLag "roll-rate-lag" "time_s" "s" 0.02 0.12 false false;
+    PitchRateBias "pitch-rate-bias" "offset_radps" "rad/s" 0.02 0.1 true false;
+    PitchRateScale "pitch-rate-scale" "factor" "" 0.05 0.3 true false;
+    PitchRateLag "pitch-rate-lag" "time_s" "s" 0.02 0.12 false false;
+    SpeedBias "speed-bias" "offset_mps" "m/s" 0.3 3.0 true true;
+    SpeedLag "speed-lag" "time_s" "s" 0.05 0.5 false true;
+    SteerScale "steer-scale" "factor" "" 0.05 0.5 true false;
+    RollSplitBias "roll-split-bias" "offset_rad" "rad" 0.005 0.1 true false;
+    RollSplitScale "roll-split-scale" "factor" "" 0.1 0.5 true false;
+    RollSplitLag "roll-split-lag" "time_s" "s" 0.02 0.12 false false;
+    AccelerometerScaleY "accelerometer-scale" "y_factor" "" 0.03 0.15 true false;
+    CgPlace "cg-place" "x_m" "m" 0.03 0.2 true false;
 }
 
 impl Kind {
+    /// Whether a sensor is at fault: motion and forces are as they would be without.
+    pub fn is_of_a_sensor(self) -> bool {
+        use Kind::*;
+        matches!(
+            self,
+            AccelerometerBiasX
+                | AccelerometerBiasY
+                | AccelerometerTiltPitch
+                | AccelerometerTiltRoll
+                | AccelerometerScaleY
+                | LeverArm
+                | SlipOffset
+                | SlipScale
+                | SlipLag
+                | SteerOffset
+                | SteerScale
+                | SteerLag
+                | SpeedBias
+                | SpeedScale
+                | SpeedLag
+                | RollRateBias
+                | RollRateScale
+                | RollRateLag
+                | PitchRateBias
+                | PitchRateScale
+                | PitchRateLag
+                | YawRateBias
+                | YawRateScale
+                | YawRateLag
+                | RollSplitBias
+                | RollSplitScale
+                | RollSplitLag
+        )
+    }
+
     /// Its row in [`ENTRIES`].
     pub fn entry(self) -> &'static Entry {
         ENTRIES

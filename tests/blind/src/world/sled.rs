@@ -35,6 +35,16 @@ pub struct Sled {
     pub rear: Lateral,
 }
 
+impl Sled {
+    /// States the centre of gravity so far behind where it is [m]: axles and sensors stand further ahead of it.
+    pub fn say_centre_back(&mut self, by: f64) {
+        self.l_f_m += by;
+        self.l_r_m -= by;
+        self.accel_m[0] += by;
+        self.slip_x_m += by;
+    }
+}
+
 /// Parameters of the lateral magic formula.
 #[derive(Debug, Clone, Copy)]
 pub struct Lateral {
