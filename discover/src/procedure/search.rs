@@ -88,6 +88,9 @@ pub fn search_evidence<E: Evidence>(
     for (step, parameters) in account.steps.iter_mut().zip(described.parameters.clone()) {
         step.parameters.extend(parameters);
     }
+    for (step, law) in account.steps.iter_mut().zip(described.laws.clone()) {
+        step.law = law;
+    }
     let verdict = verdict(&account, described.located);
     let next_experiment = next_experiment(verdict, &account, &described);
     let sentence = sentence(
@@ -139,6 +142,7 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
         class: claim.class,
         channel: channel.to_owned(),
         place: place.unwrap_or(claim.place),
+        law: None,
         p_value: claim.p_value,
         parameters: claim.parameters,
         gap_before,

@@ -139,6 +139,7 @@ fn in_words(report: Data) -> &'static str {
         "named" if report.list("steps").len() > 1 => "Effects are missing, and named",
         "named" => "An effect is missing, and named",
         "one-of" => "An effect is missing, one of a few",
+        "law" => "A law beyond the catalogue is missing",
         "depends-on" => "It depends on what is assumed",
         "located" => "A place, but no name",
         "none" => "Nothing is missing that these data could show",

@@ -110,7 +110,11 @@ pub fn all() -> Vec<Spec> {
 
     for entry in ENTRIES {
         let family = match entry.kind {
-            Kind::BeyondRollRate | Kind::BeyondExtra | Kind::BeyondPitchGrip => "beyond",
+            Kind::BeyondRollRate
+            | Kind::BeyondExtra
+            | Kind::BeyondPitchGrip
+            | Kind::BeyondSpeedHump
+            | Kind::BeyondProduct => "beyond",
             kind if kind.is_of_a_sensor() => "fault",
             _ if entry.longitudinal => "longitudinal",
             _ => "lateral",

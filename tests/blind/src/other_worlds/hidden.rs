@@ -18,6 +18,8 @@ pub enum Force {
     Relaxation,
     PitchGrip,
     HumpGrip,
+    ProductGrip,
+    PitchDip,
 }
 
 /// A channel that is late by so much [s], under a name of its own.
@@ -313,6 +315,21 @@ pub const EFFECTS: &[Effect] = &[
     late("yaw-rate-lag", 5, "yaw-rate-lag-20-ms", 0.02),
     late("slip-lag", 7, "slip-lag-20-ms", 0.02).like(&["relaxation-length"]),
     late("steer-lag", 8, "steer-lag-20-ms", 0.02),
+    effect(
+        "unknown:v_mps*gamma_rad",
+        Acts::Force(Force::ProductGrip),
+        "",
+        "s/(m rad)",
+        0.1,
+    ),
+    effect(
+        "unknown:pitch_rate_radps",
+        Acts::Force(Force::PitchDip),
+        "",
+        "",
+        0.12,
+    )
+    .called("pitch-rate-dip"),
 ];
 
 /// An effect with the size it has in a case.

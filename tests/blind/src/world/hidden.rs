@@ -46,6 +46,8 @@ pub enum Kind {
     BeyondRollRate,
     BeyondExtra,
     BeyondPitchGrip,
+    BeyondSpeedHump,
+    BeyondProduct,
     YawRateScale,
     YawRateBias,
     SteerLag,
@@ -138,6 +140,8 @@ entries! {
     BeyondRollRate "unknown:roll_rate_radps" "-" "s/rad" 0.001 0.02 false true;
     BeyondExtra "unknown:runner_c" "-" "1/K" 0.001 0.01 false true;
     BeyondPitchGrip "unknown:pitch_rate_radps" "-" "s/rad" -0.1 0.8 false false;
+    BeyondSpeedHump "unknown:v_mps" "-" "" 0.05 0.5 true false;
+    BeyondProduct "unknown:v_mps*gamma_rad" "-" "s/(m rad)" 0.05 1.0 true false;
     YawRateScale "yaw-rate-scale" "factor" "" 0.05 0.3 true false;
     YawRateBias "yaw-rate-bias" "offset_radps" "rad/s" 0.004 0.05 true false;
     SteerLag "steer-lag" "time_s" "s" 0.02 0.12 false false;

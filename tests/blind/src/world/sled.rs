@@ -215,6 +215,8 @@ pub fn forces(sled: &Sled, at: &Conditions, m: &Motion, hidden: &[Hidden]) -> Fo
             Kind::CombinedSlip => combined = k,
             Kind::BeyondRollRate => add += k * m.roll_rate_radps.abs(),
             Kind::BeyondExtra => add += k * m.extra,
+            Kind::BeyondSpeedHump => grip *= 1.0 + k * (-((m.v_mps - 22.0) / 3.0).powi(2)).exp(),
+            Kind::BeyondProduct => grip *= 1.0 + k * m.v_mps * m.gamma_rad,
             Kind::BeyondPitchGrip => grip *= 1.0 + k * m.pitch_rate_radps.abs(),
             _ => {}
         }
