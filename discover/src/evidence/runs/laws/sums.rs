@@ -4,7 +4,7 @@
 //! r' the residual that a refit leaves and a where the random effects stand,
 //!
 //! ```text
-//! u_i = c'_i' r'_i   M_i = c'_i' c'_i      S = sum u_i - B'P a     M = sum M_i + B'P B
+//! u_i = c'_i' r'_i   M_i = c'_i' c'_i      S = sum u_i + B'P a     M = sum M_i + B'P B
 //! ```
 
 use nalgebra::{DMatrix, DVector};
@@ -61,7 +61,7 @@ impl LawSums {
         Self {
             u,
             m,
-            shared: b.tr_mul(&prior.scores(&fitted)),
+            shared: -b.tr_mul(&prior.scores(&fitted)),
             common: DMatrix::from_fn(q, random.len(), |c, k| {
                 prior.precision[random[k]].sqrt() * b[(random[k], c)]
             }),
