@@ -12,6 +12,8 @@ pub enum Verdict {
     Named,
     /// One of a class that these data cannot split.
     OneOf,
+    /// A law beyond the catalogue, written as a formula.
+    Law,
     /// The conclusion changes with the stated survey deviation.
     DependsOn,
     /// A place or a bin, no name.
@@ -98,6 +100,9 @@ pub struct Step {
     /// Where.
     #[serde(rename = "where")]
     pub place: String,
+    /// Beyond the catalogue: the formula as the next model has it, whose unit is that of the step's parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<String>,
     /// The larger of the p-values by randomisation and against twins.
     pub p_value: f64,
     /// Parameters.

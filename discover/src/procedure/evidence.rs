@@ -169,6 +169,8 @@ pub struct Description {
     pub training: Vec<ChannelGap>,
     /// Parameters of each step.
     pub parameters: Vec<Vec<Fitted>>,
+    /// The formula of each step that is one, as the next model has it.
+    pub laws: Vec<Option<String>>,
     /// What the installation is off by, within its tolerance.
     pub within_tolerance: Vec<Tolerated>,
     /// Base parameters.

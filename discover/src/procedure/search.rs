@@ -92,6 +92,9 @@ pub fn search_evidence<E: Evidence>(
         let known = described.effects.iter().find(|e| e.name == step.effect);
         step.summary = known.map_or(String::new(), |e| e.summary.clone());
     }
+    for (step, law) in account.steps.iter_mut().zip(described.laws.clone()) {
+        step.law = law;
+    }
     let verdict = verdict(&account, described.located);
     let next_experiment = next_experiment(verdict, &account, &described);
     let sentence = sentence(
@@ -145,6 +148,7 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
         summary: String::new(),
         channel: channel.to_owned(),
         place: place.unwrap_or(claim.place),
+        law: None,
         p_value: claim.p_value,
         parameters: claim.parameters,
         gap_before,

@@ -36,7 +36,11 @@ pub fn sentence(
             } else {
                 String::new()
             };
-            format!("{} [{}]{class}", step.effect, sizes.join("; "))
+            let law = match &step.law {
+                Some(law) => format!(", {law}"),
+                None => String::new(),
+            };
+            format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))
         })
         .collect();
     let gap = if held.runs.is_empty() {
@@ -53,6 +57,7 @@ pub fn sentence(
         )
     };
     match verdict {
+        Verdict::Law => format!("Beyond the catalogue: {}.{gap}", names.join(", then ")),
         Verdict::Named => format!("Missing from the model: {}.{gap}", names.join(", then ")),
         Verdict::OneOf => format!(
             "Missing from the model: {}. These data cannot tell the members of a class apart; what would: {next}.{gap}",

@@ -7,6 +7,7 @@ use crate::procedure::evidence::{Account, Description};
 pub fn verdict(account: &Account, located: bool) -> Verdict {
     match account.steps.first() {
         Some(_) if !account.depends.is_empty() && account.steps.len() == 1 => Verdict::DependsOn,
+        Some(step) if step.law.is_some() => Verdict::Law,
         Some(step) if step.class.len() == 1 => Verdict::Named,
         Some(_) => Verdict::OneOf,
         None if account.unexplained.is_some() => Verdict::NotIdentifiable,
@@ -26,6 +27,15 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
         }
         Verdict::None => words.next_after_nothing.clone(),
         Verdict::Named if !words.next_after_name.is_empty() => words.next_after_name.clone(),
+        Verdict::Law => {
+            let of_laws = account.steps.iter().filter(|s| s.law.is_some());
+            let columns = of_laws.flat_map(|s| s.class.iter());
+            let columns: Vec<&str> = columns.filter_map(|c| c.strip_prefix("unknown:")).collect();
+            format!(
+                "runs in which {} is varied by itself",
+                columns.join(", or ").replace('*', " and ")
+            )
+        }
         Verdict::Named | Verdict::OneOf => {
             let split = |class: &[String]| verdict == Verdict::Named || class.len() > 1;
             let mut what: Vec<String> = account

@@ -9,7 +9,7 @@ pub enum Reading {
     Biased,
     /// `read = (1 + k) true`.
     Scaled,
-    /// `read = true - k dtrue/dt`: late by k [s], to first order.
+    /// `read(t) = true(t - k)`: late by k [s]. Of one instant, whose rate alone is known, to first order: `true - k dtrue/dt`.
     Late,
     /// `read = true + factor k other`: the sensor picks up another one.
     PicksUp {
@@ -52,7 +52,7 @@ impl Fault {
         }
     }
 
-    /// `read = true - k dtrue/dt`.
+    /// `read(t) = true(t - k)`.
     pub const fn lag(of: Sensor, parameter: usize) -> Self {
         let reading = Reading::Late;
         Self {
@@ -72,7 +72,7 @@ impl Fault {
         }
     }
 
-    /// From what is true to what is read.
+    /// From what is true to what is read at one instant.
     pub fn disturb(&self, size: f64, signals: &mut Signals) {
         let at = self.of as usize;
         match self.reading {

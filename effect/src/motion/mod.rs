@@ -2,10 +2,12 @@
 
 mod conditions;
 mod constants;
+mod series;
 mod signals;
 mod state;
 
 pub use conditions::Conditions;
 pub use constants::Constants;
+pub use series::ahead;
 pub use signals::{SENSORS, Sensor, Signals};
 pub use state::{Forces, State};

@@ -1,7 +1,7 @@
 //! One effect that a model switches on, with its parameters.
 
-use crate::law::Effect;
-use crate::motion::{Conditions, Forces, Signals, State};
+use crate::law::{Effect, Reading};
+use crate::motion::{Conditions, Forces, SENSORS, Signals, State};
 use crate::switched::custom::Custom;
 
 /// What kind of effect is active.
@@ -64,6 +64,34 @@ impl Active {
             Kind::Catalogue(effect) => effect.moves_signals(),
             Kind::Custom(custom) => custom.is_of_a_sensor(),
         }
+    }
+
+    /// How late each sensor is by it [s], in the order of [`Sensor::ALL`](crate::Sensor::ALL).
+    pub fn delays(&self) -> [f64; SENSORS] {
+        let mut delays = [0.0; SENSORS];
+        if let Kind::Catalogue(effect) = &self.kind {
+            let late = effect.on_sensors.iter();
+            for fault in late.filter(|fault| fault.reading == Reading::Late) {
+                delays[fault.of as usize] += self.values[fault.parameter];
+            }
+        }
+        delays
+    }
+
+    /// Whether it makes a sensor late.
+    pub fn is_late(&self) -> bool {
+        self.delays().iter().any(|delay| *delay != 0.0)
+    }
+
+    /// The same with every sensor in time.
+    pub(super) fn in_time(mut self) -> Self {
+        if let Kind::Catalogue(effect) = &self.kind {
+            let late = effect.on_sensors.iter();
+            for fault in late.filter(|fault| fault.reading == Reading::Late) {
+                self.values[fault.parameter] = 0.0;
+            }
+        }
+        self
     }
 
     /// From what the sensors say to what is true, and from the stated constants of the sled to the true ones.

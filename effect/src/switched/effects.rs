@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::motion::{Conditions, Constants, Forces, Signals, State};
+use crate::motion::{Conditions, Constants, Forces, SENSORS, Signals, State};
 use crate::switched::active::{Active, Kind};
 use crate::switched::error::EffectError;
 use crate::switched::read::read_one;
@@ -83,6 +83,27 @@ impl Effects {
             }
         }
         Ok(())
+    }
+
+    /// How late each sensor is [s], in the order of [`Sensor::ALL`](crate::Sensor::ALL).
+    ///
+    /// A delay belongs to a whole series: who has one reads it [`ahead`](crate::ahead) by so much, and corrects its instants by
+    /// [`Effects::in_time`].
+    pub fn delays(&self) -> [f64; SENSORS] {
+        let mut delays = [0.0; SENSORS];
+        for effect in &self.active {
+            for (sum, delay) in delays.iter_mut().zip(effect.delays()) {
+                *sum += delay;
+            }
+        }
+        delays
+    }
+
+    /// The same effects with every sensor in time.
+    pub fn in_time(self) -> Self {
+        Self {
+            active: self.active.into_iter().map(Active::in_time).collect(),
+        }
     }
 
     /// From what the sensors say to what is true, and from the stated constants of the sled to the true ones.

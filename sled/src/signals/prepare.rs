@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_effect::{Effects, Sensor, Signals};
+use kufe_effect::{Effects, Sensor, Signals, ahead};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -303,6 +303,12 @@ fn prepare_piece(
         let t = run.t0_s + (first + i) as f64 * dt;
         further.conditions(run, i, t, distance[i], v)
     };
+    for (channel, delay) in recorded.iter_mut().zip(effects.delays()) {
+        if delay != 0.0 {
+            *channel = ahead(channel, delay / dt);
+        }
+    }
+    let effects = effects.clone().in_time();
     if !effects.is_empty() {
         let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
         for i in 0..samples.len() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use kufe_effect::{Sensor, Signals};
+use kufe_effect::{Sensor, Signals, ahead};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -39,14 +39,14 @@ pub fn record(
         .iter()
         .map(|instant| true_signals(sled, instant))
         .collect();
+    let delays = vehicle.effects.delays();
     if !vehicle.effects.is_empty() {
+        let effects = vehicle.effects.clone().in_time();
         if read.len() > 2 * HALF_WIDTH {
             complete_rates(&mut read, simulated.dt_s);
         }
         for (signals, instant) in read.iter_mut().zip(&simulated.instants) {
-            vehicle
-                .effects
-                .disturb(&instant.state.conditions(), signals);
+            effects.disturb(&instant.state.conditions(), signals);
         }
     }
     let silent = Noise::default();
@@ -62,7 +62,11 @@ pub fn record(
     let mut channels: Vec<(&str, Vec<f64>, f64)> = Sensor::ALL
         .into_iter()
         .map(|sensor| {
-            let values = read.iter().map(|signals| signals[sensor]).collect();
+            let mut values: Vec<f64> = read.iter().map(|signals| signals[sensor]).collect();
+            let delay = delays[sensor as usize];
+            if delay != 0.0 {
+                values = ahead(&values, -delay / simulated.dt_s);
+            }
             (sensor.name(), values, deviation(sensor))
         })
         .collect();

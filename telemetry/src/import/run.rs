@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::{Columns, Conditions, Entry, Run};
+use kufe_sled::{Columns, Conditions, Entry, Gaps, Run};
 use sha2::{Digest, Sha256};
 
 use crate::clock::{Aligned, LoggerSeries, Series, align};
@@ -153,6 +153,8 @@ impl Importer {
             t0_s: 0.0,
             dt_s: 1.0 / base.rate_hz,
             columns,
+            // Told when it is read.
+            gaps: Gaps::none(base.count),
             remarks: Vec::new(),
         };
         Ok(Imported { run, note })

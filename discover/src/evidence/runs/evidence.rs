@@ -307,6 +307,7 @@ impl Evidence for Campaign<'_> {
             training,
             within_tolerance: self.within_tolerance(last, account),
             parameters: self.parameters(last, account.steps.len()),
+            laws: self.laws(last, account.steps.len()),
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),

@@ -5,6 +5,7 @@ pub(crate) mod candidates;
 pub(crate) mod channels;
 pub(crate) mod evidence;
 pub(crate) mod fit;
+pub(crate) mod laws;
 pub(crate) mod model;
 pub(crate) mod outcome;
 pub(crate) mod recordings;

@@ -1,3 +1,3 @@
-//! Faults of sensors.
+//! Faults of accelerometer and speed sensor.
 
 include!(concat!(env!("OUT_DIR"), "/sensors.rs"));

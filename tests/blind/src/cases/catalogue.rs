@@ -110,26 +110,20 @@ pub fn all() -> Vec<Spec> {
 
     for entry in ENTRIES {
         let family = match entry.kind {
-            Kind::BeyondRollRate | Kind::BeyondExtra | Kind::BeyondPitchGrip => "beyond",
-            Kind::LeverArm
-            | Kind::SlipOffset
-            | Kind::SlipScale
-            | Kind::SlipLag
-            | Kind::SteerOffset
-            | Kind::YawRateScale
-            | Kind::YawRateBias
-            | Kind::SteerLag
-            | Kind::SpeedScale
-            | Kind::AccelerometerBiasX
-            | Kind::AccelerometerBiasY
-            | Kind::AccelerometerTiltPitch
-            | Kind::AccelerometerTiltRoll => "fault",
+            Kind::BeyondRollRate
+            | Kind::BeyondExtra
+            | Kind::BeyondPitchGrip
+            | Kind::BeyondSpeedHump
+            | Kind::BeyondProduct => "beyond",
+            kind if kind.is_of_a_sensor() => "fault",
             _ if entry.longitudinal => "longitudinal",
             _ => "lateral",
         };
         let name = match entry.kind {
             Kind::AccelerometerBiasX | Kind::AccelerometerTiltPitch => format!("{}-x", entry.name),
-            Kind::AccelerometerBiasY | Kind::AccelerometerTiltRoll => format!("{}-y", entry.name),
+            Kind::AccelerometerBiasY | Kind::AccelerometerTiltRoll | Kind::AccelerometerScaleY => {
+                format!("{}-y", entry.name)
+            }
             _ => entry.name.replace("unknown:", "").replace("_radps", ""),
         };
         for share in RUN_SHARES {
@@ -139,6 +133,12 @@ pub fn all() -> Vec<Spec> {
                 Some(share),
                 Recipe::Runs(R::Single(entry.kind)),
             );
+        }
+    }
+    for kind in [Kind::YawRateLag, Kind::SlipLag, Kind::SteerLag] {
+        for ms in [2, 5, 20] {
+            let name = format!("{}-{ms}-ms", kind.entry().name);
+            add("late", &name, None, Recipe::Runs(R::Late(kind, ms)));
         }
     }
     for (name, recipe) in [
@@ -195,7 +195,7 @@ pub fn all() -> Vec<Spec> {
         for effect in EFFECTS {
             add(
                 effects,
-                effect.name,
+                effect.case,
                 None,
                 Recipe::World(world, Some(*effect)),
             );

@@ -26,6 +26,7 @@ pub enum Recipe {
     Mistuned,
     WrongSurvey,
     Single(Kind),
+    Late(Kind, u32),
     Pair(Kind, Kind),
     TiedHumidity,
     TwoSessions(Kind),
@@ -60,7 +61,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
         }
         Recipe::Mistuned => mistuning = 0.2,
         Recipe::WrongSurvey => layout.survey_sd_rad = 5.0 * stated_survey_rad,
-        Recipe::Single(kind) => kinds.push(kind),
+        Recipe::Single(kind) | Recipe::Late(kind, _) => kinds.push(kind),
         Recipe::Pair(a, b) => kinds.extend([a, b]),
         Recipe::TiedHumidity => {
             layout.humidity_tied = true;
@@ -107,14 +108,11 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
         .into_iter()
         .zip(std::iter::repeat(gauge.as_ref()).flatten())
     {
-        let (effect, answer) = hide(
-            kind,
-            label.share.unwrap_or(0.02),
-            gauge,
-            &campaign,
-            &layout,
-            source,
-        );
+        let size = match recipe {
+            Recipe::Late(_, ms) => Size::Stated(1e-3 * f64::from(ms)),
+            _ => Size::Share(label.share.unwrap_or(0.02)),
+        };
+        let (effect, answer) = hide(kind, size, gauge, &campaign, &layout, source);
         hidden.push(effect);
         hides.push(answer);
     }
@@ -220,10 +218,19 @@ fn channels(kind: Kind) -> Channels {
     }
 }
 
-/// Sizes an effect to a share of the noise and writes down its answer.
+/// How large an effect is to be.
+#[derive(Clone, Copy)]
+enum Size {
+    /// This share of the noise's variance.
+    Share(f64),
+    /// As its law states it.
+    Stated(f64),
+}
+
+/// Sizes an effect and writes down its answer.
 fn hide(
     kind: Kind,
-    share: f64,
+    size: Size,
     gauge: &Gauge,
     campaign: &Campaign,
     layout: &Layout,
@@ -254,7 +261,13 @@ fn hide(
             });
         }
     }
-    let reached = gauge.scale(&mut effect, channels, share);
+    let reached = match size {
+        Size::Share(share) => gauge.scale(&mut effect, channels, share),
+        Size::Stated(size) => {
+            effect.size = size;
+            gauge.share(&gauge.signature(&effect, channels))
+        }
+    };
     let mut class: Vec<String> = gauge
         .rivals(&effect, channels, SAME)
         .into_iter()
@@ -323,6 +336,10 @@ fn model_file(
         .filter(|e| e.kind == Kind::YawInertia)
         .map(|e| 1.0 + e.size)
         .product();
+    let mut sled = sled.clone();
+    for effect in hidden.iter().filter(|e| e.kind == Kind::CgPlace) {
+        sled.say_centre_back(effect.size);
+    }
     let mut off = |value: f64| {
         let error = (mistuning * source.normal()).clamp(-2.0 * mistuning, 2.0 * mistuning);
         value * (1.0 + error)

@@ -49,6 +49,11 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
     match hidden.as_ref().map(|h| (h.effect.acts, h.size)) {
         Some((Acts::Mass, size)) => truth.mass_kg += size,
         Some((Acts::YawInertia, size)) => truth.inertia_kgm2[1] *= 1.0 + size,
+        Some((Acts::Centre, size)) => {
+            truth.axle_m = [truth.axle_m[0] - size, truth.axle_m[1] + size];
+            truth.accel_m[0] -= size;
+            truth.slip_m -= size;
+        }
         _ => {}
     }
     let mut files = Vec::new();

@@ -18,6 +18,16 @@ pub enum Force {
     Relaxation,
     PitchGrip,
     HumpGrip,
+    ProductGrip,
+    PitchDip,
+}
+
+/// A channel that is late by so much [s], under a name of its own.
+const fn late(name: &'static str, channel: usize, case: &'static str, size: f64) -> Effect {
+    let acts = Acts::Recorder(Fault::Delay(channel));
+    effect(name, acts, "time_s", "s", size)
+        .positive()
+        .called(case)
 }
 
 /// What an effect changes.
@@ -31,6 +41,8 @@ pub enum Acts {
     Mass,
     /// The yaw inertia of the model is too small by this factor.
     YawInertia,
+    /// The true centre of gravity lies so much ahead of the model's [m].
+    Centre,
     /// A wall that pushes at one place in every run [N].
     Wall,
 }
@@ -40,6 +52,8 @@ pub enum Acts {
 pub struct Effect {
     /// Its name in reports.
     pub name: &'static str,
+    /// What its case is called: its name, and its size where there are several.
+    pub case: &'static str,
     /// What it changes.
     pub acts: Acts,
     /// Key and unit of its parameter.
@@ -63,6 +77,7 @@ const fn effect(
 ) -> Effect {
     Effect {
         name,
+        case: name,
         acts,
         key,
         unit,
@@ -75,6 +90,11 @@ const fn effect(
 impl Effect {
     const fn positive(mut self) -> Effect {
         self.both = false;
+        self
+    }
+
+    const fn called(mut self, case: &'static str) -> Effect {
+        self.case = case;
         self
     }
 
@@ -194,7 +214,7 @@ pub const EFFECTS: &[Effect] = &[
     effect(
         "yaw-rate-bias",
         Acts::Recorder(Fault::Bias(5)),
-        "bias_radps",
+        "offset_radps",
         "rad/s",
         0.02,
     ),
@@ -224,6 +244,92 @@ pub const EFFECTS: &[Effect] = &[
         0.25,
     ),
     effect("unknown:v_mps", Acts::Force(Force::HumpGrip), "", "", 0.12).like(&["speed-grip"]),
+    effect(
+        "steer-scale",
+        Acts::Recorder(Fault::Scale(8)),
+        "factor",
+        "",
+        0.06,
+    ),
+    effect(
+        "speed-bias",
+        Acts::Recorder(Fault::Bias(6)),
+        "offset_mps",
+        "m/s",
+        0.6,
+    )
+    .like(&["speed-scale"]),
+    effect(
+        "speed-lag",
+        Acts::Recorder(Fault::Delay(6)),
+        "time_s",
+        "s",
+        0.1,
+    )
+    .positive(),
+    effect(
+        "roll-rate-scale",
+        Acts::Recorder(Fault::Scale(3)),
+        "factor",
+        "",
+        0.1,
+    ),
+    effect(
+        "pitch-rate-scale",
+        Acts::Recorder(Fault::Scale(4)),
+        "factor",
+        "",
+        0.1,
+    ),
+    effect(
+        "roll-split-bias",
+        Acts::Recorder(Fault::Bias(9)),
+        "offset_rad",
+        "rad",
+        0.02,
+    )
+    .like(&["camber-thrust", "steer-offset", "slip-offset"]),
+    effect(
+        "roll-split-scale",
+        Acts::Recorder(Fault::Scale(9)),
+        "factor",
+        "",
+        0.2,
+    )
+    .like(&["camber-thrust"]),
+    effect(
+        "accelerometer-scale",
+        Acts::Recorder(Fault::Scale(1)),
+        "y_factor",
+        "",
+        0.04,
+    )
+    .like(&["yaw-inertia", "mass"]),
+    effect("cg-place", Acts::Centre, "x_m", "m", 0.08),
+    late("yaw-rate-lag", 5, "yaw-rate-lag-2-ms", 0.002),
+    late("slip-lag", 7, "slip-lag-2-ms", 0.002).like(&["relaxation-length"]),
+    late("steer-lag", 8, "steer-lag-2-ms", 0.002),
+    late("yaw-rate-lag", 5, "yaw-rate-lag-5-ms", 0.005),
+    late("slip-lag", 7, "slip-lag-5-ms", 0.005).like(&["relaxation-length"]),
+    late("steer-lag", 8, "steer-lag-5-ms", 0.005),
+    late("yaw-rate-lag", 5, "yaw-rate-lag-20-ms", 0.02),
+    late("slip-lag", 7, "slip-lag-20-ms", 0.02).like(&["relaxation-length"]),
+    late("steer-lag", 8, "steer-lag-20-ms", 0.02),
+    effect(
+        "unknown:v_mps*gamma_rad",
+        Acts::Force(Force::ProductGrip),
+        "",
+        "s/(m rad)",
+        0.1,
+    ),
+    effect(
+        "unknown:pitch_rate_radps",
+        Acts::Force(Force::PitchDip),
+        "",
+        "",
+        0.12,
+    )
+    .called("pitch-rate-dip"),
 ];
 
 /// An effect with the size it has in a case.

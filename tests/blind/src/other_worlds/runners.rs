@@ -77,6 +77,8 @@ pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&
     let mut hold = grip * (1.0 + of(Force::SpeedGrip) * (now.v - 25.0));
     hold *= 1.0 + of(Force::TemperatureGrip) * (now.ice_c + 5.0);
     hold *= 1.0 + of(Force::PitchGrip) * now.pitch.abs();
+    hold *= 1.0 + of(Force::PitchDip) * (-((now.pitch + 0.4) / 0.15).powi(2)).exp();
+    hold *= 1.0 + of(Force::ProductGrip) * now.v * now.split;
     hold *= 1.0 + of(Force::HumpGrip) * (-((now.v - 22.0) / 3.0).powi(2)).exp();
     let across = |runner: usize, load: f64| {
         let bare = side_force(sled.grip[runner], now.slip[runner], load);

@@ -137,19 +137,12 @@ impl Gauge {
                 stated.j_zz_kgm2 /= 1.0 + effect.size;
                 self.channels(&self.recorded(&stated, &Noise::none(), &[], 0))
             }
-            Kind::AccelerometerBiasX
-            | Kind::AccelerometerBiasY
-            | Kind::AccelerometerTiltPitch
-            | Kind::AccelerometerTiltRoll
-            | Kind::LeverArm
-            | Kind::SlipOffset
-            | Kind::SlipScale
-            | Kind::SlipLag
-            | Kind::SteerOffset
-            | Kind::SteerLag
-            | Kind::SpeedScale
-            | Kind::YawRateBias
-            | Kind::YawRateScale => self.channels(&self.recorded(
+            Kind::CgPlace => {
+                let mut stated = self.sled.clone();
+                stated.say_centre_back(effect.size);
+                self.channels(&self.recorded(&stated, &Noise::none(), &[], 0))
+            }
+            kind if kind.is_of_a_sensor() => self.channels(&self.recorded(
                 &self.sled,
                 &Noise::none(),
                 std::slice::from_ref(effect),

@@ -46,11 +46,28 @@ pub enum Kind {
     BeyondRollRate,
     BeyondExtra,
     BeyondPitchGrip,
+    BeyondSpeedHump,
+    BeyondProduct,
     YawRateScale,
     YawRateBias,
     SteerLag,
     SpeedScale,
     YawInertia,
+    YawRateLag,
+    RollRateBias,
+    RollRateScale,
+    RollRateLag,
+    PitchRateBias,
+    PitchRateScale,
+    PitchRateLag,
+    SpeedBias,
+    SpeedLag,
+    SteerScale,
+    RollSplitBias,
+    RollSplitScale,
+    RollSplitLag,
+    AccelerometerScaleY,
+    CgPlace,
 }
 
 /// Where an effect's first guess of size starts, and which rivals its signature is compared with.
@@ -123,14 +140,66 @@ entries! {
     BeyondRollRate "unknown:roll_rate_radps" "-" "s/rad" 0.001 0.02 false true;
     BeyondExtra "unknown:runner_c" "-" "1/K" 0.001 0.01 false true;
     BeyondPitchGrip "unknown:pitch_rate_radps" "-" "s/rad" -0.1 0.8 false false;
+    BeyondSpeedHump "unknown:v_mps" "-" "" 0.05 0.5 true false;
+    BeyondProduct "unknown:v_mps*gamma_rad" "-" "s/(m rad)" 0.05 1.0 true false;
     YawRateScale "yaw-rate-scale" "factor" "" 0.05 0.3 true false;
     YawRateBias "yaw-rate-bias" "offset_radps" "rad/s" 0.004 0.05 true false;
     SteerLag "steer-lag" "time_s" "s" 0.02 0.12 false false;
     SpeedScale "speed-scale" "factor" "" 0.02 0.15 true true;
     YawInertia "yaw-inertia" "factor" "" 0.1 0.5 true false;
+    YawRateLag "yaw-rate-lag" "time_s" "s" 0.01 0.12 false false;
+    RollRateBias "roll-rate-bias" "offset_radps" "rad/s" 0.02 0.1 true false;
+    RollRateScale "roll-rate-scale" "factor" "" 0.05 0.3 true false;
+    RollRateLag "roll-rate-lag" "time_s" "s" 0.02 0.12 false false;
+    PitchRateBias "pitch-rate-bias" "offset_radps" "rad/s" 0.02 0.1 true false;
+    PitchRateScale "pitch-rate-scale" "factor" "" 0.05 0.3 true false;
+    PitchRateLag "pitch-rate-lag" "time_s" "s" 0.02 0.12 false false;
+    SpeedBias "speed-bias" "offset_mps" "m/s" 0.3 3.0 true true;
+    SpeedLag "speed-lag" "time_s" "s" 0.05 0.5 false true;
+    SteerScale "steer-scale" "factor" "" 0.05 0.5 true false;
+    RollSplitBias "roll-split-bias" "offset_rad" "rad" 0.005 0.1 true false;
+    RollSplitScale "roll-split-scale" "factor" "" 0.1 0.5 true false;
+    RollSplitLag "roll-split-lag" "time_s" "s" 0.02 0.12 false false;
+    AccelerometerScaleY "accelerometer-scale" "y_factor" "" 0.03 0.15 true false;
+    CgPlace "cg-place" "x_m" "m" 0.03 0.2 true false;
 }
 
 impl Kind {
+    /// Whether a sensor is at fault: motion and forces are as they would be without.
+    pub fn is_of_a_sensor(self) -> bool {
+        use Kind::*;
+        matches!(
+            self,
+            AccelerometerBiasX
+                | AccelerometerBiasY
+                | AccelerometerTiltPitch
+                | AccelerometerTiltRoll
+                | AccelerometerScaleY
+                | LeverArm
+                | SlipOffset
+                | SlipScale
+                | SlipLag
+                | SteerOffset
+                | SteerScale
+                | SteerLag
+                | SpeedBias
+                | SpeedScale
+                | SpeedLag
+                | RollRateBias
+                | RollRateScale
+                | RollRateLag
+                | PitchRateBias
+                | PitchRateScale
+                | PitchRateLag
+                | YawRateBias
+                | YawRateScale
+                | YawRateLag
+                | RollSplitBias
+                | RollSplitScale
+                | RollSplitLag
+        )
+    }
+
     /// Its row in [`ENTRIES`].
     pub fn entry(self) -> &'static Entry {
         ENTRIES

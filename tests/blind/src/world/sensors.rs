@@ -112,15 +112,29 @@ pub fn measure(
     ];
     let pitch_tilt = size(Kind::AccelerometerTiltPitch);
     let roll_tilt = size(Kind::AccelerometerTiltRoll);
-    let lag = size(Kind::SlipLag);
     let mut vibration: Vec<Ar1> = (0..3)
         .map(|_| Ar1::new(noise.colour, noise.accel_mps2, source))
         .collect();
-    let mut slip_filter = Lag::new(lag);
-    let mut steering_filter = Lag::new(size(Kind::SteerLag));
+    // Every channel beside the accelerations, late by its own time.
+    let late = |value: &dyn Fn(&Truth) -> f64, lag: Kind| -> Vec<f64> {
+        let values: Vec<f64> = truths.iter().map(value).collect();
+        delayed(&values, size(lag) / SAMPLE_S)
+    };
+    let slip = |truth: &Truth| {
+        let [vx, vy] = truth.velocity_mps;
+        -(vy + truth.rates_radps[2] * sled.slip_x_m).atan2(vx)
+    };
+    let turns = [Kind::RollRateLag, Kind::PitchRateLag, Kind::YawRateLag];
+    let rates = [0, 1, 2].map(|k| late(&|truth| truth.rates_radps[k], turns[k]));
+    let speed = late(&|truth| truth.motion.v_mps, Kind::SpeedLag);
+    let shown = late(&slip, Kind::SlipLag);
+    let steered = late(&|truth| truth.motion.delta_rad, Kind::SteerLag);
+    let split = late(&|truth| truth.motion.gamma_rad, Kind::RollSplitLag);
+    let off = |value: f64, scale: Kind, bias: Kind| value * (1.0 + size(scale)) + size(bias);
     truths
         .iter()
-        .map(|truth| {
+        .enumerate()
+        .map(|(i, truth)| {
             let [p, q, r] = truth.rates_radps;
             let [pd, qd, rd] = truth.angular_radps2;
             let [x, y, z] = place;
@@ -132,35 +146,57 @@ pub fn measure(
             ];
             let mut accel = [
                 clean[0] - pitch_tilt * clean[2] + size(Kind::AccelerometerBiasX),
-                clean[1] + roll_tilt * clean[2] + size(Kind::AccelerometerBiasY),
+                clean[1] * (1.0 + size(Kind::AccelerometerScaleY))
+                    + roll_tilt * clean[2]
+                    + size(Kind::AccelerometerBiasY),
                 clean[2] + pitch_tilt * clean[0] - roll_tilt * clean[1],
             ];
             for (a, shake) in accel.iter_mut().zip(&mut vibration) {
                 *a += shake.next(source);
             }
-            let [vx, vy] = truth.velocity_mps;
-            let alpha = -(vy + r * sled.slip_x_m).atan2(vx);
-            let shown = slip_filter.next(alpha, SAMPLE_S);
-            let steered = steering_filter.next(truth.motion.delta_rad, SAMPLE_S);
             let mut white = |sd: f64| sd * source.normal();
             Sample {
                 t_s: truth.motion.t_s,
                 accel_mps2: accel,
                 rates_radps: [
-                    p + white(noise.rate_radps),
-                    q + white(noise.rate_radps),
-                    r * (1.0 + size(Kind::YawRateScale))
-                        + size(Kind::YawRateBias)
+                    off(rates[0][i], Kind::RollRateScale, Kind::RollRateBias)
+                        + white(noise.rate_radps),
+                    off(rates[1][i], Kind::PitchRateScale, Kind::PitchRateBias)
+                        + white(noise.rate_radps),
+                    off(rates[2][i], Kind::YawRateScale, Kind::YawRateBias)
                         + white(noise.rate_radps),
                 ],
-                v_mps: truth.motion.v_mps * (1.0 + size(Kind::SpeedScale)) + white(noise.speed_mps),
-                alpha_rad: shown * (1.0 + size(Kind::SlipScale))
-                    + size(Kind::SlipOffset)
-                    + white(noise.slip_rad),
-                delta_rad: steered + size(Kind::SteerOffset) + white(noise.steer_rad),
-                gamma_rad: truth.motion.gamma_rad + white(noise.roll_split_rad),
+                v_mps: off(speed[i], Kind::SpeedScale, Kind::SpeedBias) + white(noise.speed_mps),
+                alpha_rad: off(shown[i], Kind::SlipScale, Kind::SlipOffset) + white(noise.slip_rad),
+                delta_rad: off(steered[i], Kind::SteerScale, Kind::SteerOffset)
+                    + white(noise.steer_rad),
+                gamma_rad: off(split[i], Kind::RollSplitScale, Kind::RollSplitBias)
+                    + white(noise.roll_split_rad),
                 extra: truth.motion.extra,
             }
+        })
+        .collect()
+}
+
+/// A series so many samples later, by the cubic of Catmull and Rom; its first value before the start.
+fn delayed(values: &[f64], by: f64) -> Vec<f64> {
+    if by == 0.0 {
+        return values.to_vec();
+    }
+    let last = values.len() as isize - 1;
+    let at = |k: isize| values[k.clamp(0, last) as usize];
+    (0..=last)
+        .map(|k| {
+            let x = k as f64 - by;
+            let i = x.floor();
+            let (f, i) = (x - i, i as isize);
+            let [a, b, c, d] = [at(i - 1), at(i), at(i + 1), at(i + 2)];
+            let (slope, end) = (0.5 * (c - a), 0.5 * (d - b));
+            let (bend, turn) = (
+                3.0 * (c - b) - 2.0 * slope - end,
+                2.0 * (b - c) + slope + end,
+            );
+            b + f * (slope + f * (bend + f * turn))
         })
         .collect()
 }

@@ -35,6 +35,16 @@ pub struct Sled {
     pub rear: Lateral,
 }
 
+impl Sled {
+    /// States the centre of gravity so far behind where it is [m]: axles and sensors stand further ahead of it.
+    pub fn say_centre_back(&mut self, by: f64) {
+        self.l_f_m += by;
+        self.l_r_m -= by;
+        self.accel_m[0] += by;
+        self.slip_x_m += by;
+    }
+}
+
 /// Parameters of the lateral magic formula.
 #[derive(Debug, Clone, Copy)]
 pub struct Lateral {
@@ -205,6 +215,8 @@ pub fn forces(sled: &Sled, at: &Conditions, m: &Motion, hidden: &[Hidden]) -> Fo
             Kind::CombinedSlip => combined = k,
             Kind::BeyondRollRate => add += k * m.roll_rate_radps.abs(),
             Kind::BeyondExtra => add += k * m.extra,
+            Kind::BeyondSpeedHump => grip *= 1.0 + k * (-((m.v_mps - 22.0) / 3.0).powi(2)).exp(),
+            Kind::BeyondProduct => grip *= 1.0 + k * m.v_mps * m.gamma_rad,
             Kind::BeyondPitchGrip => grip *= 1.0 + k * m.pitch_rate_radps.abs(),
             _ => {}
         }

@@ -63,9 +63,7 @@ impl Candidate<Amplitude> {
 
     /// The values of its carrier in a run.
     pub fn carried<'a>(&self, frame: &'a Frame) -> Option<&'a [f64]> {
-        match self.act.carrier.as_deref()? {
-            "pitch_rate_radps" => Some(&frame.rate[1]),
-            name => frame.extra.get(name).map(Vec::as_slice),
-        }
+        let name = self.act.carrier.as_deref()?;
+        frame.extra.get(name).map(Vec::as_slice)
     }
 }

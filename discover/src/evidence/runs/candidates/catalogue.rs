@@ -1,6 +1,8 @@
 //! The effects that could be missing, as far as the data can speak of them.
 
-use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Judged, Kind, Level, Sensor};
+use kufe_sled::effects::{
+    CATALOGUE, Custom, Effect, Effects, Judged, Kind, Level, Reading, Sensor,
+};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::prepare::Data;
@@ -105,10 +107,14 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     out
 }
 
-/// Whether an amplitude is a fault of the accelerometer ahead, which the track channel holds against the slope.
+/// Whether an amplitude is a fault of the accelerometer ahead, which the track channel holds against the slope; its scale goes with
+/// what the sled feels there, which is little.
 fn reads_ahead(effect: &Effect, parameter: usize) -> bool {
     let mut faults = effect.on_sensors.iter();
-    faults.any(|fault| fault.of == Sensor::Ax && fault.parameter == parameter)
+    faults.any(|fault| {
+        let ahead = fault.of == Sensor::Ax && fault.parameter == parameter;
+        ahead && fault.reading != Reading::Scaled
+    })
 }
 
 /// The candidate with every value of a setting that is to be tried.

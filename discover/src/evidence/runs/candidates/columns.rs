@@ -8,8 +8,7 @@ use crate::procedure::candidate::Candidate;
 
 /// Dependences on single columns beyond the catalogue: a slope and a bend of the friction and of the grip, and a side force.
 ///
-/// Columns that the model has no name for, the pitch rate among them, are handed in as carriers: they are judged, but no
-/// simulation could follow them.
+/// Columns that the model has no name for are handed in as carriers: they are judged, but no simulation could follow them.
 pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>> {
     let known = [
         ("v_mps", Column::Speed),
@@ -19,6 +18,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
         ("gamma_rad", Column::RollSplit),
         ("roll_rate_radps", Column::RollRate),
         ("roll_acceleration_radps2", Column::RollRate),
+        ("pitch_rate_radps", Column::PitchRate),
         ("t_s", Column::Time),
     ];
     let mut columns: Vec<(String, Option<String>)> = known
@@ -26,7 +26,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
         .filter(|(_, column)| data.available.contains(column))
         .map(|(name, _)| ((*name).to_owned(), None))
         .collect();
-    let mut carried = vec!["pitch_rate_radps".to_owned()];
+    let mut carried = Vec::new();
     if let Some(frame) = data.frames.first() {
         let everywhere = |name: &&String| data.frames.iter().all(|f| f.extra.contains_key(*name));
         let own = |name: &&String| name.as_str() != "humidity_pct" && name.as_str() != "distance_m";

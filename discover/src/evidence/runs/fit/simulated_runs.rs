@@ -7,6 +7,7 @@
 //! what is left is what noisy inputs do to products of signals.
 
 use kufe_sled::Noise;
+use kufe_sled::effects::{Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
@@ -192,18 +193,38 @@ impl RunSimulator {
 }
 
 /// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
+///
+/// A residual belongs to a moment that a late sensor tells later.
 pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
     let mut twin = frame.clone();
     let sled = &residual_model.vehicle.sled;
-    for (i, ((along, side), moment)) in rows[0].iter().zip(&rows[1]).zip(&rows[2]).enumerate() {
-        let yaw = moment / sled.j_zz_kgm2;
-        twin.rate_slope[2][i] -= yaw;
-        twin.acceleration[0][i] += sled.accel_y_m * yaw - along / sled.mass_kg;
-        twin.acceleration[1][i] -= sled.accel_x_m * yaw + side / sled.mass_kg;
+    let told = |sensor: Sensor, rest: Vec<f64>| {
+        let delay = residual_model.delay(sensor, &frame.track);
+        match delay == 0.0 {
+            true => rest,
+            false => ahead(&rest, -delay / frame.sample_s()),
+        }
+    };
+    let yaw: Vec<f64> = rows[2].iter().map(|m| m / sled.j_zz_kgm2).collect();
+    let aligned = |place: f64, rows: &[f64]| -> Vec<f64> {
+        let both = rows.iter().zip(&yaw);
+        both.map(|(r, yaw)| place * yaw - r / sled.mass_kg)
+            .collect()
+    };
+    let along = aligned(sled.accel_y_m, &rows[0]);
+    let side = aligned(-sled.accel_x_m, &rows[1]);
+    let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
+    let [ahead_of, left_of, _] = &mut twin.acceleration;
+    for (to, rest) in [
+        (ahead_of, told(Sensor::Ax, along)),
+        (left_of, told(Sensor::Ay, side)),
+        (&mut twin.rate_slope[2], told(Sensor::YawRate, minus_yaw)),
+    ] {
+        to.iter_mut().zip(rest).for_each(|(x, by)| *x += by);
     }
     if !rows[3].is_empty() {
-        let left = residual_model.raw(&twin);
-        for (slope, r) in twin.v_slope.iter_mut().zip(&left[3]) {
+        let left = residual_model.raw(&twin)[3].clone();
+        for (slope, r) in twin.v_slope.iter_mut().zip(told(Sensor::Speed, left)) {
             *slope -= r;
         }
     }

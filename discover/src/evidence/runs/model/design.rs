@@ -79,22 +79,10 @@ impl Design<'_> {
                 moved
             })
             .collect();
-        let moved: Vec<ModelOnRun> = moved.iter().map(|c| ModelOnRun::new(c, frame)).collect();
-        let installed: Vec<ResidualModel> = (0..residual_model.installation.fitted())
-            .map(|part| ResidualModel {
-                installation: residual_model.installation.moved(part, 0.01),
-                ..residual_model.clone()
-            })
-            .collect();
-        // As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
-        let modelled = (!installed.is_empty())
-            .then(|| truth(frame, residual_model, &residual_model.raw(frame)));
-        let modelled = modelled.as_ref().unwrap_or(frame);
-        let on_modelled = ModelOnRun::new(residual_model, modelled);
-        let installed: Vec<ModelOnRun> = installed
-            .iter()
-            .map(|c| ModelOnRun::new(c, modelled))
-            .collect();
+        let installed = (0..residual_model.installation.fitted()).map(|part| ResidualModel {
+            installation: residual_model.installation.moved(part, 0.01),
+            ..residual_model.clone()
+        });
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
             .iter()
@@ -102,7 +90,37 @@ impl Design<'_> {
             .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
             .collect();
         let n = frame.len();
-        let first_trial = BASE + moved.len() + installed.len();
+        let first_trial = BASE + moved.len() + residual_model.installation.fitted();
+        // A delay and what an installation is off by ask for the channels at other times. As the model has the accelerations:
+        // with the measured ones, which hold the residual, these columns would follow it.
+        let delays = residual_model.effects.delays();
+        let late_moved = moved
+            .iter()
+            .enumerate()
+            .filter(|(_, other)| other.effects.delays() != delays)
+            .map(|(k, other)| (BASE + k, other.clone()));
+        let late_trials = trials
+            .iter()
+            .enumerate()
+            .filter(|(_, (trial, _))| trial.is_late())
+            .map(|(k, (trial, _))| (first_trial + k, residual_model.with(trial.clone())));
+        let shifted: Vec<(usize, ResidualModel)> = late_moved
+            .chain((BASE + moved.len()..).zip(installed))
+            .chain(late_trials)
+            .collect();
+        let modelled =
+            (!shifted.is_empty()).then(|| truth(frame, residual_model, &residual_model.raw(frame)));
+        let modelled = modelled.as_ref().unwrap_or(frame);
+        let on_modelled = ModelOnRun::new(residual_model, modelled);
+        let shifted: Vec<(usize, ModelOnRun)> = shifted
+            .iter()
+            .map(|(k, other)| (*k, ModelOnRun::new(other, modelled)))
+            .collect();
+        let moved: Vec<(usize, ModelOnRun)> = (BASE..)
+            .zip(&moved)
+            .filter(|(_, other)| other.effects.delays() == delays)
+            .map(|(k, other)| (k, ModelOnRun::new(other, frame)))
+            .collect();
         let count = first_trial + trials.len() + 1;
         let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
             let samples = if self.whitener.used[c] { n } else { 0 };
@@ -119,7 +137,8 @@ impl Design<'_> {
                     }
                 }
             };
-            for (k, (trial, carried)) in trials.iter().enumerate() {
+            let in_time = |(_, (trial, _)): &(usize, &(Active, _))| !trial.is_late();
+            for (k, (trial, carried)) in trials.iter().enumerate().filter(in_time) {
                 let moved = match carried {
                     None => on_run.balances_with(i, trial, &at, &own),
                     Some(x) => {
@@ -130,21 +149,17 @@ impl Design<'_> {
                 };
                 put(first_trial + k, moved, 0.01);
             }
-            for (k, other) in moved.iter().enumerate() {
-                put(BASE + k, other.balances_beside(i, &at), 0.01);
+            for (k, other) in &moved {
+                put(*k, other.balances_beside(i, &at), 0.01);
             }
-            if !installed.is_empty() {
+            if !shifted.is_empty() {
                 let there = on_modelled.instant(i, &on_modelled.measured(i));
                 let modelled = on_modelled.balances(&there, &on_modelled.forces(&there));
-                for (k, other) in installed.iter().enumerate() {
-                    let near = on_modelled.instant_near(i, &other.measured(i), &there);
-                    let values = on_modelled.balances(&near, &on_modelled.forces(&near));
+                for (k, other) in &shifted {
+                    let near = other.instant_near(i, &other.measured(i), &there);
+                    let values = other.balances(&near, &other.forces(&near));
                     let moved_by = |c: usize| rest[c] + values[c] - modelled[c];
-                    put(
-                        BASE + moved.len() + k,
-                        [moved_by(0), moved_by(1), moved_by(2)],
-                        0.01,
-                    );
+                    put(*k, [moved_by(0), moved_by(1), moved_by(2)], 0.01);
                 }
             }
             for b in 0..BASE {

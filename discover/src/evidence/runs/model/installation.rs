@@ -232,6 +232,13 @@ impl Installation {
         }
     }
 
+    /// How late a sensor is [s].
+    pub fn delay(&self, sensor: Sensor) -> f64 {
+        let parts = self.parts.iter().zip(&self.sizes);
+        let late = parts.filter(|(part, _)| part.wrong == Wrong::Late(sensor));
+        late.map(|(part, size)| part.sd * size).sum()
+    }
+
     /// From what the sensors said to what was true; `None` where no sensor is off.
     pub fn corrected(&self, frame: &Frame) -> Option<Frame> {
         let off = self
@@ -247,60 +254,26 @@ impl Installation {
                 continue;
             };
             let frame = corrected.get_or_insert_with(|| frame.clone());
-            let samples = size / frame.sample_s();
+            if matches!(part.wrong, Wrong::Late(_)) {
+                frame.catch_up(sensor, size);
+                continue;
+            }
             let (value, slope) = frame.channel(sensor);
             if matches!(part.wrong, Wrong::Biased(_)) {
                 value.iter_mut().for_each(|x| *x -= size);
                 continue;
             }
             for x in [Some(value), slope].into_iter().flatten() {
-                match part.wrong {
-                    Wrong::Late(_) => *x = ahead(x, samples),
-                    _ => x.iter_mut().for_each(|x| *x /= 1.0 + size),
-                }
+                x.iter_mut().for_each(|x| *x /= 1.0 + size);
             }
         }
         corrected
     }
 }
 
-/// A series read so many samples ahead, by the cubic through the four nearest; constant beyond its ends.
-fn ahead(x: &[f64], by: f64) -> Vec<f64> {
-    let last = x.len() as isize - 1;
-    let at = |i: isize| x[i.clamp(0, last) as usize];
-    let whole = by.floor();
-    let f = by - whole;
-    let weights = [
-        -f * (f - 1.0) * (f - 2.0) / 6.0,
-        (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
-        -(f + 1.0) * f * (f - 2.0) / 2.0,
-        (f + 1.0) * f * (f - 1.0) / 6.0,
-    ];
-    (0..x.len() as isize)
-        .map(|i| {
-            let first = i + whole as isize - 1;
-            let near = weights.iter().zip(first..);
-            near.map(|(w, k)| w * at(k)).sum()
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_wave_read_ahead_is_the_wave_a_moment_later() {
-        // Four samples a radian: the cubic's error is below (1/4)^4 / 24.
-        let wave = |t: f64| (0.25 * t).sin();
-        let x: Vec<f64> = (0..200).map(|k| wave(f64::from(k))).collect();
-        for by in [-2.3, -0.4, 0.0, 0.7, 3.0] {
-            let moved = ahead(&x, by);
-            for (k, moved) in moved.iter().enumerate().take(190).skip(10) {
-                assert!((moved - wave(k as f64 + by)).abs() < 2e-4);
-            }
-        }
-    }
 
     #[test]
     fn what_is_exact_has_no_part_and_the_rest_one_each() {

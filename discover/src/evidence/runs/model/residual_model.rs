@@ -64,6 +64,13 @@ impl ResidualModel {
         residual_model
     }
 
+    /// How late a sensor is on a track [s], by effects and installation.
+    pub fn delay(&self, sensor: Sensor, track: &str) -> f64 {
+        let own = self.effects.active.iter().filter(|e| e.acts_on(track));
+        let by_effects: f64 = own.map(|e| e.delays()[sensor as usize]).sum();
+        by_effects + self.installation.delay(sensor)
+    }
+
     /// Residuals of one run, low-passed and thinned to rows.
     pub fn residuals(&self, frame: &Frame) -> ChannelRows {
         self.raw(frame).map(|channel| frame.rows(&channel))
@@ -155,16 +162,24 @@ impl<'a> ModelOnRun<'a> {
     /// Prepares a run.
     pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
         let mut vehicle = residual_model.vehicle.scaled(&residual_model.base);
-        vehicle.effects = residual_model.effects.on_track(&frame.track);
+        let effects = residual_model.effects.on_track(&frame.track);
+        let delays = effects.delays();
+        vehicle.effects = effects.in_time();
         let mut constants = vehicle.sled.constants();
         let installation = &residual_model.installation;
         installation.find_constants(&mut constants);
+        let mut in_time = match installation.corrected(frame) {
+            Some(corrected) => Cow::Owned(corrected),
+            None => Cow::Borrowed(frame),
+        };
+        for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
+            if delay != 0.0 {
+                in_time.to_mut().catch_up(sensor, delay);
+            }
+        }
         Self {
             residual_model,
-            frame: match installation.corrected(frame) {
-                Some(corrected) => Cow::Owned(corrected),
-                None => Cow::Borrowed(frame),
-            },
+            frame: in_time,
             constants,
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),

@@ -51,6 +51,21 @@ impl Campaign<'_> {
         parameters
     }
 
+    /// The formula of each step that is one of a model's own, and what it acts on.
+    pub fn laws(&self, last: &RunFit, steps: usize) -> Vec<Option<String>> {
+        let mut laws = vec![None; steps];
+        let own = last.residual_model.effects.active[last.already()..].iter();
+        for (active, step) in own.zip(&last.owners) {
+            if let (Kind::Custom(custom), "unknown") = (
+                &active.kind,
+                active.name.split(':').next().unwrap_or_default(),
+            ) {
+                laws[*step] = Some(custom.text.clone());
+            }
+        }
+        laws
+    }
+
     /// Base parameters with their intervals.
     pub fn base_parameters(&self, last: &RunFit) -> Vec<Fitted> {
         self.free

@@ -36,6 +36,7 @@ pub fn available(
         (Column::Steering, "delta_rad"),
         (Column::RollSplit, "gamma_rad"),
         (Column::RollRate, "roll_rate_radps"),
+        (Column::PitchRate, "pitch_rate_radps"),
         (Column::YawRate, "yaw_rate_radps"),
         (Column::VerticalAcceleration, "az_mps2"),
         (Column::LongitudinalAcceleration, "ax_mps2"),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::effects::Sensor;
+use kufe_sled::effects::{Sensor, ahead};
 
 use crate::evidence::runs::recordings::smooth::Kernel;
 
@@ -92,6 +92,15 @@ impl Frame {
             Sensor::Slip => (&mut self.slip, Some(&mut self.slip_rate)),
             Sensor::Steering => (&mut self.steer, Some(&mut self.steer_rate)),
             Sensor::RollSplit => (&mut self.roll_split, None),
+        }
+    }
+
+    /// A channel that is late by so much [s], brought back in time.
+    pub fn catch_up(&mut self, sensor: Sensor, delay_s: f64) {
+        let samples = delay_s / self.sample_s();
+        let (value, slope) = self.channel(sensor);
+        for x in [Some(value), slope].into_iter().flatten() {
+            *x = ahead(x, samples);
         }
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod between_runs;
 pub(crate) mod detectable;
+pub(crate) mod leaders;
 pub(crate) mod levels;
 pub(crate) mod on_track;
 pub(crate) mod place;

@@ -64,8 +64,10 @@ impl Campaign<'_> {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
+        let claim = self.choose(at, &screen, &regular, &places, account);
+        let law = self.law(at, claim.as_ref(), &options);
         Screen {
-            claim: self.choose(at, &screen, &regular, &places, account),
+            claim: law.or(claim),
             detectable,
         }
     }
@@ -189,6 +191,10 @@ impl Campaign<'_> {
             }
             (known, other) => known.or(other)?,
         };
+        named = self.leader(at, &together, &list, named, &|c| {
+            let candidate = &list[c];
+            together.claimable(c, candidate, alpha_of(candidate), again(candidate))
+        });
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // Of a class of places, the effect that already acts elsewhere is the simpler account.
         let known = (regular.len()..list.len()).find(|c| {

@@ -6,15 +6,14 @@ pub static EFFECT: Effect = Effect {
     info: Info {
         name: "slip-lag",
         summary: "the slip angle is late",
-        formula: "alpha - tau dalpha/dt",
+        formula: "alpha(t - tau)",
         signature: "the slip rate",
         acts_on: &[ActsOn::Sensor],
         parameters: &[Parameter::amplitude("time_s", "s", -0.2, 0.5, 0.002)],
         needs: &[Column::Slip],
-        form: Form::FirstOrder,
-        looks_like: &["relaxation-length"],
+        looks_like: &["relaxation-length", "yaw-rate-lag", "steer-lag"],
         decides: "the sensor's clock against the gyroscope's on a shaken sled",
-        source: "first-order sensor dynamics",
+        source: "group delay of a digital low pass: half its length, 1 to 20 ms in loggers of 100 to 1000 Hz",
         ..Info::NEW
     },
     on_sensors: &[Fault::lag(Sensor::Slip, 0)],

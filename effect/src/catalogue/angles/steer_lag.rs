@@ -6,15 +6,14 @@ pub static EFFECT: Effect = Effect {
     info: Info {
         name: "steer-lag",
         summary: "the steering angle is late",
-        formula: "delta - tau ddelta/dt",
+        formula: "delta(t - tau)",
         signature: "the rate of the steering angle, at the front alone",
         acts_on: &[ActsOn::Sensor],
         parameters: &[Parameter::amplitude("time_s", "s", -0.2, 0.5, 0.002)],
         needs: &[Column::Steering],
-        form: Form::FirstOrder,
-        looks_like: &["relaxation-length", "slip-lag"],
+        looks_like: &["relaxation-length", "slip-lag", "yaw-rate-lag"],
         decides: "the sensor's clock against the gyroscope's on a steered stand",
-        source: "first-order sensor dynamics",
+        source: "group delay of a digital low pass: half its length, 1 to 20 ms in loggers of 100 to 1000 Hz",
         ..Info::NEW
     },
     on_sensors: &[Fault::lag(Sensor::Steering, 0)],

@@ -1,0 +1,123 @@
+//! Smooth laws of all columns on all channels, judged.
+
+use kufe_sled::effects::Channel;
+
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::laws::shapes::bumps;
+use crate::evidence::runs::laws::smooth::{Group, test};
+use crate::evidence::runs::laws::sums::total;
+use crate::evidence::runs::laws::term::{COLUMNS, Term};
+use crate::evidence::runs::laws::terms::Terms;
+use crate::evidence::runs::screen::residual_screen::ScreenOptions;
+
+/// A group of terms with its columns and what it explains on runs that did not set its sizes.
+pub struct Smooth {
+    /// Place of its channel.
+    pub channel: usize,
+    /// Places of its columns.
+    pub columns: Vec<usize>,
+    /// By run.
+    pub gains: Vec<f64>,
+    /// Whether it stands out from chance and noise.
+    pub stands: bool,
+}
+
+impl Campaign<'_> {
+    /// The channels that laws may act on.
+    pub fn law_channels(&self) -> Vec<Channel> {
+        let mut channels = Vec::new();
+        if self.used[1] {
+            channels.extend([Channel::Grip, Channel::Lateral, Channel::Yaw]);
+        }
+        if self.used[0] {
+            channels.push(Channel::Friction);
+        }
+        channels
+    }
+
+    /// Recorded columns that the model has no name for and that vary.
+    pub fn further_columns(&self) -> Vec<String> {
+        let Some(frame) = self.training.first() else {
+            return Vec::new();
+        };
+        let everywhere = |name: &&String| {
+            let all = self.training.iter();
+            all.clone().all(|f| f.extra.contains_key(*name))
+                && !["humidity_pct", "distance_m"].contains(&name.as_str())
+        };
+        frame.extra.keys().filter(everywhere).cloned().collect()
+    }
+
+    /// All smooth laws and products of columns, judged, with the smallest p-value of those that stand out.
+    pub fn smooth_laws(
+        &self,
+        terms: &Terms,
+        channels: &[Channel],
+        options: &ScreenOptions,
+    ) -> (Vec<Smooth>, f64) {
+        let rules = &self.rules().laws;
+        let (mut list, mut groups, mut laws) = (Vec::new(), Vec::new(), Vec::new());
+        let mut law = |channel, columns: Vec<usize>, shapes: Vec<Shape>| {
+            let first = list.len();
+            list.extend(shapes.into_iter().map(|shape| Term { channel, shape }));
+            groups.push(match list.len() - first {
+                1 => Group::single(first),
+                _ => Group::spline(first..list.len(), rules.smoothing),
+            });
+            laws.push((channel, columns));
+        };
+        let varying: Vec<(usize, Vec<f64>)> = (0..terms.names.len())
+            .map(|column| (column, terms.sorted(column)))
+            .filter(|(_, x)| x.iter().all(|x| x.is_finite()) && x.first() < x.last())
+            .collect();
+        for (channel, kind) in channels.iter().enumerate() {
+            for (column, sorted) in &varying {
+                law(channel, vec![*column], bumps(*column, sorted, rules.bumps));
+            }
+            if !matches!(kind, Channel::Grip | Channel::Friction) {
+                continue;
+            }
+            // A formula can name one column beyond the model's, and time goes with nothing.
+            let own = |x: usize| x < COLUMNS.len() && COLUMNS[x].0 != "t_s";
+            for (k, (a, _)) in varying.iter().enumerate().filter(|(_, (x, _))| own(*x)) {
+                for (b, _) in varying[k + 1..].iter().filter(|(x, _)| own(*x)) {
+                    law(channel, vec![*a, *b], vec![Shape::Product(*a, *b)]);
+                }
+            }
+        }
+        let [low, high] = options.trust;
+        let parts: Vec<&[Term]> = list.chunk_by(|a, b| a.channel == b.channel).collect();
+        let sums = terms.sums_of_parts(&parts, &[1.0, low, high]);
+        let tested: Vec<_> = sums
+            .iter()
+            .map(|sums| test(sums, &groups, options.flips, options.seed))
+            .collect();
+        let mut smallest = 1.0_f64;
+        let laws = laws
+            .into_iter()
+            .enumerate()
+            .map(|(g, (channel, columns))| {
+                let group = &groups[g];
+                let gains = sums[0].held_gains(&group.terms, &group.penalty, rules.folds);
+                let z = tested[0].z[g];
+                let p = tested[0].p_value(z);
+                // What holds of T is squared in Q.
+                let holds = tested
+                    .iter()
+                    .all(|t| t.z[g] >= options.holds[0].powi(2) * t.critical(options.alpha_beyond));
+                let stands = p <= options.alpha_beyond && holds && total(&gains) > 0.0;
+                if stands {
+                    smallest = smallest.min(p);
+                }
+                Smooth {
+                    channel,
+                    columns,
+                    gains,
+                    stands,
+                }
+            })
+            .collect();
+        (laws, smallest)
+    }
+}

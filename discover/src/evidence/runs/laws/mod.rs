@@ -1,0 +1,11 @@
+//! Laws beyond the catalogue: a smooth dependence on recorded columns, and the simplest formula that does as well.
+
+pub(crate) mod claim;
+pub(crate) mod formula;
+pub(crate) mod judged;
+pub(crate) mod shape;
+pub(crate) mod shapes;
+pub(crate) mod smooth;
+pub(crate) mod sums;
+pub(crate) mod term;
+pub(crate) mod terms;

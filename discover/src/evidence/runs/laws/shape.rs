@@ -1,0 +1,203 @@
+//! How a law depends on its columns: basis functions of a smooth curve, and formulas.
+
+use kufe_sled::effects::Expression;
+
+/// A function of one column or two, by their places among the columns.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// 1 everywhere.
+    One,
+    /// A cubic B-spline of a column: its middle and the distance of its knots.
+    Bump(usize, f64, f64),
+    /// The column.
+    Line(usize),
+    /// Its size.
+    Size(usize),
+    /// Its size over a scale, to a power.
+    Power(usize, f64, f64),
+    /// `exp(x / scale)`.
+    Exponential(usize, f64),
+    /// 1 above a value, 0 below.
+    Step(usize, f64),
+    /// `exp(-((x - middle) / width)^2)`.
+    Hump(usize, f64, f64),
+    /// The product of two columns.
+    Product(usize, usize),
+}
+
+impl Shape {
+    /// The value at a sample, `columns` giving each column's.
+    pub fn value(&self, columns: impl Fn(usize) -> f64) -> f64 {
+        match *self {
+            Shape::One => 1.0,
+            Shape::Bump(x, middle, knots) => cubic((columns(x) - middle) / knots),
+            Shape::Line(x) => columns(x),
+            Shape::Size(x) => columns(x).abs(),
+            Shape::Power(x, scale, power) => (columns(x).abs() / scale).powf(power),
+            Shape::Exponential(x, scale) => (columns(x) / scale).exp(),
+            Shape::Step(x, from) => f64::from(u8::from(columns(x) > from)),
+            Shape::Hump(x, middle, width) => (-((columns(x) - middle) / width).powi(2)).exp(),
+            Shape::Product(x, y) => columns(x) * columns(y),
+        }
+    }
+
+    /// The formula as a model has it.
+    pub fn text(&self, names: &[String]) -> String {
+        let name = |x: &usize| Expression::quoted(&names[*x]);
+        match self {
+            Shape::One => "1".to_owned(),
+            Shape::Bump(x, middle, knots) => format!("bump(({} - {middle}) / {knots})", name(x)),
+            Shape::Line(x) => name(x),
+            Shape::Size(x) => format!("abs({})", name(x)),
+            Shape::Power(x, scale, power) => format!("(abs({}) / {scale})^{power}", name(x)),
+            Shape::Exponential(x, scale) => format!("exp({} / ({scale}))", name(x)),
+            Shape::Step(x, from) => format!("step({} - ({from}))", name(x)),
+            Shape::Hump(x, middle, width) => {
+                format!("exp(-(({} - ({middle})) / {width})^2)", name(x))
+            }
+            Shape::Product(x, y) => format!("{} * {}", name(x), name(y)),
+        }
+    }
+
+    /// How many numbers a reader must take in beside the amplitude: formulas are tried from the simplest on.
+    pub fn numbers(&self) -> usize {
+        match self {
+            Shape::One => 0,
+            Shape::Line(_) | Shape::Size(_) => 1,
+            Shape::Product(..) | Shape::Power(..) | Shape::Exponential(..) | Shape::Step(..) => 2,
+            Shape::Hump(..) | Shape::Bump(..) => 3,
+        }
+    }
+
+    /// The columns that it depends on.
+    pub fn columns(&self) -> Vec<usize> {
+        match *self {
+            Shape::One => Vec::new(),
+            Shape::Product(x, y) => vec![x, y],
+            Shape::Line(x)
+            | Shape::Size(x)
+            | Shape::Step(x, _)
+            | Shape::Exponential(x, _)
+            | Shape::Bump(x, ..)
+            | Shape::Power(x, ..)
+            | Shape::Hump(x, ..) => vec![x],
+        }
+    }
+
+    /// The columns over whose units its amplitude's unit is; of the others the formula takes the unit out itself.
+    pub fn per(&self) -> Vec<usize> {
+        match self {
+            Shape::Line(x) | Shape::Size(x) => vec![*x],
+            Shape::Product(x, y) => vec![*x, *y],
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// The cubic B-spline with knots at -2, -1, 0, 1, 2.
+fn cubic(t: f64) -> f64 {
+    let t = t.abs();
+    match t {
+        t if t < 1.0 => 2.0 / 3.0 - t * t * (1.0 - 0.5 * t),
+        t if t < 2.0 => (2.0 - t).powi(3) / 6.0,
+        _ => 0.0,
+    }
+}
+
+/// The formula of an amplitude's unit: that of the channel over those of the columns.
+pub fn unit(channel: &str, columns: &[&str]) -> String {
+    let per: Vec<&str> = columns.iter().map(|name| unit_of(name)).collect();
+    let per: Vec<&str> = per.into_iter().filter(|unit| !unit.is_empty()).collect();
+    let mut above: Vec<&str> = vec![channel];
+    let mut below = Vec::new();
+    for unit in per {
+        match unit.split_once('/') {
+            Some((of, over)) => {
+                below.push(of);
+                above.push(over);
+            }
+            None => below.push(unit),
+        }
+    }
+    above.retain(|unit| !unit.is_empty());
+    let above = match above.is_empty() {
+        true => "1".to_owned(),
+        false => above.join(" "),
+    };
+    match below.as_slice() {
+        [] if above == "1" => String::new(),
+        [] => above,
+        [one] => format!("{above}/{one}"),
+        many => format!("{above}/({})", many.join(" ")),
+    }
+}
+
+/// The unit that a column's name ends in.
+fn unit_of(name: &str) -> &'static str {
+    const ENDINGS: [(&str, &str); 12] = [
+        ("_radps2", "rad/s2"),
+        ("_radps", "rad/s"),
+        ("_mps2", "m/s2"),
+        ("_mps", "m/s"),
+        ("_rad", "rad"),
+        ("_pa", "Pa"),
+        ("_kg", "kg"),
+        ("_pct", "%"),
+        ("_c", "K"),
+        ("_n", "N"),
+        ("_s", "s"),
+        ("_m", "m"),
+    ];
+    let known = ENDINGS.iter().find(|(ending, _)| name.ends_with(ending));
+    known.map_or("", |(_, unit)| unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bumps_sum_to_one_between_their_knots() {
+        for k in 0..50 {
+            let x = f64::from(k) * 0.02;
+            let sum: f64 = (-2..=3)
+                .map(|j| Shape::Bump(0, f64::from(j), 1.0).value(|_| x))
+                .sum();
+            assert!((sum - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_formula_as_a_model_has_it_gives_the_same_value() {
+        let names = ["v_mps".to_owned(), "runner (left)".to_owned()];
+        let at = [-1.7, 0.6];
+        for shape in [
+            Shape::One,
+            Shape::Line(0),
+            Shape::Size(0),
+            Shape::Power(0, 2.5, 1.5),
+            Shape::Exponential(0, -3.0),
+            Shape::Step(0, -2.0),
+            Shape::Hump(0, -1.0, 0.5),
+            Shape::Product(0, 1),
+        ] {
+            let formula = Expression::parse(&shape.text(&names)).expect("a formula");
+            let places: Vec<usize> = formula
+                .names()
+                .iter()
+                .map(|name| names.iter().position(|n| n == name).expect("a column"))
+                .collect();
+            let value = formula.evaluate(|k| at[places[k]]);
+            assert!((value - shape.value(|k| at[k])).abs() < 1e-12, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn units_of_amplitudes_are_those_of_the_channel_over_the_columns() {
+        assert_eq!(unit("", &["pitch_rate_radps"]), "s/rad");
+        assert_eq!(unit("N", &["v_mps", "gamma_rad"]), "N s/(m rad)");
+        assert_eq!(unit("N m", &[]), "N m");
+        assert_eq!(unit("", &[]), "");
+        assert_eq!(unit("", &["fz_n"]), "1/N");
+    }
+}

@@ -1,0 +1,131 @@
+//! Terms of laws on one run: what a unit of each channel does to the rows, times functions of recorded columns.
+
+use kufe_sled::effects::{Active, Channel, Custom, Kind, State};
+use nalgebra::DMatrix;
+
+use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::residual_model::{BALANCES, ModelOnRun};
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// A column's name and where its value stands.
+type NamedColumn = (&'static str, fn(&State) -> f64);
+
+/// Columns that a law may depend on: as an expression names them, and what they are at an instant.
+pub const COLUMNS: [NamedColumn; 10] = [
+    ("v_mps", |at| at.conditions.v),
+    ("fz_n", |at| at.load[0] + at.load[1]),
+    ("alpha_rad", |at| at.chassis_slip),
+    ("delta_rad", |at| at.steering),
+    ("gamma_rad", |at| at.roll_split),
+    ("roll_rate_radps", |at| at.roll_rate),
+    ("roll_acceleration_radps2", |at| at.roll_acceleration),
+    ("pitch_rate_radps", |at| at.pitch_rate),
+    ("yaw_rate_radps", |at| at.yaw_rate),
+    ("t_s", |at| at.conditions.t),
+];
+
+/// One function on one channel, both by their places.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// The channel.
+    pub channel: usize,
+    /// The function.
+    pub shape: Shape,
+}
+
+/// One run: the columns of the fit, what a unit of each channel does, and the columns that laws depend on.
+pub struct TermsOnRun {
+    /// Levels, fitted parameters, named candidates and the residual, whitened rows.
+    pub fitted: DMatrix<f64>,
+    /// By channel and balance, at every sample.
+    units: Vec<[Vec<f64>; BALANCES]>,
+    /// By column, at every sample.
+    columns: Vec<Vec<f64>>,
+}
+
+impl TermsOnRun {
+    /// Prepares a run; `extra` names recorded columns beyond those of the model.
+    pub fn new(design: &Design, frame: &Frame, channels: &[Channel], extra: &[String]) -> Self {
+        // Any small size does: forces go in proportion, and sensors nearly.
+        const SIZES: [f64; 2] = [1e-4, 1e-2];
+        let on_run = ModelOnRun::new(design.residual_model, frame);
+        let size = |channel: &Channel| match channel {
+            Channel::Lateral | Channel::Yaw | Channel::Longitudinal => SIZES[1],
+            _ => SIZES[0],
+        };
+        let trials: Vec<(f64, Active)> = channels
+            .iter()
+            .filter_map(|channel| Some((channel, Custom::new(*channel, "1", None)?)))
+            .map(|(channel, one)| {
+                let one = Active {
+                    name: String::new(),
+                    kind: Kind::Custom(one),
+                    values: vec![size(channel)],
+                    track: None,
+                };
+                (size(channel), one)
+            })
+            .collect();
+        let mut units: Vec<[Vec<f64>; BALANCES]> =
+            vec![std::array::from_fn(|_| Vec::with_capacity(frame.len())); trials.len()];
+        let mut columns: Vec<Vec<f64>> =
+            vec![Vec::with_capacity(frame.len()); COLUMNS.len() + extra.len()];
+        for i in 0..frame.len() {
+            let at = on_run.instant(i, &on_run.measured(i));
+            let forces = on_run.forces(&at);
+            let rest = on_run.balances(&at, &forces);
+            for ((size, trial), unit) in trials.iter().zip(&mut units) {
+                let with = on_run.balances_with(i, trial, &at, &forces);
+                for (c, unit) in unit.iter_mut().enumerate() {
+                    unit.push((rest[c] - with[c]) / size);
+                }
+            }
+            for (column, (_, of)) in columns.iter_mut().zip(COLUMNS) {
+                column.push(of(&at.seen));
+            }
+            for (column, name) in columns[COLUMNS.len()..].iter_mut().zip(extra) {
+                let recorded = frame.extra.get(name);
+                column.push(recorded.map_or(f64::NAN, |x| x[i]));
+            }
+        }
+        Self {
+            fitted: design.columns(frame),
+            units,
+            columns,
+        }
+    }
+
+    /// A column at every sample.
+    pub fn column(&self, column: usize) -> &[f64] {
+        &self.columns[column]
+    }
+
+    /// All columns of the rows: levels and fitted parameters, terms, named candidates, residual.
+    pub fn with(&self, design: &Design, frame: &Frame, terms: &[Term]) -> DMatrix<f64> {
+        let before = self.fitted.ncols() - 1 - design.candidates.len();
+        let whitener = design.whitener;
+        let rows = frame.row_count();
+        let mut all = DMatrix::zeros(self.fitted.nrows(), self.fitted.ncols() + terms.len());
+        all.columns_mut(0, before)
+            .copy_from(&self.fitted.columns(0, before));
+        let behind = design.candidates.len() + 1;
+        all.columns_mut(before + terms.len(), behind)
+            .copy_from(&self.fitted.columns(before, behind));
+        for (k, term) in terms.iter().enumerate() {
+            let values: Vec<f64> = (0..frame.len())
+                .map(|i| term.shape.value(|column| self.columns[column][i]))
+                .collect();
+            let unit = &self.units[term.channel];
+            let used = (0..BALANCES).filter(|c| whitener.used[*c]);
+            for (block, c) in used.enumerate() {
+                let raw: Vec<f64> = values.iter().zip(&unit[c]).map(|(f, u)| f * u).collect();
+                let sd = whitener.sd[c];
+                for (row, x) in frame.rows(&raw).iter().enumerate() {
+                    all[(block * rows + row, before + k)] = x / sd;
+                }
+            }
+        }
+        all
+    }
+}

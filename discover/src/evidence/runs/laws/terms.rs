@@ -1,0 +1,114 @@
+//! Terms of laws on all training runs, and what noisy inputs add to their products.
+
+use kufe_sled::effects::Channel;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::evidence::runs::fit::noise_products::piece;
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::laws::sums::LawSums;
+use crate::evidence::runs::laws::term::{COLUMNS, Term, TermsOnRun};
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// A run with the twins of a piece of it.
+struct OfRun<'a> {
+    frame: &'a Frame,
+    own: TermsOnRun,
+    /// Opposite noise, and none.
+    twins: [(Frame, TermsOnRun); 3],
+    /// Rows of the run over those of the piece.
+    share: f64,
+}
+
+/// All runs, ready for any terms.
+pub struct Terms<'a> {
+    design: &'a Design<'a>,
+    runs: Vec<OfRun<'a>>,
+    /// Names of the columns, in the order of their places.
+    pub names: Vec<String>,
+}
+
+impl<'a> Terms<'a> {
+    /// Prepares all runs; `extra` names recorded columns beyond those of the model.
+    pub fn new(
+        design: &'a Design<'a>,
+        frames: &'a [Frame],
+        simulator: &RunSimulator,
+        channels: &[Channel],
+        extra: &[String],
+    ) -> Self {
+        const ROUND: u64 = 7_000_003;
+        let on = |frame: &Frame| TermsOnRun::new(design, frame, channels, extra);
+        let of_run = |(i, frame): (usize, &'a Frame)| {
+            let piece = piece(frame, simulator, ROUND, i);
+            let pair = simulator.pair(&piece, design.residual_model, ROUND, i);
+            OfRun {
+                own: on(frame),
+                share: frame.row_count() as f64 / piece.row_count().max(1) as f64,
+                twins: [pair.plus, pair.minus, pair.truth].map(|twin| {
+                    let terms = on(&twin);
+                    (twin, terms)
+                }),
+                frame,
+            }
+        };
+        let names = COLUMNS.iter().map(|(name, _)| (*name).to_owned());
+        Self {
+            design,
+            runs: frames.par_iter().enumerate().map(of_run).collect(),
+            names: names.chain(extra.iter().cloned()).collect(),
+        }
+    }
+
+    /// All values of a column, in order of size.
+    pub fn sorted(&self, column: usize) -> Vec<f64> {
+        let mut all: Vec<f64> = self
+            .runs
+            .iter()
+            .flat_map(|run| run.own.column(column).iter().copied())
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    /// Sums of parts of terms, products between which nobody asks for, at these shares of what noise adds.
+    pub fn sums_of_parts(&self, parts: &[&[Term]], shares: &[f64]) -> Vec<LawSums> {
+        let mut each: Vec<Vec<LawSums>> = vec![Vec::new(); shares.len()];
+        for part in parts.iter().filter(|part| !part.is_empty()) {
+            for (list, mut sums) in each.iter_mut().zip(self.sums(part, shares)) {
+                sums.truncate(part.len());
+                list.push(sums);
+            }
+        }
+        each.iter().map(|list| LawSums::beside(list)).collect()
+    }
+
+    /// Sums of the terms, then of the named candidates, with these shares of what noise adds taken off.
+    pub fn sums(&self, terms: &[Term], shares: &[f64]) -> Vec<LawSums> {
+        let products: Vec<[DMatrix<f64>; 2]> = self
+            .runs
+            .par_iter()
+            .map(|run| {
+                let square = |frame: &Frame, on: &TermsOnRun| {
+                    let x = on.with(self.design, frame, terms);
+                    x.tr_mul(&x)
+                };
+                let [plus, minus, truth] = run.twins.each_ref().map(|(f, on)| square(f, on));
+                let noise = ((plus + minus) * 0.5 - truth) * run.share;
+                [square(run.frame, &run.own), noise]
+            })
+            .collect();
+        let prior = self.design.prior();
+        shares
+            .iter()
+            .map(|share| {
+                let runs: Vec<DMatrix<f64>> = products
+                    .iter()
+                    .map(|[plain, noise]| plain - noise * *share)
+                    .collect();
+                LawSums::new(&runs, OWN_LEVELS, &prior)
+            })
+            .collect()
+    }
+}

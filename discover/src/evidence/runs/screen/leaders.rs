@@ -1,0 +1,70 @@
+//! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at.
+
+use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::fit;
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::screen::residual_screen::RunScreen;
+use crate::procedure::candidate::Candidate;
+
+/// Most leaders that are refitted.
+const MOST: usize = 3;
+
+impl Campaign<'_> {
+    /// What base and effect leave when they are fitted together, the effect in its exact form and the installation as it is stated, which
+    /// without the effect may have been bent to stand for it: `sum_c n_c ln(rms_c)` over the channels of the training runs;
+    /// infinite where they cannot be fitted.
+    pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
+        let with = at.residual_model.with(candidate.active(size));
+        let exact = ResidualModel {
+            installation: Installation::default(),
+            ..with
+        };
+        let Ok((_, whitener)) = fit(&exact, &self.training, &self.free, self.used) else {
+            return f64::INFINITY;
+        };
+        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
+        let channels = (0..3).filter(|c| self.used[*c]);
+        rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>()
+    }
+
+    /// Of the effects that explain nearly as much as the named one, that which leaves least after a full refit; the named one
+    /// where it is small. `claimable` says which may be claimed.
+    pub fn leader(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        list: &[Candidate<Amplitude>],
+        named: usize,
+        claimable: &dyn Fn(usize) -> bool,
+    ) -> usize {
+        let rules = self.rules();
+        let gain = |c: usize| screen.seen[c].gain;
+        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
+        if gain(named) < rules.large * (rows * at.whitener.count()) as f64 {
+            return named;
+        }
+        let mut leaders: Vec<usize> = (0..list.len())
+            .filter(|c| *c == named || gain(*c) >= rules.leads * gain(named) && claimable(*c))
+            .filter(|c| list[*c].is_column() == list[named].is_column())
+            .collect();
+        leaders.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
+        let mut effects: Vec<&str> = Vec::new();
+        leaders.retain(|c| {
+            let effect = list[*c].effect.as_str();
+            let first = !effects.contains(&effect);
+            effects.push(effect);
+            first || *c == named
+        });
+        leaders.truncate(MOST);
+        if leaders.len() < 2 {
+            return named;
+        }
+        let misfit = |c: usize| self.misfit_with(at, &list[c], screen.seen[c].size);
+        let judged = leaders.into_iter().map(|c| (c, misfit(c)));
+        judged
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(named, |(c, _)| c)
+    }
+}

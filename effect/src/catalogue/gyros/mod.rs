@@ -1,0 +1,3 @@
+//! Faults of the three gyroscopes.
+
+include!(concat!(env!("OUT_DIR"), "/gyros.rs"));
