@@ -23,6 +23,8 @@ pub struct LawRules {
     pub alike: f64,
     /// Smooth laws, the best first, whose columns' formulas are tried. Chosen.
     pub tried: usize,
+    /// Effects of the catalogue, the strongest first, that a law must leave less than in full refits. Chosen.
+    pub rivals: usize,
 }
 
 impl Default for LawRules {
@@ -36,6 +38,7 @@ impl Default for LawRules {
             as_good: 1.0,
             alike: 2.0,
             tried: 4,
+            rivals: 4,
         }
     }
 }

@@ -148,12 +148,32 @@ impl Campaign<'_> {
     }
 }
 
-/// Names of what the world itself has wrong: a sled that climbs the banks feels another slope than the table's.
+/// Names of what the world itself has wrong, which are no false claims in it: a sled that climbs the banks feels another slope than
+/// the table's, and a channel is late that lags three of the default tolerance's deviations behind the middle of all.
 fn really_off(wrong: &Wrong) -> Vec<String> {
-    match wrong.line_m > 0.0 {
-        true => ["track-profile", "slope"].map(str::to_owned).to_vec(),
+    const LATE_S: f64 = 3.0 * 0.002;
+    const LAGS: [(usize, &str); 7] = [
+        (3, "roll-rate-lag"),
+        (4, "pitch-rate-lag"),
+        (5, "yaw-rate-lag"),
+        (6, "speed-lag"),
+        (7, "slip-lag"),
+        (8, "steer-lag"),
+        (9, "roll-split-lag"),
+    ];
+    let mut names = match wrong.line_m > 0.0 {
+        true => vec!["track-profile", "slope"],
         false => Vec::new(),
-    }
+    };
+    let mut sorted = wrong.delay_s;
+    sorted.sort_by(f64::total_cmp);
+    let middle = 0.5 * (sorted[CHANNELS / 2 - 1] + sorted[CHANNELS / 2]);
+    let late = LAGS.iter().filter(|(channel, _)| {
+        let behind = wrong.delay_s[*channel] - middle;
+        behind.abs() > LATE_S
+    });
+    names.extend(late.map(|(_, name)| *name));
+    names.into_iter().map(str::to_owned).collect()
 }
 
 fn hides(hidden: &Hidden, track: &str) -> Hides {
@@ -284,6 +304,16 @@ mod tests {
             );
         }
         assert_eq!(a.answer.hides[0].effect, "speed-grip");
+    }
+
+    #[test]
+    fn a_lag_is_really_there_only_where_a_channel_is_late_beside_the_others() {
+        let mut wrong = Wrong::draw(World::Clean, &mut Source::new(1, "w"));
+        wrong.delay_s = [0.010; CHANNELS];
+        assert!(really_off(&wrong).is_empty(), "one clock is no fault");
+        wrong.delay_s[5] = 0.018;
+        wrong.delay_s[7] = 0.015;
+        assert_eq!(really_off(&wrong), ["yaw-rate-lag"]);
     }
 
     #[test]

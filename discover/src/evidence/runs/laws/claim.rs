@@ -18,11 +18,13 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
 
 impl Campaign<'_> {
-    /// The law that stands out most, where one does and explains more than the claim of the catalogue.
+    /// The law that stands out most, where one does, explains more than the claim and leaves less, in full refits, than each of the
+    /// `strongest` of the catalogue with their sizes.
     pub fn law(
         &self,
         at: &Current,
         claim: Option<&Claim<Amplitude>>,
+        strongest: &[(Candidate<Amplitude>, f64)],
         options: &ScreenOptions,
     ) -> Option<Claim<Amplitude>> {
         let rules = &self.rules().laws;
@@ -83,7 +85,7 @@ impl Campaign<'_> {
         // By full refits: a large effect bends the base that scores are taken at.
         let worth = |k: usize| misfits[k] + rules.number * leaders[k].0.term.shape.numbers() as f64;
         let chosen = (0..leaders.len()).min_by(|a, b| worth(*a).total_cmp(&worth(*b)))?;
-        let left = misfits[chosen];
+        let left = worth(chosen);
         let (formula, sums, shown) = leaders.swap_remove(chosen);
         if let Some(named) = claim {
             let gains = match known.is_empty() {
@@ -99,6 +101,12 @@ impl Campaign<'_> {
             {
                 return None;
             }
+        }
+        let mut known = strongest.iter();
+        if shown.act.carrier.is_none()
+            && known.any(|(c, size)| self.misfit_with(at, c, *size) <= left)
+        {
+            return None;
         }
         let class: Vec<String> = std::iter::once(shown.effect.clone())
             .chain(

@@ -65,7 +65,8 @@ impl Campaign<'_> {
         }
         let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
         let claim = self.choose(at, &screen, &regular, &places, account);
-        let law = self.law(at, claim.as_ref(), &options);
+        let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
+        let law = self.law(at, claim.as_ref(), &strongest, &options);
         Screen {
             claim: law.or(claim),
             detectable,
@@ -228,4 +229,26 @@ impl Campaign<'_> {
             parameters: Vec::new(),
         })
     }
+}
+
+/// The effects of the catalogue that explain most, each once, with their sizes.
+fn strongest(
+    screen: &RunScreen,
+    regular: &[Candidate<Amplitude>],
+    count: usize,
+) -> Vec<(Candidate<Amplitude>, f64)> {
+    let mut order: Vec<usize> = (0..regular.len())
+        .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
+        .filter(|c| regular[*c].admits(screen.seen[*c].size))
+        .collect();
+    order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
+    let mut effects: Vec<&str> = Vec::new();
+    order.retain(|c| {
+        let effect = regular[*c].effect.as_str();
+        let first = !effects.contains(&effect);
+        effects.push(effect);
+        first
+    });
+    let of = |c: &usize| (regular[*c].clone(), screen.seen[*c].size);
+    order.iter().take(count).map(of).collect()
 }
