@@ -124,15 +124,18 @@ mod tests {
     #[test]
     fn white_noise_has_one_deviation_in_every_octave_and_a_converter_its_step() {
         let mut state = 7_u64;
+        // Twelve even draws add up to a nearly normal one of deviation 1.
         let mut draw = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+            let even = (0..12).map(|_| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                (state >> 40) as f64 / f64::from(1 << 24)
+            });
+            even.sum::<f64>() - 6.0
         };
-        // Evenly spread over a unit: deviation 12^-1/2.
         let noise: Vec<f64> = (0..16_384).map(|_| draw()).collect();
-        let expected = 12.0_f64.sqrt().recip();
+        let expected = 1.0;
         let plain = Profile::of(std::iter::once(noise.as_slice()), 500.0);
         assert_eq!(plain.octaves.len(), 8);
         for (k, octave) in plain.octaves.iter().enumerate() {
@@ -140,19 +143,20 @@ mod tests {
             let bound = 4.0 / (2.0 * 16_384.0 / f64::from(2 << k)).sqrt();
             assert!((octave.sd / expected - 1.0).abs() < bound, "{octave:?}");
         }
+        // A median of so many, four deviations of it.
         assert!((plain.noise_sd / expected - 1.0).abs() < 0.05);
         assert_eq!(
             (plain.quantum, plain.leaps, plain.rows_held),
             (None, 0, None)
         );
-        // The last value of seventeen equal ones is sixteen rows after the first.
-        let mut coarse: Vec<f64> = noise.iter().map(|x| (x * 2.0).round() * 0.25).collect();
-        coarse[1000..1017].fill(5.0);
+        // The last of 101 equal values is a hundred rows after the first.
+        let mut coarse: Vec<f64> = noise.iter().map(|x| (x * 0.5).round() * 0.25).collect();
+        coarse[1000..1101].fill(5.0);
         let coarse = Profile::of(std::iter::once(coarse.as_slice()), 500.0);
         assert_eq!(coarse.quantum, Some(0.25));
-        assert!((coarse.longest_still_s - 16.0 / 500.0).abs() < 1e-12);
+        assert!((coarse.longest_still_s - 100.0 / 500.0).abs() < 1e-12);
         let mut leaping: Vec<f64> = (0..2000)
-            .map(|i| (0.01 * f64::from(i)).sin() + 1e-3 * draw())
+            .map(|i| (0.01 * f64::from(i)).sin() + 1e-2 * draw())
             .collect();
         for at in [300, 900, 1500] {
             leaping[at] += 1.0;
