@@ -5,17 +5,7 @@ use std::fmt::Write;
 use kufe_plot::number4;
 use serde_json::Value;
 
-use crate::page::escape;
-
-const STYLE: &str = "\
-:root{color-scheme:light dark;--text:#1a1a1a;--back:#fff;--faint:#595959;--line:#d4d4d4;--bad:#fbe3e0;--bad-edge:#b3261e;--odd:#fff0cf;--odd-edge:#a86400;--good:#e6f3e6;--good-edge:#2e7d32;--bar:#2a6496}\
-@media(prefers-color-scheme:dark){:root{--text:#e6e6e6;--back:#16181b;--faint:#a8a8a8;--line:#3c4046;--bad:#43201d;--bad-edge:#f2877d;--odd:#463a18;--odd-edge:#e0b050;--good:#1e3320;--good-edge:#7cc47f;--bar:#6aa5dc}}\
-body{font:16px/1.5 system-ui,sans-serif;max-width:66em;margin:1.5em auto;padding:0 1em;color:var(--text);background:var(--back)}\
-h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid var(--line)}\
-.told{padding:.6em 1em;margin:.5em 0;border-left:5px solid;overflow-wrap:anywhere}.told p{margin:.2em 0}\
-.wrong{background:var(--bad);border-color:var(--bad-edge)}.odd{background:var(--odd);border-color:var(--odd-edge)}.good{background:var(--good);border-color:var(--good-edge)}\
-.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85em}td,th{padding:.2em .6em;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}\
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}small{color:var(--faint)}code{font-size:.95em}svg{display:block;fill:var(--bar)}summary{cursor:pointer}";
+use crate::page::{escape, plain_page};
 
 /// The page of `check.json`: one HTML file without scripts.
 ///
@@ -39,8 +29,7 @@ pub fn record_page(check: &Value) -> String {
         ),
     };
     let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-<title>Recorded runs</title><style>{STYLE}</style></head><body>\n<h1>Recorded runs</h1>\n<p class=\"told {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
+        "<h1>Recorded runs</h1>\n<p class=\"told {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
         escape(text(&check["index"]))
     );
     out.push_str("<p><small>Wrong is what channels prove of one another; odd is what only you can judge. The worst run comes first.</small></p>\n");
@@ -50,10 +39,10 @@ pub fn record_page(check: &Value) -> String {
     let _ = writeln!(
         out,
         "<p><small>Noise by octave: bars are white noise with as much in that octave, the highest frequencies left, on a logarithmic scale. \
-A delay is that of the channel if it alone is late. kufe {}</small></p>\n</body></html>",
+A delay is that of the channel if it alone is late. kufe {}</small></p>",
         escape(text(&check["version"]))
     );
-    out
+    plain_page("Recorded runs", &out)
 }
 
 fn one_run(out: &mut String, run: &Value) {
@@ -163,7 +152,7 @@ fn strip(octaves: &[Value]) -> String {
         return String::new();
     }
     let mut svg = String::from(
-        "<svg width=\"80\" height=\"22\" role=\"img\" aria-label=\"noise by octave\">",
+        "<svg class=\"bars\" width=\"80\" height=\"22\" role=\"img\" aria-label=\"noise by octave\">",
     );
     for (k, octave) in octaves.iter().enumerate() {
         let tall = height(sd(octave).max(1e-300), most);

@@ -51,9 +51,9 @@ pub fn discovery_page(report: &Value) -> String {
         step(&mut out, number + 1, *one, report);
     }
     details(&mut out, report);
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<p><small>kufe {}, seed {}, data: {}</small></p>\n",
+        "<p><small>kufe {}, seed {}, data: {}</small></p>",
         escape(report.text("version")),
         report.count("seed"),
         escape(report.text("data"))

@@ -37,8 +37,8 @@ pub fn outside_tables<'a>(
 ) -> Vec<OutsideTable> {
     let front_load = |s: &State| s.fz_f0_n / s.gamma_rad.cos();
     let rear_load = |s: &State| s.fz_r_n;
-    let runners: [(_, _, fn(&State) -> f64); 2] = [
-        ("front", &vehicle.front, front_load),
+    let runners = [
+        ("front", &vehicle.front, front_load as fn(&State) -> f64),
         ("rear", &vehicle.rear, rear_load),
     ];
     let counted = runners.map(|(runner, friction, load)| {
