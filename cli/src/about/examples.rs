@@ -29,6 +29,12 @@ const EXAMPLES: [(&str, &str); 20] = [
   kufe hull luge -o luge.obj --tilt-rad 0.01 --edge-radius-m 0.0005",
     ),
     (
+        "hull check",
+        "Examples:
+  kufe hull check scan.stl                     unit, axes, radii, spacing, noise, and the loads that it resolves
+  kufe hull check scan.stl --fz-n 800 -o case.toml    and the case that reads it so",
+    ),
+    (
         "mesh",
         "Example:
   kufe mesh case.toml -o mesh/        ice.vtu, runner.vtu and what their cells are like",
