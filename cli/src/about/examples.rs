@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Commands by their words, and the examples that their help ends with.
-const EXAMPLES: [(&str, &str); 20] = [
+const EXAMPLES: [(&str, &str); 21] = [
     (
         "press",
         "Examples:
