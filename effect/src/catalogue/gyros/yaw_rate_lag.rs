@@ -13,7 +13,13 @@ pub static EFFECT: Effect = Effect {
         acts_on: &[ActsOn::Sensor],
         parameters: &[Parameter::amplitude("time_s", "s", -0.2, 0.5, 0.002)],
         needs: &[Column::YawRate],
-        looks_like: &["slip-lag", "steer-lag", "relaxation-length", "yaw-inertia", "lever-arm"],
+        looks_like: &[
+            "slip-lag",
+            "steer-lag",
+            "relaxation-length",
+            "yaw-inertia",
+            "lever-arm",
+        ],
         decides: "one shock that all sensors feel",
         source: "group delay of a digital low pass: half its length, 1 to 20 ms in loggers of 100 to 1000 Hz",
         ..Info::NEW
