@@ -151,6 +151,12 @@ function caseOf(tables, more = []) {
 /** A titled box of the page. */
 const panel = (title, ...children) => el("section", { class: "panel" }, title ? el("h2", {}, title) : null, ...children);
 
+/** Up to `most` places spread over a list, both ends among them. */
+function few(list, most) {
+  const count = Math.min(most, list.length);
+  return [...new Set(Array.from({ length: count }, (_, k) => Math.round(k * (list.length - 1) / Math.max(count - 1, 1))))];
+}
+
 /** The headline figures, [value, name] each. */
 const figures = (pairs) => pairs.map(([value, name]) => el("li", {}, el("b", {}, value), el("span", {}, name)));
 

@@ -57,7 +57,7 @@ function seriesPage(main, data) {
       const label = others.map((other) => labelOf(other, row[other])).join(", ");
       groups.set(label, [...(groups.get(label) ?? []), row]);
     }
-    const lines = [...groups].filter((_, k) => k === Math.round(Math.round(k * (LINES - 1) / (groups.size - 1 || 1)) * (groups.size - 1) / (LINES - 1)) || groups.size <= LINES);
+    const every = [...groups], lines = few(every, LINES).map((k) => every[k]);
     shown.draw({
       x: { title: name }, y: { title: `${title} [${unit}]` }, height: 340,
       series: lines.map(([label, rows], k) => {

@@ -70,11 +70,11 @@ function tablePage(main, data) {
     map.point(...middle);
     say(...middle);
     const colours = ["accent", "second", "third", "fourth"].map((name) => `var(--${name})`), axis = { title: `${title} [${unit}]` };
-    const alongForce = few(data.curvature).map((j, n) => {
+    const alongForce = few(data.curvature, 4).map((j, n) => {
       const curvature = curvatureAt(middleForce, data.curvature[j]);
       return { x: data.fz, y: data.fz.map((fz) => times * at(fz, curvature)), points: !data.flush && data.fz.length < 25, name: `${figure(curvature, data.flush ? 4 : 2)} 1/m`, colour: colours[n] };
     });
-    const alongCurvature = few(data.fz).map((i, n) => ({
+    const alongCurvature = few(data.fz, 4).map((i, n) => ({
       x: data.curvature.map((c) => curvatureAt(data.fz[i], c)), y: values[i].map((value) => times * value), points: data.curvature.length < 25, name: `${figure(data.fz[i], 3)} N`, colour: colours[n],
     }));
     overForce.draw({ x: { title: "normal force [N]" }, y: axis, series: alongForce });
@@ -131,12 +131,6 @@ function between(xs, ys, values) {
     const [i, i1, s] = cell(xs, x), [j, j1, t] = cell(ys, y);
     return (1 - s) * ((1 - t) * values[i][j] + t * values[i][j1]) + s * ((1 - t) * values[i1][j] + t * values[i1][j1]);
   };
-}
-
-/** Up to four places spread over a list, both ends among them. */
-function few(list) {
-  const count = Math.min(4, list.length);
-  return [...new Set(Array.from({ length: count }, (_, k) => Math.round(k * (list.length - 1) / Math.max(count - 1, 1))))];
 }
 
 tablePage(document.getElementById("main"), pageData());

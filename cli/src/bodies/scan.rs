@@ -71,15 +71,14 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     let found = look(&check.file, &check.fz_n)?.ok_or_else(|| {
         told("no side of it is rounded along and across, as the underside of a runner is (rocker and section)")
     })?;
-    let noise = found.noise();
     if let Some(out) = &check.out {
         let text = case(&check.file, out, &found)?;
         write_whole(out, |writer| writer.write_all(text.as_bytes()))?;
     }
     if global.json {
-        say(&format!("{:#}\n", document(check, &found, noise)));
+        say(&format!("{:#}\n", document(check, &found)));
     } else if !global.quiet {
-        say(&text(check, &found, noise));
+        say(&text(check, &found));
     }
     Ok(())
 }
@@ -119,13 +118,6 @@ fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
         report,
         sampling,
     }))
-}
-
-impl Found {
-    /// Noise to state in a case [m].
-    fn noise(&self) -> Option<f64> {
-        stated(&self.sampling)
-    }
 }
 
 /// Noise beyond that of a hull that a computer made [m].
@@ -173,7 +165,7 @@ fn case(file: &Path, out: &Path, found: &Found) -> Result<String, Failure> {
         options.forward,
         backward(options.forward),
     );
-    if let Some(noise) = found.noise() {
+    if let Some(noise) = stated(&found.sampling) {
         let _ = writeln!(text, "noise_m = {noise:.2e}");
     }
     text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n\n\
@@ -181,7 +173,7 @@ fn case(file: &Path, out: &Path, found: &Found) -> Result<String, Failure> {
     Ok(text)
 }
 
-fn document(check: &Check, found: &Found, noise: Option<f64>) -> Value {
+fn document(check: &Check, found: &Found) -> Value {
     let options = &found.standing.options;
     let [length, width, height] = found.report.extent;
     let loads = found.judged.as_ref().map(|judged| {
@@ -206,7 +198,7 @@ fn document(check: &Check, found: &Found, noise: Option<f64>) -> Value {
         "vertices": found.vertices, "triangles": found.triangles,
         "open_edges": found.report.open_edges,
         "spacing_m": found.sampling.spacing,
-        "noise_m": noise.unwrap_or(0.0),
+        "noise_m": stated(&found.sampling).unwrap_or(0.0),
         "loads": loads.as_ref().ok(),
         "no_underside": loads.as_ref().err(),
         "warnings": found.report.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -214,7 +206,7 @@ fn document(check: &Check, found: &Found, noise: Option<f64>) -> Value {
     })
 }
 
-fn text(check: &Check, found: &Found, noise: Option<f64>) -> String {
+fn text(check: &Check, found: &Found) -> String {
     let options = &found.standing.options;
     let [length, width, height] = found.report.extent.map(|m| 1e3 * m);
     let mut text = format!(
@@ -238,7 +230,7 @@ fn text(check: &Check, found: &Found, noise: Option<f64>) -> String {
         text,
         "  near the keel: triangles of {:.3} mm, noise {}",
         1e3 * found.sampling.spacing,
-        noise.map_or("none".to_owned(), |n| format!("{:.2} um", 1e6 * n))
+        stated(&found.sampling).map_or("none".to_owned(), |n| format!("{:.2} um", 1e6 * n))
     );
     for warning in &found.report.warnings {
         let _ = writeln!(text, "  {warning}");

@@ -28,6 +28,14 @@ pub fn list(out: &mut String, title: &str, items: impl Iterator<Item = String>) 
     }
 }
 
+/// A p-value as `= 0.012` or `&lt; 1e-6`.
+pub fn p_is(p: f64) -> String {
+    match p_value(p) {
+        text if text.starts_with('&') => text,
+        text => format!("= {text}"),
+    }
+}
+
 /// A p-value; tails below a millionth are not known any better.
 pub fn p_value(p: f64) -> String {
     if p < 1e-6 {

@@ -6,7 +6,7 @@ use kufe_plot::{number4, quantity, usual};
 
 use super::bars::{self, range};
 use super::data::Data;
-use super::parts::{fold, p_value, wide};
+use super::parts::{fold, p_is, p_value, wide};
 use crate::page::escape;
 
 /// One effect: how far the gap falls, its sizes, its rivals.
@@ -26,10 +26,7 @@ Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}
         escape(step.text("effect")),
         escape(step.text("channel")),
         escape(step.text("where")),
-        match p_value(step.number("p_value")) {
-            text if text.starts_with('&') => text,
-            text => format!("= {text}"),
-        },
+        p_is(step.number("p_value")),
         escape(&quantity(step.number("gap_before"), step.text("unit"))),
         escape(&quantity(step.number("gap_after"), step.text("unit"))),
         100.0 * step.part("explainable_gap_closed").number("value"),

@@ -37,7 +37,6 @@ pub fn strip(plot: Data) -> String {
         most: 1.05 * most,
     };
     let mut sessions: Vec<&str> = runs.iter().map(|run| run.text("session")).collect();
-    sessions.dedup();
     let mut seen = std::collections::HashSet::new();
     sessions.retain(|session| seen.insert(*session));
     let mut svg = format!(

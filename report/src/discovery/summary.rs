@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use kufe_plot::{number4, quantity, usual};
 
 use super::data::Data;
-use super::parts::p_value;
+use super::parts::p_is;
 use crate::page::escape;
 
 /// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
@@ -157,14 +157,10 @@ fn step_tiles(out: &mut String, step: Data, report: Data) {
             &format!("of what repeats is explained {by}{known}"),
         );
     }
-    let p = p_value(step.number("p_value"));
-    let p = match p.starts_with('&') {
-        true => format!("p {p}"),
-        false => format!("p = {p}"),
-    };
     let _ = writeln!(
         out,
-        "<div><b>{p}</b><span>chance that noise alone looks like the first</span></div>"
+        "<div><b>p {}</b><span>chance that noise alone looks like the first</span></div>",
+        p_is(step.number("p_value"))
     );
 }
 

@@ -231,7 +231,7 @@ pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
         &[("v_mps", "constant", "another source")],
     );
     for name in ["v_mps", "yaw_rate_radps", "alpha_rad"] {
-        add(held(name, 10), &[(name, "held", "rate_hz = 10")]);
+        add(held(name, 10), &[(name, "held", "clock (10")]);
     }
     // What is odd but usable.
     add(
@@ -318,10 +318,7 @@ pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
         (
             held("v_mps", 10),
             times(&["delta_rad"], 1.0 / DEGREE),
-            [
-                ("v_mps", "held", "rate_hz = 10"),
-                ("delta_rad", "unit", "deg"),
-            ],
+            [("v_mps", "held", "clock (10"), ("delta_rad", "unit", "deg")],
         ),
     ];
     for (one, other, said) in pairs {

@@ -120,14 +120,11 @@ fn mend_all(run: &Run, mut slow: Slow, tried: &[Mend], faults: &mut Vec<Fault>) 
     // The share of `ay` is often too small to show in what is left of its relation, and known well enough all the same. That of `ax` is
     // not: gravity along the sled is far larger, and where a record's pitch rate does not carry every change of slope, it has any sign.
     for mend in tried.iter().filter(|mend| mend.channels == [AY]) {
-        let (Some(wanted), axis) = (mend.factor(), mend.channels[0]) else {
-            continue;
-        };
-        let Some((factor, error)) = factor(&slow, axis) else {
+        let (Some(wanted), Some((factor, error))) = (mend.factor(), factor(&slow, AY)) else {
             continue;
         };
         // Of a relation that does not hold its shares say nothing.
-        let holds = Agreement::of(&slow).left[axis].is_some_and(|left| left < HOLDS);
+        let holds = Agreement::of(&slow).left[AY].is_some_and(|left| left < HOLDS);
         let near = holds && (factor - wanted).abs() < 0.5 * wanted.abs().max(1.0);
         if near && error < 0.15 * wanted.abs() && (factor - 1.0).abs() > LEAST_T * error {
             faults.push(tell(

@@ -136,7 +136,7 @@ pub fn mends() -> Vec<Mend> {
         channels: vec![2],
         kind: FaultKind::Gravity,
         looks_like: "an acceleration without gravity",
-        line: "offset = 9.81 for az_mps2".to_string(),
+        line: "zero = -9.81 for az_mps2".to_string(),
         act: Act::Weigh,
     });
     all.push(Mend {

@@ -82,9 +82,7 @@ pub fn plain_faults(run: &Run) -> Vec<Fault> {
                 format!(
                     "9 of 10 values or more are held so; filters at 20 Hz need {LEAST_RATE_HZ} Hz"
                 ),
-                format!(
-                    "import {name} from its own logger with its own clock, rate_hz = {rate:.4}"
-                ),
+                format!("import {name} from its own logger with its own clock ({rate:.4} Hz)"),
             ));
         }
     }
