@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! dr/dt = c_1 alpha + c_2 r/v + c_3 delta + c_4 gamma + c_5,    c_3 > 0: steering to the left turns left; c_4 < 0
+//! a_y   = c_1 alpha + c_2 r/v + c_3 delta + c_4 gamma + c_5,    c_1 > 0: runners hold against slipping sideways
 //! -a_x  = d rho v^2/2 + e a_z + f,                              d = c_d A/m > 0: air brakes; e holds a tilt of the sensor
 //! ```
 //!
@@ -26,25 +27,19 @@ const FREE: f64 = 1.0;
 /// What the answers of these runs to steering, roll-split and air prove; the slow parts are those that are mended already.
 pub fn response_faults(runs: &[(&Run, Slow)]) -> Vec<Fault> {
     let mut faults = Vec::new();
-    let turning: Vec<Option<Vec<Coefficient>>> =
-        runs.iter().map(|(_, slow)| turning(slow)).collect();
-    for (channel, place, sign) in [(8, 2, 1.0), (9, 3, -1.0)] {
-        let each: Vec<Option<Coefficient>> = turning
-            .iter()
-            .map(|found| {
-                found
-                    .as_ref()?
-                    .get(place)
-                    .map(|(c, error)| (sign * c, *error))
-            })
-            .collect();
+    for answer in &ANSWERS {
+        let name = COLUMNS[answer.channel];
+        let each: Vec<Option<Coefficient>> =
+            runs.iter().map(|(_, slow)| answer.found(slow)).collect();
         for (run, (c, error)) in wrong_way(runs, &each) {
-            let name = COLUMNS[channel];
+            let (what, unit, c) = (answer.what, answer.unit, answer.sign * c);
             faults.push(fault(
                 run,
                 name,
                 (FaultKind::Sign, "the other sign"),
-                format!("the yaw acceleration answers with {:.1} +- {error:.1} 1/s2, good runs with the other sign", sign * c),
+                format!(
+                    "{what} answers with {c:.1} +- {error:.1} {unit}, good runs with the other sign"
+                ),
                 format!("sign = -1 for {name}"),
             ));
         }
@@ -114,25 +109,75 @@ fn wrong_way<'a>(
         .collect()
 }
 
-/// How the yaw acceleration answers to slip, yaw rate, steering and roll-split; `None` where one of them is not recorded.
-fn turning(slow: &Slow) -> Option<Vec<Coefficient>> {
-    let channel = |c: usize| {
-        slow.channels[c]
-            .as_ref()
-            .filter(|x| x.iter().any(|y| *y != x[0]))
-    };
-    let (yaw, v) = (channel(5)?, channel(6)?);
-    let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
-    let (alpha, delta) = (channel(7)?, channel(8)?);
-    // Drivers turn the front part as they steer: without the roll-split its share would be taken for the steering's.
-    let columns: Vec<&[f64]> = vec![alpha, &turn, delta, channel(9)?];
-    let mut rows = Vec::new();
-    for piece in &slow.pieces {
-        for i in piece.start + 1..piece.end - 1 {
-            rows.push((i, (yaw[i + 1] - yaw[i - 1]) / (2.0 * slow.dt_s)));
-        }
+/// What a sled does when a channel says that it slips, is steered or turned.
+struct Answer {
+    /// The channel, by its place in [`COLUMNS`].
+    channel: usize,
+    /// Its place among slip, turning, steering and roll-split.
+    place: usize,
+    /// The sign that its coefficient has.
+    sign: f64,
+    /// What answers, and the unit of the coefficient.
+    what: &'static str,
+    unit: &'static str,
+    response: fn(&Slow, usize) -> Option<f64>,
+}
+
+const ANSWERS: [Answer; 3] = [
+    Answer {
+        channel: 7,
+        place: 0,
+        sign: 1.0,
+        what: "the acceleration sideways",
+        unit: "m/s2",
+        response: |slow, i| Some(slow.channels[1].as_ref()?[i]),
+    },
+    Answer {
+        channel: 8,
+        place: 2,
+        sign: 1.0,
+        what: "the yaw acceleration",
+        unit: "1/s2",
+        response: turning,
+    },
+    Answer {
+        channel: 9,
+        place: 3,
+        sign: -1.0,
+        what: "the yaw acceleration",
+        unit: "1/s2",
+        response: turning,
+    },
+];
+
+/// Yaw acceleration [1/s2].
+fn turning(slow: &Slow, i: usize) -> Option<f64> {
+    let yaw = slow.channels[5].as_ref()?;
+    Some((yaw[i + 1] - yaw[i - 1]) / (2.0 * slow.dt_s))
+}
+
+impl Answer {
+    /// The coefficient times its sign: positive where the channel is right; `None` where one of the channels is not recorded.
+    fn found(&self, slow: &Slow) -> Option<Coefficient> {
+        let channel = |c: usize| {
+            slow.channels[c]
+                .as_ref()
+                .filter(|x| x.iter().any(|y| *y != x[0]))
+        };
+        let (yaw, v) = (channel(5)?, channel(6)?);
+        let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
+        // Drivers turn the front part as they steer: without the roll-split its share would be taken for the steering's.
+        let columns: [&[f64]; 4] = [channel(7)?, &turn, channel(8)?, channel(9)?];
+        let inner = slow
+            .pieces
+            .iter()
+            .flat_map(|piece| piece.start + 1..piece.end - 1);
+        let rows: Vec<(usize, f64)> = inner
+            .map(|i| Some((i, (self.response)(slow, i)?)))
+            .collect::<Option<_>>()?;
+        let (c, error) = *coefficients(&columns, &rows)?.get(self.place)?;
+        Some((self.sign * c, error))
     }
-    coefficients(&columns, &rows)
 }
 
 /// The air's share of what brakes, c_d A/m [m2/kg]; `None` where something drives.
