@@ -123,11 +123,16 @@ impl ContactMesh {
             .collect()
     }
 
-    /// Deepest interpenetration of the undeformed shapes [m].
+    /// What penetration is compared with [m]: the deepest interpenetration of the undeformed shapes, or how deep the ice sinks
+    /// where a carried runner bends away from its own shape by more than it presses in.
     pub fn depth(&self, state: &State) -> f64 {
-        (0..self.gap.len())
-            .map(|i| dot(self.rows[i], state.motion) - self.gap[i])
-            .fold(f64::MIN_POSITIVE, f64::max)
+        let undeformed = (0..self.gap.len()).map(|i| dot(self.rows[i], state.motion) - self.gap[i]);
+        let deepest = undeformed.fold(f64::MIN_POSITIVE, f64::max);
+        if state.displacement.is_empty() {
+            return deepest;
+        }
+        let surface = self.ice_surface(&state.displacement);
+        surface.iter().fold(deepest, |most, up| most.max(-up))
     }
 
     /// Sum of the contact forces' rows: normal force and moments of the modelled part.

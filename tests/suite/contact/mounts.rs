@@ -320,3 +320,28 @@ fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
         assert!(few <= 45 && few < many, "{few} {many}");
     }
 }
+
+/// A thin steel carried at two places bends off the ice by more than it presses in: the undeformed shapes, where the runner's middle
+/// puts them, do not even touch. The answer is that of exact responses all the same.
+#[test]
+fn a_carried_steel_that_bends_away_further_than_it_presses_in_is_solved() {
+    let luge = LugeSteel::default();
+    let problem = pressed(
+        Arc::new(luge.swept().unwrap()),
+        steel(
+            luge.height,
+            carried(&[(-0.15, 0.012, 0.5), (0.15, 0.012, 0.5)]),
+        ),
+        ice(Foundation::RigidBed { thickness: 0.05 }),
+        force(1000.0, 0.0, Tilt::Free),
+    );
+    let fast = solve(&problem, &at(2)).unwrap();
+    let exact = Options {
+        method: Method::CholeskyActiveSet,
+        ..at(2)
+    };
+    let slow = solve(&problem, &exact).unwrap();
+    println!("{} {} {}", fast.p_max, slow.p_max, fast.kkt_residual);
+    assert!((fast.p_max / slow.p_max - 1.0).abs() < 1e-6);
+    assert!(fast.kkt_residual < 1e-6, "{}", fast.kkt_residual);
+}
