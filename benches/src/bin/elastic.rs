@@ -93,7 +93,7 @@ fn gallery(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
     for row in &rows {
         for (mount, tilt) in [(0, "fixed"), (1, "fixed"), (2, "free")] {
             let (name, problem) = problem(row, mount, tilt == "free");
-            line(&format!("{} | {name}", row.name), &problem, cells);
+            line(&format!("{} | {name}", row.name), &problem, cells)?;
         }
     }
     println!(
@@ -123,14 +123,14 @@ fn elements(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
                 if let Some(elastic) = &mut problem.runner.elastic {
                     elastic.element = Some(kind);
                 }
-                line(&format!("{}, {kind:?}, {cells}", row.name), &problem, cells);
+                line(&format!("{}, {kind:?}, {cells}", row.name), &problem, cells)?;
             }
         }
     }
     Ok(())
 }
 
-fn line(name: &str, problem: &Problem, cells: usize) {
+fn line(name: &str, problem: &Problem, cells: usize) -> Result<(), Box<dyn std::error::Error>> {
     let options = Options {
         cells: Some(cells),
         ..Options::default()
@@ -138,15 +138,14 @@ fn line(name: &str, problem: &Problem, cells: usize) {
     let before = cpu_seconds();
     let (seconds, solved) = best_of(1, || solve(problem, &options));
     let cpu = cpu_seconds() - before;
-    match solved {
-        Ok(s) => println!(
-            "| {name} | {} | {} | {:.1} MPa | {seconds:.2} s | {cpu:.2} s |",
-            s.iterations,
-            s.dofs,
-            1e-6 * s.p_max
-        ),
-        Err(error) => println!("| {name} | {error} | | | | |"),
-    }
+    let s = solved.map_err(|error| format!("{name}: {error}"))?;
+    println!(
+        "| {name} | {} | {} | {:.1} MPa | {seconds:.2} s | {cpu:.2} s |",
+        s.iterations,
+        s.dofs,
+        1e-6 * s.p_max
+    );
+    Ok(())
 }
 
 /// A luge steel on its bridges on finer and finer meshes, each in a process of its own.
