@@ -234,6 +234,7 @@ fn conditions(args: &Args, speed: f64, fz: f64, drag_area: f64) -> Conditions {
         distance: 0.0,
         air_density: air_density(air_pa, air_c),
         drag_area,
+        film: f64::NAN,
     }
 }
 
@@ -264,6 +265,7 @@ fn with_effects(
                 "air_c" => at.air_c.is_nan().then_some("--air-c"),
                 "air_pa" => at.air_pa.is_nan().then_some("--air-pa"),
                 "humidity_pct" => at.humidity_pct.is_nan().then_some("--humidity-pct"),
+                "film" => Some("the tables of a sled's runners"),
                 _ => None,
             };
             if let Some(option) = missing {

@@ -41,11 +41,13 @@ pub enum Column {
     VerticalAcceleration,
     /// The track's slope over distance [rad].
     Slope,
+    /// Friction of groove and film by the tables that a model names, over each table's mean.
+    Film,
 }
 
 impl Column {
     /// All of them.
-    pub const ALL: [Column; 19] = [
+    pub const ALL: [Column; 20] = [
         Column::Load,
         Column::Speed,
         Column::Distance,
@@ -65,6 +67,7 @@ impl Column {
         Column::LateralAcceleration,
         Column::VerticalAcceleration,
         Column::Slope,
+        Column::Film,
     ];
 
     /// The column's name in the files.
@@ -89,6 +92,7 @@ impl Column {
             Column::LateralAcceleration => "ay_mps2",
             Column::VerticalAcceleration => "az_mps2",
             Column::Slope => "slope_rad",
+            Column::Film => "film",
         }
     }
 }

@@ -70,6 +70,7 @@ impl Effect {
             }
             let mut conditions = at.conditions;
             conditions.fz = load;
+            conditions.film = at.film[runner];
             let mu = -forces.along[runner] / load;
             forces.along[runner] = -load * self.coefficient(parameters, mu, &conditions);
         }

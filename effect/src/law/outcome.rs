@@ -60,6 +60,7 @@ fn condition<'a>(c: &'a mut Conditions, name: &str) -> Option<&'a mut f64> {
         "distance_m" => &mut c.distance,
         "air_density_kgpm3" => &mut c.air_density,
         "cda_m2" => &mut c.drag_area,
+        "film" => &mut c.film,
         _ => return None,
     })
 }

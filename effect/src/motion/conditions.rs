@@ -25,4 +25,6 @@ pub struct Conditions {
     pub air_density: f64,
     /// Drag area of the base model [m2].
     pub drag_area: f64,
+    /// Friction of groove and film as the runner's table has it, over the table's mean.
+    pub film: f64,
 }

@@ -5,7 +5,7 @@ use crate::motion::conditions::Conditions;
 /// The sled at one instant, true as far as the effects on sensors have been taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Time, place, speed and weather; `fz` is set for each runner in turn.
+    /// Time, place, speed and weather; `fz` and `film` are set for each runner in turn.
     pub conditions: Conditions,
     /// Slip angle, front and rear [rad].
     pub slip: [f64; 2],
@@ -13,6 +13,8 @@ pub struct State {
     pub slip_rate: [f64; 2],
     /// Normal force, front and rear [N].
     pub load: [f64; 2],
+    /// Friction of groove and film by the tables, front and rear, over each table's mean; NaN where a model names none.
+    pub film: [f64; 2],
     /// Chassis slip at the centre of gravity [rad].
     pub chassis_slip: f64,
     /// Steering angle [rad].

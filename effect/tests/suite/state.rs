@@ -15,6 +15,7 @@ pub fn conditions() -> Conditions {
         distance: 900.0,
         air_density: 1.2,
         drag_area: 0.28,
+        film: 1.2,
     }
 }
 
@@ -24,6 +25,7 @@ pub fn state() -> State {
         slip: [0.01, -0.008],
         slip_rate: [0.1, 0.2],
         load: [1800.0, 2500.0],
+        film: [1.2, 0.9],
         chassis_slip: 0.003,
         steering: 0.01,
         roll_split: -0.02,

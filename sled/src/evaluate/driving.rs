@@ -207,7 +207,7 @@ fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Force
         chassis_slip: 0.0,
         steering: 0.0,
         roll_split: 0.0,
-        ..at.seen(laws.load_n)
+        ..at.seen(vehicle, laws.load_n)
     };
     vehicle.effects.act("", &seen, &mut straight);
     straight

@@ -24,6 +24,8 @@ pub enum RunnerLaw {
 pub struct RunnerTable {
     /// The file.
     pub file: String,
+    /// Mean over the table's nodes.
+    mean: f64,
     lookup: Layered,
 }
 
@@ -36,7 +38,9 @@ impl RunnerTable {
             kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
         let table = Table::read(&mut opened).map_err(told)?;
         let lookup = Layered::new(&table, quantity, Mode::Smooth, None).map_err(told)?;
-        Ok(RunnerTable { file, lookup })
+        let values = table.nodes().iter().filter_map(|node| node.get(quantity));
+        let mean = values.sum::<f64>() / table.nodes().len() as f64;
+        Ok(RunnerTable { file, mean, lookup })
     }
 
     /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a temperature of the ice [C].
@@ -50,6 +54,8 @@ impl RunnerTable {
 pub struct RunnerFriction {
     /// Longitudinal law.
     pub longitudinal: RunnerLaw,
+    /// The table of mu beside a stated coefficient: what the effect of groove and film puts in its place.
+    pub film: Option<Arc<RunnerTable>>,
     /// Lateral law.
     pub lateral: MagicFormula,
     /// Multiplier of the longitudinal coefficient: 1 but in fits.
@@ -68,6 +74,13 @@ impl RunnerFriction {
             }
         };
         self.mu_scale * mu
+    }
+
+    /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is asked; NaN without a table.
+    pub fn film(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
+        let over_mean =
+            |table: &Arc<RunnerTable>| table.at(fz, curvature, speed, ice_c).value / table.mean;
+        self.film.as_ref().map_or(f64::NAN, over_mean)
     }
 
     /// The table that the law asks.

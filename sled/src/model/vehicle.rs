@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use kufe_effect::Effects;
+use kufe_effect::{Column, Effects};
 use kufe_friction::{Longitudinal, MagicFormula};
 use kufe_lut::Quantity;
 
 use crate::error::Error;
 use crate::model::model_toml::Model;
+use crate::model::refuse::refuse_effects;
 use crate::model::runner::{RunnerFriction, RunnerLaw, RunnerTable};
 use crate::model::sled::{ModelConditions, Sled};
 
@@ -104,8 +105,13 @@ impl Vehicle {
                 }
                 Law::Tabled(factor) => RunnerLaw::Tabled(factor, open(key, path, Quantity::Mu)?),
             };
+            let film = match (&longitudinal, path) {
+                (RunnerLaw::Fixed(_), Some(_)) => Some(open(key, path, Quantity::Mu)?),
+                _ => None,
+            };
             Ok::<_, Error>(RunnerFriction {
                 longitudinal,
+                film,
                 lateral,
                 mu_scale: 1.0,
             })
@@ -131,6 +137,9 @@ impl Vehicle {
             file: model.name(),
             reason: error.to_string(),
         })?;
+        if vehicle.front.film.is_none() || vehicle.rear.film.is_none() {
+            refuse_effects(&vehicle.effects, &[Column::Film.name()], &model.name())?;
+        }
         let mut constants = model.sled.constants();
         vehicle.effects.find_constants(&mut constants);
         vehicle.sled.set_constants(&constants);

@@ -79,20 +79,24 @@ impl Balance {
     pub fn forces(&self, vehicle: &Vehicle, laws: &LawForces) -> Forces {
         let mut forces = laws.forces;
         if !vehicle.effects.is_empty() {
-            let seen = self.seen(laws.load_n);
+            let seen = self.seen(vehicle, laws.load_n);
             vehicle.effects.act("", &seen, &mut forces);
         }
         forces
     }
 
     /// The instant as effects see it, with the normal forces of the runners in their own frames [N].
-    pub fn seen(&self, load_n: [f64; 2]) -> effects::State {
+    pub fn seen(&self, vehicle: &Vehicle, load_n: [f64; 2]) -> effects::State {
         let state = &self.state;
+        let runners = [&vehicle.front, &vehicle.rear];
         effects::State {
             conditions: self.conditions(),
             slip: [state.alpha_f_rad, state.alpha_r_rad],
             slip_rate: state.slip_rate_radps,
             load: load_n,
+            film: std::array::from_fn(|i| {
+                runners[i].film(load_n[i], state.curvature_1pm, state.v_mps, state.ice_c)
+            }),
             chassis_slip: state.alpha_cog_rad,
             steering: state.delta_rad,
             roll_split: state.gamma_rad,

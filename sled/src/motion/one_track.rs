@@ -102,7 +102,9 @@ fn changed(
         stiffness: std::array::from_fn(|i| runners[i].lateral.derivatives(slip[i], load[i]).alpha),
         ..Forces::default()
     };
-    vehicle.effects.act("", &at.seen(load), &mut forces);
+    vehicle
+        .effects
+        .act("", &at.seen(vehicle, load), &mut forces);
     forces
 }
 

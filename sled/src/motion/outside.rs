@@ -1,5 +1,6 @@
 //! Instants that lie outside what a runner's table spans.
 
+use kufe_effect::Column;
 use serde::Serialize;
 
 use crate::model::vehicle::Vehicle;
@@ -41,8 +42,17 @@ pub fn outside_tables<'a>(
         ("front", &vehicle.front, front_load as fn(&State) -> f64),
         ("rear", &vehicle.rear, rear_load),
     ];
+    let columns = || {
+        vehicle
+            .effects
+            .active
+            .iter()
+            .flat_map(|effect| effect.columns())
+    };
+    let films = columns().any(|column| column == Column::Film.name());
     let counted = runners.map(|(runner, friction, load)| {
-        let table = friction.table()?;
+        let film = friction.film.as_deref().filter(|_| films);
+        let table = friction.table().or(film)?;
         let outside = |s: &&State| {
             let looked = table.at(load(s), s.curvature_1pm, s.v_mps, s.ice_c);
             looked.out_of_range

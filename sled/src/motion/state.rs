@@ -68,6 +68,7 @@ impl State {
             distance: self.distance_before_m,
             air_density: self.air_density_kgpm3,
             drag_area: f64::NAN,
+            film: f64::NAN,
         }
     }
 }

@@ -87,6 +87,7 @@ impl Further {
             distance: self.values[1].at(i),
             air_density: weather.air_density(),
             drag_area: f64::NAN,
+            film: f64::NAN,
         }
     }
 }

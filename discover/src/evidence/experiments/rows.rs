@@ -100,6 +100,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
                     distance: get(&distance, f64::NAN),
                     air_density: kufe_sled::aero::air_density(air_pa, air_c),
                     drag_area,
+                    film: f64::NAN,
                 },
                 columns: further
                     .iter()

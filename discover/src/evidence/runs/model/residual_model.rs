@@ -227,6 +227,7 @@ impl<'a> ModelOnRun<'a> {
             distance: self.wear.map_or(frame.distance_before, |x| x[i]),
             air_density: self.air_density,
             drag_area: self.vehicle.sled.cda_m2,
+            film: f64::NAN,
         }
     }
 
@@ -252,7 +253,7 @@ impl<'a> ModelOnRun<'a> {
         let balance = self.balance(i, signals);
         let laws = balance.laws(&self.vehicle);
         Instant {
-            seen: balance.seen(laws.load_n),
+            seen: balance.seen(&self.vehicle, laws.load_n),
             balance,
             laws,
             signals: *signals,
@@ -264,7 +265,7 @@ impl<'a> ModelOnRun<'a> {
         let balance = self.balance(i, signals);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant {
-            seen: balance.seen(laws.load_n),
+            seen: balance.seen(&self.vehicle, laws.load_n),
             balance,
             laws,
             signals: *signals,

@@ -126,6 +126,10 @@ pub fn prepare(
     if frames.iter().all(|f| f.slope.len() == f.len()) {
         available.push(Column::Slope);
     }
+    let friction = &model.friction.longitudinal;
+    if friction.mu.is_some() && friction.front_table.is_some() && friction.rear_table.is_some() {
+        available.push(Column::Film);
+    }
     Ok(Data {
         frames,
         noise,
