@@ -207,6 +207,22 @@ pub enum Error {
         /// Why.
         what: String,
     },
+    /// A run does not lie on the track that it is said to.
+    #[error(
+        "{file}: begins at s_m = {s_m:.1}, expected a place of track {track}, from {from_m:.1} to {to_m:.1} m"
+    )]
+    Place {
+        /// The file.
+        file: String,
+        /// Where the run begins [m].
+        s_m: f64,
+        /// The track.
+        track: String,
+        /// Where the track begins [m].
+        from_m: f64,
+        /// Where it ends [m].
+        to_m: f64,
+    },
     /// The friction models' own errors.
     #[error(transparent)]
     Friction(#[from] kufe_friction::Error),

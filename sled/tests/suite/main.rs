@@ -4,6 +4,7 @@ mod effects_in_commands;
 mod effects_in_the_loop;
 mod real_car;
 mod recorded;
+mod replay;
 mod rigid_body;
 mod round_trip;
 mod sample_statements;

@@ -10,4 +10,5 @@ mod experiments;
 mod friction;
 mod gaps;
 mod imported;
+mod replay;
 mod sled;
