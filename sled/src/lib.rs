@@ -9,6 +9,7 @@
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`replay()`] | a measured run driven again by the model, and where both part |
+//! | [`align()`] | runs of one track brought to one distance, and the track that they felt |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
 //!
 //! ```
@@ -94,6 +95,9 @@ pub use simulate::dynamics::{Instant, WallContact};
 pub use simulate::options::SimulateOptions;
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};
+pub use track::align::estimate::TrackEstimate;
+pub use track::align::runs::{Aligned, AlignedRun, align, state_places};
+pub use track::align::warp::Warp;
 pub use track::shape::TrackShape;
 pub use track::spline::Spline;
 pub use track::table::Track;

@@ -170,7 +170,11 @@ fn summary(note: &Note) -> Value {
     let delays = delays.map(|(name, logger)| {
         (
             name.clone(),
-            json!({ "delay_s": logger.delay_s, "delay_sd_s": logger.delay_sd_s }),
+            json!({
+                "delay_s": logger.delay_s,
+                "delay_sd_s": logger.delay_sd_s,
+                "delay_includes": logger.delay_includes,
+            }),
         )
     });
     json!({
@@ -227,7 +231,7 @@ fn tell(args: &Args, global: &Global, document: &Value, notes: &[Note], files: u
         .take(12)
     {
         text += &format!(
-            "{}: the clock of {name} is {:+.4} s late, within {:.4} s\n",
+            "{}: the clock of {name} is {:+.4} s late, within {:.4} s, the lag of its sensors included\n",
             logger.file,
             logger.delay_s,
             logger.delay_sd_s.unwrap_or(0.0)

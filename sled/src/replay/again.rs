@@ -67,9 +67,10 @@ pub fn replay(
     track: &TrackShape,
     options: &SimulateOptions,
 ) -> Result<Replay, Error> {
-    let vehicle = &vehicle.on_track(&track.name);
+    let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = options.conditions.or(&vehicle.conditions);
     refuse_effects(&vehicle.effects, &conditions.absent(), "replay")?;
+    vehicle.refuse_unstated_ice(conditions.ice_c.is_finite(), "replay")?;
     let first = inputs.readings[0];
     let last = inputs.readings[inputs.readings.len() - 1];
     if !(track.start_m - 1.0..track.finish_m).contains(&first.s_m) {

@@ -104,7 +104,7 @@ impl Inputs {
             if base.samples(piece).len() < filter::LEAST_SAMPLES {
                 continue;
             }
-            let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance);
+            let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance)?;
             let start = readings.len();
             for i in base.kept(number, run.gaps.pieces.len(), sensed.len()) {
                 let (signals, at) = (sensed.signals(i), sensed.conditions(i));

@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
+use kufe_effect::{Active, Effects};
 use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::model::sled::Noise;
 use crate::model::vehicle::Vehicle;
 use crate::motion::measured::from_sensors;
-use crate::motion::one_track::inverse;
+use crate::motion::one_track::{forward, inverse};
 use crate::motion::state::{AxleForces, Motion, State};
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::check::taking_part::TakingPart;
@@ -19,7 +20,7 @@ use crate::signals::filter::{self, noise_gain};
 use crate::signals::further::Further;
 use crate::signals::noise::{estimate_noise, slip_noise};
 use crate::signals::resampling::{PrepareOptions, Resampling};
-use crate::signals::sensed::Sensed;
+use crate::signals::sensed::{Sensed, no_number};
 
 /// A run as a series of states with the motion measured at each.
 #[derive(Clone, Debug)]
@@ -87,10 +88,10 @@ pub fn prepare(
     for name in COLUMNS {
         run.column(name)?;
     }
-    let sled = &vehicle.sled;
-    let effects = vehicle.effects.on_track(&run.entry.track);
+    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    let (sled, effects) = (&vehicle.sled, &vehicle.effects);
     let base = Resampling::of(run, options);
-    let further = Further::of(run, vehicle, &effects)?;
+    let further = Further::of(run, vehicle, effects)?;
     let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
     let mut speeds: (f64, usize) = (0.0, 0);
     let mut distance = Distance::of(run)?;
@@ -99,7 +100,7 @@ pub fn prepare(
         if count < filter::LEAST_SAMPLES {
             continue;
         }
-        let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance);
+        let sensed = Sensed::of(run, piece, &base, effects, &further, &mut distance)?;
         speeds.0 += (0..count).map(|i| sensed.conditions(i).v).sum::<f64>();
         speeds.1 += count;
         let start = states.len();
@@ -112,6 +113,7 @@ pub fn prepare(
             pieces.push(start..states.len());
         }
     }
+    refuse_no_number(run, vehicle, &states)?;
     if states.len() < LEAST_SAMPLES {
         return Err(Error::TooShort {
             file: run.entry.file.display().to_string(),
@@ -145,6 +147,34 @@ pub fn prepare(
     let (used_s, of_s) = (prepared.used_s(), run.len() as f64 * run.dt_s);
     (prepared.taking_part.used_s, prepared.taking_part.of_s) = (used_s, of_s);
     Ok(prepared)
+}
+
+/// Refuses effects whose forces are no numbers at a state: they would disable what compares with them, without a word.
+fn refuse_no_number(run: &Run, vehicle: &Vehicle, states: &[State]) -> Result<(), Error> {
+    if vehicle.effects.is_empty() {
+        return Ok(());
+    }
+    let bad = |vehicle: &Vehicle, state: &State| {
+        let forces = forward(vehicle, state);
+        let all = forces.front.iter().chain(&forces.rear).chain(&forces.body);
+        all.copied().any(|force| !force.is_finite())
+    };
+    let Some(state) = states.iter().find(|state| bad(vehicle, state)) else {
+        return Ok(());
+    };
+    let alone = |effect: &&Active| {
+        let one = Vehicle {
+            effects: Effects {
+                active: vec![(*effect).clone()],
+            },
+            ..vehicle.clone()
+        };
+        bad(&one, state)
+    };
+    match vehicle.effects.active.iter().find(alone) {
+        None => Ok(()),
+        effect => Err(no_number(run, effect, state.t_s, state.s_m)),
+    }
 }
 
 /// Prepares every run, in parallel and in order.

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use kufe_effect::{Conditions, Effects, Sensor, Signals, ahead};
+use kufe_effect::{Active, Conditions, Effects, Sensor, Signals, ahead};
 
+use crate::error::Error;
 use crate::record::run::Run;
 use crate::signals::derivative::derivative;
 use crate::signals::distance::Distance;
@@ -22,8 +23,22 @@ pub(crate) struct Sensed<'a> {
     further: Further,
 }
 
+/// The error of an effect that gives no number at a sample of a run.
+pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) -> Error {
+    let name = effect.map_or("", |effect| effect.name.as_str());
+    Error::Keys {
+        file: run.entry.file.display().to_string(),
+        reason: format!(
+            "[effects.{name}] gives NaN at t = {t_s:.3} s, s = {s_m:.1} m: expected a number at every sample"
+        ),
+    }
+}
+
 impl<'a> Sensed<'a> {
     /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor without a column says 0.
+    ///
+    /// # Errors
+    /// [`Error::Keys`] for an effect that gives no number.
     pub(crate) fn of(
         run: &'a Run,
         piece: &Range<usize>,
@@ -31,7 +46,7 @@ impl<'a> Sensed<'a> {
         effects: &Effects,
         further: &Further,
         distance: &mut Distance,
-    ) -> Sensed<'a> {
+    ) -> Result<Sensed<'a>, Error> {
         let rate = base.rate_hz;
         let dt_s = 1.0 / rate;
         let samples = base.samples(piece);
@@ -59,14 +74,25 @@ impl<'a> Sensed<'a> {
         if !effects.is_empty() {
             for i in 0..samples.len() {
                 let mut signals = sensed.signals(i);
-                effects.correct(&sensed.conditions(i), &mut signals);
+                let at = sensed.conditions(i);
+                let before = signals;
+                effects.correct(&at, &mut signals);
+                if signals.value.iter().any(|value| !value.is_finite()) {
+                    let alone = |effect: &&Active| {
+                        let mut signals = before;
+                        effect.correct(&at, &mut signals);
+                        signals.value.iter().any(|value| !value.is_finite())
+                    };
+                    let effect = effects.active.iter().find(alone);
+                    return Err(no_number(run, effect, at.t, at.s));
+                }
                 for (channel, value) in sensed.value.iter_mut().zip(signals.value) {
                     channel[i] = value;
                 }
             }
             sensed.rate = sensed.rates();
         }
-        sensed
+        Ok(sensed)
     }
 
     /// Number of states.

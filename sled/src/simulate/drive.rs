@@ -69,9 +69,10 @@ pub fn simulate(
     driver: &Driver,
     options: &SimulateOptions,
 ) -> Result<Simulated, Error> {
-    let vehicle = &vehicle.on_track(&track.name);
+    let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = options.conditions.or(&vehicle.conditions);
     refuse_effects(&vehicle.effects, &conditions.absent(), "simulation")?;
+    vehicle.refuse_unstated_ice(conditions.ice_c.is_finite(), "simulation")?;
     let world = World {
         vehicle,
         shape: track,

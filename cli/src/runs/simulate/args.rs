@@ -121,6 +121,7 @@ impl Args {
             air_pa: self.air_pa,
             humidity_pct: self.humidity_pct,
             distance_m: self.distance_m,
+            mass_kg: None,
         })
     }
 

@@ -22,10 +22,10 @@ use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
 
 /// Drives and writes them.
-pub fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
+pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
     let told = |error: kufe_sled::Error| failure(&error);
-    let inputs = [model.to_path_buf(), track.to_path_buf()];
-    let model = Model::load(model).map_err(told)?;
+    let inputs = [model_file.to_path_buf(), track.to_path_buf()];
+    let model = Model::load(model_file).map_err(told)?;
     let vehicle = Vehicle::with_effects(&model).map_err(told)?;
     let track = Track::load(track).map_err(told)?;
     let shape = TrackShape::new(&track);
@@ -37,6 +37,9 @@ pub fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result
         "simulation.json".to_owned(),
         "overview.png".to_owned(),
     ];
+    for text in vehicle.effects_elsewhere(&[&track.name]) {
+        warn(&format!("{}: {text}", model_file.display()));
+    }
     let staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let bar = global.progress();

@@ -44,6 +44,9 @@ pub fn replay_run(
         "simulation.json".to_owned(),
         "replay.png".to_owned(),
     ];
+    for text in vehicle.effects_elsewhere(&[&track.name]) {
+        warn(&format!("{}: {text}", model_file.display()));
+    }
     let staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let on_gaps = if args.strict {
