@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe_jobs::Failure;
 use kufe_sled::{RunFormat, write_run};
 use kufe_telemetry::{Importer, Note, PlannedRun, RunFormatWord, index_csv, model_fragment, plan};
 use rayon::prelude::*;
@@ -152,7 +152,7 @@ fn write(
     let name = format!("{}.{}", planned.name, format.extension());
     let mut file = std::fs::File::create(staging.path(&name))
         .map_err(|error| staging.failure(&name, &error))?;
-    write_run(&imported.run, &mut file, format).map_err(|error| failure(&error))?;
+    write_run(&imported.run, &mut file, format).map_err(|error| staging.failure(&name, &error))?;
     file.sync_all()
         .map_err(|error| staging.failure(&name, &error))?;
     staging.write(&format!("{}.import.json", planned.name), |mut file| {
