@@ -5,8 +5,11 @@ use std::ops::Range;
 use crate::record::run::Run;
 use crate::replay::inputs::{Inputs, Reading};
 
+/// A value of a reading.
+type Of = fn(&Reading) -> f64;
+
 /// Columns that stand beside the model's, and what they hold.
-const BESIDE: [(&str, fn(&Reading) -> f64); 5] = [
+const BESIDE: [(&str, Of); 5] = [
     ("t_measured_s", |reading| reading.t_s),
     ("v_measured_mps", |reading| reading.values[0]),
     ("alpha_measured_rad", |reading| reading.values[1]),

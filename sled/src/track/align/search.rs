@@ -61,8 +61,8 @@ fn left(felt: &Felt, course: &Course, shift: f64, stretch: f64, least: usize) ->
     for i in (0..felt.metres.len()).step_by(EVERY) {
         let s = felt.from_m + shift + stretch * i as f64;
         if let Some((at, _)) = course.at(s).filter(|_| felt.metres[i][0].is_finite()) {
-            for k in 0..2 {
-                sum += 0.5 * ((felt.metres[i][k] - at[k]) / course.spread[k]).powi(2);
+            for ((felt, at), spread) in felt.metres[i].iter().zip(at).zip(course.spread) {
+                sum += 0.5 * ((felt - at) / spread).powi(2);
             }
             count += 1;
         }
