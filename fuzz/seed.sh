@@ -2,7 +2,7 @@
 # Fills the corpora with small valid files made by the command itself.
 set -euo pipefail
 cd "$(dirname "$0")"
-mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording}
+mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording,mdf4,matlab73}
 kufe() { cargo run --release --quiet --manifest-path ../Cargo.toml -p kufe -- "$@"; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -30,3 +30,18 @@ printf 'specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\na,8e6,3e5,0.0048,0.0002\n' > cor
 printf 't_s,ax_mps2,ay_mps2,az_mps2,roll_rate_radps,pitch_rate_radps,yaw_rate_radps,v_mps,alpha_rad,delta_rad,gamma_rad\n0,0,0,9.81,0,0,0,30,0,0,0\n' > corpus/run/example
 printf 'Fahrt;3\n\nZeit;Lenkwinkel\nms;°\n0;1,5\n10;1,6\n' > corpus/recording/german
 printf 'Time,GPS Speed [km/h],Lateral Acc [g]\n0.00,91.5,0.1\n0.05,91.6,\n' > corpus/recording/example
+# Logs of the two binary formats, by the packages that the tests compare with.
+if [ -n "${KUFE_PYTHON:-}" ]; then
+    "$KUFE_PYTHON" - <<'END'
+import h5py, numpy as np
+from asammdf import MDF, Signal
+t = np.arange(40) / 20.0
+for name, compression in (("plain", 0), ("packed", 2)):
+    log = MDF(version="4.10")
+    log.append([Signal(np.sin(t), t, name="a", unit="g"), Signal(np.arange(40).astype("i2"), t, name="n")])
+    log.save(f"corpus/mdf4/{name}.mf4", compression=compression, overwrite=True)
+with h5py.File("corpus/matlab73/run.mat", "w", userblock_size=512, libver=("earliest", "latest")) as f:
+    f.create_dataset("t", data=t[None], chunks=(1, 20), compression="gzip")
+    f.create_group("gps").create_dataset("v", data=np.cos(t)[None])
+END
+fi

@@ -85,6 +85,14 @@ pub enum Error {
         /// How many are needed.
         need: usize,
     },
+    /// Two runs hold the same samples.
+    #[error("runs {first} and {second} hold the same samples: expected each run once")]
+    SameSamples {
+        /// One run.
+        first: String,
+        /// The other.
+        second: String,
+    },
     /// The data do not determine what is asked.
     #[error("{what} is not determined by the data: singular value ratio {ratio:.1e}")]
     Undetermined {

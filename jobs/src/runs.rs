@@ -66,6 +66,14 @@ impl Loaded {
     }
 }
 
+/// The tracks that runs are on, each once.
+fn tracks(runs: &[Run]) -> Vec<&str> {
+    let mut tracks: Vec<&str> = runs.iter().map(|run| run.entry.track.as_str()).collect();
+    tracks.sort_unstable();
+    tracks.dedup();
+    tracks
+}
+
 impl RunSelection {
     /// Every run of an index, with the model's file and a corner of 20 Hz.
     pub fn all(runs: PathBuf, model: PathBuf) -> RunSelection {
@@ -108,6 +116,10 @@ impl RunSelection {
                 kufe_sled::read_runs(&self.runs, on_gaps).map_err(|error| failure(&error))?;
             (runs, Vec::new())
         };
+        let tracks = tracks(&runs);
+        for text in vehicle.effects_elsewhere(&tracks) {
+            watch.warn(&format!("{}: {text}", self.model.display()));
+        }
         self.known("session", &self.session, &runs, |run| &run.entry.session)?;
         self.known("track", &self.track, &runs, |run| &run.entry.track)?;
         let among = |names: &[String], name: &String| names.is_empty() || names.contains(name);

@@ -207,6 +207,36 @@ pub enum Error {
         /// Why.
         what: String,
     },
+    /// A run does not lie on the track that it is said to.
+    #[error(
+        "{file}: begins at s_m = {s_m:.1}, expected a place of track {track}, from {from_m:.1} to {to_m:.1} m"
+    )]
+    Place {
+        /// The file.
+        file: String,
+        /// Where the run begins [m].
+        s_m: f64,
+        /// The track.
+        track: String,
+        /// Where the track begins [m].
+        from_m: f64,
+        /// Where it ends [m].
+        to_m: f64,
+    },
+    /// A run has no certain place along its track.
+    #[error(
+        "{file}: looks like no place of track {track}, or like two: {left:.2} of its curvature and bank is left at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
+    )]
+    Unplaced {
+        /// The file.
+        file: String,
+        /// The track.
+        track: String,
+        /// Share of the variance that is left at the best place.
+        left: f64,
+        /// The same at the best place elsewhere.
+        elsewhere: f64,
+    },
     /// The friction models' own errors.
     #[error(transparent)]
     Friction(#[from] kufe_friction::Error),

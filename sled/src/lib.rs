@@ -8,6 +8,8 @@
 //! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
+//! | [`replay()`] | a measured run driven again by the model, and where both part |
+//! | [`align()`] | runs of one track brought to one distance, and the track that they felt |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
 //!
 //! ```
@@ -29,6 +31,7 @@ mod model;
 mod motion;
 pub mod plots;
 mod record;
+mod replay;
 mod signals;
 mod simulate;
 mod track;
@@ -76,16 +79,25 @@ pub use record::read::read_columns;
 pub use record::read_runs::{read_good_runs, read_run, read_runs, state_distances};
 pub use record::run::{COLUMNS, Run};
 pub use record::write::{RunFormat, write_run};
+pub use replay::again::{Replay, replay};
+pub use replay::beside::beside_measured;
+pub use replay::compared::{Compared, Difference};
+pub use replay::inputs::{Inputs, READ, REPLAY_COLUMNS, Reading, read_for_replay};
+pub use replay::sections::Section;
 pub use signals::derivative::derivative;
 pub use signals::filter::{low_pass, noise_gain, resample};
 pub use signals::noise::{estimate_noise, slip_noise, white_noise_sd};
-pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
+pub use signals::prepare::{Prepared, prepare, prepare_all};
+pub use signals::resampling::PrepareOptions;
 pub use simulate::drive::{EnergyBalance, Simulated, simulate};
 pub use simulate::driver::Driver;
 pub use simulate::dynamics::{Instant, WallContact};
 pub use simulate::options::SimulateOptions;
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};
+pub use track::align::estimate::TrackEstimate;
+pub use track::align::runs::{Aligned, AlignedRun, align, state_places};
+pub use track::align::warp::Warp;
 pub use track::shape::TrackShape;
 pub use track::spline::Spline;
 pub use track::table::Track;

@@ -41,6 +41,10 @@ pub use mapping::{
     RunTable, index_csv, plan,
 };
 pub use resample::{Base, Gap, Resampled, resample};
+#[cfg(feature = "mat73")]
+pub use source::read_matlab73;
+#[cfg(feature = "mdf4")]
+pub use source::read_mdf4;
 pub use source::{Channel, Log, TextOptions, read_log, read_recording, read_text};
 pub use unit::{Conversion, column_unit, conversion};
 

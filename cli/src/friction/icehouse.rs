@@ -140,6 +140,9 @@ fn document(house: &IceHouse) -> Value {
     })
 }
 
+/// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot be proved.
+const MOST_SPEED: f64 = 15.0;
+
 fn summary(house: &IceHouse, out: &Path) -> String {
     let width = house
         .specimens
@@ -178,6 +181,14 @@ fn summary(house: &IceHouse, out: &Path) -> String {
         text += &format!(
             "not used, no run in the other direction: {}\n",
             house.unpaired.join(", ")
+        );
+    }
+    for s in house.specimens.iter().filter(|s| s.v_mps > MOST_SPEED) {
+        text += &format!(
+            "{}: v_mps has a mean of {:.1} m/s, expected up to {MOST_SPEED} in a hall: km/h? (mu would be {:.3}e-3)\n",
+            s.specimen,
+            s.v_mps,
+            1e3 * s.mu.value / 3.6
         );
     }
     let known = house.experiments().iter().all(|e| e.p_max_pa.is_finite());

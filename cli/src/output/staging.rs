@@ -8,6 +8,9 @@ use tempfile::TempDir;
 
 use crate::output::apart::{apart, folder_apart};
 
+/// The file that names others of its folder.
+const INDEX: &str = "runs.csv";
+
 /// A hidden folder beside the output that collects files until [`Staging::commit`] moves them in.
 ///
 /// Made before the work starts, so that an output that cannot be written fails at once. Dropped
@@ -126,7 +129,8 @@ impl Staging {
         file.sync_all().map_err(|error| told(&error))
     }
 
-    /// Moves every file into the output folder.
+    /// Moves every file into the output folder; an index of runs goes first and comes last, so that what it names is whole
+    /// also where this is killed.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the path that could not be replaced.
@@ -139,9 +143,13 @@ impl Staging {
         for entry in std::fs::read_dir(folder.path()).map_err(told)? {
             names.push(entry.map_err(told)?.file_name());
         }
-        names.sort();
+        names.sort_by_key(|name| (name == INDEX, name.clone()));
         let outputs: Vec<PathBuf> = names.iter().map(|name| self.target.join(name)).collect();
         apart(&self.inputs, &outputs)?;
+        let old = self.target.join(INDEX);
+        if names.iter().any(|name| name == INDEX) && old.is_file() && !old.is_symlink() {
+            std::fs::remove_file(&old).map_err(|error| unwritable(&old, &error))?;
+        }
         for file in self.replaced.iter().filter(|f| !outputs.contains(f)) {
             if self.inputs.iter().any(|input| same_file(input, file)) {
                 continue;

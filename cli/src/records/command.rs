@@ -3,13 +3,14 @@
 use kufe_jobs::Failure;
 
 use crate::output::global::Global;
-use crate::records::{check, import, init};
+use crate::records::{align, check, import, init};
 
 const EXAMPLES: &str = "\
 Examples:
   kufe runs init raw/monday_01.csv -o mapping.toml     guess what the channels are
   kufe runs import mapping.toml -o runs/               bring them into kufe's form
-  kufe runs check runs/runs.csv -o check/              say what is wrong with them";
+  kufe runs check runs/runs.csv -o check/              say what is wrong with them
+  kufe runs align runs/runs.csv --model model.toml -o aligned/   bring them to one distance along the track";
 
 /// Arguments of `kufe runs`.
 #[derive(clap::Args, Debug)]
@@ -27,6 +28,8 @@ enum Command {
     Import(import::Args),
     /// Say what is wrong and what is odd in runs, and what mends it
     Check(check::Args),
+    /// Bring runs to one distance along their track, or estimate the track from them
+    Align(align::Args),
 }
 
 /// Runs the subcommand.
@@ -38,5 +41,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Command::Init(args) => init::run(args, global),
         Command::Import(args) => import::run(args, global),
         Command::Check(args) => check::run(args, global),
+        Command::Align(args) => align::run(args, global),
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe_jobs::Failure;
 use kufe_sled::{RunFormat, write_run};
 use kufe_telemetry::{Importer, Note, PlannedRun, RunFormatWord, index_csv, model_fragment, plan};
 use rayon::prelude::*;
@@ -152,7 +152,7 @@ fn write(
     let name = format!("{}.{}", planned.name, format.extension());
     let mut file = std::fs::File::create(staging.path(&name))
         .map_err(|error| staging.failure(&name, &error))?;
-    write_run(&imported.run, &mut file, format).map_err(|error| failure(&error))?;
+    write_run(&imported.run, &mut file, format).map_err(|error| staging.failure(&name, &error))?;
     file.sync_all()
         .map_err(|error| staging.failure(&name, &error))?;
     staging.write(&format!("{}.import.json", planned.name), |mut file| {
@@ -170,7 +170,11 @@ fn summary(note: &Note) -> Value {
     let delays = delays.map(|(name, logger)| {
         (
             name.clone(),
-            json!({ "delay_s": logger.delay_s, "delay_sd_s": logger.delay_sd_s }),
+            json!({
+                "delay_s": logger.delay_s,
+                "delay_sd_s": logger.delay_sd_s,
+                "delay_includes": logger.delay_includes,
+            }),
         )
     });
     json!({
@@ -227,7 +231,7 @@ fn tell(args: &Args, global: &Global, document: &Value, notes: &[Note], files: u
         .take(12)
     {
         text += &format!(
-            "{}: the clock of {name} is {:+.4} s late, within {:.4} s\n",
+            "{}: the clock of {name} is {:+.4} s late, within {:.4} s, the lag of its sensors included\n",
             logger.file,
             logger.delay_s,
             logger.delay_sd_s.unwrap_or(0.0)

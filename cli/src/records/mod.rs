@@ -1,5 +1,6 @@
 //! `kufe runs`: recordings of other programs brought into kufe's form.
 
+mod align;
 mod check;
 mod command;
 mod import;

@@ -64,7 +64,7 @@ impl GlideRun {
 /// the end the central 60 % is used.
 ///
 /// # Errors
-/// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter than 1 m.
+/// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter than 1 m or one that gains energy.
 pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun, Error> {
     const FEWEST: usize = 30;
     let start = fastest(trace);
@@ -114,6 +114,14 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
             expected: "a positive distance",
         });
     };
+    // Both by more than the line's own scatter: a rink that is level does not push.
+    if line.slope > LEAST_GROWTH.max(6.0 * line.slope_se) {
+        return Err(Error::OutOfRange {
+            name: "force along the glide [N]",
+            value: line.slope,
+            expected: "a glide that loses energy, a negative one: this one gets faster through its middle section",
+        });
+    }
     Ok(GlideRun {
         entry: entry.clone(),
         v_mean: v[section.clone()].iter().sum::<f64>() / section.len() as f64,
@@ -125,6 +133,9 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
         air_density: density,
     })
 }
+
+/// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the lightest rider.
+const LEAST_GROWTH: f64 = 0.3;
 
 /// Sample of the greatest speed, averaged over half a second.
 fn fastest(trace: &GlideTrace) -> usize {

@@ -80,10 +80,14 @@ const TRACE: Columns = Columns {
     extra: Extra::Kept,
 };
 
+/// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a radar is off by at worst, and
+/// far from knots (1.9), mph (2.2) and km/h (3.6).
+const MOST_APART: f64 = 1.25;
+
 /// Reads the index `glides.csv`; `file` is the name that errors carry.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::UnknownColumn`], [`Error::BadValue`]; two runs of one name, more than two
+/// [`Error::MissingColumn`], [`Error::UnknownColumn`], [`Error::BadValue`]; two runs of one name or one file, more than two
 /// directions and an empty table count as bad values.
 pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>, Error> {
     let table = Table::read(file, reader, &INDEX)?;
@@ -93,6 +97,11 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         let run = table.name(row, "run")?;
         if entries.iter().any(|entry| entry.run == run) {
             return Err(table.bad(row, "run", &run, "a name that no run before has"));
+        }
+        let own = table.name(row, "file")?;
+        if let Some(before) = entries.iter().find(|entry| entry.file == own) {
+            let expected = format!("a file of its own: run {} has this one", before.run);
+            return Err(table.bad(row, "file", &own, &expected));
         }
         let direction = table.name(row, "direction")?;
         if !directions.contains(&direction) {
@@ -105,7 +114,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         let positive = |v: f64| v > 0.0;
         entries.push(GlideEntry {
             run,
-            file: table.name(row, "file")?,
+            file: own,
             specimen: table.name(row, "specimen")?,
             direction,
             mass_kg: table.number(
@@ -167,7 +176,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
 ///
 /// # Errors
 /// [`Error::MissingColumn`]; [`Error::BadValue`] for cells that are no numbers, time that does not increase, a gap of more
-/// than ten usual steps, speeds beyond 60 m/s; [`Error::TooFew`] below thirty samples.
+/// than ten usual steps, speeds beyond 60 m/s or whose integral is not `s_m`; [`Error::TooFew`] below thirty samples.
 pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
     const FEWEST: usize = 30;
     let table = Table::read(file, reader, &TRACE)?;
@@ -208,6 +217,14 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
         if let Some(at) = s.windows(2).position(|pair| pair[1] < pair[0] - 0.05) {
             let expected = format!("a distance not below {} m", s[at]);
             return Err(table.bad(at + 1, "s_m", &s[at + 1].to_string(), &expected));
+        }
+        let (way, of_speed) = (s[s.len() - 1] - s[0], integrate(&t, &v)[t.len() - 1]);
+        if !(1.0 / MOST_APART..=MOST_APART).contains(&(of_speed / way)) {
+            let expected = format!(
+                "speeds in m/s whose integral is the way: it is {of_speed:.1} m, s_m grows by {way:.1} m, {:.2} times less (3.6: km/h)",
+                of_speed / way
+            );
+            return Err(table.bad(0, "v_mps", &v[0].to_string(), &expected));
         }
         s
     } else {

@@ -72,8 +72,17 @@ pub struct IceHouse {
 /// The n-th run of a specimen in one direction is paired with its n-th in the other.
 ///
 /// # Errors
-/// [`Error::TooFew`] where no specimen has a run in each direction.
+/// [`Error::TooFew`] where no specimen has a run in each direction, [`Error::SameSamples`] where a run stands there twice.
 pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
+    for (i, run) in runs.iter().enumerate() {
+        let copy = |before: &&GlideRun| before.s == run.s && before.kinetic == run.kinetic;
+        if let Some(before) = runs[..i].iter().find(copy) {
+            return Err(Error::SameSamples {
+                first: before.entry.run.clone(),
+                second: run.entry.run.clone(),
+            });
+        }
+    }
     let directions = directions(&runs);
     let mut names: Vec<String> = Vec::new();
     for run in &runs {

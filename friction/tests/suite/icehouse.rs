@@ -191,20 +191,24 @@ fn scatter_between_pairs_enters_the_standard_error() {
 
 #[test]
 fn runs_without_a_partner_are_named_and_left_out() {
-    let down = Glide {
-        climb: -SLOPE,
+    let glide = Glide {
+        speed_sd: 0.01,
         ..PLAIN
     };
+    let down = Glide {
+        climb: -SLOPE,
+        ..glide
+    };
     let runs = vec![
-        PLAIN.run("1", "A", "uphill", 1),
+        glide.run("1", "A", "uphill", 1),
         down.run("2", "A", "downhill", 2),
-        PLAIN.run("3", "A", "uphill", 3),
-        PLAIN.run("4", "B", "uphill", 4),
+        glide.run("3", "A", "uphill", 3),
+        glide.run("4", "B", "uphill", 4),
     ];
     let house = evaluate_ice_house(runs).expect("evaluates");
     assert_eq!(house.unpaired, ["3", "4"]);
     assert_eq!(house.specimens.len(), 1);
-    let alone = evaluate_ice_house(vec![PLAIN.run("1", "A", "uphill", 1)]);
+    let alone = evaluate_ice_house(vec![glide.run("1", "A", "uphill", 1)]);
     assert!(alone.is_err());
 }
 
@@ -254,6 +258,51 @@ fn standard_error_of_a_line_matches_the_scatter_of_slopes() {
 }
 
 #[test]
+fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
+    let with_distance = Glide {
+        with_distance: true,
+        ..PLAIN
+    };
+    let kmh: String = with_distance.file(0).lines().enumerate().fold(
+        String::new(),
+        |text, (row, line)| match line.split(',').collect::<Vec<_>>()[..] {
+            [t, v, s] if row > 0 => {
+                let v = 3.6 * v.parse::<f64>().expect("a speed");
+                format!("{text}{t},{v},{s}\n")
+            }
+            _ => format!("{text}{line}\n"),
+        },
+    );
+    let told = read_glide("run.csv", kmh.as_bytes()).expect_err("refused");
+    let told = told.to_string();
+    for part in ["run.csv", "row 2", "v_mps", "m/s", "3.60 times", "km/h"] {
+        assert!(told.contains(part), "{told}");
+    }
+    // Downhill by more than the ice takes.
+    let pushed = Glide {
+        climb: -0.02,
+        ..PLAIN
+    };
+    let trace = read_glide("run.csv", pushed.file(0).as_bytes()).expect("reads");
+    let told = evaluate_glide(&PLAIN.entry("1", "A", "up"), &trace);
+    let told = told.expect_err("refused").to_string();
+    assert!(
+        told.contains("force along the glide") && told.contains("faster"),
+        "{told}"
+    );
+
+    let twice = vec![
+        PLAIN.run("1", "A", "uphill", 0),
+        PLAIN.run("2", "A", "downhill", 0),
+    ];
+    let told = evaluate_ice_house(twice).expect_err("refused").to_string();
+    assert!(
+        told.contains("runs 1 and 2") && told.contains("same samples"),
+        "{told}"
+    );
+}
+
+#[test]
 fn bad_files_are_named_with_row_and_column() {
     let good = PLAIN.file(0);
     let lines: Vec<&str> = good.lines().collect();
@@ -298,6 +347,10 @@ fn bad_files_are_named_with_row_and_column() {
         (
             format!("{header}\n{row}\n{row}\n"),
             vec!["row 3", "column run", "no run before"],
+        ),
+        (
+            format!("{header}\n{row}\n2{}\n", &row[1..]),
+            vec!["row 3", "column file", "1.csv", "run 1 has this one"],
         ),
         (
             format!("{header}\n{}\n", row.replace("94700", "947")),

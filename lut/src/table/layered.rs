@@ -72,6 +72,11 @@ impl Layered {
         })
     }
 
+    /// Whether the table is over the temperature of the ice.
+    pub fn asks_ice(&self) -> bool {
+        self.ice.is_some()
+    }
+
     /// The quantity at a force [N], a curvature [1/m], a speed [m/s] and a temperature of the ice [C].
     ///
     /// Inputs outside the table are clipped to it and flagged; NaN gives NaN and the flag.

@@ -112,7 +112,7 @@ pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
 }
 
 fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
-    let vehicle = &vehicle.on_track(&run.entry.track);
+    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let sled = &vehicle.sled;
     let mut series = Vec::with_capacity(run.states.len());
     // Ideal loss, and what front, rear and air take beyond it.

@@ -8,7 +8,7 @@ use crate::signals::prepare::Prepared;
 
 /// What the balances leave of one run, one a state.
 pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<Left> {
-    let vehicle = &vehicle.on_track(&run.entry.track);
+    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let instants = run.states.iter().zip(&run.motions);
     instants
         .map(|(state, motion)| {

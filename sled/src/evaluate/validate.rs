@@ -91,7 +91,7 @@ pub fn validate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunValidation> {
 }
 
 fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
-    let vehicle = &vehicle.on_track(&run.entry.track);
+    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let sled = &vehicle.sled;
     let series: Vec<LateralForce> = run
         .states

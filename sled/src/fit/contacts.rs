@@ -15,7 +15,7 @@ pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
     let residuals: Vec<Vec<f64>> = runs
         .par_iter()
         .map(|run| {
-            let vehicle = &vehicle.on_track(&run.entry.track);
+            let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
             run.states
                 .iter()
                 .zip(&run.motions)

@@ -43,7 +43,7 @@ pub fn lateral_samples(
         .par_iter()
         .enumerate()
         .map(|(number, run)| {
-            let vehicle = &vehicle.on_track(&run.entry.track);
+            let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
             let stretch = (4.0 / run.dt_s) as usize;
             let (mut front, mut rear, mut excluded) = (Vec::new(), Vec::new(), 0);
             for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {

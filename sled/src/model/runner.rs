@@ -43,6 +43,11 @@ impl RunnerTable {
         Ok(RunnerTable { file, mean, lookup })
     }
 
+    /// Whether it is over the temperature of the ice.
+    pub fn asks_ice(&self) -> bool {
+        self.lookup.asks_ice()
+    }
+
     /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a temperature of the ice [C].
     pub fn at(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Looked {
         self.lookup.at(fz.max(0.0), curvature, speed, ice_c)

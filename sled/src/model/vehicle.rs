@@ -11,6 +11,7 @@ use crate::model::model_toml::Model;
 use crate::model::refuse::refuse_effects;
 use crate::model::runner::{RunnerFriction, RunnerLaw, RunnerTable};
 use crate::model::sled::{ModelConditions, Sled};
+use crate::record::index::Conditions;
 
 /// How the longitudinal friction is stated.
 enum Law {
@@ -166,6 +167,52 @@ impl Vehicle {
         Vehicle {
             effects: self.effects.on_track(track),
             ..self.clone()
+        }
+    }
+
+    /// The vehicle as it is on a run: its effects are those of the track, its mass the run's where that is stated.
+    pub fn on_run(&self, track: &str, conditions: &Conditions) -> Vehicle {
+        let mut vehicle = self.on_track(track);
+        if let Some(mass_kg) = conditions.mass_kg {
+            let mut constants = vehicle.sled.constants();
+            constants.mass = mass_kg;
+            // What effects add to the model's mass they add to this one.
+            self.effects.find_constants(&mut constants);
+            vehicle.sled.mass_kg = constants.mass;
+        }
+        vehicle
+    }
+
+    /// Effects that act on one track only, which is none of these: each in a line.
+    pub fn effects_elsewhere(&self, tracks: &[&str]) -> Vec<String> {
+        let elsewhere = self.effects.active.iter().filter_map(|effect| {
+            let only = effect.track.as_deref()?;
+            (!tracks.contains(&only)).then(|| {
+                format!(
+                    "[effects.{}] track = {only:?}: there is no such track here and the effect does nothing; expected one of {}",
+                    effect.name,
+                    tracks.join(", ")
+                )
+            })
+        });
+        elsewhere.collect()
+    }
+
+    /// Refuses a temperature of the ice that a table of this vehicle asks for and nothing states; `file` is where it would stand.
+    ///
+    /// # Errors
+    /// [`Error::Keys`] with the table.
+    pub fn refuse_unstated_ice(&self, stated: bool, file: &str) -> Result<(), Error> {
+        let tables = [&self.front, &self.rear].map(RunnerFriction::table);
+        match tables.into_iter().flatten().find(|table| table.asks_ice()) {
+            Some(table) if !stated => Err(Error::Keys {
+                file: file.to_string(),
+                reason: format!(
+                    "the table {} is over ice_c, which is stated neither in runs.csv nor in the run's file; expected a temperature of the ice",
+                    table.file
+                ),
+            }),
+            _ => Ok(()),
         }
     }
 

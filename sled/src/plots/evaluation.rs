@@ -156,8 +156,17 @@ pub fn force_picture(path: &Path, run: &RunEvaluation) -> Result<(), Error> {
             "force along the motion [N]",
             &forces,
             &[],
+            &[],
         )?;
-        draw_strip(&below, "", "distance [m]", "angle [degrees]", &slips, &[])
+        draw_strip(
+            &below,
+            "",
+            "distance [m]",
+            "angle [degrees]",
+            &slips,
+            &[],
+            &[],
+        )
     })?;
     Ok(())
 }

@@ -27,7 +27,7 @@ pub(super) fn broken(
     points
 }
 
-/// Draws lines in one panel with a legend; `marks` are vertical lines with their labels.
+/// Draws lines in one panel with a legend; `marks` are vertical lines with their labels, `bands` shaded stretches.
 pub(super) fn draw_strip(
     root: &PngRoot,
     title: &str,
@@ -35,6 +35,7 @@ pub(super) fn draw_strip(
     y_name: &str,
     lines: &[Line],
     marks: &[(f64, String)],
+    bands: &[Range<f64>],
 ) -> Result<(), Error> {
     let all = || lines.iter().flat_map(|line| line.points.iter());
     let range = |pick: fn(&(f64, f64)) -> f64| {
@@ -74,6 +75,11 @@ pub(super) fn draw_strip(
         .label_style(("sans-serif", 16))
         .light_line_style(WHITE)
         .draw()?;
+    for band in bands {
+        let corners = [(band.start, y_low - margin), (band.end, y_high + top)];
+        let shade = PALETTE[1].mix(0.18).filled();
+        chart.draw_series([Rectangle::new(corners, shade)])?;
+    }
     for line in lines {
         let colour = PALETTE[line.colour];
         for (number, piece) in line.points.split(|point| point.1.is_nan()).enumerate() {

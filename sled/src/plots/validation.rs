@@ -69,8 +69,17 @@ pub fn lateral_force_picture(path: &Path, run: &RunValidation) -> Result<(), Err
             "lateral force [N]",
             &lines,
             &marks,
+            &[],
         )?;
-        draw_strip(&below, "", "time [s]", "difference [N]", &difference, &[])
+        draw_strip(
+            &below,
+            "",
+            "time [s]",
+            "difference [N]",
+            &difference,
+            &[],
+            &[],
+        )
     })?;
     Ok(())
 }

@@ -81,5 +81,6 @@ pub fn write_csv(
         }
         writeln!(writer)?;
     }
-    Ok(())
+    // A buffer that is dropped keeps to itself that it could not be written.
+    writer.flush()
 }

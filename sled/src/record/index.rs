@@ -20,13 +20,16 @@ pub const INDEX_COLUMNS: [&str; 9] = [
     "air_pa",
 ];
 
-/// Columns that the index may have besides, for effects that ask for them.
-pub const MORE_INDEX_COLUMNS: [&str; 2] = ["humidity_pct", "distance_m"];
+/// Columns that the index may have besides: for effects that ask for them, and the mass where it is not the model's.
+pub const MORE_INDEX_COLUMNS: [&str; 3] = ["humidity_pct", "distance_m", "mass_kg"];
 
-/// Ice and air during a run.
+/// Among [`INDEX_COLUMNS`] what only some laws of friction ask for: the column may be absent, and its cells empty.
+const NOT_ALWAYS: &str = "ice_c";
+
+/// Ice, air and crew of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// Ice temperature [degrees Celsius].
+    /// Ice temperature [degrees Celsius]; NaN where nothing states it: only tables and effects over it ask for it.
     pub ice_c: f64,
     /// Air temperature [degrees Celsius].
     pub air_c: f64,
@@ -36,6 +39,8 @@ pub struct Conditions {
     pub humidity_pct: Option<f64>,
     /// Distance run on this finish of the runners before the run [m], where it is stated; only effects ask for it.
     pub distance_m: Option<f64>,
+    /// Mass of the sled with its crew [kg], where it is not the model's.
+    pub mass_kg: Option<f64>,
 }
 
 impl Conditions {
@@ -48,12 +53,16 @@ impl Conditions {
         }
     }
 
-    /// Names among [`MORE_INDEX_COLUMNS`] that are not stated.
+    /// What effects may ask for and is not stated.
     pub fn absent(&self) -> Vec<&'static str> {
-        let stated = [self.humidity_pct, self.distance_m];
-        let all = MORE_INDEX_COLUMNS.into_iter().zip(stated);
-        all.filter_map(|(name, value)| value.is_none().then_some(name))
-            .collect()
+        let ice = Some(self.ice_c).filter(|ice| ice.is_finite());
+        let stated = [
+            ("humidity_pct", self.humidity_pct),
+            ("distance_m", self.distance_m),
+            ("ice_c", ice),
+        ];
+        let absent = stated.into_iter().filter(|(_, value)| value.is_none());
+        absent.map(|(name, _)| name).collect()
     }
 
     /// Density of the air [kg/m3] by [`aero::air_density`].
@@ -143,11 +152,12 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             driver_class: text("driver_class")?,
             session: text("session")?,
             conditions: Conditions {
-                ice_c: number("ice_c", -60.0, 5.0)?,
+                ice_c: stated("ice_c", -60.0, 5.0)?.unwrap_or(f64::NAN),
                 air_c: number("air_c", -60.0, 50.0)?,
                 air_pa: number("air_pa", 50e3, 110e3)?,
                 humidity_pct: stated("humidity_pct", 0.0, 100.0)?,
                 distance_m: stated("distance_m", 0.0, 1e8)?,
+                mass_kg: stated("mass_kg", 1.0, 1e5)?,
             },
         });
     }
@@ -168,7 +178,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
 pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(), Error> {
     let told = |error: csv::Error| Error::file("runs.csv", error);
     let mut table = csv::Writer::from_writer(writer);
-    let more: [fn(&Conditions) -> Option<f64>; 2] = [|c| c.humidity_pct, |c| c.distance_m];
+    let more: [fn(&Conditions) -> Option<f64>; 3] =
+        [|c| c.humidity_pct, |c| c.distance_m, |c| c.mass_kg];
     let stated = more.map(|of| entries.iter().any(|entry| of(&entry.conditions).is_some()));
     let names = MORE_INDEX_COLUMNS.iter().zip(stated);
     let names = names.filter_map(|(name, stated)| stated.then_some(*name));
@@ -184,7 +195,11 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
             entry.driver.clone(),
             entry.driver_class.clone(),
             entry.session.clone(),
-            c.ice_c.to_string(),
+            if c.ice_c.is_finite() {
+                c.ice_c.to_string()
+            } else {
+                String::new()
+            },
             c.air_c.to_string(),
             c.air_pa.to_string(),
         ];
@@ -223,7 +238,8 @@ fn place_columns(
             return Err(odd("given twice"));
         }
     }
-    match INDEX_COLUMNS.iter().find(|name| !at.contains_key(*name)) {
+    let needed = INDEX_COLUMNS.iter().filter(|name| **name != NOT_ALWAYS);
+    match needed.clone().find(|name| !at.contains_key(*name)) {
         None => Ok(at),
         Some(missing) => Err(Error::MissingColumn {
             file: file.to_string(),

@@ -143,6 +143,9 @@ pub fn write_parquet(writer: impl Write + Send, columns: &[(&str, &[f64])]) -> R
         column.close().map_err(told)?;
     }
     group.close().map_err(told)?;
-    file.close().map_err(told)?;
-    Ok(())
+    file.finish().map_err(told)?;
+    // A buffer that is dropped keeps to itself that it could not be written.
+    file.inner_mut()
+        .flush()
+        .map_err(|error| Error::file("parquet", error))
 }

@@ -75,8 +75,24 @@ pub fn read_good_runs(index: &Path, on_gaps: OnGaps) -> Result<(Vec<Run>, Vec<Er
 /// # Errors
 /// Those of the format's reader and of [`check_columns`].
 pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run, Error> {
-    let file = entry.file.display().to_string();
     let known: Vec<&str> = COLUMNS.into_iter().chain(["s_m"]).collect();
+    read_run_of(entry, required, &known, on_gaps)
+}
+
+/// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the file has, and no others: gaps
+/// of others do not count.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_run_of(
+    entry: Entry,
+    required: &[&str],
+    known: &[&str],
+    on_gaps: OnGaps,
+) -> Result<Run, Error> {
+    let file = entry.file.display().to_string();
+    let more = required.iter().filter(|name| !known.contains(name));
+    let known: Vec<&str> = known.iter().chain(more).copied().collect();
     let mut columns = read_columns(&entry.file, &known)?;
     let mut remarks = Vec::new();
     for name in known.iter().filter(|name| !required.contains(*name)) {

@@ -1,19 +1,21 @@
-//! What effects may ask of a run beyond its sensors: humidity, and the distance run on this finish.
+//! What laws and effects may ask of a run beyond its sensors: humidity, the distance run on this finish, the ice's temperature.
 
 use kufe_effect::{Conditions, Effects};
 
 use crate::error::Error;
 use crate::model::refuse::refuse_effects;
 use crate::model::vehicle::Vehicle;
-use crate::record::index::MORE_INDEX_COLUMNS;
 use crate::record::run::Run;
 
 /// Columns that no run states: the slope of the track enters no balance of forces.
 const NEVER: [&str; 1] = ["slope_rad"];
 
-/// Values of [`MORE_INDEX_COLUMNS`]: from the run's file, else from `runs.csv`, else from the model's `[conditions]`.
+/// What a run's file may state sample by sample, `runs.csv` once.
+const FURTHER: [&str; 3] = ["humidity_pct", "distance_m", "ice_c"];
+
+/// Values of [`FURTHER`]: from the run's file, else from `runs.csv`, else from the model's `[conditions]`.
 pub struct Further {
-    values: [Stated; 2],
+    values: [Stated; 3],
 }
 
 enum Stated {
@@ -42,9 +44,10 @@ impl Further {
         let once = [
             own.humidity_pct.or(model.humidity_pct),
             own.distance_m.or(model.distance_m),
+            Some(own.ice_c).filter(|ice| ice.is_finite()),
         ];
         let mut values = once.map(|value| value.map_or(Stated::Nowhere, Stated::Once));
-        for (name, value) in MORE_INDEX_COLUMNS.iter().zip(&mut values) {
+        for (name, value) in FURTHER.iter().zip(&mut values) {
             if let Some(column) = run.columns.get(*name)
                 && run.gaps.within(column).flatten().all(|x| x.is_finite())
             {
@@ -52,13 +55,15 @@ impl Further {
             }
         }
         let further = Further { values };
-        let nowhere = MORE_INDEX_COLUMNS
+        let nowhere = FURTHER
             .iter()
             .zip(&further.values)
             .filter(|(_, value)| matches!(value, Stated::Nowhere))
             .map(|(name, _)| *name);
         let absent: Vec<&str> = nowhere.chain(NEVER).collect();
-        refuse_effects(effects, &absent, &run.entry.file.display().to_string())?;
+        let file = run.entry.file.display().to_string();
+        refuse_effects(effects, &absent, &file)?;
+        vehicle.refuse_unstated_ice(!absent.contains(&"ice_c"), &file)?;
         Ok(further)
     }
 
@@ -80,7 +85,7 @@ impl Further {
             s,
             v,
             fz: f64::NAN,
-            ice_c: weather.ice_c,
+            ice_c: self.values[2].at(i),
             air_c: weather.air_c,
             air_pa: weather.air_pa,
             humidity_pct: self.values[0].at(i),

@@ -2,42 +2,25 @@
 
 use std::ops::Range;
 
-use kufe_effect::{Effects, Sensor, Signals, ahead};
+use kufe_effect::{Active, Effects};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::model::sled::{Noise, Sled};
+use crate::model::sled::Noise;
 use crate::model::vehicle::Vehicle;
 use crate::motion::measured::from_sensors;
-use crate::motion::one_track::inverse;
+use crate::motion::one_track::{forward, inverse};
 use crate::motion::state::{AxleForces, Motion, State};
 use crate::record::check::LEAST_SAMPLES;
-use crate::record::check::gaps::bridged;
 use crate::record::check::taking_part::TakingPart;
 use crate::record::index::Entry;
-use crate::record::run::Run;
-use crate::signals::derivative::{HALF_WIDTH, derivative};
-use crate::signals::filter::{self, low_pass, noise_gain, ratio, resample_from};
+use crate::record::run::{COLUMNS, Run};
+use crate::signals::distance::Distance;
+use crate::signals::filter::{self, noise_gain};
 use crate::signals::further::Further;
 use crate::signals::noise::{estimate_noise, slip_noise};
-
-/// How a run is brought to the rate that everything else works at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PrepareOptions {
-    /// Rate after down-sampling [Hz]; a slower recording stays as it is.
-    pub rate_hz: f64,
-    /// Corner of the zero-phase low pass after that [Hz].
-    pub cutoff_hz: f64,
-}
-
-impl Default for PrepareOptions {
-    fn default() -> Self {
-        PrepareOptions {
-            rate_hz: 100.0,
-            cutoff_hz: 20.0,
-        }
-    }
-}
+use crate::signals::resampling::{PrepareOptions, Resampling};
+use crate::signals::sensed::{Sensed, no_number};
 
 /// A run as a series of states with the motion measured at each.
 #[derive(Clone, Debug)]
@@ -102,10 +85,13 @@ pub fn prepare(
     noise: Option<&Noise>,
     options: &PrepareOptions,
 ) -> Result<Prepared, Error> {
-    let sled = &vehicle.sled;
-    let effects = vehicle.effects.on_track(&run.entry.track);
+    for name in COLUMNS {
+        run.column(name)?;
+    }
+    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    let (sled, effects) = (&vehicle.sled, &vehicle.effects);
     let base = Resampling::of(run, options);
-    let further = Further::of(run, vehicle, &effects)?;
+    let further = Further::of(run, vehicle, effects)?;
     let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
     let mut speeds: (f64, usize) = (0.0, 0);
     let mut distance = Distance::of(run)?;
@@ -114,21 +100,20 @@ pub fn prepare(
         if count < filter::LEAST_SAMPLES {
             continue;
         }
-        let all = prepare_piece(run, piece, &base, sled, &effects, &further, &mut distance)?;
-        speeds.0 += all.iter().map(|(state, _)| state.v_mps).sum::<f64>();
+        let sensed = Sensed::of(run, piece, &base, effects, &further, &mut distance)?;
+        speeds.0 += (0..count).map(|i| sensed.conditions(i).v).sum::<f64>();
         speeds.1 += count;
-        let last = run.gaps.pieces.len() - 1;
-        let from = if number == 0 { 0 } else { base.margin };
-        let to = count.saturating_sub(if number == last { 0 } else { base.margin });
-        if from < to {
-            let start = states.len();
-            for (state, motion) in &all[from..to] {
-                states.push(*state);
-                motions.push(*motion);
-            }
+        let start = states.len();
+        for i in base.kept(number, run.gaps.pieces.len(), count) {
+            let (state, motion) = from_sensors(sled, &sensed.signals(i), &sensed.conditions(i));
+            states.push(state);
+            motions.push(motion);
+        }
+        if start < states.len() {
             pieces.push(start..states.len());
         }
     }
+    refuse_no_number(run, vehicle, &states)?;
     if states.len() < LEAST_SAMPLES {
         return Err(Error::TooShort {
             file: run.entry.file.display().to_string(),
@@ -164,167 +149,32 @@ pub fn prepare(
     Ok(prepared)
 }
 
-/// The even times at the lower rate, and what stands beside a gap.
-struct Resampling {
-    from_hz: f64,
-    rate_hz: f64,
-    /// Samples of the recording a state.
-    ratio: f64,
-    cutoff_hz: f64,
-    /// Corner of the narrower of both low passes [Hz].
-    narrowest_hz: f64,
-    /// States beside a gap that take no part.
-    margin: usize,
-}
-
-impl Resampling {
-    fn of(run: &Run, options: &PrepareOptions) -> Resampling {
-        let from = run.rate_hz();
-        let lower = options.rate_hz < from * (1.0 - 1e-3);
-        let rate = if lower { options.rate_hz } else { from };
-        let narrowest_hz = options
-            .cutoff_hz
-            .min(if lower { 0.4 * rate } else { f64::INFINITY });
-        let periods = if narrowest_hz < 0.5 * from {
-            (2.0 * rate / narrowest_hz).ceil() as usize
-        } else {
-            0
-        };
-        Resampling {
-            from_hz: from,
-            rate_hz: rate,
-            ratio: if lower { ratio(from, rate) } else { 1.0 },
-            cutoff_hz: options.cutoff_hz,
-            narrowest_hz,
-            margin: periods + HALF_WIDTH,
-        }
+/// Refuses effects whose forces are no numbers at a state: they would disable what compares with them, without a word.
+fn refuse_no_number(run: &Run, vehicle: &Vehicle, states: &[State]) -> Result<(), Error> {
+    if vehicle.effects.is_empty() {
+        return Ok(());
     }
-
-    /// The states, counted from the first sample of the run, that lie in a stretch of the recording.
-    fn samples(&self, piece: &Range<usize>) -> Range<usize> {
-        let first = (piece.start as f64 / self.ratio - 1e-9).ceil() as usize;
-        first..((piece.end - 1) as f64 / self.ratio + 1e-9).floor() as usize + 1
-    }
-
-    /// A stretch of a column at the rate of the states.
-    fn resampled(&self, column: &[f64], piece: &Range<usize>) -> Vec<f64> {
-        let first = self.samples(piece).start as f64 * self.ratio;
-        let offset = first - piece.start as f64;
-        resample_from(&column[piece.clone()], self.from_hz, self.rate_hz, offset)
-    }
-}
-
-/// Where the sled is: as recorded, or from the speed.
-enum Distance {
-    Recorded(Vec<f64>),
-    FromSpeed {
-        /// Speed across gaps of it [m/s].
-        bridged: Vec<f64>,
-        /// The last state before the next stretch: its place in the recording, distance and speed.
-        before: Option<(f64, f64, f64)>,
-    },
-}
-
-impl Distance {
-    fn of(run: &Run) -> Result<Distance, Error> {
-        Ok(match run.columns.get("s_m") {
-            Some(s) if run.gaps.within(s).flatten().all(|s| s.is_finite()) => {
-                Distance::Recorded(s.clone())
-            }
-            _ => Distance::FromSpeed {
-                bridged: bridged(run.column("v_mps")?),
-                before: None,
-            },
-        })
-    }
-
-    /// Distances of a stretch's states, `v` being their speeds.
-    fn of_piece(&mut self, base: &Resampling, piece: &Range<usize>, v: &[f64]) -> Vec<f64> {
-        match self {
-            Distance::Recorded(s) => base.resampled(s, piece),
-            Distance::FromSpeed { bridged, before } => {
-                let first = base.samples(piece).start as f64 * base.ratio;
-                let start = match *before {
-                    None => 0.0,
-                    Some((from, s, v_from)) => {
-                        s + across(bridged, (from, v_from), (first, v[0])) / base.from_hz
-                    }
-                };
-                let mut distance = integrate(v, 1.0 / base.rate_hz);
-                if start != 0.0 {
-                    distance.iter_mut().for_each(|s| *s += start);
-                }
-                let last = v.len() - 1;
-                *before = Some((first + last as f64 * base.ratio, distance[last], v[last]));
-                distance
-            }
-        }
-    }
-}
-
-/// Integral of the speed between two states, by the trapezoidal rule over the samples between; in samples times m/s.
-fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 {
-    let between = from.floor() as usize + 1..to.ceil() as usize;
-    let inner = between.map(|i| (i as f64, v[i]));
-    let points = std::iter::once((from, v_from))
-        .chain(inner)
-        .chain([(to, v_to)]);
-    let mut sum = 0.0;
-    let mut before = (from, v_from);
-    for point in points {
-        sum += 0.5 * (point.0 - before.0) * (point.1 + before.1);
-        before = point;
-    }
-    sum
-}
-
-/// All states of one stretch without a gap, those beside a gap included.
-fn prepare_piece(
-    run: &Run,
-    piece: &Range<usize>,
-    base: &Resampling,
-    sled: &Sled,
-    effects: &Effects,
-    further: &Further,
-    distance: &mut Distance,
-) -> Result<Vec<(State, Motion)>, Error> {
-    let rate = base.rate_hz;
-    let dt = 1.0 / rate;
-    let mut recorded = Vec::with_capacity(Sensor::ALL.len());
-    for sensor in Sensor::ALL {
-        let slow = base.resampled(run.column(sensor.name())?, piece);
-        recorded.push(low_pass(&slow, rate, base.cutoff_hz));
-    }
-    let samples = base.samples(piece);
-    let distance = distance.of_piece(base, piece, &recorded[Sensor::Speed as usize]);
-    let further = further.piece(|column| base.resampled(column, piece));
-    let first = samples.start;
-    let conditions = |i: usize, v: f64| {
-        let t = run.t0_s + (first + i) as f64 * dt;
-        further.conditions(run, i, t, distance[i], v)
+    let bad = |vehicle: &Vehicle, state: &State| {
+        let forces = forward(vehicle, state);
+        let all = forces.front.iter().chain(&forces.rear).chain(&forces.body);
+        all.copied().any(|force| !force.is_finite())
     };
-    for (channel, delay) in recorded.iter_mut().zip(effects.delays()) {
-        if delay != 0.0 {
-            *channel = ahead(channel, delay / dt);
-        }
+    let Some(state) = states.iter().find(|state| bad(vehicle, state)) else {
+        return Ok(());
+    };
+    let alone = |effect: &&Active| {
+        let one = Vehicle {
+            effects: Effects {
+                active: vec![(*effect).clone()],
+            },
+            ..vehicle.clone()
+        };
+        bad(&one, state)
+    };
+    match vehicle.effects.active.iter().find(alone) {
+        None => Ok(()),
+        effect => Err(no_number(run, effect, state.t_s, state.s_m)),
     }
-    let effects = effects.clone().in_time();
-    if !effects.is_empty() {
-        let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
-        for i in 0..samples.len() {
-            let mut signals = at(&recorded, &rates, i);
-            effects.correct(&conditions(i, signals[Sensor::Speed]), &mut signals);
-            for (channel, value) in recorded.iter_mut().zip(signals.value) {
-                channel[i] = value;
-            }
-        }
-    }
-    let rates: Vec<Vec<f64>> = recorded.iter().map(|x| derivative(x, dt)).collect();
-    let states = (0..samples.len()).map(|i| {
-        let signals = at(&recorded, &rates, i);
-        from_sensors(sled, &signals, &conditions(i, signals[Sensor::Speed]))
-    });
-    Ok(states.collect())
 }
 
 /// Prepares every run, in parallel and in order.
@@ -342,25 +192,4 @@ pub fn prepare_all(
         .collect::<Vec<_>>()
         .into_iter()
         .collect()
-}
-
-/// Sample `i` of all sensors with its rates.
-fn at(recorded: &[Vec<f64>], rates: &[Vec<f64>], i: usize) -> Signals {
-    let mut signals = Signals::default();
-    for sensor in Sensor::ALL {
-        let k = sensor as usize;
-        signals.set(sensor, recorded[k][i], rates[k][i]);
-    }
-    signals
-}
-
-/// Distance from speed by the trapezoidal rule.
-fn integrate(v: &[f64], dt: f64) -> Vec<f64> {
-    let mut s = 0.0;
-    let mut distance = vec![0.0; v.len()];
-    for i in 1..v.len() {
-        s += 0.5 * dt * (v[i - 1] + v[i]);
-        distance[i] = s;
-    }
-    distance
 }

@@ -4,8 +4,9 @@ use crate::error::Error;
 use crate::model::refuse::refuse_effects;
 use crate::model::vehicle::Vehicle;
 use crate::simulate::driver::Driver;
-use crate::simulate::dynamics::{Before, COUNT, Instant, Unknowns, World};
+use crate::simulate::dynamics::{Before, COUNT, Instant, TIME, Unknowns, World};
 use crate::simulate::options::{SimulateOptions, steps_an_interval};
+use crate::simulate::steering::Steering;
 use crate::track::shape::TrackShape;
 
 /// Work and energy over a simulation [J].
@@ -68,25 +69,47 @@ pub fn simulate(
     driver: &Driver,
     options: &SimulateOptions,
 ) -> Result<Simulated, Error> {
-    let every = steps_an_interval(options)?;
-    let vehicle = &vehicle.on_track(&track.name);
+    let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = options.conditions.or(&vehicle.conditions);
     refuse_effects(&vehicle.effects, &conditions.absent(), "simulation")?;
-    let dt_s = 1.0 / options.rate_hz;
-    let h = dt_s / every as f64;
+    vehicle.refuse_unstated_ice(conditions.ice_c.is_finite(), "simulation")?;
     let world = World {
         vehicle,
         shape: track,
         conditions,
         density: options.conditions.air_density(),
-        driver,
-        mood: driver.mood(track.start_m, track.finish_m, options.seed),
+        steering: Steering::Driver(
+            driver,
+            driver.mood(track.start_m, track.finish_m, options.seed),
+        ),
         contacts: &options.contacts,
         cross_curvature: options.cross_curvature_1pm,
     };
-    let mut y: Unknowns = [0.0; COUNT];
-    y[0] = track.start_m;
-    y[3] = options.start_speed_mps;
+    let mut start: Unknowns = [0.0; COUNT];
+    start[0] = track.start_m;
+    start[3] = options.start_speed_mps;
+    let (simulated, trouble) = integrate(&world, start, track.finish_m, options)?;
+    match trouble {
+        None => Ok(simulated),
+        Some(trouble) => Err(trouble),
+    }
+}
+
+/// Drives from a `start` to the distance `finish_m`; beside the result why it ended before, where the motion left the
+/// range of the model.
+///
+/// # Errors
+/// [`Error::KeyRange`] for options out of range.
+pub(crate) fn integrate(
+    world: &World,
+    start: Unknowns,
+    finish_m: f64,
+    options: &SimulateOptions,
+) -> Result<(Simulated, Option<Error>), Error> {
+    let every = steps_an_interval(options)?;
+    let dt_s = 1.0 / options.rate_hz;
+    let h = dt_s / every as f64;
+    let (start_s, mut y) = (start[TIME], start);
     let kinetic_start_j = world.kinetic_energy(&y);
     let mut before = Before::default();
     // The first instant's growth of speed is not known yet; a few rounds settle it.
@@ -94,12 +117,13 @@ pub fn simulate(
         before = World::before(&world.rates(&y, &before).1, &before);
     }
     let mut growth_then = before.growth;
-    let expected = ((track.finish_m - track.start_m) / options.start_speed_mps / dt_s) as usize;
+    let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
     // Rates of the last steps, newest first.
     let mut past = [[0.0; COUNT]; 4];
     let mut steps = 0;
+    let mut trouble = None;
     let most = (options.most_s / h).ceil() as usize;
     let finished = loop {
         let growth_now = before.growth;
@@ -111,30 +135,31 @@ pub fn simulate(
         past[0] = rates;
         if steps % every == 0 {
             if let Some(what) = world.trouble(&y) {
-                return Err(Error::Stopped {
+                trouble = Some(Error::Stopped {
                     s_m: y[0],
-                    t_s: steps as f64 * h,
+                    t_s: start_s + steps as f64 * h,
                     what,
                 });
+                break false;
             }
-            instant.state.t_s = (steps / every) as f64 / options.rate_hz;
+            instant.state.t_s = start_s + (steps / every) as f64 / options.rate_hz;
             instants.push(instant);
             offset_m.push(y[1]);
         }
-        if y[0] >= track.finish_m {
+        if y[0] >= finish_m {
             break true;
         }
         if steps >= most {
             break false;
         }
         y = if steps < 3 {
-            runge_kutta(&world, &y, &rates, &before, h)
+            runge_kutta(world, &y, &rates, &before, h)
         } else {
             adams_bashforth(&y, &past, h)
         };
         steps += 1;
     };
-    Ok(Simulated {
+    let simulated = Simulated {
         instants,
         offset_m,
         dt_s,
@@ -148,7 +173,8 @@ pub fn simulate(
             wall_j: y[10],
         },
         steps,
-    })
+    };
+    Ok((simulated, trouble))
 }
 
 /// Adams and Bashforth's step of fourth order: one evaluation of the forces a step.

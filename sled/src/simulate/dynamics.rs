@@ -9,7 +9,7 @@ use crate::motion::one_track::forces_at;
 use crate::motion::state::{AxleForces, Motion, State};
 use crate::motion::transfer::{Slips, slips};
 use crate::record::index::Conditions;
-use crate::simulate::driver::{Driver, Mood};
+use crate::simulate::steering::{Seen, Steering};
 use crate::track::shape::TrackShape;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
@@ -21,14 +21,13 @@ pub(crate) type Unknowns = [f64; COUNT];
 /// Number of unknowns.
 pub(crate) const COUNT: usize = 12;
 
-const S: usize = 0;
 const N: usize = 1;
 const CHI: usize = 2;
 const VX: usize = 3;
 const VY: usize = 4;
 const YAW: usize = 5;
-const DELTA: usize = 6;
-const TIME: usize = 11;
+/// Place of the time among the unknowns.
+pub(crate) const TIME: usize = 11;
 
 /// A push from outside, such as a wall: half a wave of lateral force over a stretch of track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +59,7 @@ pub(crate) struct World<'a> {
     pub shape: &'a TrackShape,
     pub conditions: Conditions,
     pub density: f64,
-    pub driver: &'a Driver,
-    pub mood: Mood,
+    pub steering: Steering<'a>,
     pub contacts: &'a [WallContact],
     /// Curvature of the channel's cross-section [1/m]: how fast the bank grows off the line.
     pub cross_curvature: f64,
@@ -121,7 +119,8 @@ impl World<'_> {
     pub(crate) fn rates(&self, y: &Unknowns, before: &Before) -> (Unknowns, Instant) {
         let growth = before.growth;
         let sled = &self.vehicle.sled;
-        let [s, n, chi, vx, vy, yaw, delta, ..] = *y;
+        let [s, n, chi, vx, vy, yaw, integrated, ..] = *y;
+        let delta = self.steering.angle(s, integrated);
         let [mut theta, mut theta_s, _] = self.shape.slope.at(s);
         if !self.vehicle.effects.is_empty() {
             let added = |s: f64| self.vehicle.effects.slope("", s);
@@ -220,7 +219,14 @@ impl World<'_> {
         let speed_growth = (vx * vx_t + vys * vys_t) / speed;
         let alpha_t = -(vys_t * vx - vys * vx_t) / (speed * speed);
         let turn_rate_t = (yaw_accel - yaw * speed_growth / speed) / speed;
-        let steering_t = self.steering_rate(y, dn, speed);
+        let seen = Seen {
+            s,
+            n,
+            rates: [ds, dn],
+            v: speed,
+            delta,
+        };
+        let steering_t = self.steering.rate(self.shape, sled, &seen);
         state.accel_mps2 = [fx, fy, fz];
         state.slip_rate_radps = [
             alpha_t - turn_rate_t * (sled.l_f_m - sled.slip_x_m) + steering_t,
@@ -273,20 +279,6 @@ impl World<'_> {
             accel: instant.state.accel_mps2,
             roll_accel: instant.state.roll_accel_radps2,
         }
-    }
-
-    fn steering_rate(&self, y: &Unknowns, dn: f64, speed: f64) -> f64 {
-        let driver = self.driver;
-        let ahead = y[S] + driver.preview_s * speed;
-        let bank = self.shape.bank.value(ahead);
-        let turn = -GRAVITY * self.shape.slope.value(ahead).cos() * bank.sin() / speed;
-        let ackermann = self.vehicle.sled.wheelbase_m() * turn / speed;
-        let wanted = driver.feedforward * ackermann
-            - driver.line_gain * (y[N] - self.mood.line.value(y[S]))
-            - driver.course_gain * dn / speed
-            + self.mood.noise.value(y[S]);
-        let within = driver.most_rad * (wanted / driver.most_rad).tanh();
-        (within - y[DELTA]) / driver.lag_s
     }
 
     /// Kinetic energy in the plane [J]: translation and yaw. Roll and pitch are led by the track and no part of it.

@@ -6,3 +6,4 @@ pub(crate) mod dynamics;
 pub(crate) mod options;
 pub mod sample_data;
 pub(crate) mod sensors;
+pub(crate) mod steering;

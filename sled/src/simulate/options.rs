@@ -38,6 +38,7 @@ impl Default for SimulateOptions {
                 air_pa: 95_000.0,
                 humidity_pct: None,
                 distance_m: None,
+                mass_kg: None,
             },
             contacts: Vec::new(),
             cross_curvature_1pm: 0.25,

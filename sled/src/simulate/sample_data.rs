@@ -221,6 +221,7 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
                         air_pa: 94_500.0 + 300.0 * warm,
                         humidity_pct: None,
                         distance_m: None,
+                        mass_kg: None,
                     },
                     contacts: sample_contacts(track, driver, run_seed),
                     seed: run_seed,

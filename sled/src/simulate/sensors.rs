@@ -32,7 +32,7 @@ pub fn record(
     entry: Entry,
     seed: u64,
 ) -> Run {
-    let vehicle = vehicle.on_track(&entry.track);
+    let vehicle = vehicle.on_run(&entry.track, &entry.conditions);
     let sled = &vehicle.sled;
     let mut read: Vec<Signals> = simulated
         .instants

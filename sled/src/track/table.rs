@@ -26,6 +26,12 @@ pub struct Track {
 
 const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
 
+/// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
+const LEAST_SPAN_M: f64 = 20.0;
+
+/// Columns of an estimated track beside those: they say how well it is known, and nothing drives on them.
+const ERRORS: [&str; 4] = ["slope_sd_rad", "curvature_sd_1pm", "bank_sd_rad", "runs"];
+
 impl Track {
     /// Reads a track; its name is the file's without `track_` and extension.
     ///
@@ -42,13 +48,15 @@ impl Track {
         Track::from_csv(reader, name, &file)
     }
 
-    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may stand for `curvature_1pm`.
+    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may stand for `curvature_1pm`. The errors of an
+    /// estimated track are passed over.
     ///
     /// # Errors
     /// [`Error::MissingColumn`], [`Error::Column`] for unknown ones, [`Error::Cell`] with the row, [`Error::TooFew`].
     pub fn from_csv(reader: impl std::io::Read, name: &str, file: &str) -> Result<Track, Error> {
         let required = ["s_m", "slope_rad", "curvature_1pm", "radius_m", "bank_rad"];
         let mut columns = read_csv(reader, &required, file)?;
+        columns.retain(|name, _| !ERRORS.contains(&name.as_str()));
         let expected = || format!("{} (or radius_m for curvature_1pm)", COLUMNS.join(", "));
         if let Some(unknown) = columns
             .keys()
@@ -96,7 +104,7 @@ impl Track {
     /// Checks lengths and ranges; `file` names the source in errors.
     ///
     /// # Errors
-    /// [`Error::Cell`] with row and column, [`Error::TooFew`].
+    /// [`Error::Cell`] with row and column, [`Error::TooFew`], [`Error::Unit`] for a track of a few metres.
     pub fn check(&self, file: &str) -> Result<(), Error> {
         if self.s_m.len() < 4 {
             return Err(Error::TooFew {
@@ -134,6 +142,16 @@ impl Track {
         if let Some(row) = self.s_m.windows(2).position(|pair| pair[1] <= pair[0]) {
             let expected = "more than in the row before";
             return Err(cell(file, row + 1, "s_m", self.s_m[row + 1], expected));
+        }
+        let span = self.s_m[self.s_m.len() - 1] - self.s_m[0];
+        if span < LEAST_SPAN_M {
+            return Err(Error::Unit {
+                file: file.to_string(),
+                column: "s_m".to_string(),
+                found: format!("from {} to {}", self.s_m[0], self.s_m[0] + span),
+                looks_like: "kilometres",
+                expected: "metres, 20 of them at least",
+            });
         }
         Ok(())
     }

@@ -1,9 +1,11 @@
 //! The one-track sled against identities, closed forms, a real car and its own simulation; bad files are refused by name.
 
+mod align;
 mod effects_in_commands;
 mod effects_in_the_loop;
 mod real_car;
 mod recorded;
+mod replay;
 mod rigid_body;
 mod round_trip;
 mod sample_statements;

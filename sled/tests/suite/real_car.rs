@@ -28,6 +28,7 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
             air_pa: 101_325.0,
             humidity_pct: None,
             distance_m: None,
+            mass_kg: None,
         },
     };
     let required = [

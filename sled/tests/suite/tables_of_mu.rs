@@ -65,6 +65,22 @@ fn model(folder: &Path, longitudinal: &str) -> Result<Model, kufe_sled::Error> {
 
 const TABLES: &str = "front_table = \"mu.lut\"\nrear_table = \"mu.lut\"\n";
 
+#[test]
+fn a_table_over_the_ice_is_not_asked_without_its_temperature() {
+    let folder = tempfile::tempdir().unwrap();
+    write_table(&folder.path().join("mu.lut"), 50.0, true);
+    let vehicle = Vehicle::new(&model(folder.path(), TABLES).unwrap()).unwrap();
+    let mut options = SimulateOptions::default();
+    options.conditions.ice_c = f64::NAN;
+    let track = TrackShape::new(&sample_track("east"));
+    let error = simulate(&vehicle, &track, &Driver::of_skill(0.9), &options);
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("mu.lut") && error.contains("ice_c"),
+        "{error}"
+    );
+}
+
 fn driven(vehicle: &Vehicle, ice_c: f64) -> Simulated {
     let mut options = SimulateOptions::default();
     options.conditions.ice_c = ice_c;

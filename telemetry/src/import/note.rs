@@ -53,6 +53,9 @@ pub struct LoggerNote {
     /// Standard error of that [s], where it was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_sd_s: Option<f64>,
+    /// What else than its clock the delay found holds, of which the error says nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_includes: Option<&'static str>,
     /// What it was found from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<Relation>,

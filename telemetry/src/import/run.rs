@@ -86,6 +86,7 @@ impl Importer {
                     clock: "the runs'",
                     delay_s: 0.0,
                     delay_sd_s: None,
+                    delay_includes: None,
                     relations: Vec::new(),
                     file: file.clone(),
                 },
@@ -117,6 +118,9 @@ impl Importer {
                 note.clock = aligned.clock;
                 note.delay_s = aligned.delay_s;
                 note.delay_sd_s = aligned.delay_sd_s;
+                note.delay_includes = aligned
+                    .delay_sd_s
+                    .map(|_| "the lag of the sensors that it was found from");
                 note.relations = aligned.relations;
             }
             remarks.extend(aligned.remark);
@@ -339,6 +343,7 @@ fn entry(planned: &PlannedRun) -> Entry {
             air_pa: number("air_pa"),
             humidity_pct: planned.index.humidity_pct,
             distance_m: planned.index.distance_m,
+            mass_kg: planned.index.mass_kg,
         },
     }
 }

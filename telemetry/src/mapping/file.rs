@@ -138,7 +138,7 @@ pub struct IndexValues {
     pub humidity_pct: Option<f64>,
     /// Distance run on this finish of the runners before the run [m].
     pub distance_m: Option<f64>,
-    /// Mass of the sled with its crew [kg]; kept in the note beside the run.
+    /// Mass of the sled with its crew [kg], where it is not the model's.
     pub mass_kg: Option<f64>,
 }
 

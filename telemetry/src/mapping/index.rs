@@ -100,12 +100,7 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         .trim(csv::Trim::All)
         .from_reader(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
     let header = reader.headers().map_err(told)?.clone();
-    let known = || {
-        INDEX_COLUMNS
-            .iter()
-            .chain(&MORE_INDEX_COLUMNS)
-            .chain(&["mass_kg"])
-    };
+    let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
     for name in &header {
         if name == "file" || !known().any(|known| *known == name) {
             let names: Vec<&str> = known().copied().filter(|name| *name != "file").collect();

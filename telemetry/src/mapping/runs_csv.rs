@@ -5,7 +5,7 @@ use kufe_sled::{INDEX_COLUMNS, MORE_INDEX_COLUMNS};
 use crate::error::Error;
 use crate::mapping::plan::PlannedRun;
 
-/// The text of `runs.csv`: its required columns, and of the others those that a run states.
+/// The text of `runs.csv`: its required columns, and of the others those that a run states; the ice's temperature may be empty.
 ///
 /// # Errors
 /// [`Error::Key`] for a required column that is not stated.
@@ -24,7 +24,7 @@ pub fn index_csv(runs: &[PlannedRun], ending: &str, mapping: &str) -> Result<Vec
                 "file" => format!("{}.{ending}", run.name),
                 name => match run.index.cell(name).filter(|cell| !cell.trim().is_empty()) {
                     Some(cell) => cell,
-                    None if MORE_INDEX_COLUMNS.contains(&name) => String::new(),
+                    None if MORE_INDEX_COLUMNS.contains(&name) || name == "ice_c" => String::new(),
                     None => {
                         return Err(Error::Key {
                             file: mapping.to_string(),

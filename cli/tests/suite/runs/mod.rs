@@ -1,5 +1,6 @@
 //! Recorded runs and friction experiments, from their files to what a model lacks.
 
+mod align;
 mod corpus;
 mod damaged;
 mod discover_experiments;
@@ -10,4 +11,5 @@ mod experiments;
 mod friction;
 mod gaps;
 mod imported;
+mod replay;
 mod sled;

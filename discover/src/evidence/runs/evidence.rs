@@ -52,6 +52,12 @@ impl<'a> Campaign<'a> {
             installation: Installation::default(),
             frozen: Vec::new(),
         };
+        for frame in &data.frames {
+            let stated = !frame.stated_nowhere().contains(&"ice_c");
+            given
+                .vehicle
+                .refuse_unstated_ice(stated, &format!("run {}", frame.name))?;
+        }
         let locked = &data.locked;
         let pick = |which: &[usize]| -> Vec<Frame> {
             which.iter().map(|i| data.frames[*i].clone()).collect()

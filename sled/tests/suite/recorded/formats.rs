@@ -52,6 +52,7 @@ fn entry(file: PathBuf) -> Entry {
         air_pa: 95_000.0,
         humidity_pct: None,
         distance_m: None,
+        mass_kg: None,
     };
     let text = || "x".to_string();
     Entry {

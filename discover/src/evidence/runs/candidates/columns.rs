@@ -29,7 +29,8 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
     let mut carried = Vec::new();
     if let Some(frame) = data.frames.first() {
         let everywhere = |name: &&String| data.frames.iter().all(|f| f.extra.contains_key(*name));
-        let own = |name: &&String| name.as_str() != "humidity_pct" && name.as_str() != "distance_m";
+        let own =
+            |name: &&String| !["humidity_pct", "distance_m", "ice_c"].contains(&name.as_str());
         carried.extend(frame.extra.keys().filter(everywhere).filter(own).cloned());
     }
     columns.extend(carried.into_iter().map(|name| (name.clone(), Some(name))));

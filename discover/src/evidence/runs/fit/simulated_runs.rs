@@ -123,6 +123,7 @@ impl RunSimulator {
         let shift = below(rng, n);
         let flip = sign(rng);
         let sled = &residual_model.vehicle.sled;
+        let mass_kg = plus.mass_kg.unwrap_or(sled.mass_kg);
         let rest = |c: usize, k: usize| -> f64 {
             match rows[c].get(samples[(k + shift) % n]) {
                 Some(r) => flip * self.beyond[c] * r,
@@ -131,8 +132,8 @@ impl RunSimulator {
         };
         for (k, i) in samples.iter().copied().enumerate() {
             let yaw = rest(2, k) / sled.j_zz_kgm2;
-            let ahead = rest(0, k) / sled.mass_kg - sled.accel_y_m * yaw;
-            let aside = rest(1, k) / sled.mass_kg + sled.accel_x_m * yaw;
+            let ahead = rest(0, k) / mass_kg - sled.accel_y_m * yaw;
+            let aside = rest(1, k) / mass_kg + sled.accel_x_m * yaw;
             for (twin, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
                 twin.rate_slope[2][i] += way * yaw;
                 twin.acceleration[0][i] += way * ahead;
@@ -198,6 +199,7 @@ impl RunSimulator {
 pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
     let mut twin = frame.clone();
     let sled = &residual_model.vehicle.sled;
+    let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
     let told = |sensor: Sensor, rest: Vec<f64>| {
         let delay = residual_model.delay(sensor, &frame.track);
         match delay == 0.0 {
@@ -208,8 +210,7 @@ pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) 
     let yaw: Vec<f64> = rows[2].iter().map(|m| m / sled.j_zz_kgm2).collect();
     let aligned = |place: f64, rows: &[f64]| -> Vec<f64> {
         let both = rows.iter().zip(&yaw);
-        both.map(|(r, yaw)| place * yaw - r / sled.mass_kg)
-            .collect()
+        both.map(|(r, yaw)| place * yaw - r / mass_kg).collect()
     };
     let along = aligned(sled.accel_y_m, &rows[0]);
     let side = aligned(-sled.accel_x_m, &rows[1]);

@@ -44,7 +44,7 @@ impl Campaign<'_> {
         let everywhere = |name: &&String| {
             let all = self.training.iter();
             all.clone().all(|f| f.extra.contains_key(*name))
-                && !["humidity_pct", "distance_m"].contains(&name.as_str())
+                && !["humidity_pct", "distance_m", "ice_c"].contains(&name.as_str())
         };
         frame.extra.keys().filter(everywhere).cloned().collect()
     }

@@ -155,6 +155,7 @@ pub struct ModelOnRun<'a> {
     vehicle: Vehicle,
     air_density: f64,
     humidity: Option<&'a Vec<f64>>,
+    ice: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
 }
 
@@ -165,6 +166,9 @@ impl<'a> ModelOnRun<'a> {
         let effects = residual_model.effects.on_track(&frame.track);
         let delays = effects.delays();
         vehicle.effects = effects.in_time();
+        if let Some(mass_kg) = frame.mass_kg {
+            vehicle.sled.mass_kg = mass_kg;
+        }
         let mut constants = vehicle.sled.constants();
         let installation = &residual_model.installation;
         installation.find_constants(&mut constants);
@@ -184,6 +188,7 @@ impl<'a> ModelOnRun<'a> {
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),
             humidity: frame.extra.get("humidity_pct"),
+            ice: frame.extra.get("ice_c"),
             wear: frame.extra.get("distance_m"),
         }
     }
@@ -220,7 +225,7 @@ impl<'a> ModelOnRun<'a> {
             s: frame.s[i],
             v,
             fz: f64::NAN,
-            ice_c: frame.ice_c,
+            ice_c: self.ice.map_or(frame.ice_c, |x| x[i]),
             air_c: frame.air_c,
             air_pa: frame.air_pa,
             humidity_pct: self.humidity.map_or(frame.humidity_pct, |x| x[i]),

@@ -59,7 +59,10 @@ pub fn available(
     }
     let spread = |value: fn(&Frame) -> f64| frames.iter().any(|f| value(f) != value(frames[0]));
     for (column, varies) in [
-        (Column::IceTemperature, spread(|f| f.ice_c)),
+        (
+            Column::IceTemperature,
+            varies("ice_c") || frames.iter().all(|f| f.ice_c.is_finite()) && spread(|f| f.ice_c),
+        ),
         (Column::AirTemperature, spread(|f| f.air_c)),
         (Column::AirPressure, spread(|f| f.air_pa)),
         (

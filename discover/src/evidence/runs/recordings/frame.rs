@@ -23,6 +23,8 @@ pub struct Frame {
     pub air_c: f64,
     /// Air pressure [Pa].
     pub air_pa: f64,
+    /// Mass of the sled with its crew [kg], where it is not the model's.
+    pub mass_kg: Option<f64>,
     /// Relative humidity [%]; NaN where nothing states it.
     pub humidity_pct: f64,
     /// Distance run on this finish of the runners before this run [m].
@@ -106,12 +108,11 @@ impl Frame {
 
     /// Columns that effects may ask for and that nothing states for this run.
     pub fn stated_nowhere(&self) -> Vec<&'static str> {
-        let humidity = self.humidity_pct.is_finite() || self.extra.contains_key("humidity_pct");
-        if humidity {
-            Vec::new()
-        } else {
-            vec!["humidity_pct"]
-        }
+        let stated = [("humidity_pct", self.humidity_pct), ("ice_c", self.ice_c)];
+        let nowhere = stated
+            .into_iter()
+            .filter(|(name, value)| !value.is_finite() && !self.extra.contains_key(*name));
+        nowhere.map(|(name, _)| name).collect()
     }
 
     /// A signal at kept samples, low-passed and thinned to rows.

@@ -71,6 +71,14 @@ pub fn prepare(
                 .map(|r| format!("run {}: {r}", run.entry.run))
         })
         .collect();
+    for (name, table) in &model.effects {
+        let track = table.get("track").and_then(|track| track.as_str());
+        if let Some(track) = track.filter(|track| runs.iter().all(|r| r.entry.track != *track)) {
+            remarks.push(format!(
+                "[effects.{name}] track = {track:?}: no run is on it, the effect does nothing"
+            ));
+        }
+    }
     let recordings = &rules.runs.recordings;
     let segmented = runs.len() == 1;
     let (mut frames, mut gaps) = (Vec::new(), Vec::new());

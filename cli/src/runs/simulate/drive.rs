@@ -1,0 +1,179 @@
+//! Runs of one driver on one track.
+
+use std::io::Write;
+use std::path::Path;
+
+use kufe_jobs::{Failure, runs::failure};
+use kufe_sled::plots::run_picture;
+use kufe_sled::sample_data::{DRIVERS, sample_driver};
+use kufe_sled::{
+    Driver, EnergyBalance, Model, OutsideTable, PrepareOptions, Run, SimulateOptions, Track,
+    TrackShape, Vehicle, outside_tables, prepare, record, simulate, simulated_entry,
+};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::staging::Staging;
+use crate::output::watched::warn;
+use crate::runs::recorded::begin;
+use crate::runs::simulate::args::Args;
+use crate::runs::simulate::written::{write_runs, write_track};
+
+/// Drives and writes them.
+pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
+    let told = |error: kufe_sled::Error| failure(&error);
+    let inputs = [model_file.to_path_buf(), track.to_path_buf()];
+    let model = Model::load(model_file).map_err(told)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(told)?;
+    let track = Track::load(track).map_err(told)?;
+    let shape = TrackShape::new(&track);
+    let (driver, driver_name) = driver(args)?;
+    let conditions = args.conditions()?.or(&vehicle.conditions);
+    let names = [
+        "runs.csv".to_owned(),
+        format!("track_{}.csv", track.name),
+        "simulation.json".to_owned(),
+        "overview.png".to_owned(),
+    ];
+    for text in vehicle.effects_elsewhere(&[&track.name]) {
+        warn(&format!("{}: {text}", model_file.display()));
+    }
+    let staging = begin(&inputs, &args.out, &names)?;
+    staging.remove_on_interrupt();
+    let bar = global.progress();
+    bar.set_message(format!("driving {} runs", args.runs));
+    let start = std::time::Instant::now();
+    let driven: Vec<(Run, EnergyBalance, bool, Vec<OutsideTable>)> = (0..args.runs)
+        .into_par_iter()
+        .map(|number| {
+            let options = SimulateOptions {
+                step_s: args.step,
+                rate_hz: args.rate,
+                start_speed_mps: args.start_speed,
+                most_s: args.most,
+                conditions,
+                seed: args.seed.wrapping_add(u64::from(number)),
+                ..SimulateOptions::default()
+            };
+            let simulated = simulate(&vehicle, &shape, &driver, &options)?;
+            let name = format!("run_{:03}", number + 1);
+            let mut entry = simulated_entry(&name, &track, &driver_name, conditions);
+            entry.session.clone_from(&args.session);
+            let noise = model.noise.as_ref().filter(|_| !args.no_noise);
+            let run = record(&simulated, &vehicle, noise, entry, options.seed);
+            let states = simulated.instants.iter().map(|instant| &instant.state);
+            let outside = outside_tables(&vehicle, states);
+            Ok((run, simulated.energy, simulated.finished, outside))
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect::<Result<_, _>>()
+        .map_err(told)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let simulated_s: f64 = driven
+        .iter()
+        .map(|(run, ..)| run.len() as f64 * run.dt_s)
+        .sum();
+    let mut runs: Vec<Run> = Vec::new();
+    let mut told_runs: Vec<Value> = Vec::new();
+    for (number, (run, energy, finished, outside)) in driven.into_iter().enumerate() {
+        told_runs.push(json!({
+            "run": run.entry.run,
+            "seed": args.seed.wrapping_add(number as u64),
+            "finished": finished,
+            "time_s": (run.len() - 1) as f64 * run.dt_s,
+            "energy_balance_relative_error": energy.relative_error(),
+            "gravity_j": energy.gravity_j,
+            "ice_j": energy.ice_j,
+            "air_j": energy.air_j,
+            "outside_tables": outside,
+        }));
+        for outside in outside {
+            warn(&format!("{}: {outside}", run.entry.run));
+        }
+        runs.push(run);
+    }
+    let document = json!({
+        "runs": told_runs,
+        "track": track.name,
+        "driver": driver_name,
+        "times_real_time": simulated_s / seconds,
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    bar.set_message("writing");
+    write_runs(&staging, &mut runs, args.format())?;
+    write_track(&staging, &track)?;
+    staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    let picture = draw_first(&staging, &runs, &model, &vehicle)?;
+    staging.commit()?;
+    bar.finish_and_clear();
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        let mut text = String::new();
+        for run in told_runs.iter().take(20) {
+            text += &format!(
+                "{}  {:.2} s{}  energy balance closed to {:.1e}\n",
+                run["run"].as_str().unwrap_or_default(),
+                run["time_s"].as_f64().unwrap_or_default(),
+                if run["finished"] == true {
+                    ""
+                } else {
+                    ", finish not reached"
+                },
+                run["energy_balance_relative_error"]
+                    .as_f64()
+                    .unwrap_or_default(),
+            );
+        }
+        text += &format!(
+            "{}: runs.csv, {} runs, track_{}.csv, simulation.json{picture}\n",
+            args.out.display(),
+            runs.len(),
+            track.name
+        );
+        say(&text);
+    }
+    Ok(())
+}
+
+fn driver(args: &Args) -> Result<(Driver, String), Failure> {
+    if let Some(name) = &args.driver {
+        if !DRIVERS.iter().any(|(known, ..)| known == name) {
+            let known: Vec<&str> = DRIVERS.iter().map(|(name, ..)| *name).collect();
+            return Err(Failure::Usage(format!(
+                "--driver {name}: expected one of {}",
+                known.join(", ")
+            )));
+        }
+        return Ok((sample_driver(name), name.clone()));
+    }
+    if !(0.0..=1.0).contains(&args.skill) {
+        return Err(Failure::Usage(format!(
+            "--skill {}: expected 0 to 1",
+            args.skill
+        )));
+    }
+    Ok((
+        Driver::of_skill(args.skill),
+        format!("skill {}", args.skill),
+    ))
+}
+
+/// Draws the first run where it is long enough to be prepared; names the picture for the summary.
+fn draw_first(
+    staging: &Staging,
+    runs: &[Run],
+    model: &Model,
+    vehicle: &Vehicle,
+) -> Result<&'static str, Failure> {
+    let options = PrepareOptions::default();
+    let Ok(prepared) = prepare(&runs[0], vehicle, model.noise.as_ref(), &options) else {
+        return Ok("");
+    };
+    run_picture(&staging.path("overview.png"), &prepared)
+        .map_err(|error| staging.failure("overview.png", &error))?;
+    Ok(", overview.png")
+}

@@ -1,0 +1,192 @@
+//! A measured run driven again by the model.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use kufe_jobs::{Failure, runs::failure};
+use kufe_sled::plots::replay_picture;
+use kufe_sled::{
+    Difference, Entry, Error, Inputs, Model, OnGaps, Replay, SimulateOptions, Track, TrackShape,
+    Vehicle, beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record,
+    replay,
+};
+use serde_json::json;
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::output::watched::warn;
+use crate::runs::recorded::begin;
+use crate::runs::simulate::args::Args;
+use crate::runs::simulate::written::{write_runs, write_track};
+
+/// Drives the run again and writes both beside each other.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for options out of range.
+pub fn replay_run(
+    args: &Args,
+    model_file: &Path,
+    track_file: &Path,
+    global: &Global,
+) -> Result<(), Failure> {
+    let told = |error: Error| failure(&error);
+    let model = Model::load(model_file).map_err(told)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(told)?;
+    let track = Track::load(track_file).map_err(told)?;
+    let mut inputs: Vec<PathBuf> = vec![model_file.to_path_buf(), track_file.to_path_buf()];
+    inputs.extend(args.replay.clone());
+    let entry = entry(args, &track)?;
+    inputs.push(entry.file.clone());
+    let names = [
+        "runs.csv".to_owned(),
+        format!("{}.{}", entry.run, args.format().extension()),
+        format!("track_{}.csv", track.name),
+        "simulation.json".to_owned(),
+        "replay.png".to_owned(),
+    ];
+    for text in vehicle.effects_elsewhere(&[&track.name]) {
+        warn(&format!("{}: {text}", model_file.display()));
+    }
+    let staging = begin(&inputs, &args.out, &names)?;
+    staging.remove_on_interrupt();
+    let on_gaps = if args.strict {
+        OnGaps::Refuse
+    } else {
+        OnGaps::LeaveOut
+    };
+    let run = read_for_replay(&entry, on_gaps).map_err(told)?;
+    for remark in &run.remarks {
+        warn(remark);
+    }
+    let options = SimulateOptions {
+        step_s: args.step,
+        rate_hz: args.rate,
+        most_s: args.most,
+        conditions: entry.conditions,
+        ..SimulateOptions::default()
+    };
+    let measured = Inputs::of(&run, &vehicle, track.s_m[0]).map_err(told)?;
+    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options).map_err(told)?;
+    let mut driven = record(&done.simulated, &vehicle, None, entry, 0);
+    driven.t0_s = measured.readings[0].t_s;
+    let states = done.simulated.instants.iter().map(|instant| &instant.state);
+    let outside = outside_tables(&vehicle, states);
+    beside_measured(&mut driven, &measured);
+    let document = json!({
+        "replay": done,
+        "measured": run.entry.file,
+        "finished": done.stopped.is_none(),
+        "energy_balance_relative_error": done.simulated.energy.relative_error(),
+        "outside_tables": outside,
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    write_runs(&staging, std::slice::from_mut(&mut driven), args.format())?;
+    write_track(&staging, &track)?;
+    staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    replay_picture(&staging.path("replay.png"), &done)
+        .map_err(|error| staging.failure("replay.png", &error))?;
+    staging.commit()?;
+    for outside in &outside {
+        warn(&format!("{}: {outside}", done.run));
+    }
+    if !done.taking_part.gaps.is_none() {
+        warn(&gaps_line(std::slice::from_ref(&done.taking_part)));
+    }
+    if done.bridged_m > 0.0 {
+        warn(&format!(
+            "{}: the steering crosses {:.1} m without a value on a straight line",
+            done.run, done.bridged_m
+        ));
+    }
+    if let Some(reason) = &done.stopped {
+        warn(&format!("{}: {reason}; compared up to there", done.run));
+    }
+    if global.json {
+        say(&format!("{document:#}\n"));
+    } else if !global.quiet {
+        say(&summary(&done));
+        say(&format!(
+            "{}: runs.csv, {}, track_{}.csv, simulation.json, replay.png\n",
+            args.out.display(),
+            driven.entry.file.display(),
+            track.name
+        ));
+    }
+    Ok(())
+}
+
+/// The run's row: of the index where one is named by `--run`, else made of the options.
+fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
+    let file = args.replay.clone().unwrap_or_default();
+    let Some(name) = &args.run else {
+        let stem = file
+            .file_stem()
+            .map(|stem| stem.to_string_lossy().into_owned());
+        return Ok(Entry {
+            run: stem.unwrap_or_default(),
+            file,
+            track: track.name.clone(),
+            driver: "measured".to_owned(),
+            driver_class: "measured".to_owned(),
+            session: args.session.clone(),
+            conditions: args.conditions()?,
+        });
+    };
+    let entries = read_index(&file).map_err(|error| failure(&error))?;
+    let known: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
+    let Some(entry) = entries.iter().find(|entry| entry.run == *name) else {
+        return Err(Failure::BadInput(format!(
+            "--run {name}: {} has {}",
+            file.display(),
+            known.join(", ")
+        )));
+    };
+    if entry.track != track.name {
+        return Err(Failure::BadInput(format!(
+            "{}: run {name} is one on track {}, expected one on {}",
+            file.display(),
+            entry.track,
+            track.name
+        )));
+    }
+    Ok(entry.clone())
+}
+
+fn summary(done: &Replay) -> String {
+    let mut text = format!(
+        "{} on {}, {:.0} to {:.0} m, measured less model\n\
+         column              root mean square        at the end           largest\n",
+        done.run,
+        done.track,
+        done.from_m.round() + 0.0,
+        done.to_m
+    );
+    for difference in &done.differences {
+        let Difference {
+            column,
+            rms,
+            end,
+            largest,
+            largest_at_m,
+        } = difference;
+        text +=
+            &format!("{column:18} {rms:17.4} {end:17.4} {largest:17.4} at {largest_at_m:.0} m\n");
+    }
+    text += &format!(
+        "the model lacks {:.1} N along the sled in the mean\n",
+        done.mean_force_n
+    );
+    for section in &done.sections {
+        let unit = if section.column == "v_mps" { " N" } else { "" };
+        text += &format!(
+            "{} parts from {:.0} to {:.0} m: {:.3}{unit}, {:.1} times the usual; {:+.3} s\n",
+            section.column,
+            section.from_m,
+            section.to_m,
+            section.size,
+            section.times_rms,
+            section.lost_s
+        );
+    }
+    text
+}

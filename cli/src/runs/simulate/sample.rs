@@ -1,0 +1,87 @@
+//! The sample data set.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use kufe_jobs::{Failure, runs::failure};
+use kufe_sled::Model;
+use kufe_sled::sample_data::{DRIVERS, drive_sample, sample_driver, sample_plan, sample_track};
+use serde_json::json;
+
+use crate::output::global::Global;
+use crate::output::say::say;
+use crate::runs::recorded::begin;
+use crate::runs::simulate::args::Args;
+use crate::runs::simulate::written::{write_runs, write_track};
+
+/// Makes and writes it.
+pub fn sample(
+    args: &Args,
+    folder: &Path,
+    model_file: Option<&Path>,
+    global: &Global,
+) -> Result<(), Failure> {
+    let told = |error: kufe_sled::Error| failure(&error);
+    let model = match model_file {
+        Some(path) => Model::load(path).map_err(told)?,
+        None => Model::published(),
+    };
+    let inputs: Vec<PathBuf> = model_file.map(Path::to_path_buf).into_iter().collect();
+    let names = [
+        "runs.csv",
+        "track_east.csv",
+        "track_west.csv",
+        "model.toml",
+        "truth.json",
+    ];
+    let staging = begin(&inputs, folder, &names)?;
+    staging.remove_on_interrupt();
+    let bar = global.progress();
+    bar.set_message("driving 44 runs");
+    let plan = sample_plan(args.seed);
+    let mut runs = drive_sample(&plan, &model).map_err(told)?;
+    bar.set_message("writing");
+    write_runs(&staging, &mut runs, args.format())?;
+    for name in ["east", "west"] {
+        write_track(&staging, &sample_track(name))?;
+    }
+    staging.write("model.toml", |mut file| {
+        file.write_all(model.to_toml().as_bytes())
+    })?;
+    let truth = json!({
+        "seed": args.seed,
+        "model": "model.toml is the truth that the runs were driven with",
+        "drivers": DRIVERS.iter().map(|(name, class, count)| {
+            let driver = sample_driver(name);
+            json!({
+                "driver": name, "class": class, "runs": count,
+                "feedforward": driver.feedforward, "preview_s": driver.preview_s,
+                "line_gain_rad_per_m": driver.line_gain, "course_gain": driver.course_gain,
+                "lag_s": driver.lag_s, "most_rad": driver.most_rad,
+                "noise_rad": driver.noise_rad, "wander_m": driver.wander_m, "length_m": driver.length_m,
+            })
+        }).collect::<Vec<_>>(),
+        "runs": plan.iter().map(|run| json!({
+            "run": run.run, "track": run.track, "session": run.session,
+            "seed": run.options.seed, "start_speed_mps": run.options.start_speed_mps,
+            "wall_contacts": run.options.contacts.iter().map(|contact| json!({
+                "s_m": contact.s_m, "length_m": contact.length_m,
+                "force_n": contact.force_n, "x_m": contact.x_m,
+            })).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    staging.write("truth.json", |mut file| writeln!(file, "{truth:#}"))?;
+    staging.commit()?;
+    bar.finish_and_clear();
+    if global.json {
+        say(&format!("{truth:#}\n"));
+    } else if !global.quiet {
+        say(&format!(
+            "{}: runs.csv, {} runs, track_east.csv, track_west.csv, model.toml and truth.json (what they were driven with)\n",
+            folder.display(),
+            runs.len()
+        ));
+    }
+    Ok(())
+}

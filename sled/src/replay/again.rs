@@ -1,0 +1,133 @@
+//! The model driven with a run's own start and steering.
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::model::refuse::refuse_effects;
+use crate::model::vehicle::Vehicle;
+use crate::record::check::taking_part::TakingPart;
+use crate::replay::compared::{Compared, Difference, compare, differences};
+use crate::replay::inputs::Inputs;
+use crate::replay::sections::{Section, sections};
+use crate::simulate::drive::{Simulated, integrate};
+use crate::simulate::dynamics::{COUNT, TIME, Unknowns, World};
+use crate::simulate::options::SimulateOptions;
+use crate::simulate::steering::Steering;
+use crate::track::shape::TrackShape;
+
+/// A run and what the model makes of its start and its steering.
+#[derive(Clone, Debug, Serialize)]
+pub struct Replay {
+    /// Name of the run.
+    pub run: String,
+    /// Track.
+    pub track: String,
+    /// Where the comparison begins and ends [m].
+    pub from_m: f64,
+    /// See `from_m`.
+    pub to_m: f64,
+    /// Why the model did not come to the run's end, where it did not.
+    pub stopped: Option<String>,
+    /// Way on which the steering is a straight line across a gap [m].
+    pub bridged_m: f64,
+    /// What of the run takes part.
+    pub taking_part: TakingPart,
+    /// Force along the sled that the model lacks in the mean [N]: the growth of the difference of kinetic energies over the way.
+    pub mean_force_n: f64,
+    /// How far both are apart, by column.
+    pub differences: Vec<Difference>,
+    /// Where they part.
+    pub sections: Vec<Section>,
+    /// Both beside each other; not part of the report.
+    #[serde(skip)]
+    pub compared: Vec<Compared>,
+    /// Stretches of `compared` without a gap.
+    #[serde(skip)]
+    pub pieces: Vec<Range<usize>>,
+    /// What the model did.
+    #[serde(skip)]
+    pub simulated: Simulated,
+}
+
+/// Drives the model down the track with the start and the steering of a run, and sets both beside each other.
+///
+/// The start is the first reading's place, time, speed, slip angle and yaw rate, moving along the line. The steering angle is
+/// that measured at the same *place*, so that a curve is steered in where it is also when the model comes late. What the
+/// model does not know (where across the track the sled was, walls) it does not get.
+///
+/// Of `options`, the start speed, the seed and contacts are not asked; steps and their order as in [`crate::simulate()`].
+///
+/// # Errors
+/// [`Error::Cell`] for a run that begins off the track, [`Error::TooFew`], those of options and effects.
+pub fn replay(
+    inputs: &Inputs,
+    vehicle: &Vehicle,
+    track: &TrackShape,
+    options: &SimulateOptions,
+) -> Result<Replay, Error> {
+    let vehicle = &vehicle.on_run(&track.name, &options.conditions);
+    let conditions = options.conditions.or(&vehicle.conditions);
+    refuse_effects(&vehicle.effects, &conditions.absent(), "replay")?;
+    vehicle.refuse_unstated_ice(conditions.ice_c.is_finite(), "replay")?;
+    let first = inputs.readings[0];
+    let last = inputs.readings[inputs.readings.len() - 1];
+    if !(track.start_m - 1.0..track.finish_m).contains(&first.s_m) {
+        return Err(Error::Place {
+            file: inputs.entry.file.display().to_string(),
+            s_m: first.s_m,
+            track: track.name.clone(),
+            from_m: track.start_m,
+            to_m: track.finish_m,
+        });
+    }
+    let (steering, bridged_m) = inputs.steering()?;
+    let world = World {
+        vehicle,
+        shape: track,
+        conditions,
+        density: conditions.air_density(),
+        steering: Steering::Recorded(steering),
+        contacts: &[],
+        cross_curvature: options.cross_curvature_1pm,
+    };
+    let [speed, alpha, yaw, _] = first.values;
+    let (vx, vy) = (
+        speed * alpha.cos(),
+        -speed * alpha.sin() - vehicle.sled.slip_x_m * yaw,
+    );
+    let mut start: Unknowns = [0.0; COUNT];
+    start[0] = first.s_m;
+    start[2] = -vy.atan2(vx);
+    start[3..6].copy_from_slice(&[vx, vy, yaw]);
+    start[TIME] = first.t_s;
+    let finish_m = last.s_m.min(track.finish_m);
+    let (simulated, trouble) = integrate(&world, start, finish_m, options)?;
+    let (compared, pieces) = compare(inputs, &simulated);
+    let (Some(begin), Some(end)) = (compared.first(), compared.last()) else {
+        let too_few = || Error::TooFew {
+            what: format!("run {}: samples to compare", inputs.entry.run),
+            found: 0,
+            needed: 1,
+        };
+        return Err(trouble.unwrap_or_else(too_few));
+    };
+    let mass = vehicle.sled.mass_kg;
+    let way = (end.s_m - begin.s_m).max(1e-9);
+    Ok(Replay {
+        run: inputs.entry.run.clone(),
+        track: track.name.clone(),
+        from_m: begin.s_m,
+        to_m: end.s_m,
+        stopped: trouble.map(|error| error.to_string()),
+        bridged_m,
+        taking_part: inputs.taking_part.clone(),
+        mean_force_n: (end.energy_gap(mass) - begin.energy_gap(mass)) / way,
+        differences: differences(&compared, inputs.recorded),
+        sections: sections(&compared, &pieces, inputs, mass),
+        compared,
+        pieces,
+        simulated,
+    })
+}

@@ -1,0 +1,193 @@
+//! What a replay takes from a run: start and steering; speed, slip, yaw rate and roll split to compare with.
+
+use std::ops::Range;
+
+use kufe_effect::Sensor;
+
+use crate::error::Error;
+use crate::model::vehicle::Vehicle;
+use crate::record::check::LEAST_SAMPLES;
+use crate::record::check::gaps::OnGaps;
+use crate::record::check::relations::judge::refuse_faults;
+use crate::record::check::taking_part::TakingPart;
+use crate::record::index::Entry;
+use crate::record::read_runs::{read_run, read_run_of};
+use crate::record::run::Run;
+use crate::signals::distance::Distance;
+use crate::signals::filter::{self, noise_gain};
+use crate::signals::further::Further;
+use crate::signals::noise::noise_sd_within;
+use crate::signals::resampling::{PrepareOptions, Resampling};
+use crate::signals::sensed::Sensed;
+use crate::track::spline::Spline;
+
+/// Columns that a replay needs besides `t_s`.
+pub const REPLAY_COLUMNS: [&str; 2] = ["v_mps", "delta_rad"];
+/// Columns that it compares with where they are recorded, and the place.
+const COMPARED: [&str; 4] = ["alpha_rad", "yaw_rate_radps", "gamma_rad", "s_m"];
+/// Knots of the straight line by which the steering crosses a gap [m].
+const BRIDGE_M: f64 = 1.0;
+
+/// One moment of a measured run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Time [s].
+    pub t_s: f64,
+    /// Distance along the track [m].
+    pub s_m: f64,
+    /// Speed, slip angle, yaw rate and roll split at the sensors [m/s, rad, rad/s, rad]; 0 where not recorded.
+    pub values: [f64; 4],
+    /// Steering angle [rad].
+    pub delta_rad: f64,
+}
+
+/// Sensors of [`Reading::values`].
+pub const READ: [Sensor; 4] = [
+    Sensor::Speed,
+    Sensor::Slip,
+    Sensor::YawRate,
+    Sensor::RollSplit,
+];
+
+/// A measured run as a replay sees it.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    /// Its row in the index.
+    pub entry: Entry,
+    /// Readings at even times but for gaps.
+    pub readings: Vec<Reading>,
+    /// Stretches of `readings` without a gap.
+    pub pieces: Vec<Range<usize>>,
+    /// Which of [`READ`] were recorded.
+    pub recorded: [bool; 4],
+    /// Standard deviations of [`Reading::values`] that their noise leaves.
+    pub noise_sd: [f64; 4],
+    /// What of the run takes part.
+    pub taking_part: TakingPart,
+}
+
+/// Reads a run for a replay; only [`REPLAY_COLUMNS`] must be there, and only gaps of columns that a replay uses count.
+///
+/// # Errors
+/// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name says.
+pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
+    let run = read_run_of(entry.clone(), &REPLAY_COLUMNS, &COMPARED, on_gaps)?;
+    // All channels bear witness, also those that a replay does not use.
+    if let Ok(whole) = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut) {
+        refuse_faults(&[whole])?;
+    }
+    Ok(run)
+}
+
+impl Inputs {
+    /// Filters a run; effects of the vehicle that stand between the truth and its sensors are taken out.
+    ///
+    /// A run without `s_m` begins at `start_m` [m].
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`], [`Error::TooShort`], [`Error::Keys`] for an effect that needs what nothing states.
+    pub fn of(run: &Run, vehicle: &Vehicle, start_m: f64) -> Result<Inputs, Error> {
+        for name in REPLAY_COLUMNS {
+            run.column(name)?;
+        }
+        let effects = vehicle.effects.on_track(&run.entry.track);
+        let base = Resampling::of(run, &PrepareOptions::default());
+        let further = Further::of(run, vehicle, &effects)?;
+        let mut distance = Distance::of(run)?;
+        let from = if run.columns.contains_key("s_m") {
+            0.0
+        } else {
+            start_m
+        };
+        let (mut readings, mut pieces) = (Vec::new(), Vec::new());
+        for (number, piece) in run.gaps.pieces.iter().enumerate() {
+            if base.samples(piece).len() < filter::LEAST_SAMPLES {
+                continue;
+            }
+            let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance)?;
+            let start = readings.len();
+            for i in base.kept(number, run.gaps.pieces.len(), sensed.len()) {
+                let (signals, at) = (sensed.signals(i), sensed.conditions(i));
+                readings.push(Reading {
+                    t_s: at.t,
+                    s_m: from + at.s,
+                    values: READ.map(|sensor| signals[sensor]),
+                    delta_rad: signals[Sensor::Steering],
+                });
+            }
+            if start < readings.len() {
+                pieces.push(start..readings.len());
+            }
+        }
+        if readings.len() < LEAST_SAMPLES {
+            return Err(Error::TooShort {
+                file: run.entry.file.display().to_string(),
+                samples: readings.len(),
+                needed: LEAST_SAMPLES,
+            });
+        }
+        let gain = noise_gain(base.from_hz, base.narrowest_hz);
+        Ok(Inputs {
+            entry: run.entry.clone(),
+            recorded: READ.map(|sensor| run.columns.contains_key(sensor.name())),
+            noise_sd: READ.map(|sensor| {
+                let column = run.columns.get(sensor.name());
+                column.map_or(0.0, |c| gain * noise_sd_within(run.gaps.within(c)))
+            }),
+            taking_part: TakingPart {
+                run: run.entry.run.clone(),
+                gaps: run.gaps.clone(),
+                stretches: pieces.len(),
+                used_s: readings.len() as f64 / base.rate_hz,
+                of_s: run.len() as f64 * run.dt_s,
+            },
+            readings,
+            pieces,
+        })
+    }
+
+    /// The steering over the distance, a straight line across each gap, and the way that it crosses so [m].
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] where the distance does not grow.
+    pub(crate) fn steering(&self) -> Result<(Spline, f64), Error> {
+        let (mut s, mut angle): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut bridged = 0.0;
+        // Knots nearer than a quarter of the mean spacing would carry the noise of the distance.
+        let last = self.readings.len() - 1;
+        let spacing = (self.readings[last].s_m - self.readings[0].s_m) / last as f64;
+        for piece in &self.pieces {
+            for (number, reading) in self.readings[piece.clone()].iter().enumerate() {
+                let Some((&last, &before)) = s.last().zip(angle.last()) else {
+                    s.push(reading.s_m);
+                    angle.push(reading.delta_rad);
+                    continue;
+                };
+                let way = reading.s_m - last;
+                if number == 0 && way > BRIDGE_M {
+                    bridged += way;
+                    let knots = (way / BRIDGE_M) as usize;
+                    for share in (1..knots).map(|k| k as f64 / knots as f64) {
+                        s.push(last + share * way);
+                        angle.push(before + share * (reading.delta_rad - before));
+                    }
+                }
+                if way > 0.25 * spacing.max(1e-6) {
+                    s.push(reading.s_m);
+                    angle.push(reading.delta_rad);
+                }
+            }
+        }
+        if s.len() < LEAST_SAMPLES {
+            return Err(Error::TooFew {
+                what: format!(
+                    "{}: samples along which the distance grows",
+                    self.entry.file.display()
+                ),
+                found: s.len(),
+                needed: LEAST_SAMPLES,
+            });
+        }
+        Ok((Spline::natural(&s, &angle), bridged))
+    }
+}

@@ -1,0 +1,181 @@
+//! Runs whose distance was shifted and stretched come back to one, and to a track that they felt.
+
+use kufe_sled::sample_data::{drive_planned, sample_plan, sample_track};
+use kufe_sled::{
+    Aligned, Driver, Model, PrepareOptions, Prepared, Run, SimulateOptions, Tolerances, Track,
+    TrackEstimate, TrackShape, Vehicle, align, prepare, simulate, state_places,
+};
+
+/// Sample runs on `east` by every driver, each with its own shift [m] and stretch, and the true distance of every row.
+fn shifted(count: usize) -> (Vec<Run>, Vec<Vec<f64>>) {
+    let model = Model::published();
+    let vehicle = Vehicle::new(&model).unwrap();
+    let track = sample_track("east");
+    let shape = TrackShape::new(&track);
+    let plan = sample_plan(1);
+    let east: Vec<_> = plan.iter().filter(|run| run.track == "east").collect();
+    let every = east.len() / count;
+    let planned = east.iter().step_by(every).take(count);
+    let mut runs: Vec<Run> = planned
+        .map(|planned| drive_planned(planned, &model, &vehicle, &shape, &track).unwrap())
+        .collect();
+    let mut truth = Vec::new();
+    for (i, run) in runs.iter_mut().enumerate() {
+        // From 5 to 60 m late on the track, half a per cent longer or shorter, turn about.
+        let share = i as f64 / (count - 1) as f64;
+        let (late, stretch) = (5.0 + 55.0 * share, if i % 2 == 0 { 1.005 } else { 0.995 });
+        let places = &run.columns["s_m"];
+        let first = places.iter().position(|s| *s >= late).unwrap();
+        let kept = run.len() - first;
+        for column in run.columns.values_mut() {
+            column.drain(..first);
+        }
+        run.t0_s += first as f64 * run.dt_s;
+        run.gaps = kufe_sled::Gaps::none(kept);
+        let places = run.columns["s_m"].clone();
+        let own = places.iter().map(|s| (s - places[0]) / stretch).collect();
+        run.columns.insert("s_m".to_string(), own);
+        truth.push(places);
+    }
+    (runs, truth)
+}
+
+fn prepared(runs: &[Run], vehicle: &Vehicle) -> Vec<Prepared> {
+    let options = PrepareOptions::default();
+    let prepared = runs.iter().map(|run| prepare(run, vehicle, None, &options));
+    prepared.collect::<Result<_, _>>().unwrap()
+}
+
+fn aligned(runs: &[Run], vehicle: &Vehicle, survey: Option<&TrackShape>) -> Aligned {
+    let prepared = prepared(runs, vehicle);
+    let prepared: Vec<&Prepared> = prepared.iter().collect();
+    align(&prepared, vehicle, survey, &Tolerances::default()).unwrap()
+}
+
+/// The largest error of every run's place [m] but for a shift that is common to all.
+fn errors(runs: &[Run], truth: &[Vec<f64>], found: &Aligned, common: f64) -> Vec<f64> {
+    let placed = runs.iter().zip(truth).zip(&found.runs);
+    placed
+        .map(|((run, truth), found)| {
+            let mut run = run.clone();
+            state_places(&mut run, &found.warp).unwrap();
+            let places = run.columns["s_m"].iter().zip(truth);
+            places
+                .map(|(s, truth)| (s + common - truth).abs())
+                .fold(0.0, f64::max)
+        })
+        .collect()
+}
+
+#[test]
+fn shifted_and_stretched_runs_are_placed_on_the_survey_within_half_a_metre() {
+    let vehicle = Vehicle::new(&Model::published()).unwrap();
+    let (runs, truth) = shifted(8);
+    let shape = TrackShape::new(&sample_track("east"));
+    let found = aligned(&runs, &vehicle, Some(&shape));
+    let errors = errors(&runs, &truth, &found, 0.0);
+    println!("largest errors [m]: {errors:.3?}");
+    for (error, run) in errors.iter().zip(&found.runs) {
+        println!("{run:?}");
+        assert!(*error < 0.5, "{}: {error} m", run.run);
+        // The stated error is that of the place where it is known worst.
+        assert!(
+            *error < 5.0 * run.sd_m,
+            "{}: {error} m, {}",
+            run.run,
+            run.sd_m
+        );
+    }
+}
+
+#[test]
+fn runs_without_a_survey_are_placed_on_one_another_and_give_the_track_within_its_errors() {
+    let vehicle = Vehicle::new(&Model::published()).unwrap();
+    let (runs, truth) = shifted(8);
+    let found = aligned(&runs, &vehicle, None);
+    // The earliest start is 0, which was 5 m on the track.
+    let common = truth[0][0] - found.runs[0].start_m;
+    assert!(found.runs.iter().all(|run| run.start_m > -0.5));
+    let errors = errors(&runs, &truth, &found, common);
+    println!("largest errors [m]: {errors:.3?}, common shift {common}");
+    assert!(errors.iter().all(|error| *error < 0.5), "{errors:?}");
+
+    let TrackEstimate {
+        track,
+        sd,
+        runs: count,
+    } = found.estimate.unwrap();
+    assert!(count.iter().all(|count| *count >= 2));
+    let known = TrackShape::new(&sample_track("east"));
+    let columns = [
+        ("slope", &track.slope_rad, &known.slope),
+        ("curvature", &track.curvature_1pm, &known.curvature),
+        ("bank", &track.bank_rad, &known.bank),
+    ];
+    for ((name, values, truth), sd) in columns.into_iter().zip(&sd) {
+        let off: Vec<f64> = (0..values.len())
+            .map(|i| (values[i] - truth.value(track.s_m[i] + common)) / sd[i])
+            .collect();
+        let mean_square = off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64;
+        let beyond = off.iter().filter(|off| off.abs() > 3.0).count() as f64 / off.len() as f64;
+        let plain = (0..values.len())
+            .map(|i| (values[i] - truth.value(track.s_m[i] + common)).powi(2))
+            .sum::<f64>()
+            / off.len() as f64;
+        println!(
+            "{name}: {:.2} of its errors, {:.1} % beyond three; {:.2e}",
+            mean_square.sqrt(),
+            100.0 * beyond,
+            plain.sqrt()
+        );
+        assert!(mean_square.sqrt() < 1.5 && beyond < 0.03, "{name}");
+    }
+}
+
+#[test]
+fn an_estimated_track_is_driven_in_the_time_of_the_true_one() {
+    let vehicle = Vehicle::new(&Model::published()).unwrap();
+    let (runs, truth) = shifted(8);
+    let found = aligned(&runs, &vehicle, None);
+    let common = truth[0][0] - found.runs[0].start_m;
+    let estimate = found.estimate.unwrap();
+    let mut file = Vec::new();
+    estimate.write_csv(&mut file).unwrap();
+    let read = Track::from_csv(file.as_slice(), "east", "track_east.csv").unwrap();
+    assert_eq!(read.s_m.len(), estimate.track.s_m.len());
+    let mut part = sample_track("east");
+    let (from, to) = (read.s_m[0] + common, read.s_m[read.s_m.len() - 1] + common);
+    let keep: Vec<bool> = part.s_m.iter().map(|s| (from..=to).contains(s)).collect();
+    for column in [
+        &mut part.s_m,
+        &mut part.slope_rad,
+        &mut part.curvature_1pm,
+        &mut part.bank_rad,
+    ] {
+        let mut kept = keep.iter();
+        column.retain(|_| *kept.next().unwrap());
+    }
+    let time = |track: &Track| {
+        let options = SimulateOptions::default();
+        let driver = Driver::of_skill(1.0);
+        let driven = simulate(&vehicle, &TrackShape::new(track), &driver, &options).unwrap();
+        assert!(driven.finished);
+        driven.instants.last().unwrap().state.t_s
+    };
+    let (estimated, truth) = (time(&read), time(&part));
+    println!("{estimated} s on the estimated track, {truth} s on the true one");
+    // The slope is known within 0.002 rad of 0.1 rad, alike along the way: 1 % of the time.
+    assert!((estimated / truth - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_run_on_another_track_is_refused_by_name() {
+    let vehicle = Vehicle::new(&Model::published()).unwrap();
+    let (runs, _) = shifted(2);
+    let prepared = prepared(&runs, &vehicle);
+    let prepared: Vec<&Prepared> = prepared.iter().collect();
+    let west = TrackShape::new(&sample_track("west"));
+    let error = align(&prepared, &vehicle, Some(&west), &Tolerances::default());
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("east") && error.contains(".csv"), "{error}");
+}
