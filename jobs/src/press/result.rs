@@ -55,6 +55,15 @@ impl Pressed {
             "history": history,
             "case": case_json(&self.loaded.case),
         });
+        if let (Some(check), Value::Object(document)) = (&self.check, &mut document) {
+            let place = document
+                .keys()
+                .position(|key| key == "p_mean_pa")
+                .unwrap_or(0);
+            for (shift, (key, value)) in check.keys().into_iter().enumerate() {
+                document.shift_insert(place + shift, key, value);
+            }
+        }
         if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
             document.extend(slid.keys());
         }
