@@ -19,6 +19,7 @@ use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::output::watched::warn;
 use crate::runs::recorded::begin;
+use crate::runs::series::write_channels;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -72,6 +73,9 @@ pub struct Args {
     /// Leave the sensors' noise off
     #[arg(long)]
     no_noise: bool,
+    /// The runs for MATLAB too, all channels over time: simulation.mat
+    #[arg(long, conflicts_with = "sample_data")]
+    mat: bool,
     /// Write Parquet instead of CSV
     #[arg(long)]
     parquet: bool,
@@ -123,6 +127,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
         format!("track_{}.csv", track.name),
         "simulation.json".to_owned(),
         "overview.png".to_owned(),
+        "simulation.mat".to_owned(),
     ];
     let staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
@@ -190,6 +195,9 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
     write_runs(&staging, &mut runs, format(args))?;
     write_track(&staging, &track)?;
     staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    if args.mat {
+        write_channels(&staging, &document, &runs)?;
+    }
     let picture = draw_first(&staging, &runs, &model, &vehicle)?;
     staging.commit()?;
     bar.finish_and_clear();

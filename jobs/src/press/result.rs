@@ -44,6 +44,7 @@ impl Pressed {
             "fz_n": solution.fz,
             "kkt_residual": solution.kkt_residual,
             "stiffness": if solution.assembled.is_empty() { "matrix-free" } else { "assembled" },
+            "symmetry": solution.symmetry,
             "dofs": solution.dofs,
             "iterations": solution.iterations,
             "seconds": self.seconds,
