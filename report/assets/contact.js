@@ -133,7 +133,7 @@ const within = (error, unit) => (Number.isFinite(error) && error > 0 ? `, \u00b1
 function checkOf(result) {
   const peak = result.check_p_max_pa;
   if (!Number.isFinite(peak)) return [];
-  return [[`${figure(1e-6 * peak)} MPa`, `peak by boundary elements${within(1e-6 * result.check_p_max_error_pa, "MPa")}: a check that shares nothing but the gap`]];
+  return [[`${figure(1e-6 * peak)} MPa`, `peak by boundary elements${within(1e-6 * result.check_p_max_error_pa, "MPa")}`]];
 }
 
 /** What steady sliding adds to the headline. */
