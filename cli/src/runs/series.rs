@@ -41,9 +41,12 @@ fn write(
     })
 }
 
+/// What a column holds of an instant.
+type Column = fn(&LateralForce) -> f64;
+
 /// `series`: a structure a run, its lateral force over time.
 fn forces(runs: &[RunValidation]) -> (String, MatValue) {
-    let columns: [(&str, fn(&LateralForce) -> f64); 5] = [
+    let columns: [(&str, Column); 5] = [
         ("t_s", |force| force.t_s),
         ("s_m", |force| force.s_m),
         ("measured_n", |force| force.measured_n),
@@ -51,9 +54,7 @@ fn forces(runs: &[RunValidation]) -> (String, MatValue) {
         ("braghin_n", |force| force.braghin_n),
     ];
     let row = |run: &RunValidation| {
-        let column = |(_, of): &(&str, fn(&LateralForce) -> f64)| {
-            MatValue::row(run.series.iter().map(of).collect())
-        };
+        let column = |(_, of): &(&str, Column)| MatValue::row(run.series.iter().map(of).collect());
         let name = MatValue::Text(run.run.clone());
         std::iter::once(name)
             .chain(columns.iter().map(column))

@@ -149,9 +149,7 @@ impl<'a> Solve<'a> {
                 .fold(f64::MIN_POSITIVE, f64::max);
             let square: f64 = pressed.iter().map(|&c| left(c).powi(2)).sum();
             if square.sqrt() <= tolerance * depth * (pressed.len() as f64).sqrt() {
-                for c in 0..count {
-                    self.now.left[c] = residual[c] - self.plane.closing(c, motion);
-                }
+                self.now.left = (0..count).map(left).collect();
                 return Ok(());
             }
             let turn = square / before;
@@ -164,7 +162,7 @@ impl<'a> Solve<'a> {
                 .iter()
                 .map(|&c| self.direction[c] * self.product[c])
                 .sum();
-            if !(curvature > 0.0) {
+            if curvature.is_nan() || curvature <= 0.0 {
                 return Err(NotChecked::NotSettled);
             }
             let step = square / curvature;
@@ -176,6 +174,25 @@ impl<'a> Solve<'a> {
             }
         }
         Err(NotChecked::NotSettled)
+    }
+
+    /// The pressure from which cells yield next: the hardness, but for half of the overloaded ones where these are most of the set, which would
+    /// carry nothing without them [Pa].
+    fn yields(&self) -> f64 {
+        let hardness = self.plane.hardness;
+        let pressed = || {
+            let cells = self.cells.iter().zip(&self.now.pressure);
+            cells.filter(|(cell, _)| **cell == Cell::Pressed)
+        };
+        let mut over: Vec<f64> = pressed()
+            .map(|(_, p)| *p)
+            .filter(|p| *p > hardness)
+            .collect();
+        if 2 * over.len() <= pressed().count() {
+            return hardness.next_up();
+        }
+        over.sort_by(f64::total_cmp);
+        over[over.len() / 2]
     }
 
     /// Opens, closes and yields where signs are wrong; whether any cell was.
@@ -190,11 +207,12 @@ impl<'a> Solve<'a> {
         let depth = (0..left.len())
             .map(|c| self.plane.closing(c, motion) - self.plane.gap[c])
             .fold(0.0, f64::max);
+        let yields = self.yields();
         let mut changed = false;
         for (c, cell) in self.cells.iter_mut().enumerate() {
             let next = match *cell {
                 Cell::Pressed if pressure[c] < -SLACK * top => Cell::Open,
-                Cell::Pressed if pressure[c] > self.plane.hardness => Cell::Yielding,
+                Cell::Pressed if pressure[c] >= yields => Cell::Yielding,
                 Cell::Open if left[c] < -SLACK * depth => Cell::Pressed,
                 Cell::Yielding if left[c] > SLACK * depth => Cell::Pressed,
                 same => same,

@@ -63,7 +63,7 @@ impl Window {
             lowest: line.lowest,
             extent,
         };
-        Some(window.scaled([AROUND; 2]))
+        Some(window.scaled(AROUND))
     }
 
     /// With other cells.
@@ -100,8 +100,7 @@ impl Window {
     pub fn fitted(&self, contact: [[usize; 2]; 2]) -> Option<Self> {
         let mut next = *self;
         let mut changed = false;
-        for axis in 0..2 {
-            let [first, last] = contact[axis];
+        for (axis, [first, last]) in contact.into_iter().enumerate() {
             let solved = self.solved()[axis];
             let size = self.size()[axis];
             let [least, most] = [self.extent[2 * axis], self.extent[2 * axis + 1]];
@@ -132,7 +131,7 @@ impl Window {
         changed.then(|| next.clipped())
     }
 
-    fn scaled(self, by: [f64; 2]) -> Self {
+    fn scaled(self, by: f64) -> Self {
         let mut next = self;
         for axis in 0..2 {
             let middle = match self.mirrored[axis] {
@@ -143,8 +142,8 @@ impl Window {
                 true => self.high[axis].max(-self.low[axis]),
                 false => 0.5 * (self.high[axis] - self.low[axis]),
             };
-            next.low[axis] = middle - by[axis] * half;
-            next.high[axis] = middle + by[axis] * half;
+            next.low[axis] = middle - by * half;
+            next.high[axis] = middle + by * half;
         }
         next.clipped()
     }

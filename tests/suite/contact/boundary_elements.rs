@@ -122,3 +122,28 @@ fn what_cells_cannot_resolve_or_is_no_half_space_has_no_second_answer() {
     elastic.runner.elastic = Some(steel);
     assert_eq!(boundary_elements(&elastic), Err(NotChecked::ElasticRunner));
 }
+
+/// Most of the patch yields: finite elements and boundary elements agree on how deep the runner goes.
+#[test]
+fn ice_that_yields_under_most_of_the_patch_has_the_approach_of_finite_elements() {
+    let hardness = 25e6;
+    let problem = Problem {
+        ice: Ice {
+            foundation: Foundation::RigidBed { thickness: 0.05 },
+            hardness: Some(hardness),
+            ..Ice::half_space(9e9, 0.33)
+        },
+        ..on_half_space(BobRunner::default().swept().unwrap(), 1000.0)
+    };
+    let second = boundary_elements(&problem).unwrap();
+    let first = solve(&problem, &Options::default()).unwrap();
+    let apart = (first.approach - second.approach).abs();
+    assert!(
+        apart < first.approach_error + second.approach_error,
+        "{second:?} {}",
+        first.approach
+    );
+    // Stated to a tenth at most: the test above can fail.
+    assert!(second.approach_error < 0.1 * second.approach, "{second:?}");
+    assert_eq!((first.p_max, second.p_max), (hardness, hardness));
+}
