@@ -7,6 +7,7 @@
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
 //! | [`slide`], [`SlidingSolution`], [`Groove`] | a runner that slides on ice that yields: groove, ploughing force |
+//! | [`boundary_elements()`], [`BoundaryElements`] | a second answer by another method, where it applies |
 //! | [`hertz`], [`rigid_plastic`] | closed forms for smooth point contacts, and for grooves in ice that does not spring back |
 //!
 //! How a problem becomes a pressure, room by room:
@@ -26,7 +27,8 @@
 //! 6. `result`: `pressure` turns nodal forces into pressures and figures, `answer` puts the solution together.
 //! 7. `map`: the solution on the pixels of a regular grid, as files and pages show it.
 //! 8. `groove`: steady sliding on ice that yields, on the rooms above.
-//! 9. `reference`: closed forms and plain methods to compare with.
+//! 9. `boundary_elements`: a second method on the contact plane alone, which shares the problem's gap and nothing else.
+//! 10. `reference`: closed forms and plain methods to compare with.
 //!
 //! What falls is the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T f with S the bodies' response and g
 //! the gap without forces, over forces between 0 and what the ice bears that balance the load and its moments; its least
@@ -55,6 +57,7 @@
 mod accuracy;
 mod active_set;
 mod bodies;
+mod boundary_elements;
 mod error;
 mod grid;
 mod groove;
@@ -66,6 +69,7 @@ mod reference;
 mod result;
 mod solve;
 
+pub use boundary_elements::{BoundaryElements, NotChecked, boundary_elements};
 pub use error::Error;
 pub use groove::profile::GrooveProfile;
 pub use groove::slide::slide;

@@ -32,7 +32,7 @@ pub use error::MeshError;
 pub use fit::{Coarse, FitQuality, FittedUnderside};
 pub use hexahedra::{
     HexMesh, Quality, TensorGrid, VtuField, graded_levels, limit_slope, mapped_runner_mesh,
-    mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtu,
+    mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,
 };
 pub use hull::{
     Axis, Hull, HullFormat, HullOptions, HullReport, HullWarning, check_hull, hull_files,

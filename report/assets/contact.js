@@ -114,6 +114,7 @@ function headlineOf(result) {
   const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
   return [
     [`${figure(1e-6 * result.p_max_pa)} MPa`, error === null ? "peak pressure, one mesh only" : `peak pressure, \u00b1 ${figure(1e-6 * error, 2)} MPa`],
+    ...checkOf(result),
     [`${figure(1e-6 * result.p_mean_pa)} MPa`, `mean pressure${within(1e-6 * result.p_mean_error_pa, "MPa")}`],
     [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, length${within(1e3 * result.length_error_m, "mm")} \u00d7 width${within(1e3 * result.width_error_m, "mm")}`],
     [`${figure(1e6 * result.area_m2)} mm\u00b2`, `contact area${within(1e6 * result.area_error_m2, "mm\u00b2")}`],
@@ -127,6 +128,13 @@ function headlineOf(result) {
 
 /** A figure's error, where it has one. */
 const within = (error, unit) => (Number.isFinite(error) && error > 0 ? `, \u00b1 ${figure(error, 2)} ${unit}` : "");
+
+/** The second answer, where there is one. */
+function checkOf(result) {
+  const peak = result.check_p_max_pa;
+  if (!Number.isFinite(peak)) return [];
+  return [[`${figure(1e-6 * peak)} MPa`, `peak by boundary elements${within(1e-6 * result.check_p_max_error_pa, "MPa")}`]];
+}
 
 /** What steady sliding adds to the headline. */
 function slidingOf(result) {

@@ -165,12 +165,15 @@ impl Row {
             (s.area, s.area_error),
             (s.approach, s.approach_error),
         ];
-        std::array::from_fn(|k| {
-            let (truth, (value, error)) = (self.truth[k], stated[k]);
-            (truth > 0.0).then(|| Miss {
-                off: (value / truth - 1.0).abs(),
-                stated: error / truth,
-            })
+        std::array::from_fn(|k| self.miss(k, stated[k].0, stated[k].1))
+    }
+
+    /// A figure (0: peak, 1: area, 2: approach) with its stated error beside the truth; `None` where the truth says nothing of it.
+    pub fn miss(&self, figure: usize, value: f64, error: f64) -> Option<Miss> {
+        let truth = self.truth[figure];
+        (truth > 0.0).then(|| Miss {
+            off: (value / truth - 1.0).abs(),
+            stated: error / truth,
         })
     }
 

@@ -3,6 +3,8 @@
 //! ```sh
 //! fields one 0.001        # one Hertz contact at an accuracy: p_max [Pa] and seconds
 //! fields all 0.005        # 64 Hertz contacts: the largest true error and seconds
+//! fields plane one        # the same by boundary elements alone: true error and seconds
+//! fields plane all
 //! ```
 
 use std::path::Path;
@@ -10,7 +12,7 @@ use std::time::Instant;
 
 use kufe_benches::ICE;
 use kufe_case::Case;
-use kufe_contact::{Options, Problem, hertz, solve};
+use kufe_contact::{Options, Problem, boundary_elements, hertz, solve};
 use rayon::prelude::*;
 
 const SECTION: f64 = 0.005;
@@ -20,10 +22,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["one", tolerance] => one(tolerance.parse()?),
-        ["all", tolerance] => all(tolerance.parse()?),
+        ["all", tolerance] => {
+            let tolerance = tolerance.parse()?;
+            all(&|problem| Ok(solve(problem, &options(tolerance))?.p_max))
+        }
+        ["plane", "one"] => plane(),
+        ["plane", "all"] => all(&|problem| Ok(boundary_elements(problem)?.p_max)),
         _ => {
             // Nothing by itself: benches/peers/compare.py asks.
-            println!("usage: fields one TOLERANCE | all TOLERANCE");
+            println!("usage: fields one TOLERANCE | all TOLERANCE | plane one | plane all");
             Ok(())
         }
     }
@@ -65,8 +72,21 @@ fn one(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
+fn plane() -> Result<(), Box<dyn std::error::Error>> {
+    let problem = problem(30.0, 1000.0)?;
+    let begun = Instant::now();
+    let found = boundary_elements(&problem)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let off = (found.p_max / exact(30.0, 1000.0) - 1.0).abs();
+    println!("{off} {seconds}");
+    Ok(())
+}
+
+/// What finds a problem's peak pressure [Pa].
+type PeakOf<'a> = &'a (dyn Fn(&Problem) -> Result<f64, Box<dyn std::error::Error>> + Sync);
+
 /// Eight loads from 250 to 4000 N by eight effective radii from 15 to 250 m, each in geometric progression.
-fn all(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
+fn all(p_max: PeakOf) -> Result<(), Box<dyn std::error::Error>> {
     let spread = |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / 7.0);
     let begun = Instant::now();
     let points: Vec<(f64, f64)> = (0..64)
@@ -75,8 +95,9 @@ fn all(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
     let errors: Vec<f64> = points
         .par_iter()
         .map(|&(rocker, fz)| {
-            let s = problem(rocker, fz).and_then(|p| Ok(solve(&p, &options(tolerance))?));
-            s.map(|s| (s.p_max / exact(rocker, fz) - 1.0).abs())
+            let found = problem(rocker, fz).and_then(|problem| p_max(&problem));
+            found
+                .map(|found| (found / exact(rocker, fz) - 1.0).abs())
                 .map_err(|error| format!("{rocker} m, {fz} N: {error}"))
         })
         .collect::<Result<_, String>>()?;

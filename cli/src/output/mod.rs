@@ -2,6 +2,7 @@
 
 pub mod apart;
 pub mod global;
+pub mod mat;
 mod progress;
 pub mod say;
 pub mod staging;

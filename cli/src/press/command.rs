@@ -49,7 +49,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.finish_and_clear();
     let pressed = pressed?;
     let (mut document, line) = solved::document(&pressed, args.subsurface)?;
-    files::write(&staging, &pressed, &mut document, line.as_ref())?;
+    files::write(&staging, &pressed, &mut document, line.as_ref(), args.mat)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

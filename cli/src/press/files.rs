@@ -1,9 +1,9 @@
 //! What one solved case is written to.
 
-use std::io::Write;
+use std::io::{BufWriter, Write};
 
 use kufe_contact::{CentreLine, PressureMap, pressure_maps};
-use kufe_jobs::field::{map_picture, subsurface, volume_vtu, write_exr};
+use kufe_jobs::field::{contact_vtp, map_picture, subsurface, volume_vtu, write_exr};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
 use serde_json::{Map, Value, json};
@@ -11,14 +11,16 @@ use serde_json::{Map, Value, json};
 use crate::bodies::placed_hull::placed_hull;
 use crate::output::staging::Staging;
 use crate::press::held::FILES;
-use crate::press::{sliding, summary};
+use crate::press::{mat, sliding, summary};
 
 /// The files that a solved case may be written to.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 13] = [
     "result.json",
     "pressure.exr",
     "pressure.png",
     "field.vtu",
+    "contact.vtp",
+    "result.mat",
     "hull.glb",
     "runner.vtu",
     "groove.exr",
@@ -28,8 +30,9 @@ pub const NAMES: [&str; 11] = [
     "subsurface.png",
 ];
 
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, hull.glb where the shape has ends, and runner.vtu where the runner deforms; where it
-/// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files.
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu where the runner deforms; where it
+/// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files;
+/// with `mat` result.mat.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -38,6 +41,7 @@ pub fn write(
     pressed: &Pressed,
     document: &mut Value,
     line: Option<&CentreLine>,
+    mat: bool,
 ) -> Result<(), Failure> {
     let mut names = fields(staging, pressed, line.is_some())?;
     if let Some(line) = line {
@@ -47,6 +51,12 @@ pub fn write(
         subsurface::write_png(&staging.path("subsurface.png"), line)
             .map_err(|error| staging.failure("subsurface.png", &error))?;
         names.extend(["subsurface.csv", "subsurface.png"]);
+    }
+    if mat {
+        staging.write("result.mat", |mut file| {
+            mat::write(&mut BufWriter::new(&mut file), document, &pressed.solution)
+        })?;
+        names.push("result.mat");
     }
     let mut lengths = Map::new();
     for name in names {
@@ -60,7 +70,7 @@ pub fn write(
 fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
     let solution = &pressed.solution;
     let map = PressureMap::of(solution);
-    let mut names = vec!["pressure.exr", "pressure.png", "field.vtu"];
+    let mut names = vec!["pressure.exr", "pressure.png", "field.vtu", "contact.vtp"];
     staging.write("pressure.exr", |mut file| {
         let curvature = pressed.problem.track_curvature;
         let figures = [
@@ -77,7 +87,16 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
         .map_err(|error| staging.failure("pressure.png", &error))?;
     staging.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
-        volume_vtu::write_ice(&mut file, &solution.volume, groove, shear)
+        volume_vtu::write_ice(
+            &mut file,
+            &solution.volume,
+            &solution.surface,
+            groove,
+            shear,
+        )
+    })?;
+    staging.write("contact.vtp", |mut file| {
+        contact_vtp::write(&mut file, &solution.surface)
     })?;
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;

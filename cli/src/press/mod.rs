@@ -5,6 +5,7 @@ mod command;
 mod device;
 mod files;
 mod held;
+mod mat;
 mod series;
 mod sliding;
 mod solved;

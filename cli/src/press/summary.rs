@@ -92,6 +92,18 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         );
         rows.insert(rows.len() - 2, ("hull's fit", fit));
     }
+    if let Some(check) = &pressed.check {
+        let second = match &check.found {
+            Ok(found) => format!(
+                "{:.2} MPa +- {:.2} by boundary elements, {:.1} ms",
+                found.p_max / 1e6,
+                found.p_max_error / 1e6,
+                1e3 * check.seconds
+            ),
+            Err(reason) => format!("none by boundary elements: {reason}"),
+        };
+        rows.insert(1, ("second answer", second));
+    }
     if let Some(slid) = &pressed.sliding {
         let place = rows.len() - 2;
         rows.splice(place..place, sliding(slid));

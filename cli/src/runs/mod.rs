@@ -5,5 +5,6 @@ pub mod discover;
 pub mod evaluate;
 pub mod fit;
 mod recorded;
+mod series;
 pub mod simulate;
 pub mod validate;

@@ -14,6 +14,7 @@ use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::runs::arguments::{RunArgs, file_name};
+use crate::runs::series::write_forces;
 
 const EXAMPLES: &str = "\
 Example:
@@ -33,6 +34,9 @@ pub struct Args {
     /// Draw these runs besides each track's worst (several with commas)
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     run: Vec<String>,
+    /// Errors and lateral forces over time for MATLAB too: validation.mat
+    #[arg(long)]
+    mat: bool,
 }
 
 /// Compares and writes.
@@ -42,7 +46,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let mut inputs = args.runs.inputs();
     inputs.extend(args.fit.clone());
-    let names = ["validation.json", "rmse.png"];
+    let names = ["validation.json", "rmse.png", "validation.mat"];
     let staging = Staging::beside(&inputs, &args.runs.out, &names)?;
     staging.remove_on_interrupt();
     let fit = args.fit.as_deref().map(read_fit).transpose()?;
@@ -96,6 +100,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let name = format!("force_{}.png", file_name(&run.run));
         lateral_force_picture(&staging.path(&name), run)
             .map_err(|error| staging.failure(&name, &error))?;
+    }
+    if args.mat {
+        write_forces(&staging, &document, &runs)?;
     }
     staging.commit()?;
     if global.json {

@@ -1,5 +1,6 @@
 //! A solved contact's fields as files and pictures: the map of the pressure, the groove, what is in the bodies.
 
+pub mod contact_vtp;
 pub mod groove_map;
 pub mod groove_picture;
 #[cfg(test)]

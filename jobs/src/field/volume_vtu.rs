@@ -3,18 +3,20 @@
 use std::io::Write;
 
 use crate::Failure;
-use kufe_contact::{ElasticRunner, RunnerField, VolumeField};
+use crate::field::contact_vtp::finite;
+use kufe_contact::{ElasticRunner, RunnerField, SurfaceField, VolumeField};
 use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
-/// The ice, with the plastic depth of its surface where there is one (0 below it). Where the solver used mirror planes the file holds
-/// the part that it solved.
+/// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where there is one, the plastic depth of its surface
+/// (0 below it). Where the solver used mirror planes the file holds the part that it solved.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
 pub fn write_ice(
     writer: &mut dyn Write,
     volume: &VolumeField,
+    surface: &SurfaceField,
     plastic_depth: Option<&[f64]>,
     shear: bool,
 ) -> Result<(), Failure> {
@@ -34,17 +36,24 @@ pub fn write_ice(
         )?;
         sections[..cells].copy_from_slice(&own);
     }
-    let depth = plastic_depth.map(|depth| at_nodes(volume, depth));
-    let own = depth.iter().map(|depth| ("plastic_depth_m", &depth[..]));
-    let own: Vec<(&str, &[f64])> = own.collect();
+    let at_nodes = |values: &[f64], below: f64| at_nodes(volume, surface, values, below);
+    let pressure = at_nodes(&surface.pressure, 0.0);
+    let gap: Vec<f64> = surface.gap.iter().copied().map(finite).collect();
+    let gap = at_nodes(&gap, f64::NAN);
+    let depth = plastic_depth.map(|depth| at_nodes(depth, 0.0));
+    let mut own = vec![("contact_pressure_pa", &pressure[..]), ("gap_m", &gap[..])];
+    own.extend(depth.iter().map(|depth| ("plastic_depth_m", &depth[..])));
     write(writer, mesh, &volume.displacement, sections, &own, shear)
 }
 
-/// A field on the whole surface at all nodes of the part that was solved, of which the last rows of the surface are.
-fn at_nodes(volume: &VolumeField, surface: &[f64]) -> Vec<f64> {
+/// A field on the whole surface at all nodes of the part that was solved, which has the surface's last columns and rows; `below` the surface.
+fn at_nodes(volume: &VolumeField, surface: &SurfaceField, field: &[f64], below: f64) -> Vec<f64> {
     let [nx, ny, nz] = volume.grid.shape();
-    let mut values = vec![0.0; nx * ny * (nz - 1)];
-    values.extend_from_slice(&surface[surface.len() - nx * ny..]);
+    let (all, rows) = (surface.x.len(), surface.y.len());
+    let mut values = vec![below; nx * ny * (nz - 1)];
+    for row in field.chunks_exact(all).skip(rows - ny) {
+        values.extend_from_slice(&row[all - nx..]);
+    }
     values
 }
 

@@ -1,5 +1,6 @@
 //! One contact problem, from its case to its solution and `result.json`.
 
+mod check;
 mod pressed;
 mod result;
 

@@ -7,6 +7,7 @@ use kufe_contact::{Error, Options, Problem, Solution, Watcher, solve};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
+use crate::press::check::Check;
 use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
@@ -23,6 +24,8 @@ pub struct Pressed {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
+    /// What boundary elements say of it; nothing where the runner slides.
+    pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
     pub sliding: Option<Slid>,
     /// Wall time of the solve [s].
@@ -94,6 +97,11 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         watch.warn(&warning);
         warnings.push(warning);
     }
+    let check = sliding.is_none().then(|| Check::of(&problem));
+    if let Some(warning) = check.as_ref().and_then(|check| check.parted(&solution)) {
+        watch.warn(&warning);
+        warnings.push(warning);
+    }
     if let Some(warning) = sliding.as_ref().and_then(Slid::too_deep) {
         watch.warn(&warning);
         warnings.push(warning);
@@ -103,6 +111,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         problem,
         hull,
         solution,
+        check,
         sliding,
         seconds,
         short,

@@ -44,6 +44,7 @@ impl Pressed {
             "fz_n": solution.fz,
             "kkt_residual": solution.kkt_residual,
             "stiffness": if solution.assembled.is_empty() { "matrix-free" } else { "assembled" },
+            "symmetry": solution.symmetry,
             "dofs": solution.dofs,
             "iterations": solution.iterations,
             "seconds": self.seconds,
@@ -55,6 +56,15 @@ impl Pressed {
             "history": history,
             "case": case_json(&self.loaded.case),
         });
+        if let (Some(check), Value::Object(document)) = (&self.check, &mut document) {
+            let place = document
+                .keys()
+                .position(|key| key == "p_mean_pa")
+                .unwrap_or(0);
+            for (shift, (key, value)) in check.keys().into_iter().enumerate() {
+                document.shift_insert(place + shift, key, value);
+            }
+        }
         if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
             document.extend(slid.keys());
         }

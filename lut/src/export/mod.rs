@@ -4,6 +4,8 @@ pub(crate) mod csv;
 pub(crate) mod fmu;
 pub(crate) mod header;
 pub(crate) mod mat;
+pub(crate) mod mat_file;
 pub(crate) mod picture;
 
+pub use mat_file::{MatValue, write_mat_file};
 pub use picture::{Slice, draw};

@@ -15,4 +15,4 @@ pub use quality::Quality;
 pub use read_gmsh::read_gmsh;
 pub use slope_limit::limit_slope;
 pub use tensor_grid::TensorGrid;
-pub use vtu::{VtuField, read_vtu, write_pvd, write_vtu};
+pub use vtu::{VtuField, read_vtu, write_pvd, write_vtp, write_vtu};

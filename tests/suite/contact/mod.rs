@@ -1,6 +1,7 @@
 //! Contacts against closed forms, textbooks and other programs.
 
 mod assembled;
+mod boundary_elements;
 mod coverage;
 mod energy;
 mod hertz;

@@ -219,6 +219,7 @@ fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<Value> {
         && result["content_sha256"] == asked.content
         && result["case"] == case_json(&step.loaded.case)
         && result["accuracy_reached"] == true
+        && (!asked.args.mat || folder.join("result.mat").is_file())
         && result.get("subsurface").is_some() == asked.args.subsurface)
         .then_some(result)
 }
@@ -228,7 +229,13 @@ fn write_step(folder: &Path, pressed: &Pressed, asked: &Asked) -> Result<Value, 
     let mut staging = Staging::beside(&asked.inputs, folder, &files::NAMES)?;
     staging.replaces(contact_files(folder));
     let (mut document, line) = solved::document(pressed, asked.args.subsurface)?;
-    files::write(&staging, pressed, &mut document, line.as_ref())?;
+    files::write(
+        &staging,
+        pressed,
+        &mut document,
+        line.as_ref(),
+        asked.args.mat,
+    )?;
     staging.commit()?;
     Ok(document)
 }

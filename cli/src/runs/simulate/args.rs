@@ -68,6 +68,9 @@ pub struct Args {
     /// Leave the sensors' noise off
     #[arg(long)]
     pub no_noise: bool,
+    /// The runs for MATLAB too, all channels over time: simulation.mat
+    #[arg(long, conflicts_with = "sample_data")]
+    pub mat: bool,
     /// Write Parquet instead of CSV
     #[arg(long)]
     pub parquet: bool,

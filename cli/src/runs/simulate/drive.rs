@@ -18,6 +18,7 @@ use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::output::watched::warn;
 use crate::runs::recorded::begin;
+use crate::runs::series::write_channels;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
 
@@ -36,6 +37,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         format!("track_{}.csv", track.name),
         "simulation.json".to_owned(),
         "overview.png".to_owned(),
+        "simulation.mat".to_owned(),
     ];
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
@@ -106,6 +108,9 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     write_runs(&staging, &mut runs, args.format())?;
     write_track(&staging, &track)?;
     staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    if args.mat {
+        write_channels(&staging, &document, &runs)?;
+    }
     let picture = draw_first(&staging, &runs, &model, &vehicle)?;
     staging.commit()?;
     bar.finish_and_clear();

@@ -16,6 +16,7 @@ use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::watched::warn;
 use crate::runs::recorded::begin;
+use crate::runs::series::write_channels;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
 
@@ -43,6 +44,7 @@ pub fn replay_run(
         format!("track_{}.csv", track.name),
         "simulation.json".to_owned(),
         "replay.png".to_owned(),
+        "simulation.mat".to_owned(),
     ];
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
@@ -83,6 +85,9 @@ pub fn replay_run(
     write_runs(&staging, std::slice::from_mut(&mut driven), args.format())?;
     write_track(&staging, &track)?;
     staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    if args.mat {
+        write_channels(&staging, &document, std::slice::from_ref(&driven))?;
+    }
     replay_picture(&staging.path("replay.png"), &done)
         .map_err(|error| staging.failure("replay.png", &error))?;
     staging.commit()?;

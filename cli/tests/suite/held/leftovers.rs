@@ -28,6 +28,7 @@ fn a_run_takes_the_files_of_the_one_before_away_and_no_others() {
     assert_eq!(
         names(&bench.path("out")),
         [
+            "contact.vtp",
             "field.vtu",
             "hull.glb",
             "notes.txt",

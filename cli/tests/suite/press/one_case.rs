@@ -33,6 +33,7 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
     }
     assert_eq!(bench.names(), ["out"]);
     let expected = [
+        "contact.vtp",
         "field.vtu",
         "hull.glb",
         "pressure.exr",
@@ -118,6 +119,7 @@ fn an_elastic_runner_meets_hertz_and_brings_its_own_field() {
     assert!((p_max / 134.6221e6 - 1.0).abs() < 0.015, "{p_max}");
     for folder in ["unbounded", "bounded"] {
         let mut expected = vec![
+            "contact.vtp",
             "field.vtu",
             "hull.glb",
             "pressure.exr",
@@ -279,4 +281,44 @@ fn exrheader_reads_the_map() {
     ] {
         assert!(said.contains(part), "{part:?} is missing: {said}");
     }
+}
+
+/// SciPy reads what result.json and pressure.exr hold, with units.
+#[test]
+fn scipy_reads_figures_errors_and_the_map_from_result_mat() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.succeeds(&["press", "case.toml", "--mat", "-o", "."]);
+    let script = "import json, numpy as np, sys\n\
+        from scipy.io import loadmat\n\
+        m = loadmat('result.mat', simplify_cells=True)\n\
+        r = json.load(open('result.json'))\n\
+        numbers = [k for k, v in r.items() if type(v) in (int, float)]\n\
+        assert len(numbers) > 20 and all(m[k] == r[k] for k in numbers), numbers\n\
+        assert m['units']['p_max_error_pa'] == 'Pa' and m['units']['approach_m'] == 'm'\n\
+        assert m['units']['area_error_m2'] == 'm^2' and 'dofs' not in m['units']\n\
+        assert m['case']['load']['fz_n'] == r['case']['load']['fz_n'] and m['version'] == r['version']\n\
+        assert m['history'][-1]['dofs'] == r['history'][-1]['dofs']\n\
+        p, x, y = m['pressure_pa'], m['x_m'], m['y_m']\n\
+        assert p.shape == (len(y), len(x)) == m['map_gap_m'].shape\n\
+        force = p.sum() * (x[1] - x[0]) * (y[1] - y[0])\n\
+        print(force / r['fz_n'], p.max() / r['p_max_mesh_pa'], np.ptp(x) / np.ptp(y))\n";
+    let Some(interpreter) = kufe_outside::python("scipy") else {
+        return;
+    };
+    let output = std::process::Command::new(interpreter)
+        .args(["-c", script])
+        .current_dir(bench.folder.path())
+        .output()
+        .expect("the interpreter that KUFE_PYTHON names");
+    assert!(output.status.success(), "{}", errors(&output));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let numbers: Vec<f64> = said
+        .split_whitespace()
+        .map(|n| n.parse().expect("a number"))
+        .collect();
+    // The map carries the load; its largest pixel is the mesh's peak or a little beside it; the patch is long along x.
+    assert!((numbers[0] - 1.0).abs() < 1e-3, "{said}");
+    assert!(numbers[1] <= 1.001 && numbers[1] > 0.98, "{said}");
+    assert!(numbers[2] > 50.0, "{said}");
 }

@@ -43,6 +43,7 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     assert_eq!(
         names(&bench.path("out/step-002")),
         [
+            "contact.vtp",
             "field.vtu",
             "hull.glb",
             "pressure.exr",

@@ -188,3 +188,55 @@ fn a_simulated_run_is_read_like_a_measured_one_and_repeats_bit_by_bit() {
         &["bad.toml", "mass_lb"],
     );
 }
+
+/// SciPy reads runs and forces as the CSV files and validation.json have them.
+#[test]
+fn scipy_reads_simulated_runs_and_their_validation() {
+    let Some(interpreter) = kufe_outside::python("scipy") else {
+        return;
+    };
+    let bench = tempfile::tempdir().expect("a folder");
+    let folder = bench.path();
+    succeeds(
+        folder,
+        &["simulate", "--sample-data", "sample", "--seed", "1"],
+    );
+    let (model, track) = ("sample/model.toml", "sample/track_east.csv");
+    let words = [
+        "simulate", model, track, "--runs", "2", "--mat", "-o", "out",
+    ];
+    succeeds(folder, &words);
+    let runs = "out/runs.csv";
+    succeeds(
+        folder,
+        &["validate", runs, "--model", model, "--mat", "-o", "out"],
+    );
+    let script = "import csv, json\n\
+        import numpy as np\n\
+        from scipy.io import loadmat\n\
+        m = loadmat('out/simulation.mat', simplify_cells=True)\n\
+        assert [s['run'] for s in m['series']] == ['run_001', 'run_002'], m['series']\n\
+        for s in m['series']:\n\
+        \x20   rows = list(csv.DictReader(open(f\"out/{s['run']}.csv\")))\n\
+        \x20   for name in rows[0]:\n\
+        \x20       assert np.allclose(s[name], [float(r[name]) for r in rows], rtol=0, atol=1e-9), name\n\
+        assert m['units']['ax_mps2'] == 'm/s^2' and m['units']['t_s'] == 's'\n\
+        v = loadmat('out/validation.mat', simplify_cells=True)\n\
+        j = json.load(open('out/validation.json'))\n\
+        assert len(v['series']) == len(j['runs']) == 2\n\
+        for s, found, told in zip(v['series'], v['runs'], j['runs']):\n\
+        \x20   assert s['run'] == found['run'] == told['run'] and found['rmse_n'] == told['rmse_n']\n\
+        \x20   rms = np.sqrt(np.mean((s['measured_n'] - s['model_n']) ** 2))\n\
+        \x20   assert abs(rms / told['rmse_n'] - 1) < 1e-6, (rms, told['rmse_n'])\n\
+        assert v['units']['rmse_n'] == 'N'\n";
+    let output = std::process::Command::new(interpreter)
+        .args(["-c", script])
+        .current_dir(folder)
+        .output()
+        .expect("the interpreter that KUFE_PYTHON names");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}

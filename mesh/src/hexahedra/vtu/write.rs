@@ -37,21 +37,25 @@ pub fn write_vtu(
         (point_data, mesh.points.len()),
         (cell_data, mesh.cells.len()),
     ] {
-        if let Some(field) = fields
-            .iter()
-            .find(|f| f.components == 0 || f.values.len() != f.components * count)
-        {
-            return Err(MeshError::FieldLength {
-                name: field.name.to_string(),
-                found: field.values.len(),
-                expected: field.components * count,
-            });
-        }
+        fits(fields, count)?;
     }
     let mut out = std::io::BufWriter::new(writer);
     write_file(mesh, point_data, cell_data, &mut out)
         .and_then(|()| out.flush())
         .map_err(|e| MeshError::Vtu(e.to_string()))
+}
+
+/// Checks that every field has its numbers for each of `count` points or cells.
+pub(super) fn fits(fields: &[VtuField], count: usize) -> std::result::Result<(), MeshError> {
+    let wrong = |f: &&VtuField| f.components == 0 || f.values.len() != f.components * count;
+    match fields.iter().find(wrong) {
+        None => Ok(()),
+        Some(field) => Err(MeshError::FieldLength {
+            name: field.name.to_string(),
+            found: field.values.len(),
+            expected: field.components * count,
+        }),
+    }
 }
 
 fn write_file(
@@ -92,7 +96,7 @@ fn write_file(
 }
 
 /// The arrays on points or cells; the first scalar, vector and tensor are those that a viewer shows first.
-fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<()> {
+pub(super) fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<()> {
     write!(out, "<{tag}")?;
     for (attribute, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
         if let Some(field) = fields.iter().find(|f| f.components == components) {
@@ -108,13 +112,13 @@ fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<
     writeln!(out, "</{tag}>")
 }
 
-fn bytes<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> Vec<u8> {
+pub(super) fn bytes<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> Vec<u8> {
     numbers.flatten().collect()
 }
 
 /// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then the blocks; both in
 /// base64.
-fn write_array(
+pub(super) fn write_array(
     out: &mut impl Write,
     kind: &str,
     (name, components): (&str, usize),

@@ -1,0 +1,276 @@
+//! Which cells are pressed, and how hard: sets of open, pressed and yielding cells, each solved by projected conjugate gradients.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::NotChecked;
+use super::operator::Operator;
+use super::plane::Plane;
+
+/// Where a cell is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cell {
+    Open,
+    Pressed,
+    /// At the hardness.
+    Yielding,
+}
+
+/// Pressures on the cells of a plane.
+#[derive(Clone, Debug)]
+pub(super) struct Pressed {
+    /// Pressures [Pa].
+    pub pressure: Vec<f64>,
+    /// Gap of the deformed surface, negative in what yields [m].
+    pub left: Vec<f64>,
+    /// The free motions, in the order of [`Plane::motions`].
+    pub motion: Vec<f64>,
+}
+
+/// Sets that are tried.
+const MOST_SETS: usize = 60;
+/// Sets after which residuals are made smaller though cells change.
+const PATIENCE: usize = 15;
+/// Steps of one set's conjugate gradients.
+const MOST_STEPS: usize = 400;
+/// Residuals over the approach: of the first sets, of a set that did not change, and at the end.
+const ROUGH: f64 = 1e-2;
+const FINER: f64 = 0.03;
+const FINAL: f64 = 1e-6;
+/// Part of the largest pressure and of the approach within which a cell stays where it is.
+const SLACK: f64 = 1e-5;
+/// Part of the cells that the first set has, those of the least gaps.
+const FIRST: f64 = 0.3;
+
+/// Solves for pressures that balance the load, 0 where the gap is open and at most the hardness.
+///
+/// They make 1/2 p^T K p + g^T p least over 0 <= p <= hardness with N^T p as the load asks. On a set, conjugate gradients keep the balance by
+/// projecting residuals; motions are what the projection takes out (after I. A. Polonsky and L. M. Keer, Wear 231, 1999). Cells change where
+/// their sign is wrong (primal-dual active set; M. Hintermueller, K. Ito and K. Kunisch, SIAM J. Optim. 13, 2002).
+pub(super) fn press(
+    plane: &Plane,
+    operator: &mut Operator,
+    start: Option<Vec<f64>>,
+) -> Result<Pressed, NotChecked> {
+    let mut solve = Solve::new(plane, operator, start);
+    let mut tolerance = ROUGH;
+    for set in 0..MOST_SETS {
+        // Rough residuals may send cells to and fro for ever.
+        if set >= PATIENCE {
+            tolerance = (tolerance * FINER).max(FINAL);
+        }
+        solve.on_set(tolerance)?;
+        let changed = solve.change_set();
+        if !changed && tolerance <= FINAL {
+            return Ok(solve.now);
+        }
+        if !changed {
+            tolerance = (tolerance * FINER).max(FINAL);
+        }
+    }
+    Err(NotChecked::NotSettled)
+}
+
+struct Solve<'a> {
+    plane: &'a Plane,
+    operator: &'a mut Operator,
+    cells: Vec<Cell>,
+    now: Pressed,
+    direction: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl<'a> Solve<'a> {
+    fn new(plane: &'a Plane, operator: &'a mut Operator, start: Option<Vec<f64>>) -> Self {
+        let count = plane.gap.len();
+        let pressure = start.unwrap_or_else(|| {
+            let mut sorted: Vec<f64> = plane
+                .gap
+                .iter()
+                .copied()
+                .filter(|g| g.is_finite())
+                .collect();
+            sorted.sort_by(f64::total_cmp);
+            let deepest = sorted
+                .get((FIRST * sorted.len() as f64) as usize)
+                .copied()
+                .unwrap_or(0.0);
+            let level = plane.gap.iter().map(|g| (deepest - g).max(0.0));
+            level.collect()
+        });
+        let state = |p: &f64| match *p {
+            p if p <= 0.0 => Cell::Open,
+            _ => Cell::Pressed,
+        };
+        Solve {
+            cells: pressure.iter().map(state).collect(),
+            plane,
+            operator,
+            now: Pressed {
+                pressure,
+                left: vec![0.0; count],
+                motion: Vec::new(),
+            },
+            direction: vec![0.0; count],
+            product: vec![0.0; count],
+        }
+    }
+
+    /// Pressures of the set as it is, to a residual over the approach.
+    fn on_set(&mut self, tolerance: f64) -> Result<(), NotChecked> {
+        let count = self.cells.len();
+        let pressed: Vec<usize> = (0..count)
+            .filter(|&c| self.cells[c] == Cell::Pressed)
+            .collect();
+        let balance = Balance::new(self.plane, &pressed)?;
+        for c in 0..count {
+            match self.cells[c] {
+                Cell::Open => self.now.pressure[c] = 0.0,
+                Cell::Yielding => self.now.pressure[c] = self.plane.hardness,
+                Cell::Pressed => {}
+            }
+        }
+        balance.restore(self.plane, &pressed, &mut self.now.pressure);
+        let mut moved = vec![0.0; count];
+        self.operator.apply(&self.now.pressure, &mut moved);
+        let mut residual: Vec<f64> = moved
+            .iter()
+            .zip(&self.plane.gap)
+            .map(|(u, g)| u + g)
+            .collect();
+        self.direction.fill(0.0);
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            self.now.motion = balance.take_out(self.plane, &pressed, &residual);
+            let motion = &self.now.motion;
+            let left = |c: usize| residual[c] - self.plane.closing(c, motion);
+            let depth = pressed
+                .iter()
+                .map(|&c| self.plane.closing(c, motion) - self.plane.gap[c])
+                .fold(f64::MIN_POSITIVE, f64::max);
+            let square: f64 = pressed.iter().map(|&c| left(c).powi(2)).sum();
+            if square.sqrt() <= tolerance * depth * (pressed.len() as f64).sqrt() {
+                self.now.left = (0..count).map(left).collect();
+                return Ok(());
+            }
+            let turn = square / before;
+            before = square;
+            for &c in &pressed {
+                self.direction[c] = turn * self.direction[c] - left(c);
+            }
+            self.operator.apply(&self.direction, &mut self.product);
+            let curvature: f64 = pressed
+                .iter()
+                .map(|&c| self.direction[c] * self.product[c])
+                .sum();
+            if curvature.is_nan() || curvature <= 0.0 {
+                return Err(NotChecked::NotSettled);
+            }
+            let step = square / curvature;
+            for &c in &pressed {
+                self.now.pressure[c] += step * self.direction[c];
+            }
+            for (r, k) in residual.iter_mut().zip(&self.product) {
+                *r += step * k;
+            }
+        }
+        Err(NotChecked::NotSettled)
+    }
+
+    /// The pressure from which cells yield next: the hardness, but for half of the overloaded ones where these are most of the set, which would
+    /// carry nothing without them [Pa].
+    fn yields(&self) -> f64 {
+        let hardness = self.plane.hardness;
+        let pressed = || {
+            let cells = self.cells.iter().zip(&self.now.pressure);
+            cells.filter(|(cell, _)| **cell == Cell::Pressed)
+        };
+        let mut over: Vec<f64> = pressed()
+            .map(|(_, p)| *p)
+            .filter(|p| *p > hardness)
+            .collect();
+        if 2 * over.len() <= pressed().count() {
+            return hardness.next_up();
+        }
+        over.sort_by(f64::total_cmp);
+        over[over.len() / 2]
+    }
+
+    /// Opens, closes and yields where signs are wrong; whether any cell was.
+    fn change_set(&mut self) -> bool {
+        let Pressed {
+            pressure,
+            left,
+            motion,
+            ..
+        } = &self.now;
+        let top = pressure.iter().copied().fold(0.0, f64::max);
+        let depth = (0..left.len())
+            .map(|c| self.plane.closing(c, motion) - self.plane.gap[c])
+            .fold(0.0, f64::max);
+        let yields = self.yields();
+        let mut changed = false;
+        for (c, cell) in self.cells.iter_mut().enumerate() {
+            let next = match *cell {
+                Cell::Pressed if pressure[c] < -SLACK * top => Cell::Open,
+                Cell::Pressed if pressure[c] >= yields => Cell::Yielding,
+                Cell::Open if left[c] < -SLACK * depth => Cell::Pressed,
+                Cell::Yielding if left[c] > SLACK * depth => Cell::Pressed,
+                same => same,
+            };
+            changed |= next != *cell;
+            *cell = next;
+        }
+        changed
+    }
+}
+
+/// The projection that keeps pressures of a set in balance.
+struct Balance {
+    /// Inverse of N^T N on the set.
+    inverse: DMatrix<f64>,
+}
+
+impl Balance {
+    fn new(plane: &Plane, pressed: &[usize]) -> Result<Self, NotChecked> {
+        let count = plane.motions.len();
+        let sum = |a: usize, b: usize| -> f64 {
+            let (a, b) = (&plane.motions[a], &plane.motions[b]);
+            pressed.iter().map(|&c| a[c] * b[c]).sum()
+        };
+        let gram = DMatrix::from_fn(count, count, sum);
+        let inverse = gram
+            .try_inverse()
+            .filter(|i| i.iter().all(|v| v.is_finite()));
+        match inverse {
+            Some(inverse) if !pressed.is_empty() => Ok(Balance { inverse }),
+            _ => Err(NotChecked::NotSettled),
+        }
+    }
+
+    /// The motions that a residual on the set holds.
+    fn take_out(&self, plane: &Plane, pressed: &[usize], residual: &[f64]) -> Vec<f64> {
+        let sums = plane
+            .motions
+            .iter()
+            .map(|row| -> f64 { pressed.iter().map(|&c| row[c] * residual[c]).sum() });
+        let sums = DVector::from_iterator(plane.motions.len(), sums);
+        (&self.inverse * sums).as_slice().to_vec()
+    }
+
+    /// Changes pressures of the set by as little as balances the load.
+    fn restore(&self, plane: &Plane, pressed: &[usize], pressure: &mut [f64]) {
+        let short = plane
+            .motions
+            .iter()
+            .zip(&plane.balance)
+            .map(|(row, asked)| {
+                let finite = row.iter().zip(pressure.iter());
+                asked - finite.map(|(n, p)| n * p).sum::<f64>()
+            });
+        let short = DVector::from_iterator(plane.motions.len(), short);
+        let by = &self.inverse * short;
+        for &c in pressed {
+            pressure[c] += plane.closing(c, by.as_slice());
+        }
+    }
+}

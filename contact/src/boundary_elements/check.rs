@@ -1,0 +1,224 @@
+//! Peak pressure and approach by boundary elements, with their errors.
+
+use super::NotChecked;
+use super::active_set::{Pressed, press};
+use super::operator::Operator;
+use super::plane::Plane;
+use super::surface::Surface;
+use super::window::Window;
+use crate::Problem;
+use crate::problem::gap::Gap;
+
+/// Figures of a contact from its plane alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryElements {
+    /// Peak pressure [Pa].
+    pub p_max: f64,
+    /// Estimated discretisation error of the peak pressure [Pa].
+    pub p_max_error: f64,
+    /// Approach at the deepest place, from first touch [m].
+    pub approach: f64,
+    /// Estimated error of the approach [m].
+    pub approach_error: f64,
+}
+
+/// Cells along x and y of the three grids, from coarse to fine; the first also finds the window.
+const GRIDS: [usize; 3] = [20, 24, 32];
+/// Windows that are tried.
+const MOST_WINDOWS: usize = 24;
+/// Factor of safety on the range of values that go to and fro (L. Eça and M. Hoekstra, J. Comput. Phys. 228, 2009).
+const SAFETY: f64 = 3.0;
+/// Most that the square of a pressure beside the rim may be of the peak's: in a Hertz contact it is 0.2 on the finest grid.
+const STEEP: f64 = 0.4;
+
+/// Solves a contact by boundary elements on its plane: cells of uniform pressure, pressed on a half-space or on bonded layers.
+///
+/// u = K p with K from A. E. H. Love's rectangles and, for layers, the inverse Hankel transform of what their compliance differs from the
+/// half-space's; products by Fourier's functions of a grid padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The
+/// window of cells is fitted to the contact. Of the method of [`solve`](crate::solve) it uses nothing but the problem's gap. The rim falls
+/// between cells, so that figures go to and fro as cells get smaller: the finest grid's are given, and as their error three times
+/// the range over three grids.
+///
+/// # Errors
+/// Why this contact is none for this method, or was not resolved by it.
+///
+/// ```
+/// use std::sync::Arc;
+/// use kufe_contact::{Ice, Load, Problem, Runner, Tilt, boundary_elements, hertz};
+/// use kufe_mesh::Paraboloid;
+///
+/// let hull = Arc::new(Paraboloid::new(30.0, 0.005)?);
+/// let load = Load::central(1000.0, Tilt::Free);
+/// let problem = Problem::new(Runner::rigid(hull), Ice::half_space(9.0e9, 0.33), load);
+/// let found = boundary_elements(&problem)?;
+/// let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0);
+/// assert!((found.p_max - exact.p_max).abs() < found.p_max_error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, NotChecked> {
+    let gap = Gap::new(problem).map_err(|_| NotChecked::NotSettled)?;
+    let surface = Surface::of(problem)?;
+    let search = Search {
+        problem,
+        gap: &gap,
+        surface: &surface,
+    };
+    let first = search.window()?;
+    let mut found = vec![first.figures()];
+    let mut last = first;
+    for cells in &GRIDS[1..] {
+        let window = last.window.with_cells(*cells);
+        let start = carried(&last.pressed.pressure, &last.window, &window);
+        last = search.solved(window, Some(start))?;
+        found.push(last.figures());
+    }
+    if last.at_rim() > STEEP {
+        return Err(NotChecked::NarrowPeak);
+    }
+    let [p_max, approach] = last.figures();
+    let error = |k: usize| {
+        let values = found.iter().map(|figures| figures[k]);
+        let least = values.clone().fold(f64::INFINITY, f64::min);
+        SAFETY * (values.fold(f64::NEG_INFINITY, f64::max) - least)
+    };
+    Ok(BoundaryElements {
+        p_max,
+        p_max_error: error(0),
+        approach,
+        approach_error: error(1),
+    })
+}
+
+/// A contact on one window's cells.
+struct OnWindow {
+    window: Window,
+    plane: Plane,
+    pressed: Pressed,
+}
+
+/// What the grids of a problem share.
+struct Search<'a> {
+    problem: &'a Problem,
+    gap: &'a Gap<'a>,
+    surface: &'a Surface,
+}
+
+impl Search<'_> {
+    /// The contact on the coarsest cells of a window that fits it.
+    fn window(&self) -> Result<OnWindow, NotChecked> {
+        let modulus = 1.0 / self.surface.compliance;
+        let mut window = Window::first(self.problem, self.gap, modulus, GRIDS[0])
+            .ok_or(NotChecked::NotSettled)?;
+        for _ in 0..MOST_WINDOWS {
+            let found = self.solved(window, None)?;
+            match window.fitted(found.touched()) {
+                Some(next) => window = next,
+                None => return Ok(found),
+            }
+        }
+        Err(NotChecked::NotSettled)
+    }
+
+    fn solved(&self, window: Window, start: Option<Vec<f64>>) -> Result<OnWindow, NotChecked> {
+        let plane = Plane::new(self.problem, self.gap, &window);
+        let mut operator = Operator::new(&window, self.surface)?;
+        let pressed = press(&plane, &mut operator, start)?;
+        Ok(OnWindow {
+            window,
+            plane,
+            pressed,
+        })
+    }
+}
+
+impl OnWindow {
+    /// Peak pressure [Pa] and approach [m].
+    fn figures(&self) -> [f64; 2] {
+        let top = |values: &[f64]| peak(values, self.plane.width, self.window.mirrored);
+        let closing: Vec<f64> = (0..self.plane.gap.len())
+            .map(|c| self.plane.closing(c, &self.pressed.motion) - self.plane.gap[c])
+            .collect();
+        let p_max = top(&self.squares()).sqrt().min(self.plane.hardness);
+        [p_max, top(&closing)]
+    }
+
+    /// Squares of the pressures, which are parabolas along every line of a Hertz contact [Pa^2].
+    fn squares(&self) -> Vec<f64> {
+        self.pressed.pressure.iter().map(|p| p * p).collect()
+    }
+
+    /// Largest square of a pressure beside an open cell or the window's border, over that of the peak; 0 where hardness cuts the peak off.
+    fn at_rim(&self) -> f64 {
+        let squares = self.squares();
+        let peak = squares.iter().copied().fold(0.0, f64::max);
+        if peak >= self.plane.hardness.powi(2) {
+            return 0.0;
+        }
+        let [nx, ny] = self.window.solved();
+        let open = |i: usize, j: usize| i >= nx || j >= ny || squares[j * nx + i] <= 0.0;
+        let beside = |at: usize, axis: usize| match at {
+            0 if self.window.mirrored[axis] => 0,
+            _ => at.wrapping_sub(1),
+        };
+        let rim = (0..squares.len()).filter(|c| {
+            let (i, j) = (c % nx, c / nx);
+            let across = open(i, j + 1) || open(i, beside(j, 1));
+            across || open(i + 1, j) || open(beside(i, 0), j)
+        });
+        rim.map(|c| squares[c] / peak).fold(0.0, f64::max)
+    }
+
+    /// First and last cell of the contact along x and y.
+    fn touched(&self) -> [[usize; 2]; 2] {
+        let mut ends = [[usize::MAX, 0]; 2];
+        let pressure = self.pressed.pressure.iter().enumerate();
+        for (c, _) in pressure.filter(|(_, p)| **p > 0.0) {
+            let place = [c % self.plane.width, c / self.plane.width];
+            for (end, place) in ends.iter_mut().zip(place) {
+                *end = [end[0].min(place), end[1].max(place)];
+            }
+        }
+        ends
+    }
+}
+
+/// Pressures of one window's cells on another's of the same rectangle.
+fn carried(pressure: &[f64], from: &Window, to: &Window) -> Vec<f64> {
+    let ([nx, ny], [mx, my]) = (from.solved(), to.solved());
+    (0..mx * my)
+        .map(|c| {
+            let (i, j) = ((c % mx) * nx / mx, (c / mx) * ny / my);
+            pressure[j * nx + i]
+        })
+        .collect()
+}
+
+/// The largest value on a grid of cells, raised by the vertex of the parabola through its neighbours on each axis.
+fn peak(values: &[f64], width: usize, mirrored: [bool; 2]) -> f64 {
+    let Some(top) = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])) else {
+        return 0.0;
+    };
+    let cell = values[top];
+    let lines = [
+        (1, top % width, width),
+        (width, top / width, values.len() / width),
+    ];
+    let rise = |axis: usize| {
+        let (stride, place, count) = lines[axis];
+        let below = match place {
+            0 if mirrored[axis] => cell,
+            0 => return 0.0,
+            _ => values[top - stride],
+        };
+        if place + 1 == count {
+            return 0.0;
+        }
+        let above = values[top + stride];
+        let (slope, curvature) = (0.5 * (above - below), above - 2.0 * cell + below);
+        match curvature < 0.0 && below > 0.0 && above > 0.0 {
+            true => -0.5 * slope * slope / curvature,
+            false => 0.0,
+        }
+    };
+    cell + rise(0) + rise(1)
+}

@@ -1,0 +1,232 @@
+//! The rectangle of the contact plane that is divided into cells.
+
+use crate::problem::gap::Gap;
+use crate::{Load, Problem};
+
+/// How far along x contact is looked for under a hull without ends [m].
+const REACH: f64 = 2.0;
+/// Samples of the gap along x, each way and each manner.
+const SAMPLES: usize = 300;
+/// A first window's size over the patch that is guessed.
+const AROUND: f64 = 1.5;
+/// Growth of a window that contact reaches the border of.
+const GROWTH: f64 = 1.6;
+/// Least part of a window along an axis that contact is to fill.
+const FILLED: f64 = 0.7;
+/// Cells left beyond the contact in a window that is made anew.
+const MARGIN: f64 = 1.0;
+
+/// A rectangle around the contact, in even cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Window {
+    /// Least x and y [m].
+    pub low: [f64; 2],
+    /// Largest x and y [m].
+    pub high: [f64; 2],
+    /// Cells along x and y, those beyond a mirror plane among them.
+    pub cells: [usize; 2],
+    /// Whether x = 0 and y = 0 are mirror planes, in the middle of the window.
+    pub mirrored: [bool; 2],
+    /// Least gap on the line along x through the line of action [m].
+    pub lowest: f64,
+    /// The hull's ends: least and largest x, least and largest y [m].
+    extent: [f64; 4],
+}
+
+impl Window {
+    /// Around the part of the hull that a cut removes which is so deep (`depth` in E* depth (length width)^(1/2)) that it bears the load;
+    /// `None` where no hull is above the line of action.
+    pub fn first(problem: &Problem, gap: &Gap, modulus: f64, cells: usize) -> Option<Self> {
+        let extent = problem.runner.underside.extent();
+        let line = Line::new(gap, extent)?;
+        let cut = match problem.load {
+            Load::Approach { approach, .. } => line.cut(gap, approach),
+            Load::Force { fz, .. } => {
+                let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
+                for _ in 0..50 {
+                    let middle = 0.5 * (low + high);
+                    let [from, to, right, left] = line.cut(gap, middle.exp());
+                    let bears = modulus * middle.exp() * ((to - from) * (left - right)).sqrt();
+                    match bears < fz {
+                        true => low = middle,
+                        false => high = middle,
+                    }
+                }
+                line.cut(gap, high.exp())
+            }
+        };
+        let window = Window {
+            low: [cut[0], cut[2]],
+            high: [cut[1], cut[3]],
+            cells: [cells; 2],
+            mirrored: gap.symmetry(),
+            lowest: line.lowest,
+            extent,
+        };
+        Some(window.scaled(AROUND))
+    }
+
+    /// With other cells.
+    pub fn with_cells(self, cells: usize) -> Self {
+        Window {
+            cells: [cells; 2],
+            ..self
+        }
+    }
+
+    /// Size of a cell along x and y [m].
+    pub fn size(&self) -> [f64; 2] {
+        [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / self.cells[axis] as f64)
+    }
+
+    /// Cells that are solved for along x and y.
+    pub fn solved(&self) -> [usize; 2] {
+        [0, 1].map(|axis| match self.mirrored[axis] {
+            true => self.cells[axis] / 2,
+            false => self.cells[axis],
+        })
+    }
+
+    /// Centre of a solved cell along an axis [m].
+    pub fn centre(&self, axis: usize, cell: usize) -> f64 {
+        let from = match self.mirrored[axis] {
+            true => 0.0,
+            false => self.low[axis],
+        };
+        from + (cell as f64 + 0.5) * self.size()[axis]
+    }
+
+    /// The window that fits contact from the first to the last cell of each axis; `None` where this one does.
+    pub fn fitted(&self, contact: [[usize; 2]; 2]) -> Option<Self> {
+        let mut next = *self;
+        let mut changed = false;
+        for (axis, [first, last]) in contact.into_iter().enumerate() {
+            let solved = self.solved()[axis];
+            let size = self.size()[axis];
+            let [least, most] = [self.extent[2 * axis], self.extent[2 * axis + 1]];
+            let touches_low = !self.mirrored[axis] && first == 0 && self.low[axis] > least;
+            let touches_high = last + 1 == solved && self.high[axis] < most;
+            let whole = self.high[axis] - self.low[axis];
+            if touches_low {
+                next.low[axis] -= (GROWTH - 1.0) * whole;
+            }
+            if touches_high {
+                next.high[axis] += (GROWTH - 1.0) * whole;
+            }
+            let filled = match self.mirrored[axis] {
+                true => last + 1,
+                false => last + 1 - first,
+            };
+            if touches_low || touches_high {
+                changed = true;
+            } else if (filled as f64) < FILLED * solved as f64 {
+                changed = true;
+                next.high[axis] = self.centre(axis, last) + (0.5 + MARGIN) * size;
+                next.low[axis] = self.centre(axis, first) - (0.5 + MARGIN) * size;
+            }
+            if self.mirrored[axis] {
+                next.low[axis] = -next.high[axis];
+            }
+        }
+        changed.then(|| next.clipped())
+    }
+
+    fn scaled(self, by: f64) -> Self {
+        let mut next = self;
+        for axis in 0..2 {
+            let middle = match self.mirrored[axis] {
+                true => 0.0,
+                false => 0.5 * (self.low[axis] + self.high[axis]),
+            };
+            let half = match self.mirrored[axis] {
+                true => self.high[axis].max(-self.low[axis]),
+                false => 0.5 * (self.high[axis] - self.low[axis]),
+            };
+            next.low[axis] = middle - by * half;
+            next.high[axis] = middle + by * half;
+        }
+        next.clipped()
+    }
+
+    fn clipped(mut self) -> Self {
+        for axis in 0..2 {
+            self.low[axis] = self.low[axis].max(self.extent[2 * axis]);
+            self.high[axis] = self.high[axis].min(self.extent[2 * axis + 1]);
+        }
+        self
+    }
+}
+
+/// The gap along x through the line of action.
+struct Line {
+    /// x and gap over the lowest one [m].
+    places: Vec<[f64; 2]>,
+    lowest: f64,
+    deepest: f64,
+    y: f64,
+    /// Least and largest y of the hull.
+    across: [f64; 2],
+}
+
+impl Line {
+    fn new(gap: &Gap, extent: [f64; 4]) -> Option<Self> {
+        let [x0, y] = gap.line_of_action;
+        let end = |end: f64, from: f64| match end.is_finite() {
+            true => end,
+            false => from + end.signum() * REACH,
+        };
+        let mut xs = vec![x0];
+        for to in [end(extent[0], x0) - x0, end(extent[1], x0) - x0] {
+            for i in 1..=SAMPLES {
+                let t = i as f64 / SAMPLES as f64;
+                xs.extend([x0 + to * t, x0 + to * t.powi(4)]);
+            }
+        }
+        xs.sort_by(f64::total_cmp);
+        let places: Vec<[f64; 2]> = xs
+            .iter()
+            .map(|&x| [x, gap.at(x, y)])
+            .filter(|place| place[1].is_finite())
+            .collect();
+        let [deepest, lowest] = *places.iter().min_by(|a, b| a[1].total_cmp(&b[1]))?;
+        Some(Line {
+            places: places.iter().map(|[x, g]| [*x, g - lowest]).collect(),
+            lowest,
+            deepest,
+            y,
+            across: [end(extent[2], y), end(extent[3], y)],
+        })
+    }
+
+    /// Ends along x and y of what lies within `depth` of the lowest place [m].
+    fn cut(&self, gap: &Gap, depth: f64) -> [f64; 4] {
+        let inside = |place: &[f64; 2]| place[1] < depth;
+        let first = self.places.iter().position(inside).unwrap_or(0);
+        let last = self.places.iter().rposition(inside).unwrap_or(0);
+        let crossing = |within: usize, beyond: Option<usize>| {
+            let [x, g] = self.places[within];
+            match beyond.and_then(|k| self.places.get(k)) {
+                Some([to, over]) if *over > g => x + (to - x) * (depth - g) / (over - g),
+                _ => x,
+            }
+        };
+        let from = crossing(first, first.checked_sub(1));
+        let to = crossing(last, Some(last + 1));
+        let below = |y: f64| gap.at(self.deepest, y) - self.lowest < depth;
+        let [right, left] = self.across.map(|end| {
+            if below(end) {
+                return end;
+            }
+            let (mut low, mut high) = (1e-9f64.min((end - self.y).abs()), (end - self.y).abs());
+            for _ in 0..40 {
+                let middle = (low * high).sqrt();
+                match below(self.y + (end - self.y).signum() * middle) {
+                    true => low = middle,
+                    false => high = middle,
+                }
+            }
+            self.y + (end - self.y).signum() * high
+        });
+        [from, to, right, left]
+    }
+}

@@ -1,0 +1,104 @@
+//! The second answer beside the first: boundary elements on the contact plane, where they apply.
+
+use std::time::Instant;
+
+use kufe_contact::{BoundaryElements, NotChecked, Problem, Solution, boundary_elements};
+use serde_json::{Map, Value, json};
+
+/// What boundary elements say of a contact.
+pub struct Check {
+    /// Their figures, or why there are none.
+    pub found: Result<BoundaryElements, NotChecked>,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+impl Check {
+    /// Solves the problem by boundary elements.
+    pub(super) fn of(problem: &Problem) -> Self {
+        let started = Instant::now();
+        let found = boundary_elements(problem);
+        Check {
+            found,
+            seconds: started.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// The keys of result.json.
+    pub(super) fn keys(&self) -> Map<String, Value> {
+        let keys = match &self.found {
+            Ok(found) => json!({
+                "check_p_max_pa": found.p_max,
+                "check_p_max_error_pa": found.p_max_error,
+                "check_approach_m": found.approach,
+                "check_approach_error_m": found.approach_error,
+                "check_seconds": self.seconds,
+            }),
+            Err(reason) => json!({ "check_absent": reason.to_string() }),
+        };
+        match keys {
+            Value::Object(keys) => keys,
+            _ => Map::new(),
+        }
+    }
+
+    /// A warning where the two answers part by more than both errors.
+    pub(super) fn parted(&self, solution: &Solution) -> Option<String> {
+        let found = self.found.as_ref().ok()?;
+        let pairs = [
+            (
+                "peak pressure",
+                [solution.p_max, found.p_max],
+                [solution.p_max_error, found.p_max_error],
+                (1e-6, "MPa"),
+            ),
+            (
+                "approach",
+                [solution.approach, found.approach],
+                [solution.approach_error, found.approach_error],
+                (1e6, "um"),
+            ),
+        ];
+        pairs.into_iter().find_map(|(name, values, errors, (factor, unit))| {
+            let [first, second] = values.map(|value| value * factor);
+            let [own, theirs] = errors.map(|error| error * factor);
+            ((first - second).abs() > own + theirs).then(|| {
+                format!(
+                    "two methods part: {name} {first:.4} +- {own:.4} {unit} by finite elements, {second:.4} +- {theirs:.4} {unit} by \
+                     boundary elements: one of the errors is too small"
+                )
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use kufe_contact::{Ice, Load, Options, Runner, Tilt, solve};
+    use kufe_mesh::Paraboloid;
+
+    use super::*;
+
+    #[test]
+    fn answers_that_agree_are_silent_and_a_peak_or_an_approach_off_is_told()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+        let load = Load::central(1000.0, Tilt::Free);
+        let problem = Problem::new(runner, Ice::half_space(9e9, 0.33), load);
+        let check = Check::of(&problem);
+        let solution = solve(&problem, &Options::default())?;
+        assert_eq!(check.parted(&solution), None);
+        for (p_max, approach, name) in [(1.03, 1.0, "peak"), (1.0, 0.95, "approach")] {
+            let off = Solution {
+                p_max: solution.p_max * p_max,
+                approach: solution.approach * approach,
+                ..solution.clone()
+            };
+            let told = check.parted(&off).ok_or("nothing told")?;
+            assert!(told.contains(name), "{told}");
+        }
+        Ok(())
+    }
+}

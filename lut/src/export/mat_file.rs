@@ -1,0 +1,195 @@
+//! MATLAB version 5 MAT-files, uncompressed: variables of numbers, text, structures and cells.
+//!
+//! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX` element
+//! a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
+
+use std::io::{Error, Result, Write};
+
+use serde_json::Value;
+
+const MI_INT8: u32 = 1;
+const MI_UINT16: u32 = 4;
+const MI_INT32: u32 = 5;
+const MI_UINT32: u32 = 6;
+const MI_DOUBLE: u32 = 9;
+const MI_MATRIX: u32 = 14;
+const MX_CELL: u32 = 1;
+const MX_STRUCT: u32 = 2;
+const MX_CHAR: u32 = 4;
+const MX_DOUBLE: u32 = 6;
+/// Longest name that MATLAB takes, and with the zero after it.
+const LONGEST: usize = 63;
+
+/// A variable of a MAT-file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MatValue {
+    /// Numbers over a shape, the first dimension fastest.
+    Numbers(Vec<usize>, Vec<f64>),
+    /// A line of text.
+    Text(String),
+    /// A row of structures: the names of their fields, and the fields' values structure by structure.
+    Structures(Vec<String>, Vec<Vec<MatValue>>),
+    /// A row of anything.
+    Cells(Vec<MatValue>),
+}
+
+impl MatValue {
+    /// One number.
+    pub fn number(value: f64) -> Self {
+        MatValue::Numbers(vec![1, 1], vec![value])
+    }
+
+    /// Numbers as a row.
+    pub fn row(values: Vec<f64>) -> Self {
+        MatValue::Numbers(vec![1, values.len()], values)
+    }
+
+    /// One structure of named fields.
+    pub fn structure(fields: Vec<(String, MatValue)>) -> Self {
+        let (names, values) = fields.into_iter().unzip();
+        MatValue::Structures(names, vec![values])
+    }
+
+    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as rows of structures with the fields of them
+    /// all (an empty array where one lacks it), other lists as cells; objects as structures.
+    pub fn of_json(value: &Value) -> Self {
+        let number = |value: &Value| match value {
+            Value::Null => Some(f64::NAN),
+            Value::Bool(holds) => Some(f64::from(u8::from(*holds))),
+            value => value.as_f64(),
+        };
+        match value {
+            Value::String(text) => MatValue::Text(text.clone()),
+            Value::Object(_) => objects(std::slice::from_ref(value)),
+            Value::Array(list) => {
+                if let Some(numbers) = list.iter().map(number).collect() {
+                    MatValue::row(numbers)
+                } else if list.iter().all(Value::is_object) {
+                    objects(list)
+                } else {
+                    MatValue::Cells(list.iter().map(MatValue::of_json).collect())
+                }
+            }
+            value => MatValue::number(number(value).unwrap_or(f64::NAN)),
+        }
+    }
+
+    fn element(&self, name: &str) -> Vec<u8> {
+        match self {
+            MatValue::Numbers(shape, values) => doubles(name, shape, values),
+            MatValue::Text(text) => characters(name, text),
+            MatValue::Structures(names, rows) => {
+                let mut data = part(MI_INT32, &(LONGEST as i32 + 1).to_le_bytes());
+                let mut table = vec![0; names.len() * (LONGEST + 1)];
+                for (to, name) in table.chunks_exact_mut(LONGEST + 1).zip(names) {
+                    let name = variable_name(name);
+                    to[..name.len()].copy_from_slice(name.as_bytes());
+                }
+                data.extend(part(MI_INT8, &table));
+                data.extend(rows.iter().flatten().flat_map(|value| value.element("")));
+                matrix(MX_STRUCT, name, &[1, rows.len()], &data)
+            }
+            MatValue::Cells(values) => {
+                let data: Vec<u8> = values.iter().flat_map(|v| v.element("")).collect();
+                matrix(MX_CELL, name, &[1, values.len()], &data)
+            }
+        }
+    }
+}
+
+fn objects(list: &[Value]) -> MatValue {
+    let mut names: Vec<String> = Vec::new();
+    for key in list.iter().filter_map(Value::as_object).flatten() {
+        if !names.contains(key.0) {
+            names.push(key.0.clone());
+        }
+    }
+    let of = |object: &Value, name: &String| match object.get(name) {
+        Some(value) => MatValue::of_json(value),
+        None => MatValue::Numbers(vec![0, 0], Vec::new()),
+    };
+    let row = |object: &Value| names.iter().map(|name| of(object, name)).collect();
+    let rows = list.iter().map(row).collect();
+    MatValue::Structures(names, rows)
+}
+
+/// Writes variables as a MAT-file of version 5, `version` being that of kufe.
+///
+/// # Errors
+/// Those of the writer, and where a variable is longer than the format's 2 GiB.
+pub fn write_mat_file(
+    writer: &mut dyn Write,
+    version: &str,
+    variables: &[(String, MatValue)],
+) -> Result<()> {
+    writer.write_all(&header(version))?;
+    for (name, value) in variables {
+        let element = value.element(&variable_name(name));
+        if element.len() > i32::MAX as usize {
+            return Err(Error::other(format!(
+                "{name} takes {} bytes: a MAT-file of version 5 holds variables up to 2 GiB",
+                element.len()
+            )));
+        }
+        writer.write_all(&element)?;
+    }
+    Ok(())
+}
+
+/// A name that MATLAB takes: letters, digits and underscores, a letter first, at most 63.
+fn variable_name(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let first = name.chars().next().is_some_and(|c| c.is_ascii_alphabetic());
+    let start = if first { "" } else { "x" };
+    let name = start.chars().chain(name.chars().map(plain));
+    name.take(LONGEST).collect()
+}
+
+/// The first 128 bytes.
+pub(super) fn header(version: &str) -> [u8; 128] {
+    let text = format!("MATLAB 5.0 MAT-file, written by kufe {version}");
+    let mut head = [b' '; 128];
+    for (to, from) in head[..116].iter_mut().zip(text.bytes()) {
+        *to = from;
+    }
+    head[116..124].fill(0);
+    head[124..].copy_from_slice(&[0x00, 0x01, b'I', b'M']);
+    head
+}
+
+/// An array of numbers, the first dimension fastest.
+pub(super) fn doubles(name: &str, shape: &[usize], values: &[f64]) -> Vec<u8> {
+    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    matrix(MX_DOUBLE, name, shape, &part(MI_DOUBLE, &data))
+}
+
+/// A row of characters.
+pub(super) fn characters(name: &str, text: &str) -> Vec<u8> {
+    let units: Vec<u16> = text.encode_utf16().collect();
+    let data: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+    let shape = [1, units.len()];
+    matrix(MX_CHAR, name, &shape, &part(MI_UINT16, &data))
+}
+
+fn matrix(class: u32, name: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+    let flags: Vec<u8> = [class, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let sizes: Vec<u8> = shape
+        .iter()
+        .flat_map(|&length| (length as i32).to_le_bytes())
+        .collect();
+    let mut body = part(MI_UINT32, &flags);
+    body.extend(part(MI_INT32, &sizes));
+    body.extend(part(MI_INT8, name.as_bytes()));
+    body.extend(data);
+    part(MI_MATRIX, &body)
+}
+
+/// A tag, its bytes, and zeros up to a multiple of 8.
+fn part(kind: u32, bytes: &[u8]) -> Vec<u8> {
+    let mut part = Vec::with_capacity(bytes.len() + 16);
+    part.extend(kind.to_le_bytes());
+    part.extend((bytes.len() as u32).to_le_bytes());
+    part.extend(bytes);
+    part.resize(part.len().next_multiple_of(8), 0);
+    part
+}

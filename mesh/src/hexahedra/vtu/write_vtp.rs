@@ -1,0 +1,53 @@
+//! Surfaces of quadrilaterals and their fields as VTP files.
+
+use std::io::{BufWriter, Result, Write};
+
+use crate::error::MeshError;
+use crate::hexahedra::vtu::write::{VtuField, bytes, fits, write_array, write_fields};
+
+/// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with `point_data` as a VTP file (polygons) that VTK
+/// and pyvista read.
+///
+/// # Errors
+/// [`MeshError::FieldLength`] where an array does not fit the points, [`MeshError::Vtu`] where it cannot be written.
+pub fn write_vtp(
+    points: &[[f64; 3]],
+    quadrilaterals: &[[usize; 4]],
+    point_data: &[VtuField],
+    writer: impl Write,
+) -> std::result::Result<(), MeshError> {
+    fits(point_data, points.len())?;
+    let mut out = BufWriter::new(writer);
+    write_file(points, quadrilaterals, point_data, &mut out)
+        .and_then(|()| out.flush())
+        .map_err(|error| MeshError::Vtu(error.to_string()))
+}
+
+fn write_file(
+    points: &[[f64; 3]],
+    quadrilaterals: &[[usize; 4]],
+    point_data: &[VtuField],
+    out: &mut impl Write,
+) -> Result<()> {
+    let (count, faces) = (points.len(), quadrilaterals.len());
+    writeln!(
+        out,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>"
+    )?;
+    writeln!(
+        out,
+        "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{faces}\">"
+    )?;
+    write_fields(out, "PointData", point_data)?;
+    let coordinates = bytes(points.iter().flatten().map(|v| v.to_le_bytes()));
+    writeln!(out, "<Points>")?;
+    write_array(out, "Float64", ("Points", 3), &coordinates)?;
+    writeln!(out, "</Points>\n<Polys>")?;
+    let corners = quadrilaterals.iter().flatten();
+    let connectivity = bytes(corners.map(|&n| (n as i64).to_le_bytes()));
+    let offsets = bytes((1..=faces as i64).map(|n| (4 * n).to_le_bytes()));
+    write_array(out, "Int64", ("connectivity", 1), &connectivity)?;
+    write_array(out, "Int64", ("offsets", 1), &offsets)?;
+    writeln!(out, "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>")
+}
