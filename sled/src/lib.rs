@@ -48,6 +48,7 @@ pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
 pub use fit::contacts::find_contacts;
+pub use fit::own_contacts::{as_of_run, contact_within, scatter, stretch_of, with_own_contacts};
 pub use fit::runners::{SledFit, fit};
 pub use fit::samples::{FitOptions, lateral_samples};
 pub use model::model_toml::{Friction, Model};

@@ -118,6 +118,62 @@ pub struct Step {
     pub explainable_gap_closed: Interval,
     /// The rivals, best first.
     pub rivals: Vec<Rival>,
+    /// Where runs meet a wall, each with a force of its own.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactPlace>,
+}
+
+/// A place at which runs meet a wall, or miss it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactPlace {
+    /// Track.
+    pub track: String,
+    /// Mean stretch of the runs that hit, from \[m\].
+    pub from_m: f64,
+    /// To \[m\].
+    pub to_m: f64,
+    /// Mean force of the runs that hit, positive to the left \[N\].
+    pub force_n: f64,
+    /// Its standard deviation from run to run \[N\].
+    pub spread_n: f64,
+    /// Number of runs on the track.
+    pub runs: usize,
+    /// Number of those that hit.
+    pub hit: usize,
+    /// The same by driver.
+    pub drivers: Vec<DriverContacts>,
+    /// The runs that hit, the locked-away ones last.
+    pub contacts: Vec<RunContact>,
+}
+
+/// How a driver meets a place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DriverContacts {
+    /// Driver.
+    pub driver: String,
+    /// Runs on the track.
+    pub runs: usize,
+    /// Those that hit.
+    pub hit: usize,
+    /// Mean force of those \[N\].
+    pub force_n: f64,
+}
+
+/// The contact of one run at a place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunContact {
+    /// Run.
+    pub run: String,
+    /// Driver.
+    pub driver: String,
+    /// From \[m\].
+    pub from_m: f64,
+    /// To \[m\].
+    pub to_m: f64,
+    /// Peak of the force, set by the side balance \[N\].
+    pub force_n: f64,
+    /// Its standard error \[N\].
+    pub error_n: f64,
 }
 
 impl Step {

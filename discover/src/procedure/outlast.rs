@@ -22,22 +22,23 @@ pub fn outlast<E: Evidence>(
     let mut last = last;
     let mut tried = Vec::new();
     while account.steps.len() > 1 {
-        let mut weakest: Option<(usize, Lowered)> = None;
+        let mut weakest: Option<(usize, Lowered, E::Fit)> = None;
         for step in 0..account.steps.len() {
             let without = evidence.without(&last, step)?;
             let Some(lowered) = evidence.lowered(&without, &last)? else {
                 continue;
             };
-            let weaker = weakest.is_none_or(|(_, w)| lowered.strength() < w.strength());
+            let weaker = weakest
+                .as_ref()
+                .is_none_or(|(_, w, _)| lowered.strength() < w.strength());
             if !lowered.holds(rules) && weaker {
-                weakest = Some((step, lowered));
+                weakest = Some((step, lowered, without));
             }
         }
-        let Some((step, lowered)) = weakest else {
+        let Some((step, lowered, without)) = weakest else {
             break;
         };
         tried.push(take_back(account, step, &lowered));
-        let without = evidence.without(&last, step)?;
         last = evidence.settle(without, account)?;
     }
     if !account.steps.is_empty()

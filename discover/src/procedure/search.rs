@@ -156,5 +156,6 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
         unit: unit.to_owned(),
         explainable_gap_closed: Interval::default(),
         rivals: claim.rivals,
+        contacts: Vec::new(),
     }
 }

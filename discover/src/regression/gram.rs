@@ -4,6 +4,33 @@ use nalgebra::DMatrix;
 
 use crate::regression::inverse::ridge_inverse;
 
+/// Products of all columns with each other, `X'X`: each of the two halves that are the same is made once.
+pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    const LANES: usize = 8;
+    let dot = |a: &[f64], b: &[f64]| -> f64 {
+        let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+        let rest = a.remainder().iter().zip(b.remainder());
+        let rest: f64 = rest.map(|(x, y)| x * y).sum();
+        let mut sums = [0.0; LANES];
+        for (x, y) in a.zip(b) {
+            for (sum, (x, y)) in sums.iter_mut().zip(x.iter().zip(y)) {
+                *sum += x * y;
+            }
+        }
+        sums.iter().sum::<f64>() + rest
+    };
+    let (rows, m) = columns.shape();
+    let of = |k: usize| &columns.as_slice()[k * rows..(k + 1) * rows];
+    let mut squares = DMatrix::zeros(m, m);
+    for j in 0..m {
+        for i in 0..=j {
+            let product = dot(of(i), of(j));
+            (squares[(i, j)], squares[(j, i)]) = (product, product);
+        }
+    }
+    squares
+}
+
 /// Sums of products of one run's columns: base, candidates, residual last; windows of local effects beside them.
 #[derive(Clone, Debug)]
 pub struct Gram {
@@ -40,5 +67,18 @@ impl Gram {
             windows: free,
             window_norms,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_are_the_plain_product_of_a_matrix_with_itself() {
+        let x = DMatrix::from_fn(29, 7, |i, k| (1.3 * i as f64 + 0.7 * k as f64).sin());
+        let plain = x.transpose() * &x;
+        // Sums of 29 products of size one in another order.
+        assert!((squares(&x) - plain).amax() < 1e-13);
     }
 }

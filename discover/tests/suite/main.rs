@@ -2,3 +2,4 @@
 
 mod hidden_effects;
 mod real_data;
+mod walls;

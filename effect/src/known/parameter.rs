@@ -89,6 +89,9 @@ impl Parameter {
         ..Self::setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6)
     };
 
+    /// How far an amplitude differs from run to run, a standard deviation: where it is not 0 every recorded run has its own.
+    pub const SPREAD: Self = Self::setting("spread_n", "N", 0.0, 20000.0, 0.0);
+
     /// Whether the parameter is an amplitude, fitted to data.
     pub fn is_amplitude(&self) -> bool {
         self.typical != 0.0

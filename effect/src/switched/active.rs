@@ -1,5 +1,6 @@
 //! One effect that a model switches on, with its parameters.
 
+use crate::known::Parameter;
 use crate::law::{Effect, Reading};
 use crate::motion::{Conditions, Forces, SENSORS, Signals, State};
 use crate::switched::custom::Custom;
@@ -48,6 +49,15 @@ impl Active {
                     .any(|(p, value)| p.is_amplitude() && *value != 0.0)
             }
         }
+    }
+
+    /// Whether its size and place are each recorded run's own: its spread from run to run is not 0.
+    pub fn varies(&self) -> bool {
+        let Kind::Catalogue(effect) = &self.kind else {
+            return false;
+        };
+        let mut parameters = effect.info.parameters.iter().zip(&self.values);
+        parameters.any(|(p, value)| p.name == Parameter::SPREAD.name && *value > 0.0)
     }
 
     /// Names of the columns that it needs.

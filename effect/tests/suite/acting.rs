@@ -23,6 +23,26 @@ fn local_effects_act_in_their_window_on_their_track() {
 }
 
 #[test]
+fn a_contact_that_varies_from_run_to_run_is_half_a_wave_with_its_lever() {
+    let text = "[effects.wall-contact]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\nlever_m = 0.2\nspread_n = 100.0";
+    let effects = effects(text).unwrap();
+    assert!(effects.active[0].varies());
+    for (s, share) in [
+        (10.0, 0.0),
+        (15.0, 0.5),
+        (20.0, 1.0),
+        (25.0, 0.5),
+        (30.0, 0.0),
+    ] {
+        let (mut at, mut f) = (state(), forces());
+        at.conditions.s = s;
+        effects.act("a", &at, &mut f);
+        assert!((f.body_across - 500.0 * share).abs() < 1e-9, "{s}: {f:?}");
+        assert!((f.body_yaw - 100.0 * share).abs() < 1e-9, "{s}: {f:?}");
+    }
+}
+
+#[test]
 fn an_effect_on_the_coefficient_acts_on_both_runners() {
     let effects = effects("[effects.warm-up]\nexcess = 1.0\ntime_s = 3.0").unwrap();
     let mut f = forces();

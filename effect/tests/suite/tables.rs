@@ -62,7 +62,7 @@ fn mistakes_are_named_with_effect_key_and_bounds() {
 
 #[test]
 fn what_is_read_is_written_again() {
-    let text = "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\nfriction = 0.0\ntrack = \"a\"\n\
+    let text = "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\nfriction = 0.0\nlever_m = 0.0\nspread_n = 0.0\nwithin_m = 0.0\ntrack = \"a\"\n\
                 [effects.mine]\nexpression = \"v_mps * delta_rad\"\nchannel = \"sensor:yaw_rate_radps\"\nunit = \"1/m\"\nvalue = 0.5\nlow = -1.0\nhigh = 1.0\n";
     let table: toml::Table = text.parse().unwrap();
     for active in effects(text).unwrap().active {

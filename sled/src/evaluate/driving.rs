@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::fit::own_contacts::with_own_contacts;
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
 use crate::motion::balance::{Balance, Left};
@@ -112,7 +113,7 @@ pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
 }
 
 fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
-    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    let vehicle = &with_own_contacts(run, vehicle);
     let sled = &vehicle.sled;
     let mut series = Vec::with_capacity(run.states.len());
     // Ideal loss, and what front, rear and air take beyond it.

@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 
+use crate::fit::own_contacts::with_own_contacts;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::{Balance, Left};
 use crate::signals::prepare::Prepared;
 
 /// What the balances leave of one run, one a state.
 pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<Left> {
-    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    let vehicle = &with_own_contacts(run, vehicle);
     let instants = run.states.iter().zip(&run.motions);
     instants
         .map(|(state, motion)| {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::evaluate::residuals::{residuals, root_mean_square};
+use crate::fit::own_contacts::with_own_contacts;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Left;
 use crate::motion::one_track::{forward, forward_braghin, resultant};
@@ -91,7 +92,7 @@ pub fn validate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunValidation> {
 }
 
 fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
-    let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    let vehicle = &with_own_contacts(run, vehicle);
     let sled = &vehicle.sled;
     let series: Vec<LateralForce> = run
         .states

@@ -3,6 +3,7 @@
 use kufe_friction::LateralSample;
 use rayon::prelude::*;
 
+use crate::fit::own_contacts::with_own_contacts;
 use crate::model::vehicle::Vehicle;
 use crate::motion::one_track::{inverse, share_of_laws};
 use crate::signals::prepare::Prepared;
@@ -43,7 +44,7 @@ pub fn lateral_samples(
         .par_iter()
         .enumerate()
         .map(|(number, run)| {
-            let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+            let vehicle = &with_own_contacts(run, vehicle);
             let stretch = (4.0 / run.dt_s) as usize;
             let (mut front, mut rear, mut excluded) = (Vec::new(), Vec::new(), 0);
             for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {

@@ -5,6 +5,7 @@ use kufe_sled::Model;
 use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
+use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
@@ -32,6 +33,10 @@ pub struct Campaign<'a> {
     pub options: &'a Options,
     /// Runs to learn from.
     pub training: Vec<Frame>,
+    /// Runs to learn from with what they say beneath contacts; empty where there are none.
+    pub whole: Vec<Frame>,
+    /// Contacts that the last screen claimed.
+    pub claimed: Option<Found>,
     /// Runs that are locked away.
     pub held: Vec<Frame>,
     /// Channels that take part.
@@ -94,6 +99,10 @@ pub struct Current<'a> {
     /// Simulates runs with it.
     pub simulator: &'a RunSimulator,
 }
+
+/// Pairs of twins behind each Newton step where an installation may be off: what they leave in doubt, 7 % of what is taken off, is less
+/// than the noise itself is known by.
+pub const BESIDE_INSTALLATION: [u64; 2] = [1, 2];
 
 impl<'a> Current<'a> {
     /// Its rows' derivatives for candidates that act everywhere.
@@ -197,13 +206,13 @@ impl Campaign<'_> {
         // An installation makes many columns, and its errors are known by no more than their tolerance.
         let pairs: &[u64] = match residual_model.installation.fitted() {
             0 => &[1, 4, 16],
-            _ => &[1, 2],
+            _ => &BESIDE_INSTALLATION,
         };
         self.newton(residual_model, whitener, pairs, settle)
     }
 
     /// Newton steps on corrected scores, by so many pairs of twins each.
-    fn newton(
+    pub fn newton(
         &self,
         residual_model: &ResidualModel,
         whitener: &Whitener,

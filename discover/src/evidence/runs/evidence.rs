@@ -8,6 +8,7 @@ use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Told, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
+use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ModelOnRun, ResidualModel};
@@ -33,6 +34,7 @@ impl<'a> Campaign<'a> {
     /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::Effect`].
     pub fn new(data: &'a Data, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
         let mut own = Effects::from_tables(&model.effects)?;
+        let contacts = Contacts::given(&mut own.active);
         let trial = own.clone();
         // An effect of one's own without a value is a candidate, not a part of the model.
         own.active
@@ -50,6 +52,7 @@ impl<'a> Campaign<'a> {
             effects: own,
             along_path: false,
             installation: Installation::default(),
+            contacts: None,
             frozen: Vec::new(),
         };
         for frame in &data.frames {
@@ -75,7 +78,7 @@ impl<'a> Campaign<'a> {
         if used[3] {
             given.along_path = closes_along_path(&given, &training, &options.rules.runs);
         }
-        Ok(Self {
+        let mut campaign = Self {
             data,
             model,
             options,
@@ -87,7 +90,13 @@ impl<'a> Campaign<'a> {
             given,
             outside,
             by_forces: Vec::new(),
-        })
+            whole: Vec::new(),
+            claimed: None,
+        };
+        if let Some(contacts) = contacts {
+            campaign.given_contacts(contacts);
+        }
+        Ok(campaign)
     }
 }
 
@@ -121,7 +130,15 @@ impl Evidence for Campaign<'_> {
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
-        let base = self.fitted(&self.given, Vec::new())?;
+        let mut base = self.fitted(&self.given, Vec::new())?;
+        let pushed = self.mark_pushes(&base.residual_model);
+        if !pushed.is_empty() {
+            account.remarks.push(format!(
+                "something pushed runs aside at places that others pass, a wall perhaps; what they say there is left out: {}",
+                pushed.join(", ")
+            ));
+            base = self.fitted(&base.residual_model, Vec::new())?;
+        }
         let base = self.installed(&base)?;
         if self.data.noise_estimated {
             let n = &self.data.noise;
@@ -167,6 +184,9 @@ impl Evidence for Campaign<'_> {
         claim: &Claim<Amplitude>,
         step: usize,
     ) -> Result<Added<RunFit>, Error> {
+        if let Some(found) = self.claimed.take() {
+            return self.added_contacts(fit, found, step);
+        }
         let residual_model = &fit.residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == claim.channel);
         let gap = |residual_model: &ResidualModel| {
@@ -218,7 +238,9 @@ impl Evidence for Campaign<'_> {
         last.told = fit.told;
         self.write(&mut last)?;
         // A refit of the base alone is written only where it is better than what was given.
-        let refitted = last.owners.is_empty();
+        let contacts = &last.residual_model.contacts;
+        let claimed = contacts.as_ref().is_some_and(|c| c.step.is_some());
+        let refitted = last.owners.is_empty() && !claimed;
         let better = self.lowered_between(&self.given, &last.settled, None);
         let least = self.options.rules.search.beyond_scatter;
         if refitted && better.is_some_and(|l| l.by <= least * l.error) {
@@ -306,16 +328,23 @@ impl Evidence for Campaign<'_> {
         let training = channels(
             &self.given,
             &last.settled,
-            &self.training,
+            self.whole(),
             &simulator,
             self.used,
         );
         Ok(Description {
             data: data.to_owned(),
-            pictures: self.pictures(last, &account.steps, &training),
+            pictures: {
+                let mut pictures = self.pictures(last, &account.steps, &training);
+                pictures.extend(self.contact_pictures(last));
+                pictures
+            },
             training,
             within_tolerance: self.within_tolerance(last, account),
-            parameters: self.parameters(last, account.steps.len()),
+            parameters: {
+                self.tell_contacts(last, &mut account.steps);
+                self.parameters(last, account.steps.len())
+            },
             laws: self.laws(last, account.steps.len()),
             base: self.base_parameters(last),
             bins: bins(base),

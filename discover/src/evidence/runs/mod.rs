@@ -3,6 +3,7 @@
 pub(crate) mod campaign;
 pub(crate) mod candidates;
 pub(crate) mod channels;
+pub(crate) mod contacts;
 pub(crate) mod evidence;
 pub(crate) mod fit;
 pub(crate) mod laws;

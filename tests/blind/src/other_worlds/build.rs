@@ -7,6 +7,7 @@ use super::recorder::{NOISE, record};
 use super::ride::{Plan, ride};
 use super::road::Road;
 use super::runners::Sled;
+use super::walls::Walls;
 use super::wrong::{CHANNELS, Fault, World, Wrong};
 use crate::cases::answer::{Answer, Case, Hides};
 use crate::cases::label::Label;
@@ -56,6 +57,10 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
         }
         _ => {}
     }
+    let walls = hidden.as_ref().and_then(|h| match h.effect.acts {
+        Acts::Bumper(hits) => Some(Walls::draw(hits, &roads, source)),
+        _ => None,
+    });
     let mut files = Vec::new();
     let mut index = String::from("run,file,track,driver,driver_class,session,ice_c,air_c,air_pa\n");
     let campaign = Campaign {
@@ -64,8 +69,13 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
         roads: &roads,
         hidden: hidden.as_ref(),
         fault,
+        walls,
     };
     campaign.runs(source, &mut index, &mut files);
+    let places = campaign
+        .walls
+        .as_ref()
+        .map_or(Vec::new(), |walls| walls.stretches(&roads));
     if !wrong.bare {
         files.extend(roads.iter().map(|road| track_file(road, &wrong)));
     }
@@ -90,7 +100,10 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
             seed,
             data: "runs.csv".to_owned(),
             model: "model.toml".to_owned(),
-            hides: hidden.iter().map(|h| hides(h, roads[0].name)).collect(),
+            hides: hidden
+                .iter()
+                .map(|h| hides(h, roads[0].name, &places))
+                .collect(),
             tolerated: really_off(&wrong),
             too_little_to_name: false,
             base: base.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
@@ -105,6 +118,7 @@ struct Campaign<'a> {
     roads: &'a [Road; 2],
     hidden: Option<&'a Hidden>,
     fault: Option<(Fault, f64)>,
+    walls: Option<Walls>,
 }
 
 impl Campaign<'_> {
@@ -129,6 +143,10 @@ impl Campaign<'_> {
                     let from = source.uniform(0.2, 0.8) * road.length_m;
                     let force = source.sign() * source.uniform(300.0, 1500.0);
                     plan.wall = Some([from, from + source.uniform(3.0, 10.0), force]);
+                }
+                if let (Some(walls), Some(hidden)) = (&self.walls, self.hidden) {
+                    let who = (session + run) % 3;
+                    plan.bumps = walls.of_run(track, who, hidden.size, source);
                 }
                 let hidden = self
                     .hidden
@@ -176,11 +194,11 @@ fn really_off(wrong: &Wrong) -> Vec<String> {
     names.into_iter().map(str::to_owned).collect()
 }
 
-fn hides(hidden: &Hidden, track: &str) -> Hides {
+fn hides(hidden: &Hidden, track: &str, walls: &[(String, f64, f64)]) -> Hides {
     let effect = &hidden.effect;
     let places = match effect.acts {
         Acts::Wall => vec![(track.to_owned(), hidden.place_m[0], hidden.place_m[1])],
-        _ => Vec::new(),
+        _ => walls.to_vec(),
     };
     Hides {
         effect: effect.name.to_owned(),

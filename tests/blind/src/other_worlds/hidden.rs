@@ -45,6 +45,17 @@ pub enum Acts {
     Centre,
     /// A wall that pushes at one place in every run [N].
     Wall,
+    /// Walls at several places that some runs hit, harder or softer; the size is the lever of the bumper [m].
+    Bumper(Chance),
+}
+
+/// Who hits a wall.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chance {
+    /// Anybody, by chance.
+    ByRun,
+    /// By driver: one often and hard, one seldom and softly.
+    ByDriver,
 }
 
 /// An effect that a world may hide.
@@ -330,6 +341,22 @@ pub const EFFECTS: &[Effect] = &[
         0.12,
     )
     .called("pitch-rate-dip"),
+    effect(
+        "wall-contact",
+        Acts::Bumper(Chance::ByRun),
+        "lever_m",
+        "m",
+        0.3,
+    )
+    .called("wall-contact-by-run"),
+    effect(
+        "wall-contact",
+        Acts::Bumper(Chance::ByDriver),
+        "lever_m",
+        "m",
+        0.3,
+    )
+    .called("wall-contact-by-driver"),
 ];
 
 /// An effect with the size it has in a case.

@@ -8,6 +8,34 @@ use crate::world::noise::{Smooth, Source};
 /// Steps a second.
 pub const RATE_HZ: f64 = 1000.0;
 
+/// A bumper pressed against a wall: half a sine of force over a stretch, with the friction of rubber on ice.
+#[derive(Debug, Clone, Copy)]
+pub struct Bumper {
+    /// Where it begins [m].
+    pub from_m: f64,
+    /// How long it lasts [m].
+    pub length_m: f64,
+    /// Its peak, left positive [N].
+    pub force_n: f64,
+    /// The bumper ahead of the centre of gravity [m].
+    pub lever_m: f64,
+}
+
+impl Bumper {
+    /// Friction of the bumper.
+    const RUBBER: f64 = 0.12;
+
+    /// Forward, to the left [N], and about the vertical [N m].
+    fn push(&self, s: f64) -> [f64; 3] {
+        let along = (s - self.from_m) / self.length_m;
+        if !(0.0..=1.0).contains(&along) {
+            return [0.0; 3];
+        }
+        let force = self.force_n * (std::f64::consts::PI * along).sin();
+        [-Self::RUBBER * force.abs(), force, self.lever_m * force]
+    }
+}
+
 /// What is drawn for one run before it starts.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -25,6 +53,8 @@ pub struct Plan {
     pub factors: [f64; 2],
     /// A wall of this run: from, to [m], force [N].
     pub wall: Option<[f64; 3]>,
+    /// What the bumper meets in this run.
+    pub bumps: Vec<Bumper>,
     /// Ice temperature [deg C].
     pub ice_c: f64,
     /// Air density [kg/m3].
@@ -47,6 +77,7 @@ impl Plan {
             ],
             factors: [1.0; 2],
             wall: None,
+            bumps: Vec::new(),
             ice_c: -6.0,
             air: 1.25,
             climbs: line_m > 0.0,
@@ -130,7 +161,14 @@ impl Ride<'_> {
             air: self.plan.air,
             wall: self.wall(s),
         };
-        let Push { x: fx, y: fy, turn } = push(sled, &now, self.plan.factors, self.hidden);
+        let mut all = push(sled, &now, self.plan.factors, self.hidden);
+        for bump in &self.plan.bumps {
+            let [x, y, turn] = bump.push(s);
+            all.x += x;
+            all.y += y;
+            all.turn += turn;
+        }
+        let Push { x: fx, y: fy, turn } = all;
         let (ax, ay) = (
             fx / sled.mass_kg + gravity[0],
             fy / sled.mass_kg + gravity[1],

@@ -8,6 +8,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{BASE, CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::regression::gram::squares;
 use crate::regression::inverse::ridge_inverse;
 
 /// Residuals of all runs.
@@ -145,10 +146,7 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
     let columns = design.columns(frame);
     let n = frame.row_count();
     (0..design.whitener.count())
-        .map(|k| {
-            let block = columns.rows(k * n, n);
-            (block.tr_mul(&block), n)
-        })
+        .map(|k| (squares(&columns.rows(k * n, n).into_owned()), n))
         .collect()
 }
 

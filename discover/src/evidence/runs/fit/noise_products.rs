@@ -17,6 +17,7 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
+use crate::regression::gram::squares;
 
 /// D_i of every run, local candidates last, from one pair of twins of a third of it, scaled to the whole.
 ///
@@ -38,7 +39,7 @@ pub fn noise_products(
                 let (m, n) = (columns.ncols(), locals.ncols());
                 let mut x = columns.resize_horizontally(m + n, 0.0);
                 x.columns_mut(m, n).copy_from(&locals);
-                x.tr_mul(&x)
+                squares(&x)
             };
             let mean = (square(&pair.plus) + square(&pair.minus)) * 0.5;
             let share = frame.row_count() as f64 / piece.row_count().max(1) as f64;

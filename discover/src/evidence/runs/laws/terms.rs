@@ -10,6 +10,7 @@ use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::{COLUMNS, Term, TermsOnRun};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::regression::gram::squares;
 
 /// A run with the twins of a piece of it.
 struct OfRun<'a> {
@@ -92,7 +93,7 @@ impl<'a> Terms<'a> {
             .map(|run| {
                 let square = |frame: &Frame, on: &TermsOnRun| {
                     let x = on.with(self.design, frame, terms);
-                    x.tr_mul(&x)
+                    squares(&x)
                 };
                 let [plus, minus, truth] = run.twins.each_ref().map(|(f, on)| square(f, on));
                 let noise = ((plus + minus) * 0.5 - truth) * run.share;

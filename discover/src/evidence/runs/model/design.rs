@@ -11,7 +11,7 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-use crate::regression::gram::Gram;
+use crate::regression::gram::{Gram, squares};
 use crate::regression::prior::Prior;
 
 /// Columns that stand for each run's own level: of friction and of lateral grip.
@@ -224,7 +224,7 @@ impl Design<'_> {
                     })
                     .collect();
                 Products {
-                    full: columns.tr_mul(&columns),
+                    full: squares(&columns),
                     windows,
                     window_norms,
                     shares,

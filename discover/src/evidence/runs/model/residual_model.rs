@@ -11,6 +11,7 @@ use kufe_sled::effects::{
 };
 use kufe_sled::{Balance, BaseParameter, LawForces, State, Vehicle, aero, from_sensors};
 
+use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -49,6 +50,8 @@ pub struct ResidualModel {
     pub along_path: bool,
     /// What the installation may be off by, and by how much it is.
     pub installation: Installation,
+    /// Contacts with walls that each run has its own of.
+    pub contacts: Option<Contacts>,
     /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
     pub frozen: Vec<String>,
 }
@@ -168,6 +171,9 @@ impl<'a> ModelOnRun<'a> {
         vehicle.effects = effects.in_time();
         if let Some(mass_kg) = frame.mass_kg {
             vehicle.sled.mass_kg = mass_kg;
+        }
+        if let Some(contacts) = &residual_model.contacts {
+            vehicle.effects.active.extend(contacts.of_run(frame));
         }
         let mut constants = vehicle.sled.constants();
         let installation = &residual_model.installation;

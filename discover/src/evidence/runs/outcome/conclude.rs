@@ -48,6 +48,7 @@ impl Campaign<'_> {
                 unit,
             });
         }
+        self.contact_parameters(last, &mut parameters);
         parameters
     }
 
@@ -138,11 +139,14 @@ impl Campaign<'_> {
             )
         };
         let track = CHANNEL_NAMES[3].0;
+        let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
         steps
             .iter()
-            .map(|step| match step.channel == track {
+            .enumerate()
+            .map(|(k, step)| match step.channel == track {
                 // The forces do not show it: what is closed shows in the track's bins, of which these runs have few.
                 true => by_track(),
+                false if contacts == Some(k) => self.contacts_closed(&last.settled),
                 false => closed.clone(),
             })
             .collect()

@@ -12,11 +12,13 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
+use crate::evidence::runs::contacts::own::rows_beneath;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::report::Interval;
 use crate::procedure::lowered::Lowered;
 
 /// Channel, track and place.
@@ -50,7 +52,7 @@ impl Campaign<'_> {
             .held
             .par_iter()
             .map(|frame| {
-                let rows = whitened(&before.residuals(frame), &whitener);
+                let mut rows = whitened(&before.residuals(frame), &whitener);
                 let mut left = whitened(&after.residuals(frame), &whitener);
                 if let Some(Told {
                     candidate, size, ..
@@ -72,6 +74,14 @@ impl Campaign<'_> {
                         left[c][i] -= change * size / candidate.typical;
                     }
                 }
+                if before.contacts.is_some() || after.contacts.is_some() {
+                    // What set a contact doesn't judge it.
+                    for (i, _) in rows_beneath(frame).iter().enumerate().filter(|(_, b)| **b) {
+                        for side in [&mut rows[1], &mut left[1]] {
+                            side.get_mut(i).into_iter().for_each(|r| *r = 0.0);
+                        }
+                    }
+                }
                 (
                     falls(&rows, &left, rules.piece_rows),
                     repeating(placed(frame, &rows, rules.place_m), &means),
@@ -81,6 +91,50 @@ impl Campaign<'_> {
         let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
         let repeats: f64 = each.iter().map(|(_, repeats)| repeats).sum();
         Lowered::over(&falls, repeats.max(0.0))
+    }
+
+    /// The share of what the locked-away runs' contacts leave beyond noise, in the balances that did not set them, that a model with contacts
+    /// closes; the interval from the scatter of runs.
+    pub fn contacts_closed(&self, with: &ResidualModel) -> Interval {
+        let bare = ResidualModel {
+            contacts: None,
+            ..with.clone()
+        };
+        let whitener = Whitener::estimate(&residuals(with, &self.training), self.used);
+        let of_run = |frame: &Frame| -> [f64; 2] {
+            let beneath = rows_beneath(frame);
+            let square = |model: &ResidualModel| -> f64 {
+                let rows = whitened(&model.residuals(frame), &whitener);
+                let there = |c: usize| rows[c].iter().zip(&beneath).filter(|(_, b)| **b);
+                [0, 2]
+                    .iter()
+                    .flat_map(|c| there(*c))
+                    .map(|(r, _)| r * r - 1.0)
+                    .sum()
+            };
+            let before = square(&bare);
+            [before, before - square(with)]
+        };
+        let each: Vec<[f64; 2]> = self.held.iter().map(of_run).collect();
+        let open: f64 = each.iter().map(|[before, _]| before).sum();
+        let falls: Vec<f64> = each.iter().map(|[_, fall]| *fall).collect();
+        let lowered = Lowered::over(&falls, open).filter(|l| l.repeats > 0.0);
+        let share = |by: f64| (by / open).clamp(-1.0, 1.0);
+        lowered.map_or(
+            Interval {
+                value: 0.0,
+                low: -1.0,
+                high: 1.0,
+            },
+            |l| {
+                let half = self.options.rules.search.interval * l.error;
+                Interval {
+                    value: share(l.by),
+                    low: share(l.by - half),
+                    high: share(l.by + half),
+                }
+            },
+        )
     }
 
     /// Mean whitened residuals of the training runs by place, where two runs or more went.

@@ -29,6 +29,19 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
             next.effects.insert(active.name.clone(), table(active));
         }
     }
+    if let Some(contacts) = &residual_model.contacts
+        && contacts.step.is_some()
+    {
+        for place in &contacts.places {
+            let mut name = place.name.clone();
+            let mut k = 1;
+            while next.effects.contains_key(&name) {
+                k += 1;
+                name = format!("{}@{k}", place.name);
+            }
+            next.effects.insert(name, table(place));
+        }
+    }
     next
 }
 

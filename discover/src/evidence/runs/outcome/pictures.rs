@@ -27,7 +27,7 @@ impl Campaign<'_> {
     /// Residuals along each track of the given model and of the one that was written, then each effect that acts everywhere over
     /// its column.
     pub fn pictures(&self, last: &RunFit, steps: &[Step], gaps: &[ChannelGap]) -> Vec<Picture> {
-        let frames: Vec<Frame> = self.training.iter().chain(&self.held).cloned().collect();
+        let frames: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
         let rows = [&self.given, &last.settled].map(|model| residuals(model, &frames));
         let shown = shown_channels(steps, gaps);
         let mut pictures = strips(last, &shown, &frames, &rows);

@@ -43,6 +43,13 @@ impl Campaign<'_> {
             place += 1;
             place <= already || fit.owners[place - 1 - already] != step
         });
+        if let Some(contacts) = &mut residual_model.contacts {
+            let own = contacts.step;
+            contacts.step = own.map(|own| own - usize::from(own > step));
+            if own == Some(step) {
+                residual_model.contacts = None;
+            }
+        }
         let owners = fit
             .owners
             .iter()

@@ -1,7 +1,7 @@
 //! What a model file can state of a fit, and what the installation was found to be off by.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::finding::report::Tolerated;
@@ -34,7 +34,12 @@ impl Campaign<'_> {
             ..fit.settled.clone()
         };
         let refitted = self.fitted(&sized, fit.owners.clone())?;
-        let (base, written) = self.estimates(&refitted.residual_model, &refitted.whitener);
+        let (base, written) = self.newton(
+            &refitted.residual_model,
+            &refitted.whitener,
+            &BESIDE_INSTALLATION,
+            !self.data.noise_estimated,
+        );
         fit.estimates[..base.len()].copy_from_slice(&base);
         fit.settled = ResidualModel { frozen, ..written };
         Ok(())

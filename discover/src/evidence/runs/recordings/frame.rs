@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use kufe_sled::effects::{Sensor, ahead};
 
+use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::recordings::smooth::Kernel;
 
 /// One run, or one segment of a single long run.
@@ -63,6 +64,10 @@ pub struct Frame {
     pub roll_split: Vec<f64>,
     /// Slope of the track as surveyed [rad]; empty where there is no survey.
     pub slope: Vec<f64>,
+    /// The run's own contacts with walls, once places of such are known.
+    pub contacts: Vec<OwnContact>,
+    /// Stretches on which something pushed this run alone, from and to \[m\].
+    pub pushed: Vec<[f64; 2]>,
     /// Further columns of the file.
     pub extra: BTreeMap<String, Vec<f64>>,
 }

@@ -153,6 +153,8 @@ pub fn frame(
         roll_split: smooth("gamma_rad", 0.0),
         s,
         slope,
+        contacts: Vec::new(),
+        pushed: Vec::new(),
         extra,
     })
 }

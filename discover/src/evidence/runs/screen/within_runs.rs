@@ -63,6 +63,18 @@ impl Campaign<'_> {
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
+        if let Some(found) = self.contacts_beside(at.residual_model) {
+            let gains = screen.seen[..regular.len()].iter().zip(&regular);
+            let most = gains
+                .filter(|(seen, candidate)| seen.usable && candidate.admits(seen.size))
+                .map(|(seen, _)| seen.gain)
+                .fold(0.0, f64::max);
+            if found.gain > self.rules().contacts_over * most {
+                let claim = self.claim_contacts(&found);
+                self.claimed = Some(found);
+                return Screen { claim, detectable };
+            }
+        }
         let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
         let claim = self.choose(at, &screen, &regular, &places, account);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);

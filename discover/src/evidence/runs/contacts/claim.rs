@@ -1,0 +1,319 @@
+//! The claim that walls are hit: by how the runs of a track differ aside, judged by how they turn.
+
+use kufe_sled::effects::{Active, Kind, Level};
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::contacts::find::{Stretch, stretches};
+use crate::evidence::runs::contacts::found::Found;
+use crate::evidence::runs::contacts::levers::{levers, mean, seen_by_yaw};
+use crate::evidence::runs::contacts::model::{Contacts, at_place, wall};
+use crate::evidence::runs::contacts::own::{left_without, own_contacts, without_contacts};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Added, Claim};
+
+/// Fewest runs that hit a place: one that a single run hits is none of the track.
+const FEWEST: usize = 2;
+/// Shares of the way to a runner's place between which a lever is a wall's: a force further out is the runner's own.
+const INSIDE: f64 = 0.75;
+/// Displacements of the contacts that the yaw balance is held against.
+const TRIALS: u64 = 999;
+
+impl Campaign<'_> {
+    /// The contacts that the training runs show beside a model.
+    pub fn contacts_beside(&self, model: &ResidualModel) -> Option<Found> {
+        let lateral = self.used[1] && self.used[2];
+        if !lateral || model.contacts.is_some() || self.data.segmented {
+            return None;
+        }
+        let effect = wall()?;
+        let whole = self.whole();
+        let left = left_without(model, whole);
+        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
+        let at = |s: &Stretch| {
+            at_place(
+                effect,
+                &s.track,
+                [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0],
+            )
+        };
+        let mut places: Vec<Active> = stretches(whole, &side).iter().map(at).collect();
+        let mut frames = whole.to_vec();
+        // Twice: places that a single run hits are none, and the others keep their order.
+        for _ in 0..2 {
+            let of_run = |(frame, y): (&mut Frame, &Vec<f64>)| {
+                frame.contacts = own_contacts(frame, y, &places);
+            };
+            frames.par_iter_mut().zip(&side).for_each(of_run);
+            let mut place = 0..;
+            places.retain(|_| {
+                let k = place.next();
+                let hit = |f: &&Frame| f.contacts.iter().any(|own| Some(own.place) == k);
+                frames.iter().filter(hit).count() >= FEWEST
+            });
+        }
+        if places.is_empty() {
+            return None;
+        }
+        let rules = self.rules();
+        let seen = levers(&frames, &left);
+        let sled = &model.vehicle.sled;
+        let inside = |x: f64| -INSIDE * sled.l_r_m < x && x < INSIDE * sled.l_f_m;
+        let count = seen.iter().filter(|l| inside(l.lever_m)).count();
+        let p_value = seen_by_yaw(&frames, &left, TRIALS, self.options.seed);
+        if 2 * count <= seen.len() || p_value > rules.alpha_window {
+            return None;
+        }
+        let interval = self.options.rules.search.interval;
+        let lever_m = mean(&seen, |l| l.lever_m, interval);
+        let mut friction = mean(&seen, |l| l.friction, interval);
+        if !self.used[0] || friction.low <= 0.0 {
+            friction = Default::default();
+        }
+        for (k, place) in places.iter_mut().enumerate() {
+            let track = place.track.clone().unwrap_or_default();
+            stated(place, k, &frames, &track, [friction.value, lever_m.value]);
+        }
+        let contacts = Contacts {
+            step: None,
+            places,
+            lever_m,
+            friction,
+        };
+        let gain = self.side_gain(model, &contacts, &frames);
+        Some(Found {
+            contacts,
+            frames,
+            p_value,
+            gain,
+        })
+    }
+
+    /// Marks where something pushed a single run, at a place that no other run meets, and where no contacts can be claimed up to half of the
+    /// runs of a track: what they say there is no evidence of anything that repeats. The runs' names with the place; empty where there are none.
+    pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
+        let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
+        else {
+            return Vec::new();
+        };
+        let claimable = self.contacts_beside(model).is_some();
+        let left = left_without(model, self.whole());
+        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
+        let mut frames = self.whole().to_vec();
+        let mut told = Vec::new();
+        for stretch in stretches(&frames, &side) {
+            let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
+            let place = [at_place(effect, &stretch.track, values)];
+            let own: Vec<_> = frames
+                .par_iter()
+                .zip(&side)
+                .map(|(frame, y)| own_contacts(frame, y, &place))
+                .collect();
+            let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
+            let runs = frames.iter().filter(|f| f.track == stretch.track).count();
+            let most = if claimable { FEWEST - 1 } else { runs / 2 };
+            for run in hit.iter().copied().filter(|_| hit.len() <= most) {
+                let frame = &mut frames[run];
+                frame.pushed.push([stretch.from_m, stretch.to_m]);
+                let force = own[run][0].contact.force_n;
+                told.push(format!(
+                    "{} ({force:.0} N, s {:.0}-{:.0} m)",
+                    frame.name, stretch.from_m, stretch.to_m
+                ));
+            }
+        }
+        if !told.is_empty() {
+            self.training = frames.iter().map(without_contacts).collect();
+            self.whole = frames;
+        }
+        told
+    }
+
+    /// The training runs with all that they say.
+    pub fn whole(&self) -> &[Frame] {
+        match self.whole.is_empty() {
+            true => &self.training,
+            false => &self.whole,
+        }
+    }
+
+    /// What contacts take of the side balance's squares, in units of its variance.
+    fn side_gain(&self, model: &ResidualModel, contacts: &Contacts, frames: &[Frame]) -> f64 {
+        let with = ResidualModel {
+            contacts: Some(contacts.clone()),
+            ..model.clone()
+        };
+        let squares = |model: &ResidualModel| -> (f64, usize) {
+            let rows = residuals(model, frames);
+            let side = || rows.iter().flat_map(|r| &r[1]);
+            (side().map(|x| x * x).sum(), side().count())
+        };
+        let ((before, n), (after, _)) = (squares(model), squares(&with));
+        (before - after) * n as f64 / before.max(1e-300)
+    }
+
+    /// The claim of contacts that were found.
+    pub fn claim_contacts(&self, found: &Found) -> Option<Claim<Amplitude>> {
+        let place = found.contacts.places.first()?;
+        let Kind::Catalogue(effect) = &place.kind else {
+            return None;
+        };
+        let force = effect.info.parameters.first()?;
+        let yaw = 2;
+        Some(Claim {
+            candidate: Candidate {
+                effect: effect.info.name.to_owned(),
+                key: force.name.to_owned(),
+                unit: force.unit.to_owned(),
+                low: force.low,
+                high: force.high,
+                typical: force.typical,
+                decides: effect.info.decides.to_owned(),
+                act: Amplitude {
+                    kind: place.kind.clone(),
+                    parameter: 0,
+                    level: Level::Run,
+                    values: place.values.clone(),
+                    track: place.track.clone(),
+                    carrier: None,
+                },
+            },
+            size: place.values[0],
+            error: place.values[5] / (self.whole().len() as f64).sqrt(),
+            class: vec![effect.info.name.to_owned()],
+            rivals: Vec::new(),
+            p_value: found.p_value,
+            place: told_places(&found.contacts),
+            channel: CHANNEL_NAMES[yaw],
+            remark: None,
+            parameters: Vec::new(),
+        })
+    }
+
+    /// Base and effects fitted to what the runs say apart from their contacts, the installation found anew; then the contacts beside it.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn add_contacts(
+        &mut self,
+        fit: &RunFit,
+        found: Found,
+        step: usize,
+    ) -> Result<RunFit, Error> {
+        self.whole = found.frames;
+        self.training = self.whole.iter().map(without_contacts).collect();
+        let bare = ResidualModel {
+            installation: Installation::default(),
+            ..fit.residual_model.clone()
+        };
+        let base = self.fitted(&bare, fit.owners.clone())?;
+        // The base was bent by what it stood for; places show better beside one that is not.
+        let again = self.contacts_beside(&base.residual_model);
+        let mut contacts = found.contacts;
+        if let Some(again) = again {
+            self.whole = again.frames;
+            self.training = self.whole.iter().map(without_contacts).collect();
+            contacts = again.contacts;
+        }
+        contacts.step = Some(step);
+        let fit = self.fitted(&base.residual_model, fit.owners.clone())?;
+        let mut fit = self.installed(&fit)?;
+        self.find_own(&fit.residual_model, &contacts);
+        for model in [&mut fit.residual_model, &mut fit.settled] {
+            model.contacts = Some(contacts.clone());
+        }
+        Ok(fit)
+    }
+
+    /// The fit with contacts, and what the balance about the vertical leaves before and after.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn added_contacts(
+        &mut self,
+        fit: &RunFit,
+        found: Found,
+        step: usize,
+    ) -> Result<Added<RunFit>, Error> {
+        let next = self.add_contacts(fit, found, step)?;
+        let gap = |model: &ResidualModel| gap_of(model, self.whole(), 2);
+        Ok(Added {
+            gap: [gap(&fit.residual_model), gap(&next.residual_model)],
+            place: next.residual_model.contacts.as_ref().map(told_places),
+            fit: next,
+            written: true,
+        })
+    }
+
+    /// Takes up the contacts of the model as it is given: every run has its own.
+    pub fn given_contacts(&mut self, contacts: Contacts) {
+        let left = left_without(&self.given, &self.training);
+        let both = self.training.par_iter_mut().zip(&left);
+        both.for_each(|(frame, left)| {
+            frame.contacts = own_contacts(frame, &left[1], &contacts.places)
+        });
+        self.whole.clone_from(&self.training);
+        self.training = self.whole.iter().map(without_contacts).collect();
+        let given = self.given.clone();
+        self.find_own(&given, &contacts);
+        self.given.contacts = Some(contacts);
+    }
+
+    /// Sets the contacts of the locked-away runs, each by its own side balance.
+    pub fn find_own(&mut self, model: &ResidualModel, contacts: &Contacts) {
+        let left = left_without(model, &self.held);
+        let both = self.held.par_iter_mut().zip(&left);
+        both.for_each(|(frame, left)| {
+            frame.contacts = own_contacts(frame, &left[1], &contacts.places)
+        });
+    }
+}
+
+/// States a place by what the runs on its track met there: mean and spread over all of them, the middle stretch of those that hit.
+fn stated(
+    place: &mut Active,
+    k: usize,
+    frames: &[Frame],
+    track: &str,
+    [friction, lever]: [f64; 2],
+) {
+    let own: Vec<_> = frames
+        .iter()
+        .flat_map(|f| f.contacts.iter().filter(|own| own.place == k))
+        .map(|own| own.contact)
+        .collect();
+    let runs = frames.iter().filter(|f| f.track == track).count().max(1) as f64;
+    let hit = own.len().max(1) as f64;
+    let mean = |of: &dyn Fn(&kufe_sled::WallContact) -> f64| own.iter().map(of).sum::<f64>() / hit;
+    let force = mean(&|c| c.force_n) * hit / runs;
+    let squares = mean(&|c| c.force_n.powi(2)) * hit / runs;
+    let (from, to) = (mean(&|c| c.s_m), mean(&|c| c.s_m + c.length_m));
+    let within = (from - place.values[1]).max(place.values[2] - to).max(0.0);
+    let spread = (squares - force * force).max(0.0).sqrt().max(1.0);
+    let tenth = |x: f64| (10.0 * x).round() / 10.0;
+    place.values = vec![
+        tenth(force),
+        tenth(from),
+        tenth(to),
+        friction,
+        lever,
+        tenth(spread),
+        tenth(within),
+    ];
+}
+
+/// The places in words.
+pub fn told_places(contacts: &Contacts) -> String {
+    let told = contacts.places.iter().map(|place| {
+        let v = &place.values;
+        let track = place.track.as_deref().unwrap_or("every track");
+        format!("s {:.0}-{:.0} m on track {track}", v[1], v[2])
+    });
+    told.collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,140 @@
+//! Places of a track at which runs differ: where the side balance of some runs leaves the middle of all.
+//!
+//! What all runs do alike, errors of survey and model, is no contact: the median over the runs of a track is taken off first. With d what
+//! is left of the side balance in cells of two metres, and sums Z over ten metres, a run differs where
+//!
+//! ```text
+//! |Z| > 8 (1.4826 median |Z|)
+//! ```
+
+use kufe_sled::scatter;
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// Length of a cell \[m\].
+const CELL_M: f64 = 2.0;
+/// Cells of a sum.
+const SUM: usize = 5;
+/// Robust deviations beyond which a run differs, and those at which its stretch ends.
+const BEYOND: [f64; 2] = [8.0, 4.0];
+/// Largest share of what is driven on a track beneath contacts: where more of it differs the model is wrong, not a wall.
+const MOST: f64 = 0.1;
+/// Fewest runs of a track that have a middle.
+const FEWEST_RUNS: usize = 4;
+/// Most cells of a track: beyond 100 km a distance is a mistake.
+const MOST_CELLS: usize = 50_000;
+
+/// A stretch of a track \[m\] on which some runs differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Track.
+    pub track: String,
+    /// From and to \[m\].
+    pub from_m: f64,
+    /// To \[m\].
+    pub to_m: f64,
+}
+
+/// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every kept sample.
+pub fn stretches(frames: &[Frame], side_n: &[Vec<f64>]) -> Vec<Stretch> {
+    let mut tracks: Vec<&str> = frames.iter().map(|f| f.track.as_str()).collect();
+    tracks.sort_unstable();
+    tracks.dedup();
+    let on = |track: &str| -> Vec<(&Frame, &[f64])> {
+        let both = frames.iter().zip(side_n);
+        both.filter(|(f, _)| f.track == track)
+            .map(|(f, y)| (f, y.as_slice()))
+            .collect()
+    };
+    tracks
+        .into_iter()
+        .flat_map(|track| on_track(track, &on(track)))
+        .collect()
+}
+
+fn on_track(track: &str, runs: &[(&Frame, &[f64])]) -> Vec<Stretch> {
+    let places = || runs.iter().flat_map(|(f, _)| &f.s).copied();
+    let low = places().fold(f64::INFINITY, f64::min);
+    let high = places().fold(f64::NEG_INFINITY, f64::max);
+    let cells = ((high - low) / CELL_M).ceil();
+    // Of no number there are no cells.
+    let cells = cells as usize;
+    if runs.len() < FEWEST_RUNS || !(SUM + 1..=MOST_CELLS).contains(&cells) {
+        return Vec::new();
+    }
+    let mut rows: Vec<Vec<f64>> = runs
+        .iter()
+        .map(|(frame, y)| means(frame, y, low, cells))
+        .collect();
+    for cell in 0..cells {
+        let mut here: Vec<f64> = rows
+            .iter()
+            .map(|r| r[cell])
+            .filter(|x| x.is_finite())
+            .collect();
+        here.sort_by(f64::total_cmp);
+        let middle = match here.len() {
+            0 => f64::NAN,
+            n => 0.5 * (here[(n - 1) / 2] + here[n / 2]),
+        };
+        rows.iter_mut().for_each(|row| row[cell] -= middle);
+    }
+    let sums: Vec<Vec<f64>> = rows
+        .iter()
+        .map(|row| row.windows(SUM).map(|w| w.iter().sum()).collect())
+        .collect();
+    let unit = scatter(&sums.concat());
+    if unit <= 0.0 {
+        return Vec::new();
+    }
+    let mut differs = vec![false; cells];
+    for row in &sums {
+        let mut start = 0;
+        for group in
+            row.chunk_by(|a, b| (a.abs() > BEYOND[1] * unit) == (b.abs() > BEYOND[1] * unit))
+        {
+            let end = start + group.len();
+            if group.iter().any(|z| z.abs() > BEYOND[0] * unit) {
+                // A sum stands for its middle cells.
+                differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
+            }
+            start = end;
+        }
+    }
+    let all = || sums.iter().flatten().filter(|z| z.is_finite());
+    let beyond = all().filter(|z| z.abs() > BEYOND[0] * unit).count();
+    if beyond as f64 > MOST * all().count() as f64 {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    let mut start = 0;
+    for group in differs.chunk_by(|a, b| a == b) {
+        let end = start + group.len();
+        if group[0] {
+            found.push(Stretch {
+                track: track.to_owned(),
+                from_m: low + start as f64 * CELL_M - CELL_M,
+                to_m: low + end as f64 * CELL_M + CELL_M,
+            });
+        }
+        start = end;
+    }
+    found
+}
+
+/// Means over cells; NaN where no sample takes part.
+fn means(frame: &Frame, y: &[f64], low: f64, cells: usize) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); cells];
+    for i in frame.samples() {
+        let cell = (((frame.s[i] - low) / CELL_M) as usize).min(cells - 1);
+        sums[cell] = (sums[cell].0 + y[i], sums[cell].1 + 1.0);
+    }
+    let mut means: Vec<f64> = sums.iter().map(|(sum, n)| sum / n).collect();
+    // A fast sled may leave a cell without a sample.
+    for cell in 1..cells {
+        if means[cell].is_nan() && sums[cell - 1].1 > 0.0 {
+            means[cell] = means[cell - 1];
+        }
+    }
+    means
+}

@@ -1,0 +1,10 @@
+//! Contacts with walls that differ from run to run: hit or missed, harder or softer.
+
+pub(crate) mod claim;
+pub(crate) mod find;
+pub(crate) mod found;
+pub(crate) mod levers;
+pub(crate) mod model;
+pub(crate) mod of_run;
+pub(crate) mod own;
+pub(crate) mod told;

@@ -1,0 +1,71 @@
+//! Each run's own contacts, set by its side balance alone; what the runs say beneath them is no evidence of anything else.
+
+use kufe_sled::effects::Active;
+use kufe_sled::{contact_within, scatter, stretch_of};
+use rayon::prelude::*;
+
+use crate::evidence::runs::contacts::of_run::OwnContact;
+use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// How far beyond a contact its run says nothing of anything else \[m\].
+const MARGIN_M: f64 = 2.0;
+
+/// What the balances leave of each run at every kept sample, without contacts.
+pub fn left_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
+    let bare = ResidualModel {
+        contacts: None,
+        ..model.clone()
+    };
+    frames.par_iter().map(|frame| bare.raw(frame)).collect()
+}
+
+/// The contacts of a run at these places.
+pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<OwnContact> {
+    let kept: Vec<usize> = frame.samples().collect();
+    let [s, y] =
+        [&frame.s[..], side_n].map(|x| -> Vec<f64> { kept.iter().map(|i| x[*i]).collect() });
+    let scatter_n = scatter(&y);
+    let there = |(_, place): &(usize, &Active)| place.acts_on(&frame.track);
+    let own = places
+        .iter()
+        .enumerate()
+        .filter(there)
+        .filter_map(|(place, effect)| {
+            let (contact, error_n) = contact_within(&s, &y, stretch_of(effect), scatter_n)?;
+            Some(OwnContact {
+                place,
+                contact,
+                error_n,
+            })
+        });
+    own.collect()
+}
+
+/// Whether a place of a run lies beneath one of its contacts.
+pub fn beneath(frame: &Frame, s: f64) -> bool {
+    frame.contacts.iter().any(|own| {
+        let c = &own.contact;
+        (c.s_m - MARGIN_M..=c.s_m + c.length_m + MARGIN_M).contains(&s)
+    })
+}
+
+/// Rows of a run that lie beneath its contacts.
+pub fn rows_beneath(frame: &Frame) -> Vec<bool> {
+    let s = frame.rows(&frame.s);
+    s.iter().map(|s| beneath(frame, *s)).collect()
+}
+
+/// The run without what it says beneath its contacts and where something pushed it alone: as beside a gap, no row is made of it.
+pub fn without_contacts(frame: &Frame) -> Frame {
+    let mut left = frame.clone();
+    for (part, s) in left.taking_part.iter_mut().zip(&frame.s) {
+        let pushed = frame
+            .pushed
+            .iter()
+            .any(|[from, to]| (*from..=*to).contains(s));
+        *part &= !pushed && !beneath(frame, *s);
+    }
+    left.centres = left.sieve.clear_centres(&left.taking_part);
+    left
+}
