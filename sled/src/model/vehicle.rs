@@ -198,13 +198,31 @@ impl Vehicle {
         elsewhere.collect()
     }
 
+    /// The tables that are asked, front and rear: those of the law, or those of groove and film where an effect switches them on.
+    pub fn tables(&self) -> [Option<&RunnerTable>; 2] {
+        let mut columns = self
+            .effects
+            .active
+            .iter()
+            .flat_map(|effect| effect.columns());
+        let films = columns.any(|column| column == Column::Film.name());
+        [&self.front, &self.rear].map(|runner| {
+            let film = runner.film.as_deref().filter(|_| films);
+            runner.table().or(film)
+        })
+    }
+
     /// Refuses a temperature of the ice that a table of this vehicle asks for and nothing states; `file` is where it would stand.
     ///
     /// # Errors
     /// [`Error::Keys`] with the table.
     pub fn refuse_unstated_ice(&self, stated: bool, file: &str) -> Result<(), Error> {
-        let tables = [&self.front, &self.rear].map(RunnerFriction::table);
-        match tables.into_iter().flatten().find(|table| table.asks_ice()) {
+        match self
+            .tables()
+            .into_iter()
+            .flatten()
+            .find(|table| table.asks_ice())
+        {
             Some(table) if !stated => Err(Error::Keys {
                 file: file.to_string(),
                 reason: format!(

@@ -1,6 +1,5 @@
 //! Instants that lie outside what a runner's table spans.
 
-use kufe_effect::Column;
 use serde::Serialize;
 
 use crate::model::vehicle::Vehicle;
@@ -38,21 +37,13 @@ pub fn outside_tables<'a>(
 ) -> Vec<OutsideTable> {
     let front_load = |s: &State| s.fz_f0_n / s.gamma_rad.cos();
     let rear_load = |s: &State| s.fz_r_n;
-    let runners = [
-        ("front", &vehicle.front, front_load as fn(&State) -> f64),
-        ("rear", &vehicle.rear, rear_load),
-    ];
-    let columns = || {
-        vehicle
-            .effects
-            .active
-            .iter()
-            .flat_map(|effect| effect.columns())
-    };
-    let films = columns().any(|column| column == Column::Film.name());
-    let counted = runners.map(|(runner, friction, load)| {
-        let film = friction.film.as_deref().filter(|_| films);
-        let table = friction.table().or(film)?;
+    let loads = [front_load as fn(&State) -> f64, rear_load];
+    let runners = ["front", "rear"]
+        .into_iter()
+        .zip(loads)
+        .zip(vehicle.tables());
+    let counted = runners.map(|((runner, load), table)| {
+        let table = table?;
         let outside = |s: &&State| {
             let looked = table.at(load(s), s.curvature_1pm, s.v_mps, s.ice_c);
             looked.out_of_range
@@ -65,5 +56,5 @@ pub fn outside_tables<'a>(
             of: states.clone().count(),
         })
     });
-    counted.into_iter().flatten().collect()
+    counted.flatten().collect()
 }

@@ -1,6 +1,7 @@
 //! Every effect of the catalogue acts in simulation, fit, validation and evaluation, or is refused there by its name.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use kufe_sled::effects::{ActsOn, CATALOGUE, Effect};
 use kufe_sled::sample_data::sample_track;
@@ -8,6 +9,8 @@ use kufe_sled::{
     Driver, FitOptions, Model, Prepared, Run, SimulateOptions, Track, TrackShape, Vehicle,
     evaluate, fit, prepare_all, record, simulate, simulated_entry, validate,
 };
+
+use crate::tables_of_mu::write_table;
 
 /// The first part of a sample track: some seconds are enough to see whether anything changes.
 fn track() -> Track {
@@ -24,7 +27,16 @@ fn track() -> Track {
     track
 }
 
+/// A table of mu for the effect that needs one.
+static TABLE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    write_table(&folder.path().join("mu.lut"), 50.0, true);
+    folder
+});
+
 fn model(effect: &Effect, conditions: &str) -> Model {
+    let table = TABLE.path().join("mu.lut");
+    let tables = format!("mu = 0.004\nfront_table = {table:?}\nrear_table = {table:?}\n");
     let keys: Vec<String> = effect
         .info
         .parameters
@@ -34,7 +46,9 @@ fn model(effect: &Effect, conditions: &str) -> Model {
         .collect();
     let text = format!(
         "{}\n{conditions}\n[effects.{}]\n{}\n",
-        Model::published().to_toml(),
+        Model::published()
+            .to_toml()
+            .replace("mu = 0.004\n", &tables),
         effect.info.name,
         keys.join("\n")
     );

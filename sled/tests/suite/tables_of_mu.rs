@@ -14,7 +14,7 @@ fn law(fz: f64, speed: f64, ice_c: f64) -> f64 {
     1.5e-3 * (fz / 1000.0).powf(-0.2) * speed.powf(0.35) * (-0.03 * ice_c).exp()
 }
 
-fn write_table(path: &Path, fastest: f64, slides: bool) {
+pub fn write_table(path: &Path, fastest: f64, slides: bool) {
     let axes = Axes::new(vec![50.0, 20_000.0], vec![-0.2, 0.2], None).unwrap();
     let axes = match slides {
         true => axes
@@ -156,6 +156,48 @@ fn a_simulated_run_loses_more_on_ice_of_more_friction_and_instants_outside_are_c
         );
         assert!(outside.to_string().contains("mu.lut"));
     }
+}
+
+#[test]
+fn the_effect_film_puts_the_tables_law_in_the_place_of_a_constant_by_its_share() {
+    let folder = tempfile::tempdir().unwrap();
+    write_table(&folder.path().join("mu.lut"), 50.0, true);
+    // The mean over the nodes of the table: 2 loads, the same at both curvatures, 3 speeds, 3 temperatures.
+    let mut mean = 0.0;
+    for fz in [50.0, 20_000.0] {
+        for speed in [0.5, 8.0, 50.0] {
+            for ice_c in [-20.0, -9.0, -1.0] {
+                mean += law(fz, speed, ice_c) / 18.0;
+            }
+        }
+    }
+    for share in [0.0, 0.6, 1.0] {
+        let mut model = model(folder.path(), &format!("mu = 0.005\n{TABLES}")).unwrap();
+        let film = toml::toml! { share = share };
+        model.effects.insert("film".to_owned(), film);
+        let vehicle = Vehicle::with_effects(&model).unwrap();
+        for (v_mps, ice_c) in [(3.0, -2.0), (21.0, -11.0)] {
+            let state = State {
+                v_mps,
+                ice_c,
+                fz_f0_n: 2400.0,
+                fz_r_n: 3100.0,
+                ..State::default()
+            };
+            let forces = forward(&vehicle, &state);
+            for force in [forces.front, forces.rear] {
+                let over_mean = law(force[2], v_mps, ice_c) / mean;
+                let expected = -0.005 * (1.0 + share * (over_mean - 1.0)) * force[2];
+                let off = (force[0] / expected - 1.0).abs();
+                assert!(off < 1e-9, "{share}: {} {expected}", force[0]);
+            }
+        }
+    }
+    let mut constant = model(folder.path(), "mu = 0.005\n").unwrap();
+    let film = toml::toml! { share = 1.0 };
+    constant.effects.insert("film".to_owned(), film);
+    let error = Vehicle::with_effects(&constant).unwrap_err().to_string();
+    assert!(error.contains("film"), "{error}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ const EXAMPLES: &str = "\
 Examples:
   kufe simulate model.toml track.csv -o out/ --runs 4 --seed 7     four runs with the model's sensor noise
   kufe simulate model.toml track.csv --skill 1 --no-noise          a steady driver and perfect sensors
-  kufe simulate model.toml track.csv --replay runs.csv --run A1-01 that run's start and steering, beside what was measured
+  kufe simulate model.toml track.csv --replay runs.csv --run A1-01  that run's start and steering, beside what was measured
   kufe simulate --sample-data sample/ --seed 1                     44 runs, five drivers, two tracks, stated truth
 
 The track has s_m, slope_rad (positive downhill), curvature_1pm (1/r_y, positive in a valley) and bank_rad (positive with

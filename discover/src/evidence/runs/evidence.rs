@@ -102,11 +102,7 @@ impl<'a> Campaign<'a> {
 
 /// What a reader should know of tables that do not span every sample.
 fn outside(given: &ResidualModel, frames: &[Frame]) -> Vec<String> {
-    let runners = [&given.vehicle.front, &given.vehicle.rear];
-    if runners
-        .iter()
-        .all(|runner| runner.table().is_none() && runner.film.is_none())
-    {
+    if given.vehicle.tables().iter().all(Option::is_none) {
         return Vec::new();
     }
     let of_run = |frame: &Frame| {

@@ -134,8 +134,10 @@ pub fn prepare(
     if frames.iter().all(|f| f.slope.len() == f.len()) {
         available.push(Column::Slope);
     }
+    // Such tables are over the ice's temperature as a rule.
     let friction = &model.friction.longitudinal;
-    if friction.mu.is_some() && friction.front_table.is_some() && friction.rear_table.is_some() {
+    let tables = friction.front_table.is_some() && friction.rear_table.is_some();
+    if friction.mu.is_some() && tables && frames.iter().all(|f| f.ice_c.is_finite()) {
         available.push(Column::Film);
     }
     Ok(Data {
