@@ -81,6 +81,9 @@ fn effect(step: Data) -> String {
     if !sizes.is_empty() {
         let _ = write!(text, "<br>{}", escape(&sizes.join("; ")));
     }
+    if let Some(contacts) = contacts(step) {
+        let _ = write!(text, "<br>{}", escape(&contacts));
+    }
     if !step.text("where").is_empty() {
         let _ = write!(
             text,
@@ -89,6 +92,20 @@ fn effect(step: Data) -> String {
         );
     }
     text
+}
+
+/// How many runs met how many places and how hard, of an effect that varies from run to run.
+fn contacts(step: Data) -> Option<String> {
+    let places = step.list("contacts");
+    let met = places.iter().flat_map(|place| place.list("contacts"));
+    let forces: Vec<f64> = met.map(|one| one.number("force_n").abs()).collect();
+    let least = forces.iter().copied().reduce(f64::min)?;
+    let most = forces.iter().copied().fold(least, f64::max);
+    Some(format!(
+        "{} contacts at {} places, {least:.0} to {most:.0} N: each by the side force of its own run, judged by how the sled then turns and brakes",
+        forces.len(),
+        places.len(),
+    ))
 }
 
 /// `name value unit (low to high)`.

@@ -61,7 +61,7 @@ impl Campaign<'_> {
                 caption: "The force of every contact, set by the side balance of its run, with a standard error.".to_owned(),
                 plot: Plot::Scatter {
                     label: format!("force of each run's contacts on track {track}"),
-                    x_name: "s_m".to_owned(),
+                    x_name: "distance along the track [m]".to_owned(),
                     y_name: "force [N]".to_owned(),
                     x: own.iter().map(|c| 0.5 * (c.from_m + c.to_m)).collect(),
 series: vec![Series {
