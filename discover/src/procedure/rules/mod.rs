@@ -3,11 +3,13 @@
 //! *Derived* constants follow from statistics or from the data's own kind; *chosen* ones could be others, and
 //! `blind constants` scores searches at half and at twice each of them.
 
+mod contacts;
 mod laws;
 mod maps;
 
 use serde::{Deserialize, Serialize};
 
+pub use contacts::ContactRules;
 pub use laws::LawRules;
 pub use maps::MapRules;
 
@@ -102,8 +104,8 @@ pub struct RunRules {
     pub least_signal: f64,
     /// Share of the strongest claim's gain from which a window competes with it. Chosen.
     pub window_competes: f64,
-    /// Times what any single effect explains that contacts of the runs' own, with three numbers each, must explain. Chosen.
-    pub contacts_over: f64,
+    /// Contacts with walls, each run's own.
+    pub contacts: ContactRules,
     /// Share of all rows' squares from which the strongest claim is large: its rivals are then held against it by full refits. Chosen.
     pub large: f64,
     /// Share of the strongest claim's gain from which a rival is refitted beside it. Chosen.
@@ -205,7 +207,7 @@ impl Default for RunRules {
             least_left_installed: 2e-4,
             least_signal: 0.2,
             window_competes: 0.3,
-            contacts_over: 2.0,
+            contacts: ContactRules::default(),
             large: 0.02,
             leads: 0.5,
             column_wins: [2.0, 3.0],

@@ -13,7 +13,7 @@ use crate::score::run::{Options, score};
 const SEED: u64 = 911;
 
 /// Cheap cases of each kind of data: nulls, and effects that are well seen, hardly seen and hard to tell apart.
-const RUNS: [&str; 7] = [
+const RUNS: [&str; 8] = [
     "null/ar1",
     "null/unstated-noise",
     "longitudinal/temperature@0.02",
@@ -21,6 +21,7 @@ const RUNS: [&str; 7] = [
     "lateral/wall-contact@0.06",
     "fault/slip-offset@0.007",
     "twin/slope~accelerometer-tilt@0.02",
+    "clean-effect/wall-contact-by-run",
 ];
 const EXPERIMENTS: [&str; 6] = [
     "null/seven-points",
@@ -34,7 +35,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 36] = [
+const RUN_KEYS: [&str; 47] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
@@ -71,6 +72,17 @@ const RUN_KEYS: [&str; 36] = [
     "runs.explains_beyond",
     "runs.recordings.signal_cutoff_hz",
     "runs.recordings.row_cutoff_hz",
+    "runs.contacts.differs",
+    "runs.contacts.ends",
+    "runs.contacts.most",
+    "runs.contacts.inside",
+    "runs.contacts.over",
+    "runs.large",
+    "runs.leads",
+    "runs.laws.smoothing",
+    "runs.laws.beats",
+    "runs.laws.as_good",
+    "runs.laws.tried",
 ];
 const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.alpha",

@@ -18,10 +18,6 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Added, Claim};
 
-/// Fewest runs that hit a place: one that a single run hits is none of the track.
-const FEWEST: usize = 2;
-/// Shares of the way to a runner's place between which a lever is a wall's: a force further out is the runner's own.
-const INSIDE: f64 = 0.75;
 /// Displacements of the contacts that the yaw balance is held against.
 const TRIALS: u64 = 999;
 
@@ -43,7 +39,9 @@ impl Campaign<'_> {
                 [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0],
             )
         };
-        let mut places: Vec<Active> = stretches(whole, &side).iter().map(at).collect();
+        let rules = &self.options.rules.runs;
+        let found = stretches(whole, &side, &rules.contacts);
+        let mut places: Vec<Active> = found.iter().map(at).collect();
         let mut frames = whole.to_vec();
         // Twice: places that a single run hits are none, and the others keep their order.
         for _ in 0..2 {
@@ -55,16 +53,16 @@ impl Campaign<'_> {
             places.retain(|_| {
                 let k = place.next();
                 let hit = |f: &&Frame| f.contacts.iter().any(|own| Some(own.place) == k);
-                frames.iter().filter(hit).count() >= FEWEST
+                frames.iter().filter(hit).count() >= rules.contacts.fewest_hits
             });
         }
         if places.is_empty() {
             return None;
         }
-        let rules = self.rules();
         let seen = levers(&frames, &left);
         let sled = &model.vehicle.sled;
-        let inside = |x: f64| -INSIDE * sled.l_r_m < x && x < INSIDE * sled.l_f_m;
+        let share = rules.contacts.inside;
+        let inside = |x: f64| -share * sled.l_r_m < x && x < share * sled.l_f_m;
         let count = seen.iter().filter(|l| inside(l.lever_m)).count();
         let p_value = seen_by_yaw(&frames, &left, TRIALS, self.options.seed);
         if 2 * count <= seen.len() || p_value > rules.alpha_window {
@@ -107,7 +105,8 @@ impl Campaign<'_> {
         let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
         let mut frames = self.whole().to_vec();
         let mut told = Vec::new();
-        for stretch in stretches(&frames, &side) {
+        let rules = self.options.rules.runs.contacts;
+        for stretch in stretches(&frames, &side, &rules) {
             let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
             let place = [at_place(effect, &stretch.track, values)];
             let own: Vec<_> = frames
@@ -117,7 +116,11 @@ impl Campaign<'_> {
                 .collect();
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let runs = frames.iter().filter(|f| f.track == stretch.track).count();
-            let most = if claimable { FEWEST - 1 } else { runs / 2 };
+            let most = if claimable {
+                rules.fewest_hits - 1
+            } else {
+                runs / 2
+            };
             for run in hit.iter().copied().filter(|_| hit.len() <= most) {
                 let frame = &mut frames[run];
                 frame.pushed.push([stretch.from_m, stretch.to_m]);

@@ -4,23 +4,18 @@
 //! is left of the side balance in cells of two metres, and sums Z over ten metres, a run differs where
 //!
 //! ```text
-//! |Z| > 8 (1.4826 median |Z|)
+//! |Z| > 8 (1.4826 median |Z|)        8 and the other constants: ContactRules
 //! ```
 
 use kufe_sled::scatter;
 
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::rules::ContactRules;
 
 /// Length of a cell \[m\].
 const CELL_M: f64 = 2.0;
 /// Cells of a sum.
 const SUM: usize = 5;
-/// Robust deviations beyond which a run differs, and those at which its stretch ends.
-const BEYOND: [f64; 2] = [8.0, 4.0];
-/// Largest share of what is driven on a track beneath contacts: where more of it differs the model is wrong, not a wall.
-const MOST: f64 = 0.1;
-/// Fewest runs of a track that have a middle.
-const FEWEST_RUNS: usize = 4;
 /// Most cells of a track: beyond 100 km a distance is a mistake.
 const MOST_CELLS: usize = 50_000;
 
@@ -36,7 +31,7 @@ pub struct Stretch {
 }
 
 /// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every kept sample.
-pub fn stretches(frames: &[Frame], side_n: &[Vec<f64>]) -> Vec<Stretch> {
+pub fn stretches(frames: &[Frame], side_n: &[Vec<f64>], rules: &ContactRules) -> Vec<Stretch> {
     let mut tracks: Vec<&str> = frames.iter().map(|f| f.track.as_str()).collect();
     tracks.sort_unstable();
     tracks.dedup();
@@ -48,18 +43,18 @@ pub fn stretches(frames: &[Frame], side_n: &[Vec<f64>]) -> Vec<Stretch> {
     };
     tracks
         .into_iter()
-        .flat_map(|track| on_track(track, &on(track)))
+        .flat_map(|track| on_track(track, &on(track), rules))
         .collect()
 }
 
-fn on_track(track: &str, runs: &[(&Frame, &[f64])]) -> Vec<Stretch> {
+fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec<Stretch> {
     let places = || runs.iter().flat_map(|(f, _)| &f.s).copied();
     let low = places().fold(f64::INFINITY, f64::min);
     let high = places().fold(f64::NEG_INFINITY, f64::max);
     let cells = ((high - low) / CELL_M).ceil();
     // Of no number there are no cells.
     let cells = cells as usize;
-    if runs.len() < FEWEST_RUNS || !(SUM + 1..=MOST_CELLS).contains(&cells) {
+    if runs.len() < rules.fewest_runs || !(SUM + 1..=MOST_CELLS).contains(&cells) {
         return Vec::new();
     }
     let mut rows: Vec<Vec<f64>> = runs
@@ -88,13 +83,12 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])]) -> Vec<Stretch> {
         return Vec::new();
     }
     let mut differs = vec![false; cells];
+    let within = |z: &f64| z.abs() > rules.ends * unit;
     for row in &sums {
         let mut start = 0;
-        for group in
-            row.chunk_by(|a, b| (a.abs() > BEYOND[1] * unit) == (b.abs() > BEYOND[1] * unit))
-        {
+        for group in row.chunk_by(|a, b| within(a) == within(b)) {
             let end = start + group.len();
-            if group.iter().any(|z| z.abs() > BEYOND[0] * unit) {
+            if group.iter().any(|z| z.abs() > rules.differs * unit) {
                 // A sum stands for its middle cells.
                 differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
             }
@@ -102,8 +96,8 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])]) -> Vec<Stretch> {
         }
     }
     let all = || sums.iter().flatten().filter(|z| z.is_finite());
-    let beyond = all().filter(|z| z.abs() > BEYOND[0] * unit).count();
-    if beyond as f64 > MOST * all().count() as f64 {
+    let beyond = all().filter(|z| z.abs() > rules.differs * unit).count();
+    if beyond as f64 > rules.most * all().count() as f64 {
         return Vec::new();
     }
     let mut found = Vec::new();

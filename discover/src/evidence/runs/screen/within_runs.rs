@@ -69,7 +69,7 @@ impl Campaign<'_> {
                 .filter(|(seen, candidate)| seen.usable && candidate.admits(seen.size))
                 .map(|(seen, _)| seen.gain)
                 .fold(0.0, f64::max);
-            if found.gain > self.rules().contacts_over * most {
+            if found.gain > self.rules().contacts.over * most {
                 let claim = self.claim_contacts(&found);
                 self.claimed = Some(found);
                 return Screen { claim, detectable };

@@ -1,0 +1,37 @@
+//! Constants of contacts that vary from run to run.
+
+use serde::{Deserialize, Serialize};
+
+/// Contacts with walls, each run's own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ContactRules {
+    /// Robust deviations of the side balance from the middle of a track's runs beyond which a run differs. Chosen.
+    pub differs: f64,
+    /// The same at which its stretch ends. Chosen.
+    pub ends: f64,
+    /// Largest share of what is driven on a track beneath contacts: where more differs the model is wrong, not a wall. Chosen.
+    pub most: f64,
+    /// Fewest runs of a track that have a middle. Derived: the median of three is one run's.
+    pub fewest_runs: usize,
+    /// Fewest runs that hit a place: one that a single run hits is none of the track. Derived: two.
+    pub fewest_hits: usize,
+    /// Shares of the way to a runner's place between which a lever is a wall's: a force further out is the runner's own. Chosen.
+    pub inside: f64,
+    /// Times what any single effect explains that contacts, with three numbers each, must explain. Chosen.
+    pub over: f64,
+}
+
+impl Default for ContactRules {
+    fn default() -> Self {
+        Self {
+            differs: 8.0,
+            ends: 4.0,
+            most: 0.1,
+            fewest_runs: 4,
+            fewest_hits: 2,
+            inside: 0.75,
+            over: 2.0,
+        }
+    }
+}
