@@ -5,7 +5,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-use crate::kufe::kufe;
+use crate::kufe::{json, kufe};
 
 fn discover(folder: &Path) -> Output {
     kufe(
@@ -264,4 +264,50 @@ fn the_gaps_of_the_report_are_those_that_validate_shows() {
     // The two filters differ: the search looks below 4 Hz.
     let [shrunk, seen] = [reported, shown].map(|[before, after]| before - after);
     assert!((shrunk / seen - 1.0).abs() < 0.15, "{reported:?} {shown:?}");
+}
+
+/// Runs whose friction is that of a groove and its film, by the blind cases' own closed forms: beside a constant, the tables that kufe solves
+/// for that runner (`tests/data/film`) are found as what is missing, and close the gap to what noise leaves, 3.2 N.
+#[test]
+#[ignore = "slow study: .ci/slow"]
+fn a_film_that_runs_glide_on_is_named_and_switched_on() {
+    let bench = tempfile::tempdir().expect("a folder");
+    let folder = bench.path();
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/film/front.lut");
+    let case = kufe_blind::catalogue::chosen("film/one-track").expect("a case")[0]
+        .build(2)
+        .expect("runs");
+    for (name, bytes) in &case.files {
+        std::fs::write(folder.join(name), bytes).expect("writable");
+    }
+    let model = std::fs::read_to_string(folder.join("model.toml")).expect("a model");
+    let constant = model
+        .lines()
+        .find(|line| line.starts_with("mu = "))
+        .expect("mu");
+    let beside = format!("{constant}\nfront_table = {table:?}\nrear_table = {table:?}");
+    std::fs::write(
+        folder.join("model.toml"),
+        model.replacen(constant, &beside, 1),
+    )
+    .expect("writable");
+    let output = kufe(
+        folder,
+        &["discover", "runs.csv", "--model", "model.toml", "-o", "out"],
+    );
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{told}");
+    let report = json(&folder.join("out/report.json"));
+    let steps = report["steps"].as_array().expect("steps");
+    assert_eq!(steps.len(), 1, "{}", report["sentence"]);
+    assert_eq!(steps[0]["class"], serde_json::json!(["film"]));
+    let share = steps[0]["parameters"][0]["value"]
+        .as_f64()
+        .expect("a share");
+    assert!((share - 1.0).abs() < 0.2, "{share}");
+    let held = &report["held_out"];
+    let gap = |key: &str| held[key].as_f64().expect("a gap");
+    assert!(gap("gap_before") > 5.0 && gap("gap_after") < 3.4, "{held}");
+    let next = std::fs::read_to_string(folder.join("out/model.next.toml")).expect("a model");
+    assert!(next.contains("[effects.film]"), "{next}");
 }
