@@ -3,6 +3,7 @@
 use kufe_sled::effects::{Channel, Column, Custom, Expression, Kind, Level};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::procedure::candidate::Candidate;
 
@@ -26,14 +27,8 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
         .filter(|(_, column)| data.available.contains(column))
         .map(|(name, _)| ((*name).to_owned(), None))
         .collect();
-    let mut carried = Vec::new();
-    if let Some(frame) = data.frames.first() {
-        let everywhere = |name: &&String| data.frames.iter().all(|f| f.extra.contains_key(*name));
-        let own =
-            |name: &&String| !["humidity_pct", "distance_m", "ice_c"].contains(&name.as_str());
-        carried.extend(frame.extra.keys().filter(everywhere).filter(own).cloned());
-    }
-    columns.extend(carried.into_iter().map(|name| (name.clone(), Some(name))));
+    let carried = further_columns(&data.frames).into_iter();
+    columns.extend(carried.map(|name| (name.clone(), Some(name))));
     let mut out = Vec::new();
     for (name, carrier) in columns {
         let Some((centre, scale)) = spread(data, mass, &name) else {

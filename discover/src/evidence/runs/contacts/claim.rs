@@ -10,7 +10,7 @@ use crate::evidence::runs::contacts::find::{Stretch, stretches};
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::contacts::levers::{levers, mean, seen_by_yaw};
 use crate::evidence::runs::contacts::model::{Contacts, at_place, wall};
-use crate::evidence::runs::contacts::own::{left_without, own_contacts, without_contacts};
+use crate::evidence::runs::contacts::own::{left_without, own_contacts, set_own, without_contacts};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -227,7 +227,7 @@ impl Campaign<'_> {
         contacts.step = Some(step);
         let fit = self.fitted(&base.residual_model, fit.owners.clone())?;
         let mut fit = self.installed(&fit)?;
-        self.find_own(&fit.residual_model, &contacts);
+        set_own(&mut self.held, &fit.residual_model, &contacts.places);
         for model in [&mut fit.residual_model, &mut fit.settled] {
             model.contacts = Some(contacts.clone());
         }
@@ -256,25 +256,11 @@ impl Campaign<'_> {
 
     /// Takes up the contacts of the model as it is given: every run has its own.
     pub fn given_contacts(&mut self, contacts: Contacts) {
-        let left = left_without(&self.given, &self.training);
-        let both = self.training.par_iter_mut().zip(&left);
-        both.for_each(|(frame, left)| {
-            frame.contacts = own_contacts(frame, &left[1], &contacts.places)
-        });
+        set_own(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
         self.training = self.whole.iter().map(without_contacts).collect();
-        let given = self.given.clone();
-        self.find_own(&given, &contacts);
+        set_own(&mut self.held, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
-    }
-
-    /// Sets the contacts of the locked-away runs, each by its own side balance.
-    pub fn find_own(&mut self, model: &ResidualModel, contacts: &Contacts) {
-        let left = left_without(model, &self.held);
-        let both = self.held.par_iter_mut().zip(&left);
-        both.for_each(|(frame, left)| {
-            frame.contacts = own_contacts(frame, &left[1], &contacts.places)
-        });
     }
 }
 

@@ -42,6 +42,13 @@ pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<Own
     own.collect()
 }
 
+/// Sets the contacts of every run at these places, each by its own side balance.
+pub fn set_own(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
+    let left = left_without(model, frames);
+    let both = frames.par_iter_mut().zip(&left);
+    both.for_each(|(frame, left)| frame.contacts = own_contacts(frame, &left[1], places));
+}
+
 /// Whether a place of a run lies beneath one of its contacts.
 pub fn beneath(frame: &Frame, s: f64) -> bool {
     frame.contacts.iter().any(|own| {

@@ -13,6 +13,7 @@ use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::term::COLUMNS;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
@@ -37,7 +38,7 @@ impl Campaign<'_> {
             .into_iter()
             .collect();
         let channels = self.law_channels();
-        let extra = self.further_columns();
+        let extra = further_columns(&self.training);
         let design = at.design(&known);
         let terms = Terms::new(&design, &self.training, at.simulator, &channels, &extra);
         let (smooth, p_value) = self.smooth_laws(&terms, &channels, options);

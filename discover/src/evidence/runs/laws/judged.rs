@@ -36,19 +36,6 @@ impl Campaign<'_> {
         channels
     }
 
-    /// Recorded columns that the model has no name for and that vary.
-    pub fn further_columns(&self) -> Vec<String> {
-        let Some(frame) = self.training.first() else {
-            return Vec::new();
-        };
-        let everywhere = |name: &&String| {
-            let all = self.training.iter();
-            all.clone().all(|f| f.extra.contains_key(*name))
-                && !["humidity_pct", "distance_m", "ice_c"].contains(&name.as_str())
-        };
-        frame.extra.keys().filter(everywhere).cloned().collect()
-    }
-
     /// All smooth laws and products of columns, judged, with the smallest p-value of those that stand out.
     pub fn smooth_laws(
         &self,

@@ -174,3 +174,16 @@ impl Frame {
         piece
     }
 }
+
+/// Columns of the files that every run records and that the model has no name for.
+pub fn further_columns(frames: &[Frame]) -> Vec<String> {
+    /// What conditions are made of.
+    const CONDITIONS: [&str; 3] = ["humidity_pct", "distance_m", "ice_c"];
+    let Some(first) = frames.first() else {
+        return Vec::new();
+    };
+    let further = |name: &&String| {
+        frames.iter().all(|f| f.extra.contains_key(*name)) && !CONDITIONS.contains(&name.as_str())
+    };
+    first.extra.keys().filter(further).cloned().collect()
+}
