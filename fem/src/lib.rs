@@ -82,6 +82,7 @@ pub use sparse::block_matrix::BlockMatrix;
 pub use sparse::cholesky::Factor;
 pub use sparse::dissection::nested_dissection;
 pub use sparse::matrix_market::write_matrix_market;
+pub use sparse::node_cells::NodeCells;
 pub use sparse::node_graph::NodeGraph;
 pub use sparse::stiffness::SparseStiffness;
 pub use statics::{Equilibrium, Solver, add_body_force, equilibrium};

@@ -66,25 +66,50 @@ pub fn write(
     staging.write("result.json", |mut file| writeln!(file, "{document:#}"))
 }
 
-/// Writes maps, fields and the hull; returns their names.
+/// Writes maps, fields and the hull, side by side; returns their names.
 fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
+    let (maps, bodies) = rayon::join(
+        || maps(staging, pressed),
+        || bodies(staging, pressed, shear),
+    );
+    Ok([maps?, bodies?].concat())
+}
+
+/// Writes what is a picture of the contact plane.
+fn maps(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
     let solution = &pressed.solution;
     let map = PressureMap::of(solution);
-    let mut names = vec!["pressure.exr", "pressure.png", "field.vtu", "contact.vtp"];
-    staging.write("pressure.exr", |mut file| {
-        let curvature = pressed.problem.track_curvature;
-        let figures = [
-            ("fz_n", solution.fz),
-            ("p_max_pa", solution.p_max),
-            ("p_max_error_pa", solution.p_max_error),
-            ("p_max_mesh_pa", solution.p_max_mesh),
-        ];
-        write_exr::write(&mut file, &map, curvature, &figures)
-    })?;
-    let title = summary::title(solution);
-    let maps = pressure_maps(solution);
-    map_picture::write(&staging.path("pressure.png"), &maps, &title)
-        .map_err(|error| staging.failure("pressure.png", &error))?;
+    let mut names = vec!["pressure.exr", "pressure.png"];
+    let numbers = || {
+        staging.write("pressure.exr", |mut file| {
+            let curvature = pressed.problem.track_curvature;
+            let figures = [
+                ("fz_n", solution.fz),
+                ("p_max_pa", solution.p_max),
+                ("p_max_error_pa", solution.p_max_error),
+                ("p_max_mesh_pa", solution.p_max_mesh),
+            ];
+            write_exr::write(&mut file, &map, curvature, &figures)
+        })
+    };
+    let picture = || {
+        let (maps, title) = (pressure_maps(solution), summary::title(solution));
+        map_picture::write(&staging.path("pressure.png"), &maps, &title)
+            .map_err(|error| staging.failure("pressure.png", &error))
+    };
+    let (numbers, picture) = rayon::join(numbers, picture);
+    numbers.and(picture)?;
+    if let Some(slid) = &pressed.sliding {
+        sliding::write(staging, pressed, &map, slid)?;
+        names.extend(["groove.exr", "groove.png", "film.csv"]);
+    }
+    Ok(names)
+}
+
+/// Writes what ParaView and viewers of hulls open.
+fn bodies(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
+    let solution = &pressed.solution;
+    let mut names = vec!["field.vtu", "contact.vtp"];
     staging.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
         volume_vtu::write_ice(
@@ -108,10 +133,6 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
             volume_vtu::write_runner(&mut file, field, elastic, shear)
         })?;
         names.push("runner.vtu");
-    }
-    if let Some(slid) = &pressed.sliding {
-        sliding::write(staging, pressed, &map, slid)?;
-        names.extend(["groove.exr", "groove.png", "film.csv"]);
     }
     Ok(names)
 }

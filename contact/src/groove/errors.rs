@@ -13,22 +13,23 @@ pub(crate) struct Errors {
     pub load_ahead: f64,
 }
 
-/// Scatter of the groove with the places of its rims between nodes, over the figure, times the cells to the power 1.5: as many
-/// nodes' shares of the plane are full or open by chance as there are rims to cross.
-const SCATTER: f64 = 0.15;
-/// Share of the change from the mesh before: scatter falls to 0.54 of it on a mesh 1.5 times as fine.
-const SHARE: f64 = 0.6;
-/// Scatter of the peak pressure where it is below the hardness and so smooth, times the square of the cells.
-const SMOOTH_SCATTER: f64 = 0.03;
+/// Order with which rims between nodes and trilinear cells both settle.
+const ORDER: i32 = 2;
+/// Factor of safety of the grid convergence index (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997).
+const SAFETY: f64 = 1.25;
 /// Ploughing force over the load below which its error is measured by this [1].
 const LEAST_PLOUGHING: f64 = 1e-4;
 /// Depth of the groove over the approach below which its error is measured by this.
 const LEAST_DEPTH: f64 = 0.05;
 
 impl Errors {
-    /// The change from the mesh before and the scatter of `cells` cells over half the patch; infinite for one mesh.
-    pub fn of(measures: &[Measures], cells: f64, hardness: f64) -> Self {
-        let [.., a, b] = measures else {
+    /// The grid convergence index of the last two meshes, the last one `refined` times as fine as the one before, and what the area between
+    /// nodes and rims changes on the last one: `plain` is that mesh's answer without it. The two add up as independent errors do. Infinite
+    /// for one mesh.
+    ///
+    /// The index alone does not do: where nodes lie beside rims is chance, and two meshes may agree by it.
+    pub fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
+        let [.., before, last] = measures else {
             let none = f64::INFINITY;
             return Errors {
                 p_max: none,
@@ -39,19 +40,17 @@ impl Errors {
                 load_ahead: none,
             };
         };
-        let scatter = SCATTER * cells.powf(-1.5);
-        let length = b.front - b.back;
-        let smooth = match b.p_max < hardness {
-            true => SMOOTH_SCATTER / (cells * cells) * b.p_max,
-            false => 0.0,
+        let index = SAFETY / (refined.powi(ORDER) - 1.0);
+        let error = |of: fn(&Measures) -> f64| {
+            (index * (of(before) - of(last))).hypot(of(plain) - of(last))
         };
         Errors {
-            p_max: (a.p_max - b.p_max).abs() + smooth,
-            depth: SHARE * (a.depth - b.depth).abs() + scatter * b.depth,
-            ploughing: SHARE * (a.ploughing - b.ploughing).abs() + scatter * b.ploughing,
-            front: SHARE * (a.front - b.front).abs() + scatter * length,
-            back: SHARE * (a.back - b.back).abs() + scatter * length,
-            load_ahead: SHARE * (a.load_ahead - b.load_ahead).abs() + scatter * b.load_ahead.abs(),
+            p_max: error(|m| m.p_max),
+            depth: error(|m| m.depth),
+            ploughing: error(|m| m.ploughing),
+            front: error(|m| m.front),
+            back: error(|m| m.back),
+            load_ahead: error(|m| m.load_ahead),
         }
     }
 

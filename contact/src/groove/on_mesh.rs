@@ -53,8 +53,9 @@ impl OnMesh<'_> {
     ///
     /// The plane's response G is corrected by what the bodies answer to the forces found last, S f - G f, until the forces
     /// stay. Then they are those of S, whatever G: it only says how fast. Full nodes' parts of the plane add up to the area that
-    /// yields below the cell, [`Rims::full_area`], so that the load does not depend on where nodes lie beside the rim.
-    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<Slid, Error> {
+    /// yields below the cell, [`Rims::full_area`], so that the load does not depend on where nodes lie beside the rim. Beside the solution
+    /// stands what it would be without that.
+    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<[Slid; 2], Error> {
         let contact = &self.mesh.contact;
         let [_, green] = contact.greens();
         let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
@@ -80,7 +81,9 @@ impl OnMesh<'_> {
                 return Err(Error::Stopped);
             }
             if slid.residual <= SETTLED && slid.corrections >= FITTINGS {
-                return Ok(slid);
+                let mut plain = slid.clone();
+                self.correct(&green, &self.lines(), &mut plain)?;
+                return Ok([slid, plain]);
             }
             if slid.corrections < FITTINGS {
                 let full = Rims::new(self.mesh, &slid).full_area();

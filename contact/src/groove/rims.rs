@@ -51,23 +51,34 @@ impl<'a> Rims<'a> {
 
     /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of the plane: 1 where none is full.
     ///
-    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes.
+    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes. Between columns, and from the last one to
+    /// the front, the squared width is taken to be linear: it is where a round runner's patch ends, and a sum over columns would leave a part
+    /// of it open that depends on where the front lies between nodes.
     pub fn full_area(&self) -> f64 {
         let [nx, ny] = self.shape();
         let [along, across] = &self.mesh.contact.lumped;
         let y = &self.mesh.grid.y;
         let (mut nodes, mut missing) = (0.0, 0.0);
-        for (i, length) in along.iter().enumerate() {
+        let mut before = None;
+        for (i, length) in along.iter().enumerate().take(nx) {
             let part: f64 = (0..ny)
                 .filter(|j| self.full[j * nx + i])
                 .map(|j| across[j])
                 .sum();
+            let sides = [false, true].map(|upper| {
+                let ([j, k], side) = self.yielding_side(i, upper)?;
+                Some((side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum())
+            });
+            let beyond: f64 = sides.iter().flatten().sum();
             nodes += length * part;
-            for upper in [false, true] {
-                if let Some(([j, k], side)) = self.yielding_side(i, upper) {
-                    missing += length * (side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum();
-                }
+            missing += length * beyond;
+            // On a mirrored plane the lower side is the mirror.
+            let [lower, upper] = sides.map(|side| side.is_some());
+            let width = (upper && (lower || self.mesh.symmetry[1])).then_some(part + beyond);
+            if let (Some(before), Some(width)) = (before, width) {
+                missing += self.between_columns(i, [before, width]);
             }
+            before = width;
         }
         if nodes > 0.0 {
             (1.0 + missing / nodes).clamp(0.9, 1.1)
@@ -76,15 +87,64 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is full, and the open one beyond it.
+    /// What a sum over columns of these widths of column `i` and the one behind it leaves out of the area under squared widths that are
+    /// linear between them, and on to the front where nothing touches ahead.
+    fn between_columns(&self, i: usize, [before, width]: [f64; 2]) -> f64 {
+        let x = &self.mesh.grid.x;
+        // 2/3 (a^2 + a b + b^2) / (a + b), the mean of sqrt(linear from a^2 to b^2).
+        let mean = |a: f64, b: f64| 2.0 / 3.0 * (a * a + a * b + b * b) / (a + b);
+        let step = x[i] - x[i - 1];
+        let mut missing = step * (mean(before, width) - 0.5 * (before + width));
+        if i + 1 < x.len()
+            && self.open(i + 1)
+            && let Some(front) = self.foremost(i)
+        {
+            let slope = (width * width - before * before) / step;
+            let tip = (width * width + slope * (front - x[i])).max(0.0).sqrt();
+            missing += (front - x[i]) * mean(width, tip) - 0.5 * (x[i + 1] - x[i]) * width;
+        }
+        missing
+    }
+
+    /// Whether nothing touches in column `i`.
+    fn open(&self, i: usize) -> bool {
+        let [nx, ny] = self.shape();
+        (0..ny).all(|j| self.slid.state.force[j * nx + i] <= 0.0)
+    }
+
+    /// The foremost place where the ice begins to yield in the rows that touch in column `i`, before the open one ahead [m].
+    fn foremost(&self, i: usize) -> Option<f64> {
+        let [nx, ny] = self.shape();
+        let rows = (0..ny).filter(|j| self.full[j * nx + i]);
+        rows.filter_map(|j| self.front(j)).reduce(f64::max)
+    }
+
+    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is full, and the open one beyond it: where
+    /// the parabola of growth and gap through these and the next node within is zero.
     fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
         let [nx, _] = self.shape();
         let [j, k] = self.outermost(i, upper)?;
         let outside = self.gaps[k * nx + i] - self.grown(i, k);
         let y = &self.mesh.grid.y;
         let inside = self.grown(i, j);
-        (self.full[j * nx + i] && outside > 0.0 && outside.is_finite())
-            .then(|| ([j, k], y[j] + inside / (inside + outside) * (y[k] - y[j])))
+        if !self.full[j * nx + i] || outside <= 0.0 || !outside.is_finite() {
+            return None;
+        }
+        let within = match (upper, j) {
+            // Beyond the mirror plane lies the open node's image.
+            (true, 0) => self.mesh.symmetry[1].then_some((-y[k], -outside)),
+            (true, _) => Some((y[j - 1], self.grown(i, j - 1))),
+            (false, _) => (j + 1 < y.len()).then(|| (y[j + 1], self.grown(i, j + 1))),
+        };
+        let step = y[k] - y[j];
+        let bend = within.map_or(0.0, |(at, value)| {
+            let (before, after) = ((inside - value) / (y[j] - at), (-outside - inside) / step);
+            (after - before) / (y[k] - at)
+        });
+        Some((
+            [j, k],
+            y[j] + step * crossing(inside, outside, bend * step * step),
+        ))
     }
 
     /// The outermost node in contact at a side of column `i` and the one beyond it.
@@ -211,4 +271,12 @@ impl<'a> Rims<'a> {
     fn shape(&self) -> [usize; 2] {
         [self.mesh.grid.x.len(), self.mesh.grid.y.len()]
     }
+}
+
+/// Where between 0 and 1 the parabola that is `inside` > 0 at 0 and `-outside` < 0 at 1, bent by `bend`, is zero.
+fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
+    // inside + t (slope + bend t) with slope = -outside - inside - bend; the root with the sign that falls.
+    let slope = -outside - inside - bend;
+    let root = (slope * slope - 4.0 * bend * inside).max(0.0).sqrt();
+    (2.0 * inside / (root - slope)).clamp(0.0, 1.0)
 }

@@ -114,13 +114,14 @@ impl<'a> SlidingMeshes<'a> {
             .cells
             .map_or_else(|| first_cells(tolerance), |c| c as f64);
         self.fit(cells)?;
+        let mut refined = 1.0;
         loop {
             let mesh = self.mesh(cells)?;
             let dofs = dofs(&mesh);
-            let slid = self.on(&mesh).solve(&self.start, &self.forces)?;
+            let [slid, plain] = self.on(&mesh).solve(&self.start, &self.forces)?;
+            let plain = self.measures(&mesh, &plain);
             self.take(&mesh, &slid, dofs);
-            let hardness = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
-            let errors = Errors::of(&self.measures, cells, hardness);
+            let errors = Errors::of(&self.measures, &plain, refined);
             let estimate = errors.largest(&self.measures[self.measures.len() - 1]);
             if self.options.cells.is_some() || estimate <= tolerance {
                 return Ok(self.put_together(mesh, slid, errors));
@@ -134,7 +135,9 @@ impl<'a> SlidingMeshes<'a> {
                 });
             }
             self.next_patch(&mesh, &slid);
-            cells = (cells * REFINEMENT.min(room)).round();
+            let finer = (cells * REFINEMENT.min(room)).round();
+            refined = finer / cells;
+            cells = finer;
         }
     }
 
@@ -179,12 +182,16 @@ impl<'a> SlidingMeshes<'a> {
         self.start = Start::From(Known::of(mesh, slid));
     }
 
-    /// Keeps what a mesh says.
-    fn take(&mut self, mesh: &Discretisation, slid: &Slid, dofs: usize) {
+    /// The figures of a state.
+    fn measures(&self, mesh: &Discretisation, slid: &Slid) -> Measures {
         let field = Field::new(mesh, self.problem, &self.patch);
         let on = self.on(mesh);
-        let reading = Reading::new(&on, &self.gap, slid);
-        let measures = reading.measures(&field.pressure_field(&slid.state));
+        Reading::new(&on, &self.gap, slid).measures(&field.pressure_field(&slid.state))
+    }
+
+    /// Keeps what a mesh says.
+    fn take(&mut self, mesh: &Discretisation, slid: &Slid, dofs: usize) {
+        let measures = self.measures(mesh, slid);
         self.meshes.push(SlidingMesh {
             dofs,
             contact_nodes: slid.state.force.iter().filter(|f| **f > 0.0).count(),

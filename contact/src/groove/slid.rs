@@ -5,6 +5,7 @@ use crate::grid::discretise::Discretisation;
 use crate::groove::memory::{Kind, MemoryState};
 
 /// The state on one mesh with its groove.
+#[derive(Clone)]
 pub(crate) struct Slid {
     pub state: State,
     /// On the candidates.

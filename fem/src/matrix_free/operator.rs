@@ -10,7 +10,7 @@ use crate::element::hex8_incompatible::{inner_factor, invert};
 use crate::matrix_free::hex8_lanes::{InnerInverse, LanesMaterial, apply};
 use crate::matrix_free::lanes::{LANES, Lanes, Stored};
 use crate::section::ElementKind;
-use crate::sparse::node_graph::NodeGraph;
+use crate::sparse::node_cells::NodeCells;
 
 /// Four cells side by side.
 struct Batch {
@@ -71,8 +71,8 @@ impl MatrixFree {
                 place_of_cell[cell] = (b * FORCES + lane) as u32;
             }
         }
-        let graph = NodeGraph::new(body.mesh());
-        let slots = graph
+        let node_cells = NodeCells::new(body.mesh());
+        let slots = node_cells
             .places
             .par_iter()
             .map(|&place| {
@@ -89,7 +89,7 @@ impl MatrixFree {
             plain,
             simple,
             inner,
-            cell_start: graph.cell_start,
+            cell_start: node_cells.start,
             slots,
             forces: Vec::new(),
         }

@@ -38,7 +38,7 @@ pub fn assemble(body: &Body) -> BlockMatrix {
 pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
     let cells = &body.mesh().cells;
     assert_eq!(graph.node_count(), body.node_count());
-    assert_eq!(graph.places.len(), 8 * cells.len());
+    assert_eq!(graph.cells.places.len(), 8 * cells.len());
     let mut blocks = vec![[[0.0; 3]; 3]; graph.neighbours.len()];
     let mut matrices: Vec<ElementMatrix> = Vec::with_capacity(CELLS_A_CHUNK.min(cells.len()));
     let mut touched: Vec<usize> = Vec::new();
@@ -64,7 +64,11 @@ pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
         }
         rows.into_par_iter().for_each(|(node, row)| {
             let neighbours = graph.row(node);
-            for (cell, corner) in graph.cells(node).filter(|(cell, _)| chunk.contains(cell)) {
+            for (cell, corner) in graph
+                .cells
+                .of(node)
+                .filter(|(cell, _)| chunk.contains(cell))
+            {
                 let matrix = &matrices[cell - chunk.start];
                 for (b, &other) in cells[cell].iter().enumerate() {
                     let place = neighbours.binary_search(&(other as u32));

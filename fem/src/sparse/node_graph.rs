@@ -3,6 +3,8 @@
 use kufe_mesh::HexMesh;
 use rayon::prelude::*;
 
+use crate::sparse::node_cells::NodeCells;
+
 /// Neighbours and cells of every node, by rows, each row ascending.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NodeGraph {
@@ -10,33 +12,15 @@ pub struct NodeGraph {
     pub row_start: Vec<usize>,
     /// Neighbouring nodes, the node itself included.
     pub neighbours: Vec<u32>,
-    /// Start of each node's cells; `node_count + 1` entries.
-    pub cell_start: Vec<usize>,
-    /// Each node's places in cells, as 8 * cell + corner.
-    pub places: Vec<u64>,
+    /// The cells of every node.
+    pub cells: NodeCells,
 }
 
 impl NodeGraph {
     /// The graph of a mesh whose cells name existing nodes, fewer than 2^32.
     pub fn new(mesh: &HexMesh) -> Self {
         let node_count = mesh.points.len();
-        let mut cell_start = vec![0usize; node_count + 1];
-        for &node in mesh.cells.iter().flatten() {
-            cell_start[node + 1] += 1;
-        }
-        for i in 0..node_count {
-            cell_start[i + 1] += cell_start[i];
-        }
-        let mut next = cell_start.clone();
-        let mut places = vec![0u64; 8 * mesh.cells.len()];
-        for (cell, corners) in mesh.cells.iter().enumerate() {
-            for (corner, &node) in corners.iter().enumerate() {
-                places[next[node]] = (8 * cell + corner) as u64;
-                next[node] += 1;
-            }
-        }
-        drop(next);
-
+        let cells = NodeCells::new(mesh);
         const BATCH: usize = 1024;
         let batches: Vec<(Vec<u32>, Vec<u32>)> = (0..node_count.div_ceil(BATCH))
             .into_par_iter()
@@ -44,8 +28,8 @@ impl NodeGraph {
                 let (mut counts, mut all, mut row) = (Vec::new(), Vec::new(), Vec::new());
                 for node in batch * BATCH..((batch + 1) * BATCH).min(node_count) {
                     row.clear();
-                    for place in &places[cell_start[node]..cell_start[node + 1]] {
-                        row.extend(mesh.cells[(place / 8) as usize].iter().map(|&n| n as u32));
+                    for (cell, _) in cells.of(node) {
+                        row.extend(mesh.cells[cell].iter().map(|&n| n as u32));
                     }
                     row.sort_unstable();
                     row.dedup();
@@ -67,8 +51,7 @@ impl NodeGraph {
         Self {
             row_start,
             neighbours,
-            cell_start,
-            places,
+            cells,
         }
     }
 
@@ -80,13 +63,6 @@ impl NodeGraph {
     /// Neighbours of a node, itself included, ascending.
     pub fn row(&self, node: usize) -> &[u32] {
         &self.neighbours[self.row_start[node]..self.row_start[node + 1]]
-    }
-
-    /// The (cell, corner) pairs in which a node stands, cells ascending.
-    pub fn cells(&self, node: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.places[self.cell_start[node]..self.cell_start[node + 1]]
-            .iter()
-            .map(|&place| ((place / 8) as usize, (place % 8) as usize))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::element::hex8::{self, GAUSS, Jacobian};
 use crate::element::hex8_axial;
 use crate::element::hex8_incompatible::{Uncondensed, mode_gradients};
 use crate::section::ElementKind;
-use crate::sparse::node_graph::NodeGraph;
+use crate::sparse::node_cells::NodeCells;
 
 /// Displacements of one cell, ready to be differentiated.
 struct CellField {
@@ -129,12 +129,12 @@ pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
     corners
         .par_iter_mut()
         .for_each(|values| *values = extrapolate_to_corners(values));
-    let graph = NodeGraph::new(body.mesh());
+    let cells = NodeCells::new(body.mesh());
     (0..body.node_count())
         .into_par_iter()
         .map(|node| {
             let (mut sum, mut count) = ([0.0; 6], 0);
-            for (cell, corner) in graph.cells(node) {
+            for (cell, corner) in cells.of(node) {
                 for i in 0..6 {
                     sum[i] += corners[cell][corner][i];
                 }

@@ -117,6 +117,7 @@ fn write(
     };
     let largest: Vec<f64> = stresses
         .iter()
+        .take(if shear { stresses.len() } else { 0 })
         .map(|&stress| maximum_shear(stress))
         .collect();
     let mut fields = vec![

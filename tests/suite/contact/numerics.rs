@@ -1,12 +1,12 @@
 //! The version of the numerics says what it should: figures that change without it would stand beside older ones kept on disk.
 
-use kufe_contact::{Foundation, Ice, NUMERICS, Options, Problem, solve};
+use kufe_contact::{Foundation, Ice, NUMERICS, Options, Problem, slide, solve};
 use kufe_mesh::{BobRunner, Paraboloid};
 use kufe_tests::contact::{ICE_E, ICE_NU, on_half_space};
 
 /// The version, and peak pressure [Pa], its error [Pa] and approach [m] of each problem, as that version gives them.
 const RECORDED: (u32, [[f64; 3]; 4]) = (
-    3,
+    4,
     [
         [1.383_506_831e8, 670_672.330, 1.246_043_441e-5],
         [1.075_211_523e8, 609_612.581, 8.394_495_142e-6],
@@ -14,6 +14,9 @@ const RECORDED: (u32, [[f64; 3]; 4]) = (
         [1.547_462_341e8, 274_359.068, 7.491_575_274e-6],
     ],
 );
+
+/// Depth [m], ploughing force [N] and front [m] of the groove in the third problem's ice, as that version gives them.
+const GROOVE: [f64; 3] = [4.233_356_116e-6, 7.673_649_465e-2, 2.777_781_654e-2];
 
 /// What another processor's vectors or another order of sums may change, relative.
 const ROUNDING: f64 = 1e-4;
@@ -56,10 +59,18 @@ fn figures_change_with_the_version_of_the_numerics_alone() {
     let same = same
         .into_iter()
         .all(|(a, b)| (a - b).abs() <= ROUNDING * b.abs());
+    let [_, _, yielding, _] = problems();
+    let slid = slide(&yielding, None, &options).unwrap().groove;
+    let groove = [slid.deepest, slid.ploughing, slid.front].map(|figure| figure.value);
+    let same = same
+        && groove
+            .iter()
+            .zip(GROOVE)
+            .all(|(a, b)| (a - b).abs() <= ROUNDING * b.abs());
     assert!(
         same && RECORDED.0 == NUMERICS,
         "the figures are not those recorded for version {} of the numerics: raise NUMERICS in contact/src/options.rs, and record \
-         ({}, {found:?}) here",
+         ({}, {found:?}), {groove:?} here",
         RECORDED.0,
         NUMERICS + 1
     );

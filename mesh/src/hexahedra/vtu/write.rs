@@ -4,13 +4,14 @@ use std::io::{Result, Write};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::{Compression, write::ZlibEncoder};
+use rayon::prelude::*;
 
 use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
 use crate::hexahedra::vtu::data::HEXAHEDRON;
 
-/// Bytes that are compressed at a time.
-const BLOCK: usize = 32_768;
+/// Bytes that are compressed at a time, one thread a block.
+const BLOCK: usize = 1 << 18;
 
 /// A named array with one value, vector or tensor a point or cell.
 #[derive(Clone, Copy, Debug)]
@@ -113,7 +114,9 @@ pub(super) fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField])
 }
 
 pub(super) fn bytes<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> Vec<u8> {
-    numbers.flatten().collect()
+    let mut bytes = Vec::with_capacity(N * numbers.size_hint().0);
+    numbers.for_each(|number| bytes.extend_from_slice(&number));
+    bytes
 }
 
 /// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then the blocks; both in
@@ -131,18 +134,17 @@ pub(super) fn write_array(
         write!(out, " NumberOfComponents=\"{components}\"")?;
     }
     writeln!(out, " format=\"binary\">")?;
-    let blocks = data.chunks(BLOCK);
+    let blocks: Vec<Vec<u8>> = data.par_chunks(BLOCK).map(packed).collect::<Result<_>>()?;
     let mut header = vec![blocks.len(), BLOCK, data.len() % BLOCK];
-    let mut packed = Vec::new();
-    for block in blocks {
-        let before = packed.len();
-        let mut encoder = ZlibEncoder::new(&mut packed, Compression::fast());
-        encoder.write_all(block)?;
-        encoder.finish()?;
-        header.push(packed.len() - before);
-    }
+    header.extend(blocks.iter().map(Vec::len));
     let header = bytes(header.iter().map(|&n| (n as u64).to_le_bytes()));
     write!(out, "{}", STANDARD.encode(header))?;
-    writeln!(out, "{}", STANDARD.encode(packed))?;
+    writeln!(out, "{}", STANDARD.encode(blocks.concat()))?;
     writeln!(out, "</DataArray>")
+}
+
+fn packed(block: &[u8]) -> Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::with_capacity(block.len()), Compression::fast());
+    encoder.write_all(block)?;
+    encoder.finish()
 }
