@@ -23,16 +23,18 @@ mod error;
 mod evidence;
 mod finding;
 mod input;
+mod joint;
 mod null;
 mod options;
 mod procedure;
 mod regression;
 
 pub use discover::discover;
+pub use joint::file::CampaignFile;
 pub use error::Error;
 pub use evidence::{experiments, maps, runs};
 pub use finding::{
-    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, Picture, Plot, Report,
+    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, OfKind, Picture, Plot, Report,
     Rival, RunMean, Series, Step, Tolerated, Verdict,
 };
 pub use input::{read_map, read_map_bytes};

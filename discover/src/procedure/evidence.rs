@@ -140,6 +140,24 @@ pub struct Claim<A> {
     pub parameters: Vec<Fitted>,
 }
 
+impl<A> Claim<A> {
+    /// The same claim of a candidate that acts otherwise.
+    pub fn acting<B>(&self, act: B) -> Claim<B> {
+        Claim {
+            candidate: self.candidate.acting(act),
+            size: self.size,
+            error: self.error,
+            class: self.class.clone(),
+            rivals: self.rivals.clone(),
+            p_value: self.p_value,
+            place: self.place.clone(),
+            channel: self.channel,
+            remark: self.remark.clone(),
+            parameters: self.parameters.clone(),
+        }
+    }
+}
+
 /// A model with one more effect.
 pub struct Added<F> {
     /// The fit.
@@ -195,6 +213,8 @@ pub struct Description {
     pub words: Words,
     /// The next model, as its file's text.
     pub next_model: String,
+    /// The next case, where data of pressures stand beside others.
+    pub next_case: Option<String>,
 }
 
 /// What an effect means.
