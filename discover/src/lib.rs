@@ -34,7 +34,7 @@ pub use joint::file::CampaignFile;
 pub use error::Error;
 pub use evidence::{experiments, maps, runs};
 pub use finding::{
-    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, OfKind, Picture, Plot, Report,
+    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, NextRuns, OfKind, Picture, Plot, Report,
     Rival, RunMean, Series, Step, Tolerated, Verdict,
 };
 pub use input::{read_map, read_map_bytes};

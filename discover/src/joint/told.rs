@@ -72,6 +72,7 @@ pub fn described(
         all.bins_after.extend(one.bins_after);
         all.by_run.extend(one.by_run);
         all.pictures.extend(one.pictures);
+        all.next_runs.extend(one.next_runs);
         all.clean &= one.clean;
         all.located |= one.located && steps == 0;
         match () {

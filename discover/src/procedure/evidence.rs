@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::finding::picture::Picture;
 use crate::finding::report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step, Tolerated,
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, NextRuns, Rival, Step, Tolerated,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::lowered::Lowered;
@@ -211,6 +211,8 @@ pub struct Description {
     pub effects: Vec<Meaning>,
     /// Sentences of this kind of data.
     pub words: Words,
+    /// Runs that would split a class, the best first.
+    pub next_runs: Vec<NextRuns>,
     /// The next model, as its file's text.
     pub next_model: String,
     /// The next case, where data of pressures stand beside others.

@@ -121,6 +121,7 @@ pub fn search_evidence<E: Evidence>(
         held_out: opened.held_out,
         minimum_detectable: detectable.unwrap_or_default(),
         next_experiment,
+        next_runs: described.next_runs,
         base: described.base,
         bins: described.bins,
         bins_after: described.bins_after,

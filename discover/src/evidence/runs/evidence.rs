@@ -302,8 +302,9 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<Description, Error> {
+        let next_runs = self.next_runs(last, &account.steps)?;
         let simulator = self.simulator(&last.settled);
-        let (rules, seed) = (self.rules(), self.options.seed);
+        let (rules, seed) = (&self.options.rules.runs, self.options.seed);
         let bins = |fit: &RunFit| {
             let (residual_model, whitener) = (&fit.residual_model, &fit.whitener);
             stand_out(
@@ -375,6 +376,7 @@ impl Evidence for Campaign<'_> {
             },
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
             next_case: None,
+            next_runs,
         })
     }
 }

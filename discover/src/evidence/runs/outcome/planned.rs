@@ -1,0 +1,242 @@
+//! The next runs: which ones would tell the members of a class apart, by simulating them.
+//!
+//! Every plan is driven by the model with each member at its fitted size, without noise, and looked at with every other member's model, each fitted to the same
+//! runs. With r the difference of the two models' rows in units of the noise found, L the columns of friction and grip as a session may have them to itself, D
+//! their variances between the sessions there are, and n runs alike in one session, the logarithm of the likelihood ratio to expect is
+//!
+//! ```text
+//! 1/2 (n r'r  -  n^2 r'L (D^-1 + n L'L)^-1 L'r)
+//! ```
+//!
+//! and a plan is worth the smallest of any two members. A member of t = sqrt(2 times that) is expected to lack so much beside the other.
+
+use kufe_sled::Noise;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::outcome::driven::{Plan, RUNS, driven, plans};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::levels::group;
+use crate::finding::report::{NextRuns, Step};
+use crate::procedure::beside::{Amount, Beside as _};
+use crate::procedure::evidence::Evidence as _;
+use crate::regression::inverse::ridge_inverse;
+
+/// A member of the class: its name and its model.
+struct Member {
+    effect: String,
+    model: ResidualModel,
+}
+
+impl Campaign<'_> {
+    /// Plans for the first step whose class has several members, the best first; none where no track is known or no two members
+    /// can be driven.
+    ///
+    /// # Errors
+    /// Those of the fits.
+    pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>, Error> {
+        let several = steps.iter().position(|step| step.class.len() > 1);
+        let Some(step) = several.filter(|_| !self.data.tracks.is_empty()) else {
+            return Ok(Vec::new());
+        };
+        let members = self.members(last, step, &steps[step])?;
+        if members.len() < 2 {
+            return Ok(Vec::new());
+        }
+        let whitener = &last.whitener;
+        let spread = self.between_sessions(last);
+        let campaign = &*self;
+        let mut judged: Vec<NextRuns> = plans(self.data, &self.training, self.model)
+            .par_iter()
+            .filter_map(|plan| {
+                let (pair, evidence) = campaign.evidence(plan, &members, whitener, spread)?;
+                Some(plan.told(pair, evidence, campaign.splits(evidence)))
+            })
+            .collect();
+        judged.sort_by(|a, b| b.expected_evidence.total_cmp(&a.expected_evidence));
+        Ok(judged)
+    }
+
+    /// Whether so much evidence tells two members apart nine times in ten.
+    fn splits(&self, evidence: f64) -> bool {
+        let (runs, levels) = (&self.rules().rivals, &self.rules().level_rivals);
+        let needed = runs.needed_t.max(levels.needed_t);
+        (2.0 * evidence).sqrt() >= needed + self.options.rules.search.nine_in_ten
+    }
+
+    /// The model with each member of a step's class in turn, fitted.
+    fn members(&mut self, last: &RunFit, step: usize, told: &Step) -> Result<Vec<Member>, Error> {
+        let bare = |fit: RunFit| ResidualModel {
+            installation: Installation::default(),
+            ..fit.residual_model
+        };
+        let without = self.without_step(last, step)?;
+        let mut members = vec![Member {
+            effect: told.effect.clone(),
+            model: bare(last.clone()),
+        }];
+        for effect in &told.class[1..] {
+            let Some(rival) = told.rivals.iter().find(|r| r.effect == *effect) else {
+                continue;
+            };
+            let amount = Amount {
+                effect: effect.clone(),
+                key: rival.parameter.clone(),
+                unit: rival.unit.clone(),
+                value: rival.size,
+                error: 0.0,
+            };
+            let Some(claim) = self.claim(&without, &amount) else {
+                continue;
+            };
+            let added = self.add(&without, &claim, told.class.len() + step)?;
+            members.push(Member {
+                effect: effect.clone(),
+                model: bare(added.fit),
+            });
+        }
+        Ok(members)
+    }
+
+    /// Standard deviations of the sessions' own levels of friction and grip, as the fit leaves them.
+    fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
+        let rows = self.columns(&last.residual_model, &last.whitener, &self.training);
+        let levels: Vec<[f64; OWN_LEVELS]> = rows
+            .iter()
+            .map(|(own, rest)| {
+                let level = ridge_inverse(own.tr_mul(own)) * own.tr_mul(rest);
+                [level[0], level[1]]
+            })
+            .collect();
+        let sessions = group(&self.training);
+        std::array::from_fn(|k| {
+            let means: Vec<f64> = sessions
+                .values()
+                .map(|runs| runs.iter().map(|i| levels[*i][k]).sum::<f64>() / runs.len() as f64)
+                .collect();
+            let count = means.len() as f64;
+            let mean = means.iter().sum::<f64>() / count;
+            let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+            (squares / (count - 1.0).max(1.0)).sqrt()
+        })
+    }
+
+    /// The own levels' columns and the residual of runs, whitened.
+    fn columns(
+        &self,
+        model: &ResidualModel,
+        whitener: &Whitener,
+        frames: &[Frame],
+    ) -> Vec<(DMatrix<f64>, DVector<f64>)> {
+        let design = Design {
+            residual_model: model,
+            whitener,
+            free_base: &[],
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        };
+        let of_run = |frame: &Frame| {
+            let all = design.columns(frame);
+            let own = all.columns(0, OWN_LEVELS).into_owned();
+            (own, all.column(all.ncols() - 1).into_owned())
+        };
+        frames.par_iter().map(of_run).collect()
+    }
+
+    /// The two members that a plan tells apart least, and the evidence to expect; `None` where it cannot be driven.
+    fn evidence<'m>(
+        &self,
+        plan: &Plan,
+        members: &'m [Member],
+        whitener: &Whitener,
+        spread: [f64; OWN_LEVELS],
+    ) -> Option<([&'m str; 2], f64)> {
+        let mut least: Option<([&str; 2], f64)> = None;
+        for (a, truth) in members.iter().enumerate() {
+            let drive = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
+            let frame = drive(None)?;
+            let whitener = match plan.noise {
+                None => whitener.clone(),
+                Some(better) => self.quieter(
+                    whitener,
+                    &truth.model,
+                    [drive(Some(&self.data.noise))?, drive(Some(&better))?],
+                ),
+            };
+            let frames = std::slice::from_ref(&frame);
+            let (own, mine) = self.columns(&truth.model, &whitener, frames).pop()?;
+            for (b, rival) in members.iter().enumerate().filter(|(b, _)| *b != a) {
+                let (_, theirs) = self.columns(&rival.model, &whitener, frames).pop()?;
+                let evidence = expected(&(theirs - &mine), &own, spread);
+                if evidence.is_finite() && least.is_none_or(|(_, e)| evidence < e) {
+                    least = Some(([&members[a].effect, &members[b].effect], evidence));
+                }
+            }
+        }
+        least
+    }
+
+    /// A whitener with less noise: by channel, as much less as the simulated runs have.
+    fn quieter(
+        &self,
+        whitener: &Whitener,
+        model: &ResidualModel,
+        [before, after]: [Frame; 2],
+    ) -> Whitener {
+        let sd = |frame: Frame| Whitener::estimate(&residuals(model, &[frame]), whitener.used).sd;
+        let (before, after) = (sd(before), sd(after));
+        let mut better = whitener.clone();
+        for (c, sd) in better.sd.iter_mut().enumerate() {
+            // What is no sensor's noise stays.
+            let left = *sd * *sd - before[c].powi(2) + after[c].powi(2);
+            *sd = left.max(after[c].powi(2)).sqrt().min(*sd);
+        }
+        better
+    }
+}
+
+/// The logarithm of the likelihood ratio that runs alike in one session make.
+fn expected(r: &DVector<f64>, own: &DMatrix<f64>, spread: [f64; OWN_LEVELS]) -> f64 {
+    let n = RUNS as f64;
+    let scale = DMatrix::from_diagonal(&DVector::from_row_slice(&spread));
+    let scaled = own * scale;
+    let inner = DMatrix::identity(OWN_LEVELS, OWN_LEVELS) + scaled.tr_mul(&scaled) * n;
+    let along = scaled.tr_mul(r);
+    let taken = inner
+        .lu()
+        .solve(&along)
+        .map_or(0.0, |solved| along.dot(&solved));
+    0.5 * (n * r.norm_squared() - n * n * taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With levels known the ratio is half the sum of squares; with levels that nobody knows a change that looks like one is worth
+    /// nothing, however often it is driven; in between it is that of the marginal normal law, by its full covariance.
+    #[test]
+    fn the_expected_ratio_is_that_of_normal_rows_with_levels_of_their_own() {
+        let own = DMatrix::from_fn(6, 2, |i, k| if k == 0 { 1.0 } else { i as f64 - 2.5 });
+        let r = DVector::from_fn(6, |i, _| 0.3 + 0.1 * (i as f64).sin());
+        let n = RUNS as f64;
+        assert!((expected(&r, &own, [0.0, 0.0]) - 0.5 * n * r.norm_squared()).abs() < 1e-12);
+        let level = own.column(0).into_owned();
+        assert!(expected(&level, &own, [1e6, 1e6]) < 1e-6);
+        let spread = [0.4, 0.2];
+        let rows = 6 * RUNS;
+        let all = DVector::from_fn(rows, |i, _| r[i % 6]);
+        let levels = DMatrix::from_fn(rows, 2, |i, k| own[(i % 6, k)] * spread[k]);
+        let covariance = DMatrix::identity(rows, rows) + &levels * levels.transpose();
+        let full = 0.5 * all.dot(&covariance.lu().solve(&all).unwrap());
+        assert!((expected(&r, &own, spread) / full - 1.0).abs() < 1e-12);
+    }
+}
