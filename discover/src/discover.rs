@@ -43,14 +43,18 @@ pub fn discover(
         if let Some(model) = model {
             return Err(Error::File {
                 file: data.display().to_string(),
-                reason: format!("a campaign names its own model; {} is given beside it", model.display()),
+                reason: format!(
+                    "a campaign names its own model; {} is given beside it",
+                    model.display()
+                ),
             });
         }
         return joint::search(data, options, progress);
     }
     let model = model.ok_or_else(|| Error::File {
         file: data.display().to_string(),
-        reason: "a table by itself; expected a model beside it, or a campaign.toml that names both".to_owned(),
+        reason: "a table by itself; expected a model beside it, or a campaign.toml that names both"
+            .to_owned(),
     })?;
     let table = Table::read(data)?;
     let has = |name: &str| table.place(name).is_some();

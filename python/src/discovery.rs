@@ -14,6 +14,7 @@ use crate::work::work;
 pub struct Discovery {
     report: Report,
     next_model: String,
+    next_case: Option<String>,
 }
 
 /// Finds where simulation and measurement part, and names the effect that closes the gap.
@@ -49,7 +50,9 @@ pub fn discover(
         ..Options::default()
     };
     let worked = work(py, progress, |watch, _| {
-        kufe_discover::discover(&data, model.as_deref(), &options, &|text| watch.progress(text))
+        kufe_discover::discover(&data, model.as_deref(), &options, &|text| {
+            watch.progress(text)
+        })
     })?;
     let found = worked.value.map_err(|error| match error {
         Error::BaseFit { .. } => NotConvergedError::new_err(error.to_string()),
@@ -58,6 +61,7 @@ pub fn discover(
     Ok(Discovery {
         report: found.report,
         next_model: found.next_model,
+        next_case: found.next_case,
     })
 }
 
@@ -85,6 +89,12 @@ impl Discovery {
     #[getter]
     fn next_model(&self) -> &str {
         &self.next_model
+    }
+
+    /// The next case, as its file's text, where pressures stand beside other data of a campaign; else None.
+    #[getter]
+    fn next_case(&self) -> Option<&str> {
+        self.next_case.as_deref()
     }
 
     /// The report as a page.

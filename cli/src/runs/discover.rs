@@ -101,8 +101,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     folder_apart(&inputs, &args.output, &WRITTEN)?;
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let found =
-        kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress).map_err(failure)?;
+    let found = kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
+        .map_err(failure)?;
     let (report, next, case) = (found.report, found.next_model, found.next_case);
     bar.finish_and_clear();
     if !report.gaps.is_empty() && !global.quiet {

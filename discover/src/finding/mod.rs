@@ -5,6 +5,6 @@ pub(crate) mod report;
 
 pub use picture::{Curve, Picture, Plot, Series};
 pub use report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, NextRuns, OfKind, Report, Rival, RunMean, Step,
-    Tolerated, Verdict,
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, NextRuns, OfKind, Report, Rival,
+    RunMean, Step, Tolerated, Verdict,
 };

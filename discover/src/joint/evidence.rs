@@ -7,9 +7,7 @@ use crate::error::Error;
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
 use crate::joint::told::{OfPart, described};
 use crate::procedure::beside::Amount;
-use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Opened, Screen,
-};
+use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
 use crate::procedure::lowered::Lowered;
 
 impl Evidence for Joint<'_> {
@@ -116,7 +114,10 @@ impl Evidence for Joint<'_> {
             };
             part.steps.retain(|step| left(step).is_some());
             for step in &part.steps {
-                if let Some(own) = own.steps.iter().find(|s| s.effect == account.steps[*step].effect)
+                if let Some(own) = own
+                    .steps
+                    .iter()
+                    .find(|s| s.effect == account.steps[*step].effect)
                 {
                     let known = &mut account.steps[*step];
                     (known.gap_before, known.gap_after) = (own.gap_before, own.gap_after);
@@ -162,7 +163,8 @@ impl Evidence for Joint<'_> {
     }
 
     fn lowered(&self, from: &JointFit, to: &JointFit) -> Result<Option<Lowered>, Error> {
-        let settled = |fit: &JointFit| !fit.said.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty());
+        let settled =
+            |fit: &JointFit| !fit.said.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty());
         let both = settled(from) && settled(to);
         let of = |part: &PartFit| if both { part.written } else { part.free };
         let mut sum: Option<Lowered> = None;
@@ -200,7 +202,11 @@ impl Evidence for Joint<'_> {
             self.kinds[k].held_out = opened.held_out;
         }
         // The kind that the first step belongs to stands at the head; every kind's channels follow.
-        let head = last.parts.iter().position(|p| p.steps.contains(&0)).unwrap_or(0);
+        let head = last
+            .parts
+            .iter()
+            .position(|p| p.steps.contains(&0))
+            .unwrap_or(0);
         let mut held_out = self.kinds[head].held_out.clone();
         let others = self.kinds.iter().enumerate().filter(|(k, _)| *k != head);
         let others = others.flat_map(|(_, kind)| kind.held_out.channels.clone());

@@ -130,7 +130,11 @@ mod tests {
     #[test]
     fn a_campaign_names_its_files_beside_itself() {
         let campaign = read("runs = \"runs.csv\"\nmodel = \"model.toml\"\n").expect("a campaign");
-        assert!(campaign.runs.is_some_and(|p| p.ends_with("runs.csv") && p.is_absolute()));
+        assert!(
+            campaign
+                .runs
+                .is_some_and(|p| p.ends_with("runs.csv") && p.is_absolute())
+        );
         assert_eq!(campaign.experiments, None);
         assert!(read("pressures = \"pressures.csv\"").is_ok());
     }
@@ -141,15 +145,27 @@ mod tests {
             ("", "no data"),
             ("model = \"model.toml\"", "no data"),
             ("runs = \"runs.csv\"", "model is missing"),
-            ("runs = \"away.csv\"\nmodel = \"model.toml\"", "away.csv is not there"),
-            ("runs = \"runs.csv\"\nmodel = \"runs.csv\"", "the same file as runs"),
-            ("pressures = \"pressures.csv\"\nmodel = \"model.toml\"", "without runs"),
+            (
+                "runs = \"away.csv\"\nmodel = \"model.toml\"",
+                "away.csv is not there",
+            ),
+            (
+                "runs = \"runs.csv\"\nmodel = \"runs.csv\"",
+                "the same file as runs",
+            ),
+            (
+                "pressures = \"pressures.csv\"\nmodel = \"model.toml\"",
+                "without runs",
+            ),
             ("run = \"runs.csv\"", "unknown field `run`"),
             ("runs = 3", "line 1"),
             ("runs = ", "line 1"),
         ] {
             let refused = read(text).expect_err(text);
-            assert!(refused.contains(told) && refused.contains("campaign.toml"), "{text}: {refused}");
+            assert!(
+                refused.contains(told) && refused.contains("campaign.toml"),
+                "{text}: {refused}"
+            );
         }
     }
 }

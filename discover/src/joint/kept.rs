@@ -2,9 +2,7 @@
 
 use crate::error::Error;
 use crate::procedure::beside::{Amount, Beside, Chance};
-use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Opened, Screen,
-};
+use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
 use crate::procedure::lowered::Lowered;
 
 /// Evidence of a kind that is not named.

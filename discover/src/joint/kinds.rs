@@ -165,7 +165,10 @@ impl<'a> Joint<'a> {
             let sizes = said.by_kind.iter().flat_map(|(k, amounts)| {
                 let name = self.kinds[*k].name;
                 amounts.iter().map(move |a| {
-                    format!("{name}: {} = {:.4e} +- {:.1e} {}", a.key, a.value, a.error, a.unit)
+                    format!(
+                        "{name}: {} = {:.4e} +- {:.1e} {}",
+                        a.key, a.value, a.error, a.unit
+                    )
                 })
             });
             let sizes: Vec<String> = sizes.collect();

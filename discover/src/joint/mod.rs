@@ -7,4 +7,6 @@ pub(crate) mod kept;
 pub(crate) mod kinds;
 pub(crate) mod screen;
 pub(crate) mod search;
+#[cfg(test)]
+mod tests;
 pub(crate) mod told;

@@ -157,7 +157,9 @@ impl Joint<'_> {
             .iter()
             .max_by(|a, b| a.1.t().abs().total_cmp(&b.1.t().abs()))?;
         let kind = surest.0;
-        let claim = self.kinds[kind].part.claim(&fit.parts[kind].free, &surest.1)?;
+        let claim = self.kinds[kind]
+            .part
+            .claim(&fit.parts[kind].free, &surest.1)?;
         let mut joint = claim.acting(Origin {
             kind,
             claim: claim.candidate.act,
@@ -206,5 +208,8 @@ impl Joint<'_> {
 }
 
 fn amounts(weak: &Weak) -> Vec<Amount> {
-    weak.by_kind.iter().map(|(_, amount)| amount.clone()).collect()
+    weak.by_kind
+        .iter()
+        .map(|(_, amount)| amount.clone())
+        .collect()
 }

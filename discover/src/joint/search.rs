@@ -8,15 +8,15 @@ use crate::error::Error;
 use crate::evidence::experiments::evidence::Experiments;
 use crate::evidence::maps::evidence::Maps;
 use crate::evidence::maps::measured::file::Measured;
-use crate::evidence::runs;
 use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::{experiments, maps, runs};
 use crate::joint::file::{CampaignFile, case_of};
 use crate::joint::kept::{Kept, Part};
 use crate::joint::kinds::{Joint, PRESSURES};
 use crate::options::Options;
 use crate::procedure::search::{Found, search_evidence};
 
-/// Searches all data of a campaign at once.
+/// Searches all data of a campaign at once; a single kind as it is searched by itself.
 ///
 /// # Errors
 /// Those of the campaign's file and of the readers and searches of its data.
@@ -27,6 +27,20 @@ pub fn search(
 ) -> Result<Found, Error> {
     let files = CampaignFile::read(path)?;
     let model = files.model.as_deref().map(Model::load).transpose()?;
+    match (&files.runs, &files.experiments, &files.pressures, &model) {
+        (Some(index), None, None, Some(model)) => {
+            progress("reading runs");
+            let data = runs::read(index, model, options)?;
+            return runs::search(&data, model, options, progress);
+        }
+        (None, Some(rows), None, Some(model)) => {
+            return experiments::search(rows, model, options, progress);
+        }
+        (None, None, Some(pressures), None) => {
+            return maps::search(pressures, &case_of(pressures)?, options, progress);
+        }
+        _ => {}
+    }
     let data = match (&files.runs, &model) {
         (Some(index), Some(model)) => {
             progress("reading runs");

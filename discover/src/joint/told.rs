@@ -95,7 +95,10 @@ pub fn described(
 }
 
 fn is_written(all: &Description, effect: &str) -> bool {
-    let of = |text: &str| text.contains(&format!("[effects.{effect}")) || text.contains(&format!("[effects.\"{effect}"));
+    let of = |text: &str| {
+        text.contains(&format!("[effects.{effect}"))
+            || text.contains(&format!("[effects.\"{effect}"))
+    };
     of(&all.next_model) || all.next_case.as_deref().is_some_and(of)
 }
 

@@ -70,12 +70,7 @@ impl Beside for Experiments<'_> {
         )]
     }
 
-    fn held(
-        &mut self,
-        fit: &TableFit,
-        step: usize,
-        amounts: &[Amount],
-    ) -> Result<TableFit, Error> {
+    fn held(&mut self, fit: &TableFit, step: usize, amounts: &[Amount]) -> Result<TableFit, Error> {
         let mut chosen = fit.chosen.clone();
         let candidate = self.setting.candidates[chosen[step]].clone();
         let same = |a: &&Amount| a.effect == candidate.effect && a.key == candidate.key;

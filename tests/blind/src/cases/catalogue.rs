@@ -216,10 +216,26 @@ pub fn all() -> Vec<Spec> {
     }
     for (name, runs, cause) in [
         ("none", R::White, None),
-        ("temperature", R::Single(Kind::Temperature), Some(experiments::Cause::Temperature)),
-        ("temperature~humidity", R::TiedHumidity, Some(experiments::Cause::Temperature)),
-        ("speed", R::Single(Kind::Speed), Some(experiments::Cause::Speed)),
-        ("humidity", R::Single(Kind::Humidity), Some(experiments::Cause::Humidity)),
+        (
+            "temperature",
+            R::Single(Kind::Temperature),
+            Some(experiments::Cause::Temperature),
+        ),
+        (
+            "temperature~humidity",
+            R::TiedHumidity,
+            Some(experiments::Cause::Temperature),
+        ),
+        (
+            "speed",
+            R::Single(Kind::Speed),
+            Some(experiments::Cause::Speed),
+        ),
+        (
+            "humidity",
+            R::Single(Kind::Humidity),
+            Some(experiments::Cause::Humidity),
+        ),
         ("on-the-track-alone", R::Single(Kind::Temperature), None),
         ("steer-drag", R::Single(Kind::SteerDrag), None),
     ] {

@@ -65,7 +65,10 @@ fn usual(training: &[Frame]) -> Conditions {
 
 /// On each track the same again, then one thing changed.
 pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
-    let mut speeds: Vec<f64> = training.iter().filter_map(|f| f.v.first().copied()).collect();
+    let mut speeds: Vec<f64> = training
+        .iter()
+        .filter_map(|f| f.v.first().copied())
+        .collect();
     speeds.sort_by(f64::total_cmp);
     let speed = speeds.get(speeds.len() / 2).copied().unwrap_or(10.0);
     let conditions = usual(training);
@@ -73,7 +76,10 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     for track in &data.tracks {
         let mut track = track.clone();
         if data.uphill {
-            track.slope_rad.iter_mut().for_each(|slope| *slope = -*slope);
+            track
+                .slope_rad
+                .iter_mut()
+                .for_each(|slope| *slope = -*slope);
         }
         let same = Plan {
             track,
