@@ -1,9 +1,10 @@
 //! What a search asks of data, whatever their kind.
 
 use crate::error::Error;
+use crate::finding::next_runs::NextRuns;
 use crate::finding::picture::Picture;
 use crate::finding::report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, NextRuns, Rival, Step, Tolerated,
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step, Tolerated,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::lowered::Lowered;

@@ -2,7 +2,8 @@
 
 use kufe_plot::number4;
 
-use crate::finding::report::{NextRuns, Verdict};
+use crate::finding::next_runs::NextRuns;
+use crate::finding::report::Verdict;
 use crate::procedure::evidence::{Account, Description};
 
 /// The outcome in one word.

@@ -12,7 +12,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::Surveys;
-use crate::finding::report::NextRuns;
+use crate::finding::next_runs::NextRuns;
 
 /// What is changed, one thing at a time, against what was usual: what a team can change between two sessions.
 const SPEEDS: [f64; 2] = [0.7, 1.3];
@@ -128,7 +128,7 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             add(change, &|p| p.conditions.air_pa += step);
         }
         for (instrument, noise) in instruments(model.noise) {
-            let change = format!("with a {instrument} of a quarter of the noise");
+            let change = format!("with {instrument} of a quarter of the noise");
             add(change, &|p| p.noise = Some(noise));
         }
     }
@@ -146,12 +146,12 @@ fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
         better
     };
     vec![
-        ("accelerometer", with(|n| n.accel_mps2 *= QUIETER)),
-        ("gyroscope", with(|n| n.rate_radps *= QUIETER)),
-        ("speed sensor", with(|n| n.speed_mps *= QUIETER)),
-        ("slip sensor", with(|n| n.slip_rad *= QUIETER)),
-        ("steering sensor", with(|n| n.steer_rad *= QUIETER)),
-        ("roll-split sensor", with(|n| n.roll_split_rad *= QUIETER)),
+        ("an accelerometer", with(|n| n.accel_mps2 *= QUIETER)),
+        ("a gyroscope", with(|n| n.rate_radps *= QUIETER)),
+        ("a speed sensor", with(|n| n.speed_mps *= QUIETER)),
+        ("a slip sensor", with(|n| n.slip_rad *= QUIETER)),
+        ("a steering sensor", with(|n| n.steer_rad *= QUIETER)),
+        ("a roll-split sensor", with(|n| n.roll_split_rad *= QUIETER)),
     ]
 }
 

@@ -1,11 +1,12 @@
 //! The next runs: which ones would tell the members of a class apart, by simulating them.
 //!
 //! Every plan is driven by the model with each member at its fitted size, without noise, and looked at with every other member's model, each fitted to the same
-//! runs. With r the difference of the two models' rows in units of the noise found, L the columns of friction and grip as a session may have them to itself, D
-//! their variances between the sessions there are, and n runs alike in one session, the logarithm of the likelihood ratio to expect is
+//! runs. With r the difference of the two models' rows in units of the noise found, U the columns of what is not known (a session's own friction and grip
+//! over their deviations between the sessions there are; the other's parameters, base, installation and size, over what the runs there are leave open of
+//! them), and n runs alike in one session, the logarithm of the likelihood ratio to expect is
 //!
 //! ```text
-//! 1/2 (n r'r  -  n^2 r'L (D^-1 + n L'L)^-1 L'r)
+//! 1/2 (n r'r  -  n^2 r'U (1 + n U'U)^-1 U'r)
 //! ```
 //!
 //! and a plan is worth the smallest of any two members. A member of t = sqrt(2 times that) is expected to lack so much beside the other.
@@ -18,21 +19,23 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
-use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::driven::{Plan, RUNS, driven, plans};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
-use crate::finding::report::{NextRuns, Step};
+use crate::finding::next_runs::NextRuns;
+use crate::finding::report::Step;
 use crate::procedure::beside::{Amount, Beside as _};
 use crate::procedure::evidence::Evidence as _;
 use crate::regression::inverse::ridge_inverse;
 
-/// A member of the class: its name and its model.
+/// A member of the class.
 struct Member {
     effect: String,
     model: ResidualModel,
+    /// What the runs there are leave open of its parameters: a root of their covariance.
+    open: DMatrix<f64>,
 }
 
 impl Campaign<'_> {
@@ -73,15 +76,8 @@ impl Campaign<'_> {
 
     /// The model with each member of a step's class in turn, fitted.
     fn members(&mut self, last: &RunFit, step: usize, told: &Step) -> Result<Vec<Member>, Error> {
-        let bare = |fit: RunFit| ResidualModel {
-            installation: Installation::default(),
-            ..fit.residual_model
-        };
         let without = self.without_step(last, step)?;
-        let mut members = vec![Member {
-            effect: told.effect.clone(),
-            model: bare(last.clone()),
-        }];
+        let mut members = vec![self.member(&told.effect, last)];
         for effect in &told.class[1..] {
             let Some(rival) = told.rivals.iter().find(|r| r.effect == *effect) else {
                 continue;
@@ -97,24 +93,54 @@ impl Campaign<'_> {
                 continue;
             };
             let added = self.add(&without, &claim, told.class.len() + step)?;
-            members.push(Member {
-                effect: effect.clone(),
-                model: bare(added.fit),
-            });
+            members.push(self.member(effect, &added.fit));
         }
         Ok(members)
     }
 
+    /// A member with what the training runs leave open of its parameters.
+    fn member(&self, effect: &str, fit: &RunFit) -> Member {
+        let model = fit.residual_model.hold(false);
+        let design = self.design_of(&model, &fit.whitener);
+        let fitted = design.fitted();
+        let mut sum = DMatrix::zeros(fitted, fitted);
+        for products in design.products(&self.training) {
+            sum += products
+                .full
+                .view((OWN_LEVELS, OWN_LEVELS), (fitted, fitted));
+        }
+        let eigen = design.prior().inverse(sum).symmetric_eigen();
+        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+        Member {
+            effect: effect.to_owned(),
+            open: eigen.eigenvectors * DMatrix::from_diagonal(&roots),
+            model,
+        }
+    }
+
+    /// The rows' derivatives for what is fitted of a model.
+    fn design_of<'d>(&'d self, model: &'d ResidualModel, whitener: &'d Whitener) -> Design<'d> {
+        Design {
+            residual_model: model,
+            whitener,
+            free_base: &self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        }
+    }
+
     /// Standard deviations of the sessions' own levels of friction and grip, as the fit leaves them.
     fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
-        let rows = self.columns(&last.residual_model, &last.whitener, &self.training);
-        let levels: Vec<[f64; OWN_LEVELS]> = rows
-            .iter()
-            .map(|(own, rest)| {
-                let level = ridge_inverse(own.tr_mul(own)) * own.tr_mul(rest);
-                [level[0], level[1]]
-            })
-            .collect();
+        let design = self.design_of(&last.residual_model, &last.whitener);
+        let of_run = |frame: &Frame| {
+            let all = design.columns(frame);
+            let own = all.columns(0, OWN_LEVELS);
+            let rest = all.column(all.ncols() - 1);
+            let level = ridge_inverse(own.tr_mul(&own)) * own.tr_mul(&rest);
+            [level[0], level[1]]
+        };
+        let levels: Vec<[f64; OWN_LEVELS]> = self.training.par_iter().map(of_run).collect();
         let sessions = group(&self.training);
         std::array::from_fn(|k| {
             let means: Vec<f64> = sessions
@@ -126,29 +152,6 @@ impl Campaign<'_> {
             let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
             (squares / (count - 1.0).max(1.0)).sqrt()
         })
-    }
-
-    /// The own levels' columns and the residual of runs, whitened.
-    fn columns(
-        &self,
-        model: &ResidualModel,
-        whitener: &Whitener,
-        frames: &[Frame],
-    ) -> Vec<(DMatrix<f64>, DVector<f64>)> {
-        let design = Design {
-            residual_model: model,
-            whitener,
-            free_base: &[],
-            candidates: &[],
-            local: &[],
-            windows: &[],
-        };
-        let of_run = |frame: &Frame| {
-            let all = design.columns(frame);
-            let own = all.columns(0, OWN_LEVELS).into_owned();
-            (own, all.column(all.ncols() - 1).into_owned())
-        };
-        frames.par_iter().map(of_run).collect()
     }
 
     /// The two members that a plan tells apart least, and the evidence to expect; `None` where it cannot be driven.
@@ -171,11 +174,22 @@ impl Campaign<'_> {
                     [drive(Some(&self.data.noise))?, drive(Some(&better))?],
                 ),
             };
-            let frames = std::slice::from_ref(&frame);
-            let (own, mine) = self.columns(&truth.model, &whitener, frames).pop()?;
+            let rows = |member: &Member| {
+                let all = self.design_of(&member.model, &whitener).columns(&frame);
+                let rest = all.column(all.ncols() - 1).into_owned();
+                (all, rest)
+            };
+            let (_, mine) = rows(truth);
             for (b, rival) in members.iter().enumerate().filter(|(b, _)| *b != a) {
-                let (_, theirs) = self.columns(&rival.model, &whitener, frames).pop()?;
-                let evidence = expected(&(theirs - &mine), &own, spread);
+                let (all, theirs) = rows(rival);
+                let levels = DMatrix::from_diagonal(&DVector::from_row_slice(&spread));
+                let levels = all.columns(0, OWN_LEVELS) * levels;
+                let open = all.columns(OWN_LEVELS, rival.open.nrows()) * &rival.open;
+                let mut unknown = levels.insert_columns(OWN_LEVELS, open.ncols(), 0.0);
+                unknown
+                    .columns_mut(OWN_LEVELS, open.ncols())
+                    .copy_from(&open);
+                let evidence = expected(&(theirs - &mine), &unknown);
                 if evidence.is_finite() && least.is_none_or(|(_, e)| evidence < e) {
                     least = Some(([&members[a].effect, &members[b].effect], evidence));
                 }
@@ -204,12 +218,11 @@ impl Campaign<'_> {
 }
 
 /// The logarithm of the likelihood ratio that runs alike in one session make.
-fn expected(r: &DVector<f64>, own: &DMatrix<f64>, spread: [f64; OWN_LEVELS]) -> f64 {
+fn expected(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
     let n = RUNS as f64;
-    let scale = DMatrix::from_diagonal(&DVector::from_row_slice(&spread));
-    let scaled = own * scale;
-    let inner = DMatrix::identity(OWN_LEVELS, OWN_LEVELS) + scaled.tr_mul(&scaled) * n;
-    let along = scaled.tr_mul(r);
+    let count = unknown.ncols();
+    let inner = DMatrix::identity(count, count) + unknown.tr_mul(unknown) * n;
+    let along = unknown.tr_mul(r);
     let taken = inner
         .lu()
         .solve(&along)
@@ -228,15 +241,17 @@ mod tests {
         let own = DMatrix::from_fn(6, 2, |i, k| if k == 0 { 1.0 } else { i as f64 - 2.5 });
         let r = DVector::from_fn(6, |i, _| 0.3 + 0.1 * (i as f64).sin());
         let n = RUNS as f64;
-        assert!((expected(&r, &own, [0.0, 0.0]) - 0.5 * n * r.norm_squared()).abs() < 1e-12);
+        let spread = |sd: [f64; 2]| &own * DMatrix::from_diagonal(&DVector::from_row_slice(&sd));
+        let known = expected(&r, &spread([0.0, 0.0]));
+        assert!((known - 0.5 * n * r.norm_squared()).abs() < 1e-12);
         let level = own.column(0).into_owned();
-        assert!(expected(&level, &own, [1e6, 1e6]) < 1e-6);
-        let spread = [0.4, 0.2];
+        assert!(expected(&level, &spread([1e6, 1e6])) < 1e-6);
+        let unknown = spread([0.4, 0.2]);
         let rows = 6 * RUNS;
         let all = DVector::from_fn(rows, |i, _| r[i % 6]);
-        let levels = DMatrix::from_fn(rows, 2, |i, k| own[(i % 6, k)] * spread[k]);
+        let levels = DMatrix::from_fn(rows, 2, |i, k| unknown[(i % 6, k)]);
         let covariance = DMatrix::identity(rows, rows) + &levels * levels.transpose();
         let full = 0.5 * all.dot(&covariance.lu().solve(&all).unwrap());
-        assert!((expected(&r, &own, spread) / full - 1.0).abs() < 1e-12);
+        assert!((expected(&r, &unknown) / full - 1.0).abs() < 1e-12);
     }
 }
