@@ -28,7 +28,7 @@ fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<&'static str
             &PrepareOptions::default(),
         )
         .unwrap();
-        let left = validate(&[prepared], &vehicle)[0].left_rms.clone();
+        let left = validate(&[prepared], &vehicle)[0].left_rms;
         add("along [N]", left.along_n);
         add("side [N]", left.side_n);
         add("yaw [N m]", left.yaw_nm);
