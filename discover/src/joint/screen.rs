@@ -6,6 +6,7 @@
 //! effect are combined.
 
 use crate::error::Error;
+use crate::finding::report::Rival;
 use crate::joint::combine::{chance, gain, parted};
 use crate::joint::kinds::{AGREES, Joint, JointFit, Origin};
 use crate::procedure::beside::Amount;
@@ -110,7 +111,7 @@ impl Joint<'_> {
                 Some(other) => {
                     let mut other = other.acting(origin(other.candidate.act));
                     other.p_value = claim.p_value;
-                    other.rivals.clone_from(&claim.rivals);
+                    other.rivals = instead(claim, &named.effect);
                     other
                 }
                 None => claim.acting(origin(claim.candidate.act)),
@@ -134,6 +135,9 @@ impl Joint<'_> {
             });
         }
         if class.contains(&joint.candidate.effect) {
+            for rival in &mut joint.rivals {
+                rival.in_class = class.contains(&rival.effect);
+            }
             joint.class = class;
         }
         Ok(joint)
@@ -205,6 +209,26 @@ impl Joint<'_> {
         }
         weak
     }
+}
+
+/// The rivals of a member that is named instead of what a kind named by itself, which becomes one of them.
+fn instead(claim: &Claim<usize>, named: &str) -> Vec<Rival> {
+    let mut rivals = claim.rivals.clone();
+    for rival in rivals.iter_mut().filter(|r| r.effect == named) {
+        let t = claim.size / claim.error.max(1e-300);
+        *rival = Rival {
+            effect: claim.candidate.effect.clone(),
+            parameter: claim.candidate.key.clone(),
+            size: claim.size,
+            unit: claim.candidate.unit.clone(),
+            t,
+            gain: t * t,
+            t_of_named_beyond: 0.0,
+            decides: claim.candidate.decides.clone(),
+            ..rival.clone()
+        };
+    }
+    rivals
 }
 
 fn amounts(weak: &Weak) -> Vec<Amount> {

@@ -9,7 +9,7 @@
 //! 1/2 (n r'r  -  n^2 r'U (1 + n U'U)^-1 U'r)
 //! ```
 //!
-//! and a plan is worth the smallest of any two members. A member of t = sqrt(2 times that) is expected to lack so much beside the other.
+//! and a plan is worth the smallest of any two members that some plan tells apart. A member of t = sqrt(2 times that) is expected to lack so much beside the other.
 
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
@@ -38,6 +38,9 @@ struct Member {
     open: DMatrix<f64>,
 }
 
+/// Two members and the evidence to expect between them.
+type Pair = ([usize; 2], f64);
+
 impl Campaign<'_> {
     /// Plans for the first step whose class has several members, the best first; none where no track is known or no two members
     /// can be driven.
@@ -56,11 +59,27 @@ impl Campaign<'_> {
         let whitener = &last.whitener;
         let spread = self.between_sessions(last);
         let campaign = &*self;
-        let mut judged: Vec<NextRuns> = plans(self.data, &self.training, self.model)
-            .par_iter()
+        let driven: Vec<(Plan, Vec<Pair>)> = plans(self.data, &self.training, self.model)
+            .into_par_iter()
             .filter_map(|plan| {
-                let (pair, evidence) = campaign.evidence(plan, &members, whitener, spread)?;
-                Some(plan.told(pair, evidence, campaign.splits(evidence)))
+                let pairs = campaign.evidence(&plan, &members, whitener, spread)?;
+                Some((plan, pairs))
+            })
+            .collect();
+        // What no plan splits takes no part in their order, unless no plan splits anything.
+        let split = |pair: &Pair| {
+            let of_plans = driven.iter().flat_map(|(_, pairs)| pairs);
+            let mut same = of_plans.filter(|other| other.0 == pair.0);
+            same.any(|other| campaign.splits(other.1))
+        };
+        let any = driven.iter().flat_map(|(_, pairs)| pairs).any(split);
+        let mut judged: Vec<NextRuns> = driven
+            .iter()
+            .filter_map(|(plan, pairs)| {
+                let counted = pairs.iter().filter(|pair| !any || split(pair));
+                let least = counted.min_by(|a, b| a.1.total_cmp(&b.1))?;
+                let names = least.0.map(|m| members[m].effect.as_str());
+                Some(plan.told(names, least.1, campaign.splits(least.1)))
             })
             .collect();
         judged.sort_by(|a, b| b.expected_evidence.total_cmp(&a.expected_evidence));
@@ -154,15 +173,15 @@ impl Campaign<'_> {
         })
     }
 
-    /// The two members that a plan tells apart least, and the evidence to expect; `None` where it cannot be driven.
-    fn evidence<'m>(
+    /// Every two members with the evidence to expect of a plan, whichever of them is true; `None` where it cannot be driven.
+    fn evidence(
         &self,
         plan: &Plan,
-        members: &'m [Member],
+        members: &[Member],
         whitener: &Whitener,
         spread: [f64; OWN_LEVELS],
-    ) -> Option<([&'m str; 2], f64)> {
-        let mut least: Option<([&str; 2], f64)> = None;
+    ) -> Option<Vec<Pair>> {
+        let mut pairs: Vec<Pair> = Vec::new();
         for (a, truth) in members.iter().enumerate() {
             let drive = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
             let frame = drive(None)?;
@@ -190,12 +209,15 @@ impl Campaign<'_> {
                     .columns_mut(OWN_LEVELS, open.ncols())
                     .copy_from(&open);
                 let evidence = expected(&(theirs - &mine), &unknown);
-                if evidence.is_finite() && least.is_none_or(|(_, e)| evidence < e) {
-                    least = Some(([&members[a].effect, &members[b].effect], evidence));
+                let pair = [a.min(b), a.max(b)];
+                match pairs.iter_mut().find(|p| p.0 == pair) {
+                    Some(known) => known.1 = known.1.min(evidence),
+                    None => pairs.push((pair, evidence)),
                 }
             }
         }
-        least
+        let finite = pairs.iter().all(|pair| pair.1.is_finite());
+        finite.then_some(pairs)
     }
 
     /// A whitener with less noise: by channel, as much less as the simulated runs have.
