@@ -6,6 +6,7 @@ use crate::evidence::{experiments, maps, runs};
 
 use crate::error::Error;
 use crate::input::table::Table;
+use crate::joint::search as joint;
 use crate::options::Options;
 use crate::procedure::search::Found;
 
@@ -14,13 +15,14 @@ const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
 
 /// Reads data and model, searches, and returns the report and the next model's text.
 ///
-/// The kind of data is told by its columns: `run` (runs), `mu` (friction experiments), `case` (pressure measurements).
+/// The kind of data is told by its columns: `run` (runs), `mu` (friction experiments), `case` (pressure measurements). A `campaign.toml`
+/// names several and their model; tables take theirs beside them.
 ///
 /// # Errors
-/// Those of the readers, [`Error::File`] for a folder and for a table of none of the three kinds, and of the search.
+/// Those of the readers, [`Error::File`] for a folder, for a table of none of the three kinds or without a model, and of the search.
 pub fn discover(
     data: &Path,
-    model: &Path,
+    model: Option<&Path>,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
@@ -37,6 +39,23 @@ pub fn discover(
             },
         });
     }
+    if data.extension().is_some_and(|ending| ending == "toml") {
+        if let Some(model) = model {
+            return Err(Error::File {
+                file: data.display().to_string(),
+                reason: format!(
+                    "a campaign names its own model; {} is given beside it",
+                    model.display()
+                ),
+            });
+        }
+        return joint::search(data, options, progress);
+    }
+    let model = model.ok_or_else(|| Error::File {
+        file: data.display().to_string(),
+        reason: "a table by itself; expected a model beside it, or a campaign.toml that names both"
+            .to_owned(),
+    })?;
     let table = Table::read(data)?;
     let has = |name: &str| table.place(name).is_some();
     if has("run") && has("file") {

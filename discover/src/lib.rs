@@ -23,6 +23,7 @@ mod error;
 mod evidence;
 mod finding;
 mod input;
+mod joint;
 mod null;
 mod options;
 mod procedure;
@@ -32,10 +33,11 @@ pub use discover::discover;
 pub use error::Error;
 pub use evidence::{experiments, maps, runs};
 pub use finding::{
-    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, Picture, Plot, Report,
-    Rival, RunMean, Series, Step, Tolerated, Verdict,
+    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, NextRuns, OfKind,
+    Picture, Plot, Report, Rival, RunMean, Series, Step, Tolerated, Verdict,
 };
 pub use input::{read_map, read_map_bytes};
+pub use joint::file::CampaignFile;
 pub use null::{MaxT, by_session_permutation, gumbel_tail};
 pub use options::Options;
 pub use procedure::{

@@ -200,6 +200,8 @@ class Discovery:
     @property
     def next_model(self) -> str: ...
     @property
+    def next_case(self) -> str | None: ...
+    @property
     def html(self) -> str: ...
 
 def press(
@@ -238,7 +240,7 @@ def evaluate(
 
 def discover(
     data: _Path,
-    model: _Path,
+    model: _Path | None = None,
     *,
     seed: int = 1,
     twins: int = 40,

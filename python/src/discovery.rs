@@ -14,18 +14,19 @@ use crate::work::work;
 pub struct Discovery {
     report: Report,
     next_model: String,
+    next_case: Option<String>,
 }
 
 /// Finds where simulation and measurement part, and names the effect that closes the gap.
 ///
 /// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or for pressures the
-/// `case.toml`.
+/// `case.toml`. A `campaign.toml` names several of them and their model itself.
 #[pyfunction]
-#[pyo3(signature = (data, model, *, seed = 1, twins = 40, channels = "all", progress = None))]
+#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", progress = None))]
 pub fn discover(
     py: Python<'_>,
     data: PathBuf,
-    model: PathBuf,
+    model: Option<PathBuf>,
     seed: u64,
     twins: u64,
     channels: &str,
@@ -49,7 +50,9 @@ pub fn discover(
         ..Options::default()
     };
     let worked = work(py, progress, |watch, _| {
-        kufe_discover::discover(&data, &model, &options, &|text| watch.progress(text))
+        kufe_discover::discover(&data, model.as_deref(), &options, &|text| {
+            watch.progress(text)
+        })
     })?;
     let found = worked.value.map_err(|error| match error {
         Error::BaseFit { .. } => NotConvergedError::new_err(error.to_string()),
@@ -58,6 +61,7 @@ pub fn discover(
     Ok(Discovery {
         report: found.report,
         next_model: found.next_model,
+        next_case: found.next_case,
     })
 }
 
@@ -85,6 +89,12 @@ impl Discovery {
     #[getter]
     fn next_model(&self) -> &str {
         &self.next_model
+    }
+
+    /// The next case, as its file's text, where pressures stand beside other data of a campaign; else None.
+    #[getter]
+    fn next_case(&self) -> Option<&str> {
+        self.next_case.as_deref()
     }
 
     /// The report as a page.

@@ -102,6 +102,7 @@ const EXAMPLES: [(&str, &str); 21] = [
         "Examples:
   kufe discover runs.csv --model model.toml -o finding/
   kufe discover pressures.csv --model case.toml -o finding/
+  kufe discover campaign.toml -o finding/  runs, experiments and pressures that belong together, in one search
   kufe report finding/ -o finding.html",
     ),
     (

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_discover::{Error, Options, Report, Rules};
+use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 use kufe_jobs::{Failure, write_whole};
 
 use crate::output::apart::folder_apart;
@@ -12,12 +12,12 @@ use crate::output::say::say;
 /// Find the effect that a model lacks, name it and add it
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// runs.csv, experiments.csv or pressures.csv
+    /// runs.csv, experiments.csv or pressures.csv; or a campaign.toml that names several of them and their model
     data: PathBuf,
-    /// The model: a model.toml, or for pressures a case.toml
+    /// The model of a table: a model.toml, or for pressures a case.toml
     #[arg(long)]
-    model: PathBuf,
-    /// Folder for report.json, report.html and model.next.toml
+    model: Option<PathBuf>,
+    /// Folder for report.json, report.html and model.next.toml, and case.next.toml for pressures in a campaign
     #[arg(short, long, default_value = "out")]
     output: PathBuf,
     /// Seed of all random numbers
@@ -36,6 +36,14 @@ pub struct Args {
     #[arg(long, hide = true, value_name = "TOML")]
     rules: Option<PathBuf>,
 }
+
+/// What the command writes.
+const WRITTEN: [&str; 4] = [
+    "report.json",
+    "report.html",
+    "model.next.toml",
+    "case.next.toml",
+];
 
 /// Channels of runs.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,18 +80,30 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         rules,
         ..Options::default()
     };
-    let inputs: Vec<PathBuf> = [Some(&args.data), Some(&args.model), args.rules.as_ref()]
+    let campaign = args.data.extension().is_some_and(|ending| ending == "toml");
+    if campaign == args.model.is_some() {
+        return Err(Failure::Usage(match campaign {
+            true => "--model: a campaign.toml names its model itself".to_owned(),
+            false => format!(
+                "--model is missing: expected the model that {} is held against (a campaign.toml names its own)",
+                args.data.display()
+            ),
+        }));
+    }
+    let mut inputs: Vec<PathBuf> = [Some(&args.data), args.model.as_ref(), args.rules.as_ref()]
         .into_iter()
         .flatten()
         .cloned()
         .collect();
-    let written = ["report.json", "report.html", "model.next.toml"];
-    folder_apart(&inputs, &args.output, &written)?;
+    if campaign {
+        inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
+    }
+    folder_apart(&inputs, &args.output, &WRITTEN)?;
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
-    let found =
-        kufe_discover::discover(&args.data, &args.model, &options, &progress).map_err(failure)?;
-    let (report, next) = (found.report, found.next_model);
+    let found = kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
+        .map_err(failure)?;
+    let (report, next, case) = (found.report, found.next_model, found.next_case);
     bar.finish_and_clear();
     if !report.gaps.is_empty() && !global.quiet {
         eprintln!("kufe: note: {}", kufe_sled::gaps_line(&report.gaps));
@@ -96,6 +116,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         w.write_all(kufe_report::discovery_page(&page).as_bytes())
     })?;
     write_whole(&out("model.next.toml"), |w| w.write_all(next.as_bytes()))?;
+    if let Some(case) = case {
+        write_whole(&out("case.next.toml"), |w| w.write_all(case.as_bytes()))?;
+    }
     if global.json {
         say(&format!("{json}\n"));
     } else if !global.quiet {

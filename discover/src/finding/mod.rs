@@ -1,10 +1,12 @@
 //! What a search tells: its report and the pictures beside it.
 
+pub(crate) mod next_runs;
 pub(crate) mod picture;
 pub(crate) mod report;
 
+pub use next_runs::NextRuns;
 pub use picture::{Curve, Picture, Plot, Series};
 pub use report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Report, Rival, RunMean, Step,
-    Tolerated, Verdict,
+    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, OfKind, Report, Rival, RunMean,
+    Step, Tolerated, Verdict,
 };

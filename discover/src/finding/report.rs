@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::finding::next_runs::NextRuns;
 use crate::finding::picture::Picture;
 
 /// The outcome in one word.
@@ -121,6 +122,26 @@ pub struct Step {
     /// Where runs meet a wall, each with a force of its own.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactPlace>,
+    /// What each kind of data of a campaign says of it by itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub evidence: Vec<OfKind>,
+}
+
+/// What one kind of data of a campaign says of an effect by itself.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OfKind {
+    /// Kind of data.
+    pub data: String,
+    /// Sizes.
+    pub parameters: Vec<Fitted>,
+    /// Whether it agrees with the other kinds: the step's parameters are then those of all together.
+    pub agrees: bool,
+    /// Gap of this kind's locked-away data before.
+    pub gap_before: f64,
+    /// With the next model.
+    pub gap_after: f64,
+    /// Unit of the two.
+    pub unit: String,
 }
 
 /// A place at which runs meet a wall, or miss it.
@@ -305,6 +326,9 @@ pub struct Report {
     pub minimum_detectable: Vec<Detectable>,
     /// What to measure next.
     pub next_experiment: String,
+    /// The next runs that would split a class, by simulating them, the best first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub next_runs: Vec<NextRuns>,
     /// Base parameters: before is 1 or the file's value.
     pub base: Vec<Fitted>,
     /// Bins that stand out before any effect was added.

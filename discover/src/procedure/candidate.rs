@@ -32,6 +32,20 @@ impl<A> Candidate<A> {
         (self.low..=self.high).contains(&size)
     }
 
+    /// The same with another way to act.
+    pub fn acting<B>(&self, act: B) -> Candidate<B> {
+        Candidate {
+            effect: self.effect.clone(),
+            key: self.key.clone(),
+            unit: self.unit.clone(),
+            low: self.low,
+            high: self.high,
+            typical: self.typical,
+            decides: self.decides.clone(),
+            act,
+        }
+    }
+
     /// Name with the amplitude's key.
     pub fn label(&self) -> String {
         format!("{} ({})", self.effect, self.key)

@@ -1,6 +1,7 @@
 //! What a search asks of data, whatever their kind.
 
 use crate::error::Error;
+use crate::finding::next_runs::NextRuns;
 use crate::finding::picture::Picture;
 use crate::finding::report::{
     Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step, Tolerated,
@@ -140,6 +141,24 @@ pub struct Claim<A> {
     pub parameters: Vec<Fitted>,
 }
 
+impl<A> Claim<A> {
+    /// The same claim of a candidate that acts otherwise.
+    pub fn acting<B>(&self, act: B) -> Claim<B> {
+        Claim {
+            candidate: self.candidate.acting(act),
+            size: self.size,
+            error: self.error,
+            class: self.class.clone(),
+            rivals: self.rivals.clone(),
+            p_value: self.p_value,
+            place: self.place.clone(),
+            channel: self.channel,
+            remark: self.remark.clone(),
+            parameters: self.parameters.clone(),
+        }
+    }
+}
+
 /// A model with one more effect.
 pub struct Added<F> {
     /// The fit.
@@ -193,8 +212,12 @@ pub struct Description {
     pub effects: Vec<Meaning>,
     /// Sentences of this kind of data.
     pub words: Words,
+    /// Runs that would split a class, the best first.
+    pub next_runs: Vec<NextRuns>,
     /// The next model, as its file's text.
     pub next_model: String,
+    /// The next case, where data of pressures stand beside others.
+    pub next_case: Option<String>,
 }
 
 /// What an effect means.

@@ -1,5 +1,6 @@
 //! The one search: fit, screen, claim, add, refit; at the end, once, the locked-away data.
 
+pub(crate) mod beside;
 pub(crate) mod candidate;
 pub(crate) mod closed;
 pub(crate) mod evidence;

@@ -15,6 +15,8 @@ pub struct Found {
     pub report: Report,
     /// The model with the effects switched on and everything refitted, as its file's text.
     pub next_model: String,
+    /// The next case, where data of pressures stand beside others.
+    pub next_case: Option<String>,
 }
 
 /// Searches data of any kind for what the model lacks.
@@ -119,6 +121,7 @@ pub fn search_evidence<E: Evidence>(
         held_out: opened.held_out,
         minimum_detectable: detectable.unwrap_or_default(),
         next_experiment,
+        next_runs: described.next_runs,
         base: described.base,
         bins: described.bins,
         bins_after: described.bins_after,
@@ -136,6 +139,7 @@ pub fn search_evidence<E: Evidence>(
     Ok(Found {
         report,
         next_model: described.next_model,
+        next_case: described.next_case,
     })
 }
 
@@ -157,5 +161,6 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
         explainable_gap_closed: Interval::default(),
         rivals: claim.rivals,
         contacts: Vec::new(),
+        evidence: Vec::new(),
     }
 }

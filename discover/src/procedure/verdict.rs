@@ -1,5 +1,8 @@
 //! The outcome: its verdict and what to measure next.
 
+use kufe_plot::number4;
+
+use crate::finding::next_runs::NextRuns;
 use crate::finding::report::Verdict;
 use crate::procedure::evidence::{Account, Description};
 
@@ -47,7 +50,41 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
                 .map(|e| format!("{}: {}", e.name, e.decides))
                 .collect();
             what.dedup();
-            what.join("; ")
+            let planned = planned(&described.next_runs).into_iter();
+            planned.chain(what).collect::<Vec<_>>().join("; ")
         }
     }
+}
+
+/// The best of the planned runs beside the rest.
+fn planned(plans: &[NextRuns]) -> Option<String> {
+    let (best, last) = (plans.first()?, plans.last()?);
+    let [a, b] = &best.between;
+    /// Less is no difference but rounding.
+    const NOTHING: f64 = 1e-6;
+    if best.expected_evidence < NOTHING {
+        return Some(format!(
+            "no runs tell {a} from {b}: simulated, they are the same in all {} plans tried",
+            plans.len()
+        ));
+    }
+    Some(match best.splits {
+        true => format!(
+            "{} runs on {}, {}, would tell {a} from {b} (by simulating them: expected logarithm of the likelihood ratio {}, {} plans tried, the least {})",
+            best.runs,
+            best.track,
+            best.change,
+            number4(best.expected_evidence),
+            plans.len(),
+            number4(last.expected_evidence)
+        ),
+        false => format!(
+            "none of {} plans for {} runs, simulated, tells {a} from {b}: most by runs on {}, {}, an expected logarithm of the likelihood ratio of {}",
+            plans.len(),
+            best.runs,
+            best.track,
+            best.change,
+            number4(best.expected_evidence)
+        ),
+    })
 }

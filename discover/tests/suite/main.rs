@@ -1,5 +1,8 @@
 //! What a search finds and what it does not.
 
+mod campaign;
 mod hidden_effects;
+mod next_runs;
 mod real_data;
+mod trajectory;
 mod walls;

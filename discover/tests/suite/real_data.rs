@@ -32,7 +32,7 @@ Gamma 3,0.0033,0.0003,9.6e6,0.5e6\n",
         "b = 0.088\nc = 2.01\nd = 14.66\nmu_cap = 0.007",
     );
     let model = write(folder.path(), "model.toml", &text);
-    let report = discover(&data, &model, &Options::default(), &|_| {})
+    let report = discover(&data, Some(&model), &Options::default(), &|_| {})
         .unwrap()
         .report;
     assert_eq!(report.verdict, Verdict::None, "{}", report.sentence);
@@ -50,7 +50,7 @@ d,0.0046,0.0004,16.0e6,0.9e6\ne,0.0038,0.0004,8.6e6,0.5e6\n";
         &format!("specimen,mu,mu_sd,p_max_pa,p_max_sd_pa\n{rows}"),
     );
     let model = write(folder.path(), "model.toml", LINEAR_CAR);
-    let message = discover(&data, &model, &Options::default(), &|_| {})
+    let message = discover(&data, Some(&model), &Options::default(), &|_| {})
         .err()
         .unwrap()
         .to_string();
@@ -78,7 +78,7 @@ fn a_real_car_saturates() {
     );
     let data = write(out.path(), "runs.csv", &index);
     let model = write(out.path(), "model.toml", LINEAR_CAR);
-    let report = discover(&data, &model, &Options::default(), &|_| {})
+    let report = discover(&data, Some(&model), &Options::default(), &|_| {})
         .unwrap()
         .report;
     println!("{}", report.sentence);

@@ -10,7 +10,7 @@ use super::data::Data;
 use super::diagram::diagram;
 use super::maps::comparison;
 use super::parts::{fold, list, wide};
-use super::sections::{bins, detectable, parameters, runs, step};
+use super::sections::{bins, detectable, next_runs, parameters, runs, step};
 use super::strip::strip;
 use super::summary::summary;
 use crate::page::{escape, plain_page};
@@ -73,6 +73,12 @@ fn details(out: &mut String, report: Data) {
     if !report.list("steps").is_empty() {
         fold(out, "What is left after", |out| {
             bins(out, &report.list("bins_after"));
+        });
+    }
+    let plans = report.list("next_runs");
+    if !plans.is_empty() {
+        fold(out, "Which runs to drive next", |out| {
+            next_runs(out, &plans)
         });
     }
     let by_run = report.list("by_run");

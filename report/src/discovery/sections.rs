@@ -34,6 +34,7 @@ Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}
         100.0 * step.part("explainable_gap_closed").number("high")
     );
     parameters(out, &step.list("parameters"));
+    evidence(out, &step.list("evidence"));
     if step.list("rivals").is_empty() {
         return;
     }
@@ -81,6 +82,69 @@ pub fn parameters(out: &mut String, fitted: &[Data]) {
             show(p.number("low")),
             show(p.number("high")),
             escape(unit)
+        );
+    }
+    out.push_str("</table></div>\n");
+}
+
+/// What each kind of data of a campaign says of an effect.
+fn evidence(out: &mut String, kinds: &[Data]) {
+    if kinds.is_empty() {
+        return;
+    }
+    let agree = kinds.iter().all(|kind| kind.is("agrees"));
+    let told = match (kinds.len(), agree) {
+        (1, _) => "One kind of data of the campaign knows this effect.",
+        (_, true) => {
+            "The kinds of data agree: the size above is that of all together, each weighed by its error."
+        }
+        (_, false) => {
+            "The kinds of data disagree: each keeps its own size, and the next model has that of the first."
+        }
+    };
+    let _ = write!(
+        out,
+        "<p>{told}</p>\n<div class=\"wide\"><table><tr><th>data<th>parameter<th class=n>by itself<th class=n>95 % interval<th>unit<th class=n>gap not seen before, and after</tr>\n"
+    );
+    for kind in kinds {
+        for p in kind.list("parameters") {
+            let (_, unit) = usual(p.number("value"), p.text("unit"));
+            let show = |key: &str| number4(usual(p.number(key), p.text("unit")).0);
+            let gap = |key: &str| quantity(kind.number(key), kind.text("unit"));
+            let _ = writeln!(
+                out,
+                "<tr><td>{}<td>{}<td class=n>{}<td class=n>{} to {}<td>{}<td class=n>{} → {}</tr>",
+                escape(kind.text("data")),
+                escape(p.text("name")),
+                show("value"),
+                show("low"),
+                show("high"),
+                escape(unit),
+                escape(&gap("gap_before")),
+                escape(&gap("gap_after"))
+            );
+        }
+    }
+    out.push_str("</table></div>\n");
+}
+
+/// Runs that would tell the members of a class apart, simulated.
+pub fn next_runs(out: &mut String, plans: &[Data]) {
+    out.push_str(
+        "<p>Each plan was simulated with every member of the class at its fitted size and looked at with the others. <i>Expected</i>: the logarithm of the \
+likelihood ratio of the two that the runs would tell apart least; shaded where that tells them apart nine times in ten.</p>\n\
+<div class=\"wide\"><table><tr><th>runs<th>track<th>what differs<th>between<th class=n>expected</tr>\n",
+    );
+    for plan in plans {
+        let _ = writeln!(
+            out,
+            "<tr{}><td>{}<td>{}<td>{}<td>{}<td class=n>{}</tr>",
+            if plan.is("splits") { " class=in" } else { "" },
+            plan.count("runs"),
+            escape(plan.text("track")),
+            escape(plan.text("change")),
+            escape(&plan.texts("between").join(" and ")),
+            number4(plan.number("expected_evidence"))
         );
     }
     out.push_str("</table></div>\n");

@@ -3,6 +3,7 @@
 mod align;
 mod corpus;
 mod damaged;
+mod discover_campaign;
 mod discover_experiments;
 mod discover_pressures;
 mod discover_runs;

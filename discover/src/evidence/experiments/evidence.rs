@@ -23,6 +23,7 @@ use crate::evidence::experiments::screen::{TableScreen, screen_table};
 use crate::finding::report::{ChannelGap, Fitted, HeldOut};
 use crate::input::table::Table;
 use crate::options::Options;
+use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
@@ -48,6 +49,8 @@ pub struct Experiments<'a> {
     pub others: Vec<String>,
     /// The strongest candidate that could not be claimed.
     pub next_best: Option<usize>,
+    /// What the last screen shows of each effect.
+    pub chances: Vec<Chance>,
 }
 
 /// A fit with the candidates that take part in it.
@@ -97,10 +100,12 @@ impl<'a> Experiments<'a> {
             untestable,
             others,
             next_best: None,
+            chances: Vec::new(),
         })
     }
 
-    fn fitted(&self, chosen: Vec<usize>) -> TableFit {
+    /// The fit with these candidates.
+    pub fn fitted(&self, chosen: Vec<usize>) -> TableFit {
         let fit = fit(&self.setting, &self.training, &chosen);
         TableFit { chosen, fit }
     }
@@ -184,6 +189,7 @@ impl Evidence for Experiments<'_> {
             true => None,
             false => self.claim(&screen, &fit.chosen),
         };
+        self.chances = screen.chances(&self.setting.candidates, &fit.chosen);
         self.next_best = match claim {
             None if !too_few => screen.largest(&fit.chosen),
             _ => None,

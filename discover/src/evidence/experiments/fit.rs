@@ -126,8 +126,10 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
                 let size: f64 = step[base + k];
                 let slope = candidates[*c].slope(row, mu.max(1e-5), size);
                 let change = candidates[*c].change(row, mu.max(1e-5), size);
-                columns[(i, base + k)] = slope / sd;
-                y[i] -= (change - slope * size) / sd;
+                // An effect whose bounds meet is held at them.
+                let free = candidates[*c].low < candidates[*c].high;
+                columns[(i, base + k)] = if free { slope / sd } else { 0.0 };
+                y[i] -= (change - if free { slope * size } else { 0.0 }) / sd;
             }
         }
         let inverse = ridge_inverse(columns.tr_mul(&columns));

@@ -1,5 +1,6 @@
 //! Friction experiments: mu over pressure, one row a specimen or condition.
 
+pub(crate) mod beside;
 pub(crate) mod bins;
 pub(crate) mod candidates;
 pub(crate) mod compare;

@@ -9,6 +9,7 @@ use crate::finding::report::Detectable;
 use crate::null::gumbel::gumbel_tail;
 use crate::null::random::{normal, shuffle, stream};
 use crate::options::Options;
+use crate::procedure::beside::{Amount, Chance};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::ExperimentRules;
 use crate::regression::inverse::ridge_inverse;
@@ -58,6 +59,30 @@ impl TableScreen {
         self.left[c] > self.rules.least_left
             && self.p_value(c) <= self.rules.alpha
             && candidate.admits(self.size[c] * candidate.typical)
+    }
+
+    /// What it shows of every effect by name that is not chosen.
+    pub fn chances(
+        &self,
+        candidates: &[Candidate<FrictionChange>],
+        chosen: &[usize],
+    ) -> Vec<Chance> {
+        let named = candidates.iter().enumerate();
+        let named = named.filter(|(c, candidate)| {
+            let judged = self.left[*c] > self.rules.least_left && !chosen.contains(c);
+            judged && !candidate.is_column() && candidate.admits(self.size[*c] * candidate.typical)
+        });
+        named
+            .map(|(c, candidate)| {
+                let value = self.size[c] * candidate.typical;
+                Chance {
+                    // With the scatter that its t is judged by.
+                    amount: Amount::of(candidate, value, (value / self.t[c]).abs()),
+                    p_value: self.p_value(c),
+                }
+            })
+            .filter(|chance| chance.amount.error.is_finite())
+            .collect()
     }
 
     /// Cosine of two candidates beyond the base.

@@ -30,6 +30,7 @@ use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::report::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
+use crate::procedure::beside::Beside;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
     Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
@@ -378,6 +379,8 @@ impl Evidence for Maps<'_> {
         })
     }
 }
+
+impl Beside for Maps<'_> {}
 
 /// Searches a `pressures.csv`; `model` is the case file that is to be improved.
 ///

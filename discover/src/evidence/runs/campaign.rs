@@ -16,6 +16,7 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::options::Options;
+use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Account;
 use crate::procedure::rules::RunRules;
@@ -51,6 +52,8 @@ pub struct Campaign<'a> {
     pub outside: Vec<String>,
     /// What the forces alone say of each candidate's size, with its standard error.
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
+    /// What the last screen shows of the effects that other kinds of data may know, too.
+    pub chances: Vec<Chance>,
 }
 
 /// A dependence on a column that no simulation knows.

@@ -90,6 +90,7 @@ impl<'a> Campaign<'a> {
             given,
             outside,
             by_forces: Vec::new(),
+            chances: Vec::new(),
             whole: Vec::new(),
             claimed: None,
         };
@@ -166,7 +167,9 @@ impl Evidence for Campaign<'_> {
         let track = self.surveyed(residual_model, &simulator, account);
         let mut screen = self.within_runs(&at, track.as_ref(), account);
         if screen.claim.is_none() {
-            screen.claim = self.between_runs(&at, account);
+            let (claim, chances) = self.between_runs(&at, account);
+            screen.claim = claim;
+            self.chances.extend(chances);
         }
         if let (None, Some(track)) = (&screen.claim, &track) {
             screen.claim = self.on_the_track(residual_model, track, account);
@@ -299,8 +302,9 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<Description, Error> {
+        let next_runs = self.next_runs(last, &account.steps)?;
         let simulator = self.simulator(&last.settled);
-        let (rules, seed) = (self.rules(), self.options.seed);
+        let (rules, seed) = (&self.options.rules.runs, self.options.seed);
         let bins = |fit: &RunFit| {
             let (residual_model, whitener) = (&fit.residual_model, &fit.whitener);
             stand_out(
@@ -371,6 +375,8 @@ impl Evidence for Campaign<'_> {
                     .to_owned(),
             },
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
+            next_case: None,
+            next_runs,
         })
     }
 }

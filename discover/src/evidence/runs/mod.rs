@@ -1,5 +1,6 @@
 //! Runs: what is measured on a track, against the one-track model.
 
+pub(crate) mod beside;
 pub(crate) mod campaign;
 pub(crate) mod candidates;
 pub(crate) mod channels;

@@ -34,8 +34,8 @@ pub struct Answer {
     pub seed: u64,
     /// The data file that the finder is given.
     pub data: String,
-    /// The model file that the finder is given.
-    pub model: String,
+    /// The model file that the finder is given beside it; none beside a campaign, which names its own.
+    pub model: Option<String>,
     /// What is hidden; empty for a null.
     pub hides: Vec<Hides>,
     /// Names that may be claimed without being false, beside the hidden effects' classes.

@@ -2,7 +2,7 @@
 
 use crate::cases::answer::{Case, CaseError};
 use crate::cases::label::Label;
-use crate::cases::{experiments, pressure_case, run_case};
+use crate::cases::{campaign_case, experiments, pressure_case, run_case};
 use crate::other_worlds::{self, EFFECTS, WORLDS};
 use crate::world::hidden::{ENTRIES, Kind};
 
@@ -29,6 +29,8 @@ pub enum Recipe {
     World(other_worlds::World, Option<other_worlds::Effect>),
     /// A table of friction experiments.
     Experiments(experiments::Recipe),
+    /// Runs and friction experiments together.
+    Campaign(campaign_case::Recipe),
     /// Pressure measurements.
     Pressures(pressure_case::Recipe),
 }
@@ -52,6 +54,7 @@ impl Spec {
                 Ok(other_worlds::build(world, effect, &self.label, seed))
             }
             Recipe::Experiments(recipe) => Ok(experiments::build(&self.label, recipe, seed)),
+            Recipe::Campaign(recipe) => Ok(campaign_case::build(&self.label, recipe, seed)),
             Recipe::Pressures(recipe) => pressure_case::build(&self.label, recipe, seed),
         }
     }
@@ -210,6 +213,38 @@ pub fn all() -> Vec<Spec> {
                 Recipe::Experiments(experiments::Recipe::Single(cause.cause)),
             );
         }
+    }
+    for (name, runs, cause) in [
+        ("none", R::White, None),
+        (
+            "temperature",
+            R::Single(Kind::Temperature),
+            Some(experiments::Cause::Temperature),
+        ),
+        (
+            "temperature~humidity",
+            R::TiedHumidity,
+            Some(experiments::Cause::Temperature),
+        ),
+        (
+            "speed",
+            R::Single(Kind::Speed),
+            Some(experiments::Cause::Speed),
+        ),
+        (
+            "humidity",
+            R::Single(Kind::Humidity),
+            Some(experiments::Cause::Humidity),
+        ),
+        ("on-the-track-alone", R::Single(Kind::Temperature), None),
+        ("steer-drag", R::Single(Kind::SteerDrag), None),
+    ] {
+        let (family, share) = match name {
+            "none" => ("campaign-null", None),
+            _ => ("campaign", Some(0.02)),
+        };
+        let recipe = campaign_case::Recipe { runs, cause };
+        add(family, name, share, Recipe::Campaign(recipe));
     }
     for (name, recipe) in pressure_case::HIDDEN {
         add("pressure", name, None, Recipe::Pressures(*recipe));

@@ -204,13 +204,18 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             wanted_share: label.share,
             seed,
             data: "experiments.csv".to_owned(),
-            model: "model.toml".to_owned(),
+            model: Some("model.toml".to_owned()),
             hides,
             tolerated: Vec::new(),
             too_little_to_name: false,
             base: Vec::new(),
         },
     }
+}
+
+/// A table of runners whose friction does not go by pressure, with what is hidden in it.
+pub fn constant(mu: f64, hidden: Option<(Cause, f64)>, source: &mut Source) -> String {
+    table([0.0, 0.0, 1e3 * mu], &draw(source), hidden, source)
 }
 
 /// Eight specimens in each of ten sessions, two of them at another load and speed.

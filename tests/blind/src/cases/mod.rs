@@ -1,6 +1,7 @@
 //! Blind cases: data that hide something, and what they hide.
 
 pub mod answer;
+pub mod campaign_case;
 pub mod catalogue;
 pub mod experiments;
 mod film;

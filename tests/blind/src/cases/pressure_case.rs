@@ -195,7 +195,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Result<Case, CaseError
             wanted_share: None,
             seed,
             data: "pressures.csv".to_owned(),
-            model: "case.toml".to_owned(),
+            model: Some("case.toml".to_owned()),
             hides,
             tolerated: Vec::new(),
             too_little_to_name: false,

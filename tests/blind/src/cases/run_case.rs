@@ -179,7 +179,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             wanted_share: label.share,
             seed,
             data: "runs.csv".to_owned(),
-            model: "model.toml".to_owned(),
+            model: Some("model.toml".to_owned()),
             hides,
             tolerated,
             // a twin's name alone says more than the data can

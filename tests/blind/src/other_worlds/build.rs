@@ -99,7 +99,7 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
             wanted_share: None,
             seed,
             data: "runs.csv".to_owned(),
-            model: "model.toml".to_owned(),
+            model: Some("model.toml".to_owned()),
             hides: hidden
                 .iter()
                 .map(|h| hides(h, roads[0].name, &places))

@@ -141,8 +141,7 @@ fn discover(
         .arg("discover")
         .args(rules.flat_map(|path| [Path::new("--rules"), path.as_path()]))
         .arg(&answer.data)
-        .arg("--model")
-        .arg(&answer.model)
+        .args(answer.model.iter().flat_map(|model| ["--model", model]))
         .arg("-o")
         .arg(out)
         // several cases at a time fill the cores already

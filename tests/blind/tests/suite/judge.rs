@@ -11,7 +11,7 @@ fn answer(hidden: &[(&str, &[&str])], places: Vec<(String, f64, f64)>) -> Answer
         wanted_share: None,
         seed: 1,
         data: "runs.csv".into(),
-        model: "model.toml".into(),
+        model: Some("model.toml".into()),
         hides: hidden
             .iter()
             .map(|(name, class)| Hides {

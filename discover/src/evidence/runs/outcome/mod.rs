@@ -3,10 +3,12 @@
 pub(crate) mod bins;
 pub(crate) mod by_run;
 pub(crate) mod conclude;
+pub(crate) mod driven;
 pub(crate) mod explained;
 pub(crate) mod gap;
 pub(crate) mod lowered;
 pub(crate) mod next_model;
 pub(crate) mod pictures;
+pub(crate) mod planned;
 pub(crate) mod superfluous;
 pub(crate) mod written;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use kufe_sled::effects::Column;
-use kufe_sled::{Model, Noise, Run, TakingPart, gaps_line};
+use kufe_sled::{Model, Noise, Run, TakingPart, Track, gaps_line};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
@@ -29,6 +29,10 @@ pub struct Data {
     pub available: Vec<Column>,
     /// Whether one run was cut into segments.
     pub segmented: bool,
+    /// The tracks that runs can be simulated on, as their tables have them.
+    pub tracks: Vec<Track>,
+    /// Whether these tables count the slope positive uphill.
+    pub uphill: bool,
     /// Which frames are learned from and which are locked away.
     pub(crate) locked: Locked,
     /// Runs with gaps: what is not there, and how much takes part.
@@ -128,7 +132,7 @@ pub fn prepare(
     let noise_doubted = model
         .noise
         .is_some_and(|stated| doubted(&stated, &seen, recordings.noise_as_stated));
-    turn_slopes(&mut frames, &locked.training, &mut remarks);
+    let uphill = turn_slopes(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
     let mut available = available(runs, &learned, &training, &mut remarks);
     if frames.iter().all(|f| f.slope.len() == f.len()) {
@@ -147,6 +151,8 @@ pub fn prepare(
         noise_doubted,
         available,
         segmented,
+        tracks: Vec::new(),
+        uphill,
         locked,
         gaps,
         remarks,

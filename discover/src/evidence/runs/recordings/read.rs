@@ -1,8 +1,9 @@
 //! Runs from their index.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use kufe_sled::{Entry, Model, OnGaps, Run, read_index, read_run, refuse_faults};
+use kufe_sled::{Entry, Model, OnGaps, Run, Track, read_index, read_run, refuse_faults};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
@@ -35,7 +36,17 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
     refuse_copies(index, &runs)?;
     refuse_faults(&runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
-    prepare(&runs, model, &surveys(folder, &runs)?, &options.rules)
+    let mut data = prepare(&runs, model, &surveys(folder, &runs)?, &options.rules)?;
+    data.tracks = tracks(folder, &runs);
+    Ok(data)
+}
+
+/// The tables beside the index that hold all that a simulation drives on; a survey of the slope alone does not.
+fn tracks(folder: &Path, runs: &[Run]) -> Vec<Track> {
+    let names: BTreeSet<&str> = runs.iter().map(|run| run.entry.track.as_str()).collect();
+    let file = |name: &&str| folder.join(format!("track_{name}.csv"));
+    let tables = names.iter().map(file).filter(|path| path.is_file());
+    tables.filter_map(|path| Track::load(&path).ok()).collect()
 }
 
 fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {

@@ -39,8 +39,8 @@ pub fn surveys(folder: &Path, runs: &[Run]) -> Result<Surveys, Error> {
 }
 
 /// A track table may count slope uphill: the sign that the speeds of these frames agree with is taken, downhill positive from
-/// here on.
-pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<String>) {
+/// here on; whether it was turned.
+pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<String>) -> bool {
     let mut agreement = 0.0;
     for frame in learned.iter().map(|i| &frames[*i]) {
         if frame.slope.is_empty() {
@@ -57,6 +57,7 @@ pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<St
             .flat_map(|f| &mut f.slope)
             .for_each(|slope| *slope = -*slope);
     }
+    agreement < 0.0
 }
 
 /// Linear interpolation, constant beyond the ends.

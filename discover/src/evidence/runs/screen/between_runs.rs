@@ -2,21 +2,27 @@
 
 use kufe_sled::effects::Level;
 
+use crate::evidence::runs::beside::between;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::judge;
 use crate::finding::report::Rival;
+use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim};
 use crate::procedure::rivals::NamedEffect;
 
 impl Campaign<'_> {
-    /// The claim between sessions or runs, where one stands out.
-    pub fn between_runs(&self, at: &Current, account: &mut Account) -> Option<Claim<Amplitude>> {
+    /// The claim between sessions or runs, where one stands out, and what every candidate shows.
+    pub fn between_runs(
+        &self,
+        at: &Current,
+        account: &mut Account,
+    ) -> (Option<Claim<Amplitude>>, Vec<Chance>) {
         let list = self.fresh(at.residual_model, &self.candidates.levels);
         if list.is_empty() || at.whitener.count() == 0 {
-            return None;
+            return (None, Vec::new());
         }
         let design = at.design(&list);
         let rules = self.rules();
@@ -33,6 +39,7 @@ impl Campaign<'_> {
             rules.alpha_sessions,
             self.options.seed,
         );
+        let chances = between(&list, &levels.seen);
         let best = (0..list.len())
             .filter(|c| {
                 let s = &levels.seen[*c];
@@ -52,7 +59,7 @@ impl Campaign<'_> {
                     levels.sessions
                 ));
             }
-            return None;
+            return (None, chances);
         };
         let others = (0..list.len()).filter(|j| *j != named).map(|j| {
             let s = &levels.seen[j];
@@ -80,7 +87,7 @@ impl Campaign<'_> {
             others.collect(),
         );
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
-        Some(Claim {
+        let claim = Claim {
             place: "a level from session to session".to_owned(),
             channel: CHANNEL_NAMES[channel],
             candidate: list[named].clone(),
@@ -91,6 +98,7 @@ impl Campaign<'_> {
             p_value: seen.p_value,
             remark: None,
             parameters: Vec::new(),
-        })
+        };
+        (Some(claim), chances)
     }
 }

@@ -1,5 +1,6 @@
 //! Claims within runs: the candidate that explains most, and its best window where it acts on a stretch.
 
+use crate::evidence::runs::beside::within;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
@@ -59,6 +60,7 @@ impl Campaign<'_> {
             .filter(|(_, seen)| seen.usable && seen.left > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
+        self.chances = within(&regular, &screen.seen);
         // An accelerometer's fault shows in the track channel, too: what that contradicts is neither claimed nor a rival.
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));

@@ -1,0 +1,87 @@
+//! Friction experiments beside other kinds of data of the same campaign.
+
+use crate::error::Error;
+use crate::evidence::experiments::candidates::FrictionChange;
+use crate::evidence::experiments::evidence::{Experiments, TableFit};
+use crate::procedure::beside::{Amount, Beside, Chance};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Claim;
+
+impl Beside for Experiments<'_> {
+    fn chances(&self) -> &[Chance] {
+        &self.chances
+    }
+
+    /// What goes by the air is that of the body that glides here, not of the sled on the track.
+    fn is_common(&self, effect: &str) -> bool {
+        let candidates = self.setting.candidates.iter();
+        let Some(candidate) = candidates.into_iter().find(|c| c.effect == effect) else {
+            return true;
+        };
+        self.training.iter().all(|row| {
+            let mut denser = row.clone();
+            denser.conditions.air_density *= 2.0;
+            denser.conditions.drag_area *= 2.0;
+            let size = candidate.typical.signum();
+            candidate.change(&denser, row.mu, size) == candidate.change(row, row.mu, size)
+        })
+    }
+
+    fn lacks(&self, effect: &str) -> bool {
+        self.untestable.iter().any(|(name, _)| name == effect)
+    }
+
+    fn claim(&mut self, fit: &TableFit, amount: &Amount) -> Option<Claim<FrictionChange>> {
+        let candidates = &self.setting.candidates;
+        let on = |c: &usize| candidates[*c].effect == amount.effect;
+        if fit.chosen.iter().any(on) {
+            return None;
+        }
+        let same = |c: &&Candidate<FrictionChange>| {
+            c.effect == amount.effect && c.key == amount.key && !c.is_column()
+        };
+        let candidate = candidates.iter().find(same)?.clone();
+        Some(Claim {
+            class: vec![candidate.effect.clone()],
+            size: amount.value,
+            error: amount.error,
+            candidate,
+            rivals: Vec::new(),
+            p_value: 1.0,
+            place: "all rows".to_owned(),
+            channel: ("mu", ""),
+            remark: None,
+            parameters: Vec::new(),
+        })
+    }
+
+    fn amounts(&self, fit: &TableFit, step: usize) -> Vec<Amount> {
+        // What is asked for beside a fit comes last.
+        let place = step.min(fit.chosen.len().saturating_sub(1));
+        let Some(c) = fit.chosen.get(place) else {
+            return Vec::new();
+        };
+        let candidate = &self.setting.candidates[*c];
+        let at = self.setting.base + place;
+        vec![Amount::of(
+            candidate,
+            fit.fit.step[at] * candidate.typical,
+            fit.fit.errors[at] * candidate.typical,
+        )]
+    }
+
+    fn held(&mut self, fit: &TableFit, step: usize, amounts: &[Amount]) -> Result<TableFit, Error> {
+        let mut chosen = fit.chosen.clone();
+        let candidate = self.setting.candidates[chosen[step]].clone();
+        let same = |a: &&Amount| a.effect == candidate.effect && a.key == candidate.key;
+        if let Some(amount) = amounts.iter().find(same) {
+            chosen[step] = self.setting.candidates.len();
+            self.setting.candidates.push(Candidate {
+                low: amount.value,
+                high: amount.value,
+                ..candidate
+            });
+        }
+        Ok(self.fitted(chosen))
+    }
+}

@@ -1,0 +1,128 @@
+//! Runs beside other kinds of data of the same campaign.
+
+use kufe_sled::effects::Kind;
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::screen::levels::LevelScore;
+use crate::evidence::runs::screen::residual_screen::CandidateScore;
+use crate::procedure::beside::{Amount, Beside, Chance};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Claim;
+
+impl Beside for Campaign<'_> {
+    fn chances(&self) -> &[Chance] {
+        &self.chances
+    }
+
+    fn lacks(&self, effect: &str) -> bool {
+        let mut untestable = self.candidates.untestable.iter();
+        untestable.any(|(name, _)| name == effect)
+    }
+
+    fn claim(&mut self, fit: &RunFit, amount: &Amount) -> Option<Claim<Amplitude>> {
+        let everywhere = [
+            self.fresh(&fit.residual_model, &self.candidates.regular),
+            self.fresh(&fit.residual_model, &self.candidates.levels),
+        ];
+        let candidate = everywhere
+            .into_iter()
+            .flatten()
+            .find(|c| c.effect == amount.effect && c.key == amount.key)?;
+        // What this kind's own screen claimed is asked for again.
+        self.claimed = None;
+        let size = match amount.value.clamp(candidate.low, candidate.high) {
+            0.0 => 0.1 * candidate.typical,
+            size => size,
+        };
+        let channel = self.strongest_channel(&fit.residual_model, &candidate, size);
+        Some(Claim {
+            class: vec![candidate.effect.clone()],
+            candidate,
+            size,
+            error: amount.error,
+            rivals: Vec::new(),
+            p_value: 1.0,
+            place: "all runs".to_owned(),
+            channel: CHANNEL_NAMES[channel],
+            remark: None,
+            parameters: Vec::new(),
+        })
+    }
+
+    fn amounts(&self, fit: &RunFit, step: usize) -> Vec<Amount> {
+        let (after, already) = (&fit.residual_model, fit.already());
+        let estimates = match fit.estimates.is_empty() {
+            true => self.estimates(&after.hold(false), &fit.whitener).0,
+            false => fit.estimates.clone(),
+        };
+        let own = estimates.get(self.free.len()..).unwrap_or_default();
+        let amplitudes = after.free().into_iter().zip(own);
+        amplitudes
+            .filter(|((e, _), _)| *e >= already && fit.owners[*e - already] == step)
+            .filter_map(|((e, q), estimate)| {
+                let active = &after.effects.active[e];
+                let Kind::Catalogue(effect) = &active.kind else {
+                    return None;
+                };
+                let parameter = &effect.info().parameters[q];
+                Some(Amount {
+                    effect: active.effect_name().to_owned(),
+                    key: parameter.name.to_owned(),
+                    unit: parameter.unit.to_owned(),
+                    value: estimate.value,
+                    error: estimate.error,
+                })
+            })
+            .collect()
+    }
+
+    fn held(&mut self, fit: &RunFit, step: usize, amounts: &[Amount]) -> Result<RunFit, Error> {
+        let already = fit.already();
+        let mut model = fit.residual_model.clone();
+        for (place, owner) in fit.owners.iter().enumerate() {
+            let active = &mut model.effects.active[already + place];
+            let Kind::Catalogue(effect) = active.kind.clone() else {
+                continue;
+            };
+            for amount in amounts.iter().filter(|_| *owner == step) {
+                let parameters = effect.info().parameters;
+                let at = parameters.iter().position(|p| p.name == amount.key);
+                if let Some(at) = at.filter(|_| active.effect_name() == amount.effect) {
+                    active.values[at] = amount.value;
+                    model.frozen.push(active.name.clone());
+                }
+            }
+        }
+        let mut held = self.fitted(&model, fit.owners.clone())?;
+        held.told.clone_from(&fit.told);
+        self.write(&mut held)?;
+        Ok(held)
+    }
+}
+
+/// What a screen within runs shows of the effects that can be judged.
+pub fn within(candidates: &[Candidate<Amplitude>], seen: &[CandidateScore]) -> Vec<Chance> {
+    let named = candidates.iter().zip(seen);
+    named
+        .filter(|(c, seen)| seen.usable && !c.is_column() && c.admits(seen.size))
+        .map(|(c, seen)| Chance {
+            amount: Amount::of(c, seen.size, seen.error),
+            p_value: seen.p_value,
+        })
+        .collect()
+}
+
+/// What a screen between sessions and runs shows.
+pub fn between(candidates: &[Candidate<Amplitude>], seen: &[LevelScore]) -> Vec<Chance> {
+    let named = candidates.iter().zip(seen);
+    named
+        .filter(|(c, seen)| seen.error.is_finite() && c.admits(seen.size))
+        .map(|(c, seen)| Chance {
+            amount: Amount::of(c, seen.size, seen.error),
+            p_value: seen.p_value,
+        })
+        .collect()
+}

@@ -1,0 +1,207 @@
+//! Plans for runs, and a run of one as the model with an effect would drive it.
+
+use kufe_sled::{
+    Conditions, Driver, Model, Noise, SimulateOptions, Track, TrackShape, Vehicle, record,
+    simulate, simulated_entry,
+};
+
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::outcome::next_model::next_model;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::prepare::Data;
+use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
+use crate::evidence::runs::recordings::survey::Surveys;
+use crate::finding::next_runs::NextRuns;
+
+/// What is changed, one thing at a time, against what was usual: what a team can change between two sessions.
+const SPEEDS: [f64; 2] = [0.7, 1.3];
+const MASSES: [f64; 2] = [0.9, 1.1];
+const ICE_K: [f64; 2] = [-5.0, 5.0];
+const HUMIDITY_PCT: [f64; 2] = [-25.0, 25.0];
+const AIR_PA: [f64; 2] = [-3000.0, 3000.0];
+/// Noise of a better instrument, over that of the one there is.
+const QUIETER: f64 = 0.25;
+/// Longest run that is simulated [s].
+const MOST_S: f64 = 150.0;
+/// Largest step of the integration [s].
+const STEP_S: f64 = 2.5e-3;
+
+/// Runs of a plan, a session's worth. Any number is worth as much to the order of the plans.
+pub const RUNS: usize = 3;
+
+/// Runs that could be driven next.
+#[derive(Clone)]
+pub struct Plan {
+    track: Track,
+    start_speed_mps: f64,
+    conditions: Conditions,
+    mass_kg: f64,
+    /// The sensors' noise, where one of them is a better one.
+    pub noise: Option<Noise>,
+    change: String,
+}
+
+/// The conditions that a campaign had on the whole.
+fn usual(training: &[Frame]) -> Conditions {
+    let mean = |of: &dyn Fn(&Frame) -> f64| {
+        training.iter().map(of).sum::<f64>() / training.len().max(1) as f64
+    };
+    // A column of the runs' files goes before what their index says.
+    let stated = |frame: &Frame, name: &str, index: f64| match frame.extra.get(name) {
+        Some(column) => column.iter().sum::<f64>() / column.len() as f64,
+        None => index,
+    };
+    let humidity = mean(&|f| stated(f, "humidity_pct", f.humidity_pct));
+    Conditions {
+        ice_c: mean(&|f| stated(f, "ice_c", f.ice_c)),
+        air_c: mean(&|f| f.air_c),
+        air_pa: mean(&|f| f.air_pa),
+        humidity_pct: Some(humidity).filter(|h| h.is_finite()),
+        distance_m: Some(0.0),
+        mass_kg: None,
+    }
+}
+
+/// On each track the same again, then one thing changed.
+pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
+    let mut speeds: Vec<f64> = training
+        .iter()
+        .filter_map(|f| f.v.first().copied())
+        .collect();
+    speeds.sort_by(f64::total_cmp);
+    let speed = speeds.get(speeds.len() / 2).copied().unwrap_or(10.0);
+    let conditions = usual(training);
+    let mut plans = Vec::new();
+    for track in &data.tracks {
+        let mut track = track.clone();
+        if data.uphill {
+            track
+                .slope_rad
+                .iter_mut()
+                .for_each(|slope| *slope = -*slope);
+        }
+        let same = Plan {
+            track,
+            start_speed_mps: speed,
+            conditions,
+            mass_kg: model.sled.mass_kg,
+            noise: None,
+            change: "as before".to_owned(),
+        };
+        let mut add = |change: String, of: &dyn Fn(&mut Plan)| {
+            let mut plan = Plan {
+                change,
+                ..same.clone()
+            };
+            of(&mut plan);
+            plans.push(plan);
+        };
+        add("as before".to_owned(), &|_| {});
+        for factor in SPEEDS {
+            let change = format!("started at {:.1} m/s instead of {speed:.1}", factor * speed);
+            add(change, &|p| p.start_speed_mps *= factor);
+        }
+        for factor in MASSES {
+            let mass = factor * model.sled.mass_kg;
+            let change = format!("with {mass:.0} kg instead of {:.0}", model.sled.mass_kg);
+            add(change, &|p| {
+                p.mass_kg = mass;
+                p.conditions.mass_kg = Some(mass);
+            });
+        }
+        for step in ICE_K {
+            let ice = (conditions.ice_c + step).min(-0.5);
+            let change = format!("on ice of {ice:.1} °C instead of {:.1}", conditions.ice_c);
+            add(change, &|p| p.conditions.ice_c = ice);
+        }
+        for step in HUMIDITY_PCT {
+            let Some(usual) = conditions.humidity_pct else {
+                continue;
+            };
+            let humidity = (usual + step).clamp(5.0, 100.0);
+            let change = format!("in air of {humidity:.0} % humidity instead of {usual:.0}");
+            add(change, &|p| p.conditions.humidity_pct = Some(humidity));
+        }
+        for step in AIR_PA {
+            let change = format!("at {:+.0} hPa of air pressure", 0.01 * step);
+            add(change, &|p| p.conditions.air_pa += step);
+        }
+        for (instrument, noise) in instruments(model.noise) {
+            let change = format!("with {instrument} of a quarter of the noise");
+            add(change, &|p| p.noise = Some(noise));
+        }
+    }
+    plans
+}
+
+/// Each sensor with less noise; none where the noise is not stated.
+fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
+    let Some(noise) = noise else {
+        return Vec::new();
+    };
+    let with = |of: fn(&mut Noise)| {
+        let mut better = noise;
+        of(&mut better);
+        better
+    };
+    vec![
+        ("an accelerometer", with(|n| n.accel_mps2 *= QUIETER)),
+        ("a gyroscope", with(|n| n.rate_radps *= QUIETER)),
+        ("a speed sensor", with(|n| n.speed_mps *= QUIETER)),
+        ("a slip sensor", with(|n| n.slip_rad *= QUIETER)),
+        ("a steering sensor", with(|n| n.steer_rad *= QUIETER)),
+        ("a roll-split sensor", with(|n| n.roll_split_rad *= QUIETER)),
+    ]
+}
+
+impl Plan {
+    /// The plan with what it is worth.
+    pub fn told(&self, [a, b]: [&str; 2], expected_evidence: f64, splits: bool) -> NextRuns {
+        NextRuns {
+            runs: RUNS,
+            track: self.track.name.clone(),
+            change: self.change.clone(),
+            start_speed_mps: self.start_speed_mps,
+            mass_kg: self.mass_kg,
+            ice_c: self.conditions.ice_c,
+            air_c: self.conditions.air_c,
+            air_pa: self.conditions.air_pa,
+            humidity_pct: self.conditions.humidity_pct,
+            noise: self.noise,
+            between: [a.to_owned(), b.to_owned()],
+            expected_evidence,
+            splits,
+        }
+    }
+}
+
+/// A run of a plan, made a frame as recorded ones are; `None` where it cannot be driven.
+pub fn driven(
+    campaign: &Campaign,
+    model: &ResidualModel,
+    plan: &Plan,
+    noise: Option<&Noise>,
+) -> Option<Frame> {
+    let already = campaign.given.effects.active.len();
+    let written = next_model(campaign.model, model, already);
+    let vehicle = Vehicle::with_effects(&written).ok()?;
+    let recorded_dt = campaign.training.first()?.recorded_dt;
+    let options = SimulateOptions {
+        step_s: STEP_S,
+        rate_hz: (1.0 / recorded_dt).round(),
+        start_speed_mps: plan.start_speed_mps,
+        most_s: MOST_S,
+        conditions: plan.conditions,
+        ..SimulateOptions::default()
+    };
+    let driver = Driver::of_skill(0.9);
+    let done = simulate(&vehicle, &TrackShape::new(&plan.track), &driver, &options).ok()?;
+    let entry = simulated_entry("planned", &plan.track, "planned", plan.conditions);
+    let run = record(&done, &vehicle, noise, entry, options.seed);
+    let slopes = plan.track.s_m.iter().copied();
+    let profile = slopes.zip(plan.track.slope_rad.iter().copied()).collect();
+    let surveys = Surveys::from([(plan.track.name.clone(), profile)]);
+    let rules = &campaign.rules().recordings;
+    frame(&run, &signal_kernel(run.dt_s, rules), &surveys, rules).ok()
+}

@@ -1,0 +1,279 @@
+//! The next runs: which ones would tell the members of a class apart, by simulating them.
+//!
+//! Every plan is driven by the model with each member at its fitted size, without noise, and looked at with every other member's model, each fitted to the same
+//! runs. With r the difference of the two models' rows in units of the noise found, U the columns of what is not known (a session's own friction and grip
+//! over their deviations between the sessions there are; the other's parameters, base, installation and size, over what the runs there are leave open of
+//! them), and n runs alike in one session, the logarithm of the likelihood ratio to expect is
+//!
+//! ```text
+//! 1/2 (n r'r  -  n^2 r'U (1 + n U'U)^-1 U'r)
+//! ```
+//!
+//! and a plan is worth the smallest of any two members that some plan tells apart. A member of t = sqrt(2 times that) is expected to lack so much beside the other.
+
+use kufe_sled::Noise;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::outcome::driven::{Plan, RUNS, driven, plans};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::levels::group;
+use crate::finding::next_runs::NextRuns;
+use crate::finding::report::Step;
+use crate::procedure::beside::{Amount, Beside as _};
+use crate::procedure::evidence::Evidence as _;
+use crate::regression::inverse::ridge_inverse;
+
+/// A member of the class.
+struct Member {
+    effect: String,
+    model: ResidualModel,
+    /// What the runs there are leave open of its parameters: a root of their covariance.
+    open: DMatrix<f64>,
+}
+
+/// Two members and the evidence to expect between them.
+type Pair = ([usize; 2], f64);
+
+impl Campaign<'_> {
+    /// Plans for the first step whose class has several members, the best first; none where no track is known or no two members
+    /// can be driven.
+    ///
+    /// # Errors
+    /// Those of the fits.
+    pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>, Error> {
+        let several = steps.iter().position(|step| step.class.len() > 1);
+        let Some(step) = several.filter(|_| !self.data.tracks.is_empty()) else {
+            return Ok(Vec::new());
+        };
+        let members = self.members(last, step, &steps[step])?;
+        if members.len() < 2 {
+            return Ok(Vec::new());
+        }
+        let whitener = &last.whitener;
+        let spread = self.between_sessions(last);
+        let campaign = &*self;
+        let driven: Vec<(Plan, Vec<Pair>)> = plans(self.data, &self.training, self.model)
+            .into_par_iter()
+            .filter_map(|plan| {
+                let pairs = campaign.evidence(&plan, &members, whitener, spread)?;
+                Some((plan, pairs))
+            })
+            .collect();
+        // What no plan splits takes no part in their order, unless no plan splits anything.
+        let split = |pair: &Pair| {
+            let of_plans = driven.iter().flat_map(|(_, pairs)| pairs);
+            let mut same = of_plans.filter(|other| other.0 == pair.0);
+            same.any(|other| campaign.splits(other.1))
+        };
+        let any = driven.iter().flat_map(|(_, pairs)| pairs).any(split);
+        let mut judged: Vec<NextRuns> = driven
+            .iter()
+            .filter_map(|(plan, pairs)| {
+                let counted = pairs.iter().filter(|pair| !any || split(pair));
+                let least = counted.min_by(|a, b| a.1.total_cmp(&b.1))?;
+                let names = least.0.map(|m| members[m].effect.as_str());
+                Some(plan.told(names, least.1, campaign.splits(least.1)))
+            })
+            .collect();
+        judged.sort_by(|a, b| b.expected_evidence.total_cmp(&a.expected_evidence));
+        Ok(judged)
+    }
+
+    /// Whether so much evidence tells two members apart nine times in ten.
+    fn splits(&self, evidence: f64) -> bool {
+        let (runs, levels) = (&self.rules().rivals, &self.rules().level_rivals);
+        let needed = runs.needed_t.max(levels.needed_t);
+        (2.0 * evidence).sqrt() >= needed + self.options.rules.search.nine_in_ten
+    }
+
+    /// The model with each member of a step's class in turn, fitted.
+    fn members(&mut self, last: &RunFit, step: usize, told: &Step) -> Result<Vec<Member>, Error> {
+        let without = self.without_step(last, step)?;
+        let mut members = vec![self.member(&told.effect, last)];
+        for effect in &told.class[1..] {
+            let Some(rival) = told.rivals.iter().find(|r| r.effect == *effect) else {
+                continue;
+            };
+            let amount = Amount {
+                effect: effect.clone(),
+                key: rival.parameter.clone(),
+                unit: rival.unit.clone(),
+                value: rival.size,
+                error: 0.0,
+            };
+            let Some(claim) = self.claim(&without, &amount) else {
+                continue;
+            };
+            let added = self.add(&without, &claim, told.class.len() + step)?;
+            members.push(self.member(effect, &added.fit));
+        }
+        Ok(members)
+    }
+
+    /// A member with what the training runs leave open of its parameters.
+    fn member(&self, effect: &str, fit: &RunFit) -> Member {
+        let model = fit.residual_model.hold(false);
+        let design = self.design_of(&model, &fit.whitener);
+        let fitted = design.fitted();
+        let mut sum = DMatrix::zeros(fitted, fitted);
+        for products in design.products(&self.training) {
+            sum += products
+                .full
+                .view((OWN_LEVELS, OWN_LEVELS), (fitted, fitted));
+        }
+        let eigen = design.prior().inverse(sum).symmetric_eigen();
+        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+        Member {
+            effect: effect.to_owned(),
+            open: eigen.eigenvectors * DMatrix::from_diagonal(&roots),
+            model,
+        }
+    }
+
+    /// The rows' derivatives for what is fitted of a model.
+    fn design_of<'d>(&'d self, model: &'d ResidualModel, whitener: &'d Whitener) -> Design<'d> {
+        Design {
+            residual_model: model,
+            whitener,
+            free_base: &self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        }
+    }
+
+    /// Standard deviations of the sessions' own levels of friction and grip, as the fit leaves them.
+    fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
+        let design = self.design_of(&last.residual_model, &last.whitener);
+        let of_run = |frame: &Frame| {
+            let all = design.columns(frame);
+            let own = all.columns(0, OWN_LEVELS);
+            let rest = all.column(all.ncols() - 1);
+            let level = ridge_inverse(own.tr_mul(&own)) * own.tr_mul(&rest);
+            [level[0], level[1]]
+        };
+        let levels: Vec<[f64; OWN_LEVELS]> = self.training.par_iter().map(of_run).collect();
+        let sessions = group(&self.training);
+        std::array::from_fn(|k| {
+            let means: Vec<f64> = sessions
+                .values()
+                .map(|runs| runs.iter().map(|i| levels[*i][k]).sum::<f64>() / runs.len() as f64)
+                .collect();
+            let count = means.len() as f64;
+            let mean = means.iter().sum::<f64>() / count;
+            let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+            (squares / (count - 1.0).max(1.0)).sqrt()
+        })
+    }
+
+    /// Every two members with the evidence to expect of a plan, whichever of them is true; `None` where it cannot be driven.
+    fn evidence(
+        &self,
+        plan: &Plan,
+        members: &[Member],
+        whitener: &Whitener,
+        spread: [f64; OWN_LEVELS],
+    ) -> Option<Vec<Pair>> {
+        let mut pairs: Vec<Pair> = Vec::new();
+        for (a, truth) in members.iter().enumerate() {
+            let drive = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
+            let frame = drive(None)?;
+            let whitener = match plan.noise {
+                None => whitener.clone(),
+                Some(better) => self.quieter(
+                    whitener,
+                    &truth.model,
+                    [drive(Some(&self.data.noise))?, drive(Some(&better))?],
+                ),
+            };
+            let rows = |member: &Member| {
+                let all = self.design_of(&member.model, &whitener).columns(&frame);
+                let rest = all.column(all.ncols() - 1).into_owned();
+                (all, rest)
+            };
+            let (_, mine) = rows(truth);
+            for (b, rival) in members.iter().enumerate().filter(|(b, _)| *b != a) {
+                let (all, theirs) = rows(rival);
+                let levels = DMatrix::from_diagonal(&DVector::from_row_slice(&spread));
+                let levels = all.columns(0, OWN_LEVELS) * levels;
+                let open = all.columns(OWN_LEVELS, rival.open.nrows()) * &rival.open;
+                let mut unknown = levels.insert_columns(OWN_LEVELS, open.ncols(), 0.0);
+                unknown
+                    .columns_mut(OWN_LEVELS, open.ncols())
+                    .copy_from(&open);
+                let evidence = expected(&(theirs - &mine), &unknown);
+                let pair = [a.min(b), a.max(b)];
+                match pairs.iter_mut().find(|p| p.0 == pair) {
+                    Some(known) => known.1 = known.1.min(evidence),
+                    None => pairs.push((pair, evidence)),
+                }
+            }
+        }
+        let finite = pairs.iter().all(|pair| pair.1.is_finite());
+        finite.then_some(pairs)
+    }
+
+    /// A whitener with less noise: by channel, as much less as the simulated runs have.
+    fn quieter(
+        &self,
+        whitener: &Whitener,
+        model: &ResidualModel,
+        [before, after]: [Frame; 2],
+    ) -> Whitener {
+        let sd = |frame: Frame| Whitener::estimate(&residuals(model, &[frame]), whitener.used).sd;
+        let (before, after) = (sd(before), sd(after));
+        let mut better = whitener.clone();
+        for (c, sd) in better.sd.iter_mut().enumerate() {
+            // What is no sensor's noise stays.
+            let left = *sd * *sd - before[c].powi(2) + after[c].powi(2);
+            *sd = left.max(after[c].powi(2)).sqrt().min(*sd);
+        }
+        better
+    }
+}
+
+/// The logarithm of the likelihood ratio that runs alike in one session make.
+fn expected(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
+    let n = RUNS as f64;
+    let count = unknown.ncols();
+    let inner = DMatrix::identity(count, count) + unknown.tr_mul(unknown) * n;
+    let along = unknown.tr_mul(r);
+    let taken = inner
+        .lu()
+        .solve(&along)
+        .map_or(0.0, |solved| along.dot(&solved));
+    0.5 * (n * r.norm_squared() - n * n * taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With levels known the ratio is half the sum of squares; with levels that nobody knows a change that looks like one is worth
+    /// nothing, however often it is driven; in between it is that of the marginal normal law, by its full covariance.
+    #[test]
+    fn the_expected_ratio_is_that_of_normal_rows_with_levels_of_their_own() {
+        let own = DMatrix::from_fn(6, 2, |i, k| if k == 0 { 1.0 } else { i as f64 - 2.5 });
+        let r = DVector::from_fn(6, |i, _| 0.3 + 0.1 * (i as f64).sin());
+        let n = RUNS as f64;
+        let spread = |sd: [f64; 2]| &own * DMatrix::from_diagonal(&DVector::from_row_slice(&sd));
+        let known = expected(&r, &spread([0.0, 0.0]));
+        assert!((known - 0.5 * n * r.norm_squared()).abs() < 1e-12);
+        let level = own.column(0).into_owned();
+        assert!(expected(&level, &spread([1e6, 1e6])) < 1e-6);
+        let unknown = spread([0.4, 0.2]);
+        let rows = 6 * RUNS;
+        let all = DVector::from_fn(rows, |i, _| r[i % 6]);
+        let levels = DMatrix::from_fn(rows, 2, |i, k| unknown[(i % 6, k)]);
+        let covariance = DMatrix::identity(rows, rows) + &levels * levels.transpose();
+        let full = 0.5 * all.dot(&covariance.lu().solve(&all).unwrap());
+        assert!((expected(&r, &unknown) / full - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,87 @@
+//! Sizes and chances of one effect by several kinds of data, taken together.
+//!
+//! ```text
+//! size = sum_k size_k / e_k^2  /  sum_k 1 / e_k^2        error = (sum_k 1 / e_k^2)^(-1/2)
+//! p = P(chi2 with 4 degrees > -2 ln p_1 - 2 ln p_2)
+//! ```
+//!
+//! The second is Fisher's (Statistical Methods for Research Workers, 1932, section 21.1). Each p holds over all candidates of its kind
+//! of data, so that the largest of all combined ones is no larger by chance than that of two such p-values: it holds over all effects, too.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::procedure::beside::Amount;
+
+/// The size that lies between those of all kinds, by inverse variance; `None` without any.
+pub fn together(amounts: &[Amount]) -> Option<Amount> {
+    let weights: Vec<f64> = amounts
+        .iter()
+        .map(|a| a.error.max(1e-300).powi(-2))
+        .collect();
+    let total: f64 = weights.iter().sum();
+    let sum: f64 = amounts.iter().zip(&weights).map(|(a, w)| a.value * w).sum();
+    let first = amounts.first()?;
+    Some(Amount {
+        value: sum / total,
+        error: total.powf(-0.5),
+        ..first.clone()
+    })
+}
+
+/// By how many standard errors the two that part most do.
+pub fn parted(amounts: &[Amount]) -> f64 {
+    let pairs = amounts
+        .iter()
+        .enumerate()
+        .flat_map(|(k, a)| amounts[..k].iter().map(move |b| a.apart(b)));
+    pairs.fold(0.0, f64::max)
+}
+
+/// Twice the logarithm of the likelihood that one common size gains over none: of independent sizes t of each, less what they part by.
+pub fn gain(amounts: &[Amount]) -> f64 {
+    let Some(common) = together(amounts) else {
+        return 0.0;
+    };
+    common.t().powi(2)
+}
+
+/// The chance of two independent p-values together.
+pub fn chance(a: f64, b: f64) -> f64 {
+    let sum = -2.0 * (a.max(1e-300).ln() + b.max(1e-300).ln());
+    ChiSquared::new(4.0).map_or(1.0, |law| law.sf(sum))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn amount(value: f64, error: f64) -> Amount {
+        Amount {
+            effect: "temperature".to_owned(),
+            key: "slope_per_k".to_owned(),
+            unit: "1/K".to_owned(),
+            value,
+            error,
+        }
+    }
+
+    #[test]
+    fn two_sizes_meet_by_inverse_variance_and_gain_what_they_say_less_what_they_part_by() {
+        let two = [amount(1.0, 0.1), amount(1.6, 0.2)];
+        let common = together(&two).expect("two");
+        assert!((common.value - 1.12).abs() < 1e-12);
+        assert!((common.error - (0.1_f64.powi(-2) + 0.2_f64.powi(-2)).powf(-0.5)).abs() < 1e-12);
+        assert!((parted(&two) - 0.6 / 0.05_f64.sqrt()).abs() < 1e-12);
+        let told = two[0].t().powi(2) + two[1].t().powi(2) - parted(&two).powi(2);
+        assert!((gain(&two) - told).abs() < 1e-9);
+        assert_eq!(together(&[]), None);
+    }
+
+    /// The closed form of two: q (1 - ln q), q = p1 p2.
+    #[test]
+    fn chances_combine_as_fisher_says() {
+        let q: f64 = 0.01 * 0.02;
+        assert!((chance(0.01, 0.02) / (q * (1.0 - q.ln())) - 1.0).abs() < 1e-9);
+        assert!((chance(1.0, 1.0) - 1.0).abs() < 1e-12);
+    }
+}

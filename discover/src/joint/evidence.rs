@@ -1,0 +1,240 @@
+//! Several kinds of data as one evidence.
+//!
+//! Each kind keeps its own base, null and locked-away data. An effect that one claims is added to every kind that knows it; where their sizes
+//! agree they are combined and held at that in all, before anything is judged on locked-away data and written.
+
+use crate::error::Error;
+use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
+use crate::joint::told::{OfPart, described};
+use crate::procedure::beside::Amount;
+use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
+use crate::procedure::lowered::Lowered;
+
+impl Evidence for Joint<'_> {
+    type Act = Origin;
+    type Fit = JointFit;
+
+    fn fit_base(&mut self, account: &mut Account) -> Result<JointFit, Error> {
+        let mut parts = Vec::new();
+        for k in 0..self.kinds.len() {
+            let mut own = Account::default();
+            let free = self.kinds[k].part.fit_base(&mut own)?;
+            self.tell(k, own, account);
+            parts.push(PartFit {
+                free,
+                written: free,
+                steps: Vec::new(),
+            });
+        }
+        Ok(JointFit {
+            parts,
+            said: Vec::new(),
+        })
+    }
+
+    fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>, Error> {
+        let mut claims = Vec::new();
+        let mut detectable = Vec::new();
+        for k in 0..self.kinds.len() {
+            let free = fit.parts[k].free;
+            if self.kinds[k].silent == Some(free) {
+                continue;
+            }
+            let mut own = self.own(fit, k, account);
+            let screen = self.kinds[k].part.screen(&free, &mut own)?;
+            self.tell(k, own, account);
+            detectable.extend(screen.detectable);
+            match screen.claim {
+                Some(claim) => claims.push((k, claim)),
+                None => self.kinds[k].silent = Some(free),
+            }
+        }
+        // The surest first; of equals the first kind's.
+        let surest = claims
+            .into_iter()
+            .reduce(|a, b| if b.1.p_value < a.1.p_value { b } else { a });
+        let claim = match surest {
+            Some((kind, claim)) => Some(self.judged(fit, kind, &claim)?),
+            None => self.weak_together(fit, account),
+        };
+        Ok(Screen { claim, detectable })
+    }
+
+    fn add(
+        &mut self,
+        fit: &JointFit,
+        claim: &Claim<Origin>,
+        step: usize,
+    ) -> Result<Added<JointFit>, Error> {
+        let origin = claim.candidate.act;
+        let amount = Amount::of(&claim.candidate, claim.size, claim.error);
+        let common = self.is_common(&amount.effect);
+        let mut next = fit.clone();
+        let part = &mut next.parts[origin.kind];
+        let known = part.steps.iter().position(|s| *s == step);
+        let own = known.unwrap_or(part.steps.len());
+        let added = self.kinds[origin.kind].part.add(
+            &fit.parts[origin.kind].free,
+            &claim.acting(origin.claim),
+            own,
+        )?;
+        part.free = added.fit;
+        if known.is_none() {
+            part.steps.push(step);
+        }
+        for (k, part) in next.parts.iter_mut().enumerate() {
+            if k == origin.kind || !common || part.steps.contains(&step) {
+                continue;
+            }
+            let kind = &mut self.kinds[k].part;
+            if let Some(claim) = kind.claim(&part.free, &amount) {
+                part.free = kind.add(&part.free, &claim, part.steps.len())?.fit;
+                part.steps.push(step);
+            }
+        }
+        Ok(Added {
+            fit: next,
+            written: added.written,
+            gap: added.gap,
+            place: added.place,
+        })
+    }
+
+    fn settle(&mut self, fit: JointFit, account: &mut Account) -> Result<JointFit, Error> {
+        let mut next = fit.clone();
+        for k in 0..self.kinds.len() {
+            let mut own = self.own(&fit, k, account);
+            let part = &mut next.parts[k];
+            part.free = self.kinds[k].part.settle(part.free, &mut own)?;
+            part.written = part.free;
+            let left = |step: &usize| {
+                own.steps
+                    .iter()
+                    .find(|s| s.effect == account.steps[*step].effect)
+            };
+            part.steps.retain(|step| left(step).is_some());
+            for step in &part.steps {
+                if let Some(own) = own
+                    .steps
+                    .iter()
+                    .find(|s| s.effect == account.steps[*step].effect)
+                {
+                    let known = &mut account.steps[*step];
+                    (known.gap_before, known.gap_after) = (own.gap_before, own.gap_after);
+                }
+            }
+            self.tell(k, own, account);
+        }
+        // A step that no kind keeps is gone.
+        for step in (0..account.steps.len()).rev() {
+            if !next.parts.iter().any(|part| part.steps.contains(&step)) {
+                account.steps.remove(step);
+                next.leave_out(step);
+            }
+        }
+        next.said.clear();
+        for step in 0..account.steps.len() {
+            let effect = account.steps[step].effect.clone();
+            let said = self.said(&next, step, &effect)?;
+            if !said.together.is_empty() {
+                for (k, part) in next.parts.iter_mut().enumerate() {
+                    if let Some(own) = part.steps.iter().position(|s| *s == step) {
+                        let kind = &mut self.kinds[k].part;
+                        part.written = kind.held(&part.written, own, &said.together)?;
+                    }
+                }
+            }
+            next.said.push(said);
+        }
+        Ok(next)
+    }
+
+    fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit, Error> {
+        let mut next = fit.clone();
+        for (k, part) in next.parts.iter_mut().enumerate() {
+            if let Some(own) = part.steps.iter().position(|s| *s == step) {
+                part.free = self.kinds[k].part.without(&part.free, own)?;
+                part.written = part.free;
+            }
+        }
+        next.leave_out(step);
+        next.said.clear();
+        Ok(next)
+    }
+
+    fn lowered(&self, from: &JointFit, to: &JointFit) -> Result<Option<Lowered>, Error> {
+        let settled =
+            |fit: &JointFit| !fit.said.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty());
+        let both = settled(from) && settled(to);
+        let of = |part: &PartFit| if both { part.written } else { part.free };
+        let mut sum: Option<Lowered> = None;
+        for (kind, (from, to)) in self.kinds.iter().zip(from.parts.iter().zip(&to.parts)) {
+            let Some(one) = kind.part.lowered(&of(from), &of(to))? else {
+                continue;
+            };
+            sum = Some(match sum {
+                None => one,
+                Some(sum) => Lowered {
+                    by: sum.by + one.by,
+                    error: sum.error.hypot(one.error),
+                    repeats: sum.repeats + one.repeats,
+                },
+            });
+        }
+        Ok(sum)
+    }
+
+    fn open(
+        &mut self,
+        base: &JointFit,
+        last: &JointFit,
+        account: &mut Account,
+    ) -> Result<Opened, Error> {
+        let mut closed = vec![None; account.steps.len()];
+        for k in 0..self.kinds.len() {
+            let mut own = self.own(last, k, account);
+            let (from, to) = (base.parts[k].written, last.parts[k].written);
+            let opened = self.kinds[k].part.open(&from, &to, &mut own)?;
+            self.tell(k, own, account);
+            for (step, of_step) in last.parts[k].steps.iter().zip(opened.closed) {
+                closed[*step].get_or_insert(of_step);
+            }
+            self.kinds[k].held_out = opened.held_out;
+        }
+        // The kind that the first step belongs to stands at the head; every kind's channels follow.
+        let head = last
+            .parts
+            .iter()
+            .position(|p| p.steps.contains(&0))
+            .unwrap_or(0);
+        let mut held_out = self.kinds[head].held_out.clone();
+        let others = self.kinds.iter().enumerate().filter(|(k, _)| *k != head);
+        let others = others.flat_map(|(_, kind)| kind.held_out.channels.clone());
+        held_out.channels.extend(others);
+        Ok(Opened {
+            held_out,
+            closed: closed.into_iter().map(Option::unwrap_or_default).collect(),
+        })
+    }
+
+    fn describe(
+        &mut self,
+        base: &JointFit,
+        last: &JointFit,
+        account: &mut Account,
+    ) -> Result<Description, Error> {
+        let mut parts = Vec::new();
+        for k in 0..self.kinds.len() {
+            let mut own = self.own(last, k, account);
+            let (from, to) = (base.parts[k].free, last.parts[k].written);
+            let description = self.kinds[k].part.describe(&from, &to, &mut own)?;
+            let steps = last.parts[k].steps.clone();
+            for (step, of_part) in steps.iter().zip(&own.steps) {
+                account.steps[*step].contacts.clone_from(&of_part.contacts);
+            }
+            self.tell(k, own, account);
+            parts.push(OfPart { description, steps });
+        }
+        Ok(described(self, &last.said, parts, account))
+    }
+}

@@ -1,0 +1,171 @@
+//! `campaign.toml`: which data belong together, and the model that they are held against.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::error::Error;
+use crate::input::table::Table;
+
+/// A longer campaign file is none.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The files of a campaign; paths are those of the file's folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignFile {
+    /// A `runs.csv`.
+    pub runs: Option<PathBuf>,
+    /// An `experiments.csv`.
+    pub experiments: Option<PathBuf>,
+    /// A `pressures.csv`.
+    pub pressures: Option<PathBuf>,
+    /// The `model.toml` of runs and experiments.
+    pub model: Option<PathBuf>,
+}
+
+impl CampaignFile {
+    /// Reads and checks it.
+    ///
+    /// # Errors
+    /// [`Error::File`] for what is no such file, without data, without a model, or naming a file twice or one that is not there.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let told = |reason: String| Error::File {
+            file: path.display().to_string(),
+            reason,
+        };
+        let text = kufe_files::text_of_regular(path, MOST_BYTES)
+            .map_err(|error| told(error.to_string()))?;
+        let mut campaign: Self =
+            toml::from_str(&text).map_err(|error| told(error.to_string().trim().to_owned()))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut seen: Vec<(&str, PathBuf)> = Vec::new();
+        for (key, file) in [
+            ("runs", &mut campaign.runs),
+            ("experiments", &mut campaign.experiments),
+            ("pressures", &mut campaign.pressures),
+            ("model", &mut campaign.model),
+        ] {
+            let Some(file) = file else { continue };
+            *file = folder.join(&*file);
+            if !file.is_file() {
+                return Err(told(format!(
+                    "{key}: {} is not there or no file; paths are those of the campaign's folder",
+                    file.display()
+                )));
+            }
+            if let Some((other, _)) = seen.iter().find(|(_, f)| f == file) {
+                return Err(told(format!(
+                    "{key} = {}: the same file as {other}",
+                    file.display()
+                )));
+            }
+            seen.push((key, file.clone()));
+        }
+        if seen.iter().all(|(key, _)| *key == "model") {
+            return Err(told(
+                "no data; expected one or more of runs, experiments, pressures".to_owned(),
+            ));
+        }
+        if campaign.model.is_none() && (campaign.runs.is_some() || campaign.experiments.is_some()) {
+            return Err(told(
+                "model is missing; expected the model.toml that runs and experiments are held against"
+                    .to_owned(),
+            ));
+        }
+        if campaign.model.is_some() && campaign.runs.is_none() && campaign.experiments.is_none() {
+            return Err(told(
+                "model is given without runs or experiments; pressures are held against their own case"
+                    .to_owned(),
+            ));
+        }
+        Ok(campaign)
+    }
+
+    /// Every file that the campaign names.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        [&self.runs, &self.experiments, &self.pressures, &self.model]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect()
+    }
+}
+
+/// The one case that all rows of a `pressures.csv` name.
+///
+/// # Errors
+/// [`Error::File`] where they name several; those of the table.
+pub fn case_of(pressures: &Path) -> Result<PathBuf, Error> {
+    let table = Table::read(pressures)?;
+    let mut cases = table.texts("case")?;
+    cases.sort_unstable();
+    cases.dedup();
+    match cases.as_slice() {
+        [case] => Ok(pressures.parent().unwrap_or(Path::new("")).join(case)),
+        several => Err(Error::File {
+            file: table.file,
+            reason: format!(
+                "column case: found {}; expected one case in all rows of a campaign, which is what is improved",
+                several.join(", ")
+            ),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<CampaignFile, String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["runs.csv", "experiments.csv", "pressures.csv", "model.toml"] {
+            std::fs::write(folder.path().join(name), "").expect("a file");
+        }
+        let path = folder.path().join("campaign.toml");
+        std::fs::write(&path, text).expect("a file");
+        CampaignFile::read(&path).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_campaign_names_its_files_beside_itself() {
+        let campaign = read("runs = \"runs.csv\"\nmodel = \"model.toml\"\n").expect("a campaign");
+        assert!(
+            campaign
+                .runs
+                .is_some_and(|p| p.ends_with("runs.csv") && p.is_absolute())
+        );
+        assert_eq!(campaign.experiments, None);
+        assert!(read("pressures = \"pressures.csv\"").is_ok());
+    }
+
+    #[test]
+    fn wrong_campaigns_are_refused_with_what_was_expected() {
+        for (text, told) in [
+            ("", "no data"),
+            ("model = \"model.toml\"", "no data"),
+            ("runs = \"runs.csv\"", "model is missing"),
+            (
+                "runs = \"away.csv\"\nmodel = \"model.toml\"",
+                "away.csv is not there",
+            ),
+            (
+                "runs = \"runs.csv\"\nmodel = \"runs.csv\"",
+                "the same file as runs",
+            ),
+            (
+                "pressures = \"pressures.csv\"\nmodel = \"model.toml\"",
+                "without runs",
+            ),
+            ("run = \"runs.csv\"", "unknown field `run`"),
+            ("runs = 3", "line 1"),
+            ("runs = ", "line 1"),
+        ] {
+            let refused = read(text).expect_err(text);
+            assert!(
+                refused.contains(told) && refused.contains("campaign.toml"),
+                "{text}: {refused}"
+            );
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The kinds of data of a campaign, their fits, and what they say of one effect.
+
+use crate::error::Error;
+use crate::finding::report::{Fitted, HeldOut};
+use crate::joint::combine::{parted, together};
+use crate::joint::kept::Part;
+use crate::options::Options;
+use crate::procedure::beside::Amount;
+use crate::procedure::evidence::Account;
+
+/// Standard errors of their difference within which sizes agree. Derived: three of their joint error.
+pub const AGREES: f64 = 3.0;
+
+/// The kind of data whose model is a case.
+pub const PRESSURES: &str = "pressures";
+
+/// One kind of data of a campaign.
+pub struct Kind<'a> {
+    /// What it is called.
+    pub name: &'static str,
+    /// Whether it writes a case instead of a model.
+    pub of_a_case: bool,
+    /// Its evidence.
+    pub part: Part<'a>,
+    /// The fit with which its last screen claimed nothing.
+    pub silent: Option<usize>,
+    /// What its locked-away data say.
+    pub held_out: HeldOut,
+}
+
+/// Several kinds of data of one campaign.
+pub struct Joint<'a> {
+    /// The kinds; the first is the one whose model is written.
+    pub kinds: Vec<Kind<'a>>,
+    /// How the search is made.
+    pub options: &'a Options,
+}
+
+/// A fit of every kind.
+#[derive(Clone)]
+pub struct JointFit {
+    /// By kind.
+    pub parts: Vec<PartFit>,
+    /// By step, once settled: what the kinds say of it.
+    pub said: Vec<Said>,
+}
+
+/// A fit of one kind.
+#[derive(Clone)]
+pub struct PartFit {
+    /// With its own sizes.
+    pub free: usize,
+    /// With the combined ones; the same where nothing is combined.
+    pub written: usize,
+    /// The campaign's step of each of its own steps.
+    pub steps: Vec<usize>,
+}
+
+/// What the kinds of data say of a step's effect.
+#[derive(Clone, Default)]
+pub struct Said {
+    /// Sizes by kind, of those that know it.
+    pub by_kind: Vec<(usize, Vec<Amount>)>,
+    /// The combined sizes, where they agree.
+    pub together: Vec<Amount>,
+    /// What the reader should know where they disagree.
+    pub parted: Option<String>,
+}
+
+/// Which kind claims, and its claim.
+#[derive(Clone, Copy)]
+pub struct Origin {
+    /// The kind.
+    pub kind: usize,
+    /// Its claim.
+    pub claim: usize,
+}
+
+impl<'a> Joint<'a> {
+    /// Kinds of data with their names.
+    pub fn new(parts: Vec<(&'static str, Part<'a>)>, options: &'a Options) -> Self {
+        let kinds = parts.into_iter().map(|(name, part)| Kind {
+            name,
+            of_a_case: name == PRESSURES,
+            part,
+            silent: None,
+            held_out: HeldOut::default(),
+        });
+        Self {
+            kinds: kinds.collect(),
+            options,
+        }
+    }
+
+    /// The steps that a kind takes part in.
+    pub fn own(&self, fit: &JointFit, kind: usize, account: &Account) -> Account {
+        let steps = &fit.parts[kind].steps;
+        Account {
+            steps: steps.iter().map(|s| account.steps[*s].clone()).collect(),
+            ..Account::default()
+        }
+    }
+
+    /// Takes over what a kind has to tell.
+    pub fn tell(&self, kind: usize, own: Account, account: &mut Account) {
+        let name = self.kinds[kind].name;
+        let of = |text: String| format!("{name}: {text}");
+        account.remarks.extend(own.remarks.into_iter().map(of));
+        account.depends.extend(own.depends.into_iter().map(of));
+        if let Some(why) = own.unexplained {
+            account.unexplained.get_or_insert(of(why));
+        }
+    }
+
+    /// Whether an effect is the same in all kinds of data.
+    pub fn is_common(&self, effect: &str) -> bool {
+        self.kinds.iter().all(|k| k.part.is_common(effect))
+    }
+
+    /// What a kind says of an effect beside its fit; `None` where it knows no such effect.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn ask(
+        &mut self,
+        kind: usize,
+        fit: usize,
+        amount: &Amount,
+    ) -> Result<Option<(usize, Vec<Amount>)>, Error> {
+        const BESIDE: usize = usize::MAX;
+        if !self.is_common(&amount.effect) {
+            return Ok(None);
+        }
+        let part = &mut self.kinds[kind].part;
+        let Some(claim) = part.claim(&fit, amount) else {
+            return Ok(None);
+        };
+        let added = part.add(&fit, &claim, BESIDE)?;
+        Ok(Some((added.fit, part.amounts(&added.fit, BESIDE))))
+    }
+
+    /// What every kind says of a step's effect, and its combined size.
+    pub fn said(&mut self, fit: &JointFit, step: usize, effect: &str) -> Result<Said, Error> {
+        let mut said = Said::default();
+        for (k, part) in fit.parts.iter().enumerate() {
+            if let Some(own) = part.steps.iter().position(|s| *s == step) {
+                let amounts = self.kinds[k].part.amounts(&part.free, own);
+                said.by_kind.push((k, amounts));
+            }
+        }
+        if said.by_kind.len() < 2 || !self.is_common(effect) {
+            return Ok(said);
+        }
+        let mut all: Vec<Vec<Amount>> = Vec::new();
+        for amount in said.by_kind.iter().flat_map(|(_, amounts)| amounts) {
+            match all.iter_mut().find(|same| same[0].is_same(amount)) {
+                Some(same) => same.push(amount.clone()),
+                None => all.push(vec![amount.clone()]),
+            }
+        }
+        let worst = all.iter().map(|same| parted(same)).fold(0.0, f64::max);
+        if worst <= AGREES {
+            said.together = all.iter().filter_map(|same| together(same)).collect();
+        } else {
+            let sizes = said.by_kind.iter().flat_map(|(k, amounts)| {
+                let name = self.kinds[*k].name;
+                amounts.iter().map(move |a| {
+                    format!(
+                        "{name}: {} = {:.4e} +- {:.1e} {}",
+                        a.key, a.value, a.error, a.unit
+                    )
+                })
+            });
+            let sizes: Vec<String> = sizes.collect();
+            said.parted = Some(format!(
+                "{effect}: the kinds of data disagree by {worst:.1} standard errors ({}); each keeps its own size, and the next model has that of {}",
+                sizes.join("; "),
+                self.kinds[said.by_kind[0].0].name
+            ));
+        }
+        Ok(said)
+    }
+
+    /// The parameters of a step where its kinds agree.
+    pub fn combined(&self, said: &Said) -> Vec<Fitted> {
+        let quantile = self.options.rules.search.interval;
+        said.together.iter().map(|a| a.fitted(quantile)).collect()
+    }
+}
+
+impl JointFit {
+    /// Forgets a step that no kind has; later ones move up.
+    pub fn leave_out(&mut self, step: usize) {
+        for part in &mut self.parts {
+            part.steps.retain(|s| *s != step);
+            for s in &mut part.steps {
+                *s -= usize::from(*s > step);
+            }
+        }
+        if step < self.said.len() {
+            self.said.remove(step);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Who it could be, by all kinds of data together.
+//!
+//! Of the class of a claim, each member is asked of every other kind that knows it: what that kind adds to it is `t^2 - d^2`, with t the size there in
+//! its errors and d what the two sizes part by in those of their difference (the logarithm of a likelihood ratio, twice). Members that fall behind
+//! the best by more than the square of what a rival must leave are told apart. Where no kind claims anything alone, p-values of the same
+//! effect are combined.
+
+use crate::error::Error;
+use crate::finding::report::Rival;
+use crate::joint::combine::{chance, gain, parted};
+use crate::joint::kinds::{AGREES, Joint, JointFit, Origin};
+use crate::procedure::beside::Amount;
+use crate::procedure::evidence::{Account, Claim};
+
+/// An effect that several kinds of data show, none of them surely.
+struct Weak {
+    /// Kind and size, by kind.
+    by_kind: Vec<(usize, Amount)>,
+    p_value: f64,
+    gain: f64,
+}
+
+impl Joint<'_> {
+    /// t that a named effect must keep beside a rival: the largest that any kind asks.
+    fn needed_t(&self) -> f64 {
+        let rules = &self.options.rules;
+        let (runs, levels) = (&rules.runs.rivals, &rules.runs.level_rivals);
+        let needed = [runs, levels, &rules.experiments.rivals].map(|rule| rule.needed_t);
+        needed.into_iter().fold(0.0, f64::max)
+    }
+
+    /// The smallest of the p-values that the kinds ask for.
+    fn alpha(&self) -> f64 {
+        let rules = &self.options.rules;
+        [
+            rules.runs.alpha,
+            rules.runs.alpha_sessions,
+            rules.runs.alpha_runs,
+            rules.experiments.alpha,
+        ]
+        .into_iter()
+        .fold(1.0, f64::min)
+    }
+
+    /// A kind's claim with the class that all kinds leave.
+    ///
+    /// # Errors
+    /// Those of the fits.
+    pub fn judged(
+        &mut self,
+        fit: &JointFit,
+        kind: usize,
+        claim: &Claim<usize>,
+    ) -> Result<Claim<Origin>, Error> {
+        let own = Amount::of(&claim.candidate, claim.size, claim.error);
+        let mut members = vec![(own.clone(), None::<f64>)];
+        for name in &claim.class[1..] {
+            let Some(rival) = claim.rivals.iter().find(|r| r.effect == *name) else {
+                continue;
+            };
+            let error = (rival.size / rival.t).abs();
+            let amount = Amount {
+                effect: rival.effect.clone(),
+                key: rival.parameter.clone(),
+                unit: rival.unit.clone(),
+                value: rival.size,
+                error: if error.is_finite() { error } else { own.error },
+            };
+            members.push((amount, None));
+        }
+        let mut heard = false;
+        for (amount, added) in &mut members {
+            let mut sum = 0.0;
+            let mut lacks = false;
+            for other in (0..self.kinds.len()).filter(|k| *k != kind) {
+                lacks |= self.kinds[other].part.lacks(&amount.effect);
+                let Some((_, said)) = self.ask(other, fit.parts[other].free, amount)? else {
+                    continue;
+                };
+                for there in said.iter().filter(|there| there.is_same(amount)) {
+                    sum += there.t().powi(2) - there.apart(amount).powi(2);
+                    heard = true;
+                }
+            }
+            // What the others cannot measure they cannot exclude.
+            *added = (!lacks).then_some(sum);
+        }
+        let origin = |claim| Origin { kind, claim };
+        if !heard || members.len() < 2 {
+            return Ok(claim.acting(origin(claim.candidate.act)));
+        }
+        let of = |member: &(Amount, Option<f64>)| member.1.unwrap_or(0.0);
+        let best = (1..members.len()).fold(0, |best, k| {
+            match of(&members[k]) - of(&members[best]) > self.needed_t().powi(2) {
+                true => k,
+                false => best,
+            }
+        });
+        let least = of(&members[best]) - self.needed_t().powi(2);
+        let (named, _) = &members[best];
+        let mut class = vec![named.effect.clone()];
+        for member in &members {
+            let stays = member.1.is_none_or(|added| added >= least);
+            if stays && !class.contains(&member.0.effect) {
+                class.push(member.0.effect.clone());
+            }
+        }
+        let mut joint = match best {
+            0 => claim.acting(origin(claim.candidate.act)),
+            _ => match self.kinds[kind].part.claim(&fit.parts[kind].free, named) {
+                Some(other) => {
+                    let mut other = other.acting(origin(other.candidate.act));
+                    other.p_value = claim.p_value;
+                    other.rivals = instead(claim, &named.effect);
+                    other
+                }
+                None => claim.acting(origin(claim.candidate.act)),
+            },
+        };
+        let out: Vec<&str> = members
+            .iter()
+            .map(|(amount, _)| amount.effect.as_str())
+            .filter(|name| !class.iter().any(|c| c == name))
+            .collect();
+        if !out.is_empty() {
+            let told = format!(
+                "{} by themselves leave {} beside {}: told apart by the other data",
+                self.kinds[kind].name,
+                out.join(", "),
+                named.effect
+            );
+            joint.remark = Some(match joint.remark.take() {
+                Some(before) => format!("{before}; {told}"),
+                None => told,
+            });
+        }
+        if class.contains(&joint.candidate.effect) {
+            for rival in &mut joint.rivals {
+                rival.in_class = class.contains(&rival.effect);
+            }
+            joint.class = class;
+        }
+        Ok(joint)
+    }
+
+    /// A claim that no kind makes alone.
+    pub fn weak_together(&mut self, fit: &JointFit, account: &Account) -> Option<Claim<Origin>> {
+        let alpha = self.alpha();
+        let weak = self.weak();
+        let known = |weak: &Weak| {
+            let effect = &weak.by_kind[0].1.effect;
+            account.steps.iter().any(|s| s.effect == *effect)
+        };
+        let best = weak
+            .iter()
+            .filter(|w| w.by_kind.len() > 1 && w.p_value <= alpha && !known(w))
+            .filter(|w| parted(&amounts(w)) <= AGREES)
+            .max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+        let surest = best
+            .by_kind
+            .iter()
+            .max_by(|a, b| a.1.t().abs().total_cmp(&b.1.t().abs()))?;
+        let kind = surest.0;
+        let claim = self.kinds[kind]
+            .part
+            .claim(&fit.parts[kind].free, &surest.1)?;
+        let mut joint = claim.acting(Origin {
+            kind,
+            claim: claim.candidate.act,
+        });
+        joint.p_value = best.p_value;
+        let least = best.gain - self.needed_t().powi(2);
+        for rival in weak.iter().filter(|w| w.gain >= least) {
+            let effect = &rival.by_kind[0].1.effect;
+            if !joint.class.contains(effect) {
+                joint.class.push(effect.clone());
+            }
+        }
+        joint.remark = Some(format!(
+            "{}: no kind of data claims it alone; together they do",
+            joint.candidate.effect
+        ));
+        Some(joint)
+    }
+
+    /// What all kinds' last screens show of each amplitude that they have in common.
+    fn weak(&self) -> Vec<Weak> {
+        let mut weak: Vec<Weak> = Vec::new();
+        for (k, kind) in self.kinds.iter().enumerate() {
+            for one in kind.part.chances() {
+                let amount = one.amount.clone();
+                let common = self.is_common(&amount.effect);
+                let same = weak
+                    .iter_mut()
+                    .find(|w| common && w.by_kind[0].1.is_same(&amount));
+                match same {
+                    Some(same) => {
+                        same.p_value = chance(same.p_value, one.p_value);
+                        same.by_kind.push((k, amount));
+                        same.gain = gain(&amounts(same));
+                    }
+                    None => weak.push(Weak {
+                        gain: gain(std::slice::from_ref(&amount)),
+                        by_kind: vec![(k, amount)],
+                        p_value: one.p_value,
+                    }),
+                }
+            }
+        }
+        weak
+    }
+}
+
+/// The rivals of a member that is named instead of what a kind named by itself, which becomes one of them.
+fn instead(claim: &Claim<usize>, named: &str) -> Vec<Rival> {
+    let mut rivals = claim.rivals.clone();
+    for rival in rivals.iter_mut().filter(|r| r.effect == named) {
+        let t = claim.size / claim.error.max(1e-300);
+        *rival = Rival {
+            effect: claim.candidate.effect.clone(),
+            parameter: claim.candidate.key.clone(),
+            size: claim.size,
+            unit: claim.candidate.unit.clone(),
+            t,
+            gain: t * t,
+            t_of_named_beyond: 0.0,
+            decides: claim.candidate.decides.clone(),
+            ..rival.clone()
+        };
+    }
+    rivals
+}
+
+fn amounts(weak: &Weak) -> Vec<Amount> {
+    weak.by_kind
+        .iter()
+        .map(|(_, amount)| amount.clone())
+        .collect()
+}

@@ -1,0 +1,79 @@
+//! From a campaign's file to a finding.
+
+use std::path::Path;
+
+use kufe_sled::Model;
+
+use crate::error::Error;
+use crate::evidence::experiments::evidence::Experiments;
+use crate::evidence::maps::evidence::Maps;
+use crate::evidence::maps::measured::file::Measured;
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::{experiments, maps, runs};
+use crate::joint::file::{CampaignFile, case_of};
+use crate::joint::kept::{Kept, Part};
+use crate::joint::kinds::{Joint, PRESSURES};
+use crate::options::Options;
+use crate::procedure::search::{Found, search_evidence};
+
+/// Searches all data of a campaign at once; a single kind as it is searched by itself.
+///
+/// # Errors
+/// Those of the campaign's file and of the readers and searches of its data.
+pub fn search(
+    path: &Path,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    let files = CampaignFile::read(path)?;
+    let model = files.model.as_deref().map(Model::load).transpose()?;
+    match (&files.runs, &files.experiments, &files.pressures, &model) {
+        (Some(index), None, None, Some(model)) => {
+            progress("reading runs");
+            let data = runs::read(index, model, options)?;
+            return runs::search(&data, model, options, progress);
+        }
+        (None, Some(rows), None, Some(model)) => {
+            return experiments::search(rows, model, options, progress);
+        }
+        (None, None, Some(pressures), None) => {
+            return maps::search(pressures, &case_of(pressures)?, options, progress);
+        }
+        _ => {}
+    }
+    let data = match (&files.runs, &model) {
+        (Some(index), Some(model)) => {
+            progress("reading runs");
+            Some(runs::read(index, model, options)?)
+        }
+        _ => None,
+    };
+    let measured = match &files.pressures {
+        Some(pressures) => {
+            let case = case_of(pressures)?;
+            let rows = Measured::read(pressures, &case, &options.rules.maps)?;
+            Some((case, rows))
+        }
+        None => None,
+    };
+    let mut parts: Vec<(&'static str, Part)> = Vec::new();
+    if let (Some(data), Some(model)) = (&data, &model) {
+        let campaign = Campaign::new(data, model, options)?;
+        parts.push(("runs", Box::new(Kept::new(campaign))));
+    }
+    if let (Some(rows), Some(model)) = (&files.experiments, &model) {
+        let experiments = Experiments::read(rows, model, options)?;
+        parts.push(("experiments", Box::new(Kept::new(experiments))));
+    }
+    if let Some((case, rows)) = &measured {
+        progress("solving the case of the pressures");
+        let maps = Maps::new(rows, case, options, progress)?;
+        parts.push((PRESSURES, Box::new(Kept::new(maps))));
+    }
+    let mut joint = Joint::new(parts, options);
+    let mut found = search_evidence(&mut joint, options, progress)?;
+    if let Some(data) = &data {
+        found.report.gaps.clone_from(&data.gaps);
+    }
+    Ok(found)
+}

@@ -1,0 +1,235 @@
+//! Classes split and chances combined, by kinds of data whose every word is stated.
+
+use crate::error::Error;
+use crate::finding::report::Rival;
+use crate::joint::kept::{Kept, Part};
+use crate::joint::kinds::{Joint, JointFit, PartFit};
+use crate::options::Options;
+use crate::procedure::beside::{Amount, Beside, Chance};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
+use crate::procedure::lowered::Lowered;
+
+/// Data that know some effects, each with one size; a fit is the name of what was added last.
+#[derive(Default)]
+struct Told {
+    sizes: Vec<Amount>,
+    chances: Vec<Chance>,
+    lacks: Vec<&'static str>,
+    of_the_air: Vec<&'static str>,
+}
+
+impl Evidence for Told {
+    type Act = ();
+    type Fit = String;
+    fn fit_base(&mut self, _: &mut Account) -> Result<String, Error> {
+        Ok(String::new())
+    }
+    fn screen(&mut self, _: &String, _: &mut Account) -> Result<Screen<()>, Error> {
+        unreachable!("not asked here")
+    }
+    fn add(&mut self, _: &String, claim: &Claim<()>, _: usize) -> Result<Added<String>, Error> {
+        Ok(Added {
+            fit: claim.candidate.effect.clone(),
+            written: true,
+            gap: [0.0, 0.0],
+            place: None,
+        })
+    }
+    fn settle(&mut self, fit: String, _: &mut Account) -> Result<String, Error> {
+        Ok(fit)
+    }
+    fn without(&mut self, fit: &String, _: usize) -> Result<String, Error> {
+        Ok(fit.clone())
+    }
+    fn lowered(&self, _: &String, _: &String) -> Result<Option<Lowered>, Error> {
+        Ok(None)
+    }
+    fn open(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Opened, Error> {
+        unreachable!("not asked here")
+    }
+    fn describe(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Description, Error> {
+        unreachable!("not asked here")
+    }
+}
+
+impl Beside for Told {
+    fn chances(&self) -> &[Chance] {
+        &self.chances
+    }
+    fn is_common(&self, effect: &str) -> bool {
+        !self.of_the_air.contains(&effect)
+    }
+    fn lacks(&self, effect: &str) -> bool {
+        self.lacks.contains(&effect)
+    }
+    fn claim(&mut self, _: &String, amount: &Amount) -> Option<Claim<()>> {
+        let known = self.sizes.iter().any(|own| own.is_same(amount));
+        known.then(|| claimed(&amount.effect, amount.value, &[]).acting(()))
+    }
+    fn amounts(&self, fit: &String, _: usize) -> Vec<Amount> {
+        let own = self.sizes.iter().filter(|own| own.effect == *fit);
+        own.cloned().collect()
+    }
+}
+
+fn amount(effect: &str, value: f64, error: f64) -> Amount {
+    Amount {
+        effect: effect.to_owned(),
+        key: "size".to_owned(),
+        unit: String::new(),
+        value,
+        error,
+    }
+}
+
+fn chance(effect: &str, value: f64, error: f64, p_value: f64) -> Chance {
+    Chance {
+        amount: amount(effect, value, error),
+        p_value,
+    }
+}
+
+fn claimed(effect: &str, size: f64, rivals: &[(&str, f64)]) -> Claim<usize> {
+    let rival = |(name, size): &(&str, f64)| Rival {
+        effect: (*name).to_owned(),
+        parameter: "size".to_owned(),
+        size: *size,
+        unit: String::new(),
+        t: 10.0,
+        gain: 100.0,
+        correlation: 0.99,
+        t_of_named_beyond: 0.0,
+        in_class: true,
+        decides: String::new(),
+    };
+    Claim {
+        candidate: Candidate {
+            effect: effect.to_owned(),
+            key: "size".to_owned(),
+            unit: String::new(),
+            low: -10.0,
+            high: 10.0,
+            typical: 1.0,
+            decides: String::new(),
+            act: 0,
+        },
+        size,
+        error: size.abs() / 10.0,
+        class: [effect]
+            .into_iter()
+            .chain(rivals.iter().map(|r| r.0))
+            .map(str::to_owned)
+            .collect(),
+        rivals: rivals.iter().map(rival).collect(),
+        p_value: 1e-3,
+        place: String::new(),
+        channel: ("along", "N"),
+        remark: None,
+        parameters: Vec::new(),
+    }
+}
+
+fn asked<T>(told: [Told; 2], of: impl FnOnce(&mut Joint, &JointFit) -> T) -> T {
+    let options = Options::default();
+    let parts = ["runs", "experiments"].into_iter().zip(told);
+    let parts = parts.map(|(name, told)| {
+        let mut kept = Kept::new(told);
+        let fit = kept.fit_base(&mut Account::default());
+        assert_eq!(fit.ok(), Some(0));
+        (name, Box::new(kept) as Part)
+    });
+    let mut joint = Joint::new(parts.collect(), &options);
+    let part = PartFit {
+        free: 0,
+        written: 0,
+        steps: Vec::new(),
+    };
+    let fit = JointFit {
+        parts: vec![part.clone(), part],
+        said: Vec::new(),
+    };
+    of(&mut joint, &fit)
+}
+
+fn of_class(own: Told, other: Told, rivals: &[(&str, f64)]) -> (String, Vec<String>) {
+    asked([own, other], |joint, fit| {
+        let claim = claimed("humidity", 1.0, rivals);
+        let joint = joint.judged(fit, 0, &claim);
+        joint.map_or_else(
+            |error| (error.to_string(), Vec::new()),
+            |claim| (claim.candidate.effect, claim.class),
+        )
+    })
+}
+
+#[test]
+fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
+    let runs = || Told {
+        sizes: vec![amount("temperature", 0.5, 0.05)],
+        ..Told::default()
+    };
+    let ice_house = |humidity: f64, temperature: f64| Told {
+        sizes: vec![
+            amount("humidity", humidity, 0.1),
+            amount("temperature", temperature, 0.05),
+        ],
+        ..Told::default()
+    };
+    let rivals = [("temperature", 0.5)];
+    // The ice house sees the temperature at the size of the runs and nothing of the humidity.
+    let (named, class) = of_class(runs(), ice_house(0.0, 0.5), &rivals);
+    assert_eq!((named.as_str(), class.len()), ("temperature", 1));
+    // It confirms the humidity instead.
+    let (named, class) = of_class(runs(), ice_house(1.0, 0.0), &rivals);
+    assert_eq!((named.as_str(), class.len()), ("humidity", 1));
+    // It sees both as they would have to be, or knows neither, or cannot measure the one it would exclude.
+    let (_, class) = of_class(runs(), ice_house(1.0, 0.5), &rivals);
+    assert_eq!(class, ["humidity", "temperature"]);
+    let (_, class) = of_class(runs(), Told::default(), &rivals);
+    assert_eq!(class, ["humidity", "temperature"]);
+    let blind = Told {
+        sizes: vec![amount("humidity", 1.0, 0.1)],
+        lacks: vec!["temperature"],
+        ..Told::default()
+    };
+    let (_, class) = of_class(runs(), blind, &rivals);
+    assert_eq!(class, ["humidity", "temperature"]);
+}
+
+fn weakly(
+    own: Vec<Chance>,
+    other: Vec<Chance>,
+    of_the_air: Vec<&'static str>,
+) -> Option<(String, f64)> {
+    let of = |chances: Vec<Chance>| Told {
+        sizes: chances.iter().map(|c| c.amount.clone()).collect(),
+        chances,
+        ..Told::default()
+    };
+    let other = Told {
+        of_the_air,
+        ..of(other)
+    };
+    asked([of(own), other], |joint, fit| {
+        let claim = joint.weak_together(fit, &Account::default());
+        claim.map(|claim| (claim.candidate.effect, claim.p_value))
+    })
+}
+
+#[test]
+fn what_no_data_claim_alone_two_may_claim_together_where_they_agree() {
+    let of = |size: f64, p: f64| vec![chance("temperature", size, 0.3, p)];
+    let found = weakly(of(1.0, 0.01), of(1.1, 0.01), Vec::new());
+    let q: f64 = 1e-4;
+    let p = q * (1.0 - q.ln());
+    assert!(found.is_some_and(|(name, own)| name == "temperature" && (own / p - 1.0).abs() < 1e-9));
+    // Of other signs, not sure enough, of different bodies, or by one kind alone.
+    assert_eq!(weakly(of(1.0, 0.01), of(-1.0, 0.01), Vec::new()), None);
+    assert_eq!(weakly(of(1.0, 0.05), of(1.0, 0.2), Vec::new()), None);
+    assert_eq!(
+        weakly(of(1.0, 0.01), of(1.0, 0.01), vec!["temperature"]),
+        None
+    );
+    assert_eq!(weakly(of(1.0, 1e-4), Vec::new(), Vec::new()), None);
+}

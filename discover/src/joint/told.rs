@@ -1,0 +1,141 @@
+//! What a campaign's report tells: every kind's own part side by side, and one next model.
+
+use crate::finding::report::{Fitted, OfKind};
+use crate::joint::kinds::{Joint, Said};
+use crate::procedure::evidence::{Account, Description, Words};
+
+/// What one kind of data has to tell.
+pub struct OfPart {
+    /// Its description.
+    pub description: Description,
+    /// The campaign's step of each of its own.
+    pub steps: Vec<usize>,
+}
+
+/// All kinds' descriptions as one; what each says of a step by itself goes into the account.
+pub fn described(
+    joint: &Joint,
+    said: &[Said],
+    parts: Vec<OfPart>,
+    account: &mut Account,
+) -> Description {
+    let steps = account.steps.len();
+    let mut all = Description {
+        parameters: said.iter().map(|said| joint.combined(said)).collect(),
+        laws: vec![None; steps],
+        clean: true,
+        words: Words {
+            next_after_nothing: next_after_nothing(&parts),
+            ..Words::default()
+        },
+        ..Description::default()
+    };
+    all.parameters.resize(steps, Vec::new());
+    account
+        .remarks
+        .extend(said.iter().filter_map(|said| said.parted.clone()));
+    for (step, known) in account.steps.iter_mut().enumerate() {
+        known.evidence = evidence(joint, said.get(step), &parts, step);
+    }
+    let several = parts.len() > 1;
+    let mut names = Vec::new();
+    for (k, part) in parts.into_iter().enumerate() {
+        let mut one = part.description;
+        let name = joint.kinds[k].name;
+        for (step, law) in part.steps.iter().zip(one.laws) {
+            all.laws[*step] = all.laws[*step].take().or(law);
+        }
+        for (step, own) in part.steps.iter().zip(one.parameters) {
+            if all.parameters[*step].is_empty() {
+                all.parameters[*step] = own;
+            }
+        }
+        // Two kinds' own bases may have parameters of one name.
+        for parameter in &mut one.base {
+            if several {
+                parameter.name = format!("{} ({name})", parameter.name);
+            }
+        }
+        let untestable = one.untestable.into_iter();
+        all.untestable
+            .extend(untestable.map(|(effect, why)| (effect, format!("{name}: {why}"))));
+        for meaning in one.effects {
+            if !all.effects.iter().any(|known| known.name == meaning.name) {
+                all.effects.push(meaning);
+            }
+        }
+        names.push(one.data);
+        all.training.extend(one.training);
+        all.within_tolerance.extend(one.within_tolerance);
+        all.base.extend(one.base);
+        all.bins.extend(one.bins);
+        all.bins_after.extend(one.bins_after);
+        all.by_run.extend(one.by_run);
+        all.pictures.extend(one.pictures);
+        all.next_runs.extend(one.next_runs);
+        all.clean &= one.clean;
+        all.located |= one.located && steps == 0;
+        match () {
+            () if k == 0 => all.next_model = one.next_model,
+            () if joint.kinds[k].of_a_case => all.next_case = Some(one.next_model),
+            () => {}
+        }
+    }
+    all.data = names.join(", ");
+    for step in &account.steps {
+        let unwritten = !step.evidence.is_empty() && !is_written(&all, &step.effect);
+        if unwritten {
+            account.remarks.push(format!(
+                "{} is not in the next model, which is that of {}: those data do not know it",
+                step.effect, joint.kinds[0].name
+            ));
+        }
+    }
+    all
+}
+
+fn is_written(all: &Description, effect: &str) -> bool {
+    let of = |text: &str| {
+        text.contains(&format!("[effects.{effect}"))
+            || text.contains(&format!("[effects.\"{effect}"))
+    };
+    of(&all.next_model) || all.next_case.as_deref().is_some_and(of)
+}
+
+fn next_after_nothing(parts: &[OfPart]) -> String {
+    let each: Vec<&str> = parts
+        .iter()
+        .map(|part| part.description.words.next_after_nothing.as_str())
+        .filter(|text| !text.is_empty())
+        .collect();
+    each.join("; ")
+}
+
+/// What each kind that knows a step's effect says of it.
+fn evidence(joint: &Joint, said: Option<&Said>, parts: &[OfPart], step: usize) -> Vec<OfKind> {
+    let quantile = joint.options.rules.search.interval;
+    let mut each = Vec::new();
+    for (k, part) in parts.iter().enumerate() {
+        let Some(own) = part.steps.iter().position(|s| *s == step) else {
+            continue;
+        };
+        let amounts = said
+            .and_then(|said| said.by_kind.iter().find(|(kind, _)| *kind == k))
+            .map(|(_, amounts)| amounts.iter().map(|a| a.fitted(quantile)).collect());
+        let described = part.description.parameters.get(own).cloned();
+        let parameters: Vec<Fitted> = amounts
+            .filter(|amounts: &Vec<Fitted>| !amounts.is_empty())
+            .or(described)
+            .unwrap_or_default();
+        let held = &joint.kinds[k].held_out;
+        each.push(OfKind {
+            data: joint.kinds[k].name.to_owned(),
+            parameters,
+            agrees: said.is_none_or(|said| said.parted.is_none()),
+            gap_before: held.gap_before,
+            gap_after: held.gap_after,
+            unit: held.unit.clone(),
+        });
+    }
+    each
+}

@@ -1,0 +1,88 @@
+//! The runs that a search asks for next split the class, those that it holds to be worth least don't: both are driven and searched again.
+
+use kufe_discover::{NextRuns, Report, Verdict};
+use kufe_sled::Run;
+use kufe_sled::sample_data::Planned;
+
+use crate::campaign::{driven, plan, searched, truth};
+
+const HIDDEN: &str = "\n[effects.temperature]\nslope_per_k = 0.04\n";
+
+/// Nine sessions whose humidity goes with the temperature of the ice, so that nobody can tell which of the two it is.
+fn tied() -> Vec<Planned> {
+    let mut plan = plan(7);
+    plan.truncate(27);
+    for (k, planned) in plan.iter_mut().enumerate() {
+        let session = k / 3;
+        planned.session = format!("s{session}");
+        let ice_c = -11.0 + 1.1 * ((4 * session) % 9) as f64 + 0.05 * (k % 3) as f64;
+        planned.options.conditions.ice_c = ice_c;
+        planned.options.conditions.humidity_pct = Some(60.0 + 3.0 * (ice_c + 6.0));
+    }
+    plan
+}
+
+/// The runs asked for, by drivers of the campaign, in a session of their own.
+fn asked(next: &NextRuns, like: &[Planned]) -> Vec<Planned> {
+    let same = |planned: &&Planned| planned.track == next.track;
+    let mut plan: Vec<Planned> = like.iter().filter(same).take(next.runs).cloned().collect();
+    assert_eq!(plan.len(), next.runs, "{next:?}");
+    for (k, planned) in plan.iter_mut().enumerate() {
+        planned.run = format!("new-{k}");
+        planned.session = "t".to_owned();
+        planned.options.seed = 9000 + k as u64;
+        planned.options.start_speed_mps = next.start_speed_mps;
+        let conditions = &mut planned.options.conditions;
+        conditions.ice_c = next.ice_c;
+        conditions.air_c = next.air_c;
+        conditions.air_pa = next.air_pa;
+        conditions.humidity_pct = next.humidity_pct;
+        conditions.mass_kg = Some(next.mass_kg);
+    }
+    plan
+}
+
+fn class(report: &Report) -> Vec<String> {
+    let of = |name: &str| {
+        report
+            .steps
+            .iter()
+            .find(|s| s.class.iter().any(|c| c == name))
+    };
+    let mut class = of("temperature").map_or(Vec::new(), |step| step.class.clone());
+    class.sort();
+    class
+}
+
+#[test]
+fn the_runs_asked_for_split_the_class_and_the_least_asked_for_do_not() {
+    let truth = truth(HIDDEN);
+    let before = tied();
+    let recorded = driven(&before, &truth);
+    let report = searched(&recorded, 7).report;
+    assert_eq!(
+        class(&report),
+        ["humidity", "temperature"],
+        "{}",
+        report.sentence
+    );
+    assert_eq!(report.verdict, Verdict::OneOf);
+    let plans = &report.next_runs;
+    let (best, least) = (&plans[0], &plans[plans.len() - 1]);
+    println!("best {best:?}\nleast {least:?}");
+    assert!(best.splits && !least.splits);
+    assert!(
+        report.next_experiment.contains(&best.change),
+        "{}",
+        report.next_experiment
+    );
+    let again = |next: &NextRuns| {
+        let more: Vec<Run> = driven(&asked(next, &before), &truth);
+        let all: Vec<Run> = recorded.iter().cloned().chain(more).collect();
+        let report = searched(&all, 7).report;
+        println!("{}: {}", next.change, report.sentence);
+        class(&report)
+    };
+    assert_eq!(again(best), ["temperature"]);
+    assert_eq!(again(least), ["humidity", "temperature"]);
+}
