@@ -13,3 +13,4 @@ mod gaps;
 mod imported;
 mod replay;
 mod sled;
+mod thresholds;
