@@ -24,6 +24,7 @@ pub fn read_mdf4(path: &Path) -> Result<Columns, Error> {
             file: file.clone(),
             column: "v_mps".to_string(),
             found: log.channel_names().join(", "),
+            needed_by: None,
         })?;
     let time = log.channel_timestamps(lead).map_err(told)?;
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
