@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe_sled::{
-    Error, Model, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, TakingPart, Vehicle,
+    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, TakingPart, Vehicle,
     gaps_line, outside_tables, prepare_all,
 };
 
@@ -93,9 +93,10 @@ impl RunSelection {
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
     pub fn load(&self, watch: &Watch, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
-        if !(self.cutoff_hz > 0.0 && self.cutoff_hz <= 1e4) {
+        // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no period.
+        if !(0.1..=1e4).contains(&self.cutoff_hz) {
             return Err(Failure::Usage(format!(
-                "--cutoff {}: expected above 0, up to 10000 Hz",
+                "--cutoff {}: expected 0.1 to 10000 Hz",
                 self.cutoff_hz
             )));
         }
@@ -108,12 +109,12 @@ impl RunSelection {
             OnGaps::LeaveOut
         };
         let (mut runs, left_out) = if self.leave_out_bad_runs {
-            let (runs, bad) =
-                kufe_sled::read_good_runs(&self.runs, on_gaps).map_err(|error| failure(&error))?;
+            let (runs, bad) = kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps)
+                .map_err(|error| failure(&error))?;
             (runs, bad.iter().map(ToString::to_string).collect())
         } else {
-            let runs =
-                kufe_sled::read_runs(&self.runs, on_gaps).map_err(|error| failure(&error))?;
+            let runs = kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps)
+                .map_err(|error| failure(&error))?;
             (runs, Vec::new())
         };
         let tracks = tracks(&runs);

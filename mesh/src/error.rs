@@ -174,6 +174,17 @@ pub enum MeshError {
     /// A hull without an underside.
     #[error("no triangle of the hull faces down; check `up`, and that the triangles face outwards")]
     NothingFacesDown,
+    /// A vertex far below the surface that faces down, among facets as steep as flanks.
+    #[error(
+        "the hull's lowest vertex, at x = {:.6}, y = {:.6}, z = {:.6} m, lies {by} m below the surface that faces down: a stray vertex?",
+        .at[0], .at[1], .at[2]
+    )]
+    StrayVertex {
+        /// Where it is [m].
+        at: [f64; 3],
+        /// How far below [m].
+        by: f64,
+    },
     /// Vertices that determine no surface.
     #[error(
         "the hull's underside determines no smooth surface; expected vertices spread along and across it"

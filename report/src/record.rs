@@ -99,7 +99,7 @@ fn one_run(out: &mut String, run: &Value) {
     let _ = writeln!(
         out,
         "<details{open}><summary>Every channel</summary>\n<div class=\"wide\"><table><tr><th>channel</th><th class=\"n\">missing</th><th class=\"n\">noise</th>\
-<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>"
+<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">drop-outs</th><th class=\"n\">at its stop</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>"
     );
     for (name, channel) in channels {
         let known = |key: &str| channel[key].as_f64().map_or(String::new(), number4);
@@ -113,7 +113,7 @@ fn one_run(out: &mut String, run: &Value) {
         };
         let _ = writeln!(
             out,
-            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{:.2}</td><td class=\"n\">{}</td>\
+            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{:.2}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
 <td class=\"n\">{}</td><td class=\"n\">{delay}</td><td>{}</td></tr>",
             escape(name),
             channel["missing"],
@@ -121,6 +121,8 @@ fn one_run(out: &mut String, run: &Value) {
             known("quantum"),
             channel["longest_still_s"].as_f64().unwrap_or(0.0),
             channel["leaps"],
+            channel["dropouts"],
+            channel["saturation"]["samples"].as_u64().unwrap_or(0),
             known("at_standstill"),
             strip(list(&channel["octaves"]))
         );

@@ -34,7 +34,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A required column is absent.
-    #[error("{file}: column {column} is missing; the file has: {found}")]
+    #[error("{file}: column {column} is missing{}; the file has: {found}", needs(*.needed_by))]
     MissingColumn {
         /// The file.
         file: String,
@@ -42,6 +42,8 @@ pub enum Error {
         column: String,
         /// The columns that are there.
         found: String,
+        /// The computation that needs it, where only some do.
+        needed_by: Option<&'static str>,
     },
     /// A required table has a column that it should not have, or one twice.
     #[error("{file}: column {column} is {what}; expected {expected}")]
@@ -243,6 +245,10 @@ pub enum Error {
     /// A picture could not be made.
     #[error(transparent)]
     Plot(#[from] kufe_plot::Error),
+}
+
+fn needs(by: Option<&str>) -> String {
+    by.map_or_else(String::new, |by| format!(", which {by} needs"))
 }
 
 fn more_faults(more: usize) -> String {

@@ -1,6 +1,5 @@
 //! `kufe friction fit`: mu over pressure from experiments, in the form of a model file.
 
-use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::PathBuf;
 
@@ -69,7 +68,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         }
     }
     let name = args.experiments.display().to_string();
-    let file = File::open(&args.experiments)
+    let file = kufe_files::open_regular(&args.experiments)
         .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
     let experiments =
         read_experiments(&name, BufReader::new(file)).map_err(|error| failure(&error))?;

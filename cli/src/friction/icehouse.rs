@@ -74,7 +74,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     let told = |error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display()));
-    Ok(BufReader::new(File::open(path).map_err(told)?))
+    Ok(BufReader::new(
+        kufe_files::open_regular(path).map_err(told)?,
+    ))
 }
 
 fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, Failure> {

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, runs::failure};
 use kufe_sled::{
-    Aligned, Entry, Error, Model, OnGaps, PrepareOptions, Prepared, Run, RunFormat, TakingPart,
-    Track, TrackShape, Vehicle, align, gaps_line, prepare_all, read_runs, state_places,
-    write_index, write_run,
+    Aligned, Entry, Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat,
+    TakingPart, Track, TrackShape, Vehicle, align, gaps_line, prepare_all, read_index, read_runs,
+    state_places, write_index, write_run,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -67,7 +67,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         OnGaps::LeaveOut
     };
-    let mut runs = read_runs(&args.runs, on_gaps).map_err(told)?;
+    let needs = needs(args)?;
+    let mut runs = read_runs(&args.runs, &needs, on_gaps).map_err(told)?;
     let format = if args.parquet {
         RunFormat::Parquet
     } else {
@@ -79,7 +80,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         &runs,
         &vehicle,
         model.noise.as_ref(),
-        &PrepareOptions::default(),
+        &PrepareOptions {
+            needs,
+            ..PrepareOptions::default()
+        },
     )
     .map_err(told)?;
     let mut tracks: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
@@ -132,6 +136,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// What the runs must have: more where the track is estimated from them.
+fn needs(args: &Args) -> Result<Needs, Failure> {
+    let entries = read_index(&args.runs).map_err(|error| failure(&error))?;
+    let surveyed = |entry: &Entry| !args.estimate && track_file(args, &entry.track).exists();
+    match entries.iter().all(surveyed) {
+        true => Ok(Needs::PLACE),
+        false => Ok(Needs::TRACK),
+    }
 }
 
 /// The output folder, if the runs that it holds are those of this command.

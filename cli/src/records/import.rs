@@ -65,7 +65,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         RunFormatWord::Csv => RunFormat::Csv,
         RunFormatWord::Parquet => RunFormat::Parquet,
     };
-    let index = index_csv(&runs, format.extension(), &file).map_err(Failure::bad_input)?;
+    let index = index_csv(&runs, format.extension()).map_err(Failure::bad_input)?;
     let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
     let mut names = vec!["runs.csv".to_string(), LIST.to_string()];
     names.extend(fragment.is_some().then(|| "model.import.toml".to_string()));

@@ -112,6 +112,6 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
 /// The page that `kufe discover` has written itself.
 fn finding(folder: &Path) -> Result<String, Failure> {
     let path = folder.join("report.html");
-    std::fs::read_to_string(&path)
+    kufe_files::text_of_regular(&path, 1 << 30)
         .map_err(|error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display())))
 }

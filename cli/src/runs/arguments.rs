@@ -11,7 +11,7 @@ use crate::output::global::Global;
 /// Arguments that every command on runs takes.
 #[derive(clap::Args, Debug)]
 pub struct RunArgs {
-    /// Index of the runs: run, file, track, driver, driver_class, session, ice_c, air_c, air_pa
+    /// Index of the runs: run, file, and what is known of track, driver, driver_class, session, ice_c, air_c, air_pa
     pub runs: PathBuf,
     /// Sled and friction
     #[arg(long, short, value_name = "MODEL.toml")]

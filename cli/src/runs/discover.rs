@@ -129,7 +129,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn rules(path: &Path) -> Result<Rules, Failure> {
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
+    let text =
+        kufe_files::text_of_regular(path, 1 << 20).map_err(|error| told(error.to_string()))?;
     Rules::from_toml(&text).map_err(|error| told(error.to_string()))
 }
 

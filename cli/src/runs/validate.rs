@@ -155,7 +155,7 @@ struct Fit {
 
 fn read_fit(path: &Path) -> Result<Fit, Failure> {
     let file = path.display();
-    let text = std::fs::read_to_string(path)
+    let text = kufe_files::text_of_regular(path, 1 << 28)
         .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
     let document: Value = serde_json::from_str(&text)
         .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;

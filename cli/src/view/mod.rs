@@ -6,5 +6,6 @@ mod guard;
 mod http;
 mod server;
 mod turn;
+mod waiting;
 
 pub use command::{Args, run};

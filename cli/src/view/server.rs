@@ -1,6 +1,6 @@
 //! The page and the solves that its form asks for, a thread a connection.
 
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -14,13 +14,14 @@ use crate::view::form::Form;
 use crate::view::guard;
 use crate::view::http::{Answer, Refusal, Request, read_request, respond};
 use crate::view::turn::Turn;
+use crate::view::waiting::Waiting;
 
 /// Points along and across of the map that a page is sent.
 const POINTS: [usize; 2] = [240, 150];
 /// A mesh beyond this takes longer than anyone moves a slider.
 const MOST_DOFS: usize = 1_500_000;
-/// Connections that are open at once.
-const MOST_OPEN: usize = 16;
+/// Requests that are answered at once.
+const MOST_ANSWERED: usize = 16;
 
 /// What every connection shares.
 pub struct Server {
@@ -36,36 +37,42 @@ pub struct Server {
 
 /// Answers one connection a thread.
 pub fn serve(listener: &TcpListener, server: &Server) {
-    let open = AtomicUsize::new(0);
+    let (waiting, answered) = (Waiting::default(), AtomicUsize::new(0));
     std::thread::scope(|scope| {
-        for stream in listener.incoming() {
+        for (number, stream) in (0..).zip(listener.incoming()) {
             let Ok(mut stream) = stream else { continue };
-            if open.fetch_add(1, Ordering::Relaxed) >= MOST_OPEN {
-                open.fetch_sub(1, Ordering::Relaxed);
+            if waiting.enter(number, &stream).is_err() {
                 continue;
             }
-            let open = &open;
+            let (waiting, answered) = (&waiting, &answered);
             scope.spawn(move || {
-                let answer = answer(server, &mut stream).unwrap_or_else(|Refusal(status, text)| {
+                let request = read_request(&mut stream);
+                waiting.leave(number);
+                let full = answered.fetch_add(1, Ordering::Relaxed) >= MOST_ANSWERED;
+                let answer = match request {
+                    Ok(_) if full => Err(Refusal(503, "too many requests at once".into())),
+                    Ok(request) => answer(server, &request),
+                    Err(refusal) => Err(refusal),
+                };
+                let answer = answer.unwrap_or_else(|Refusal(status, text)| {
                     as_json(status, &json!({ "error": text }))
                 });
                 respond(&mut stream, &answer);
-                open.fetch_sub(1, Ordering::Relaxed);
+                answered.fetch_sub(1, Ordering::Relaxed);
             });
         }
     });
 }
 
-fn answer(server: &Server, stream: &mut TcpStream) -> Result<Answer, Refusal> {
-    let request = read_request(stream)?;
-    guard::check(&request, server.port)?;
+fn answer(server: &Server, request: &Request) -> Result<Answer, Refusal> {
+    guard::check(request, server.port)?;
     match (request.method.as_str(), request.target.as_str()) {
         ("GET", "/") => Ok(Answer {
             status: 200,
             kind: "text/html; charset=utf-8",
             body: server.first.clone().into_bytes(),
         }),
-        ("POST", "/solve") => solve_again(server, &request),
+        ("POST", "/solve") => solve_again(server, request),
         (_, "/" | "/solve") => Err(Refusal(405, "expected GET / or POST /solve".into())),
         _ => Err(Refusal(404, "there is only / and /solve".into())),
     }

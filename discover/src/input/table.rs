@@ -26,10 +26,10 @@ impl Table {
             file: file.clone(),
             reason,
         };
+        let open = kufe_files::open_regular(path).map_err(|error| told(error.to_string()))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(|error| told(error.to_string()))?;
+            .from_reader(open);
         let header: Vec<String> = reader
             .headers()
             .map_err(|error| told(error.to_string()))?

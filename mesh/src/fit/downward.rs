@@ -24,7 +24,7 @@ impl Downward {
     /// Finds the part of `hull`.
     ///
     /// # Errors
-    /// [`MeshError::NothingFacesDown`] where no facet does.
+    /// [`MeshError::NothingFacesDown`] where no facet does, [`MeshError::StrayVertex`] where the hull's lowest vertex is none of theirs.
     pub fn of(hull: &Hull) -> Result<Self, MeshError> {
         let downward: Vec<(&[u32; 3], [f64; 3])> = hull
             .triangles
@@ -86,11 +86,26 @@ impl Downward {
             }
             part.facets.push(facet);
         }
+        part.refuse_stray_vertex(hull)?;
         part.cosines = normals
             .iter()
             .map(|n| -n[2] / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt())
             .collect();
         Ok(part)
+    }
+
+    /// Refuses a hull whose lowest vertex no facet of the part reaches: those around it are as steep as flanks.
+    fn refuse_stray_vertex(&self, hull: &Hull) -> Result<(), MeshError> {
+        let lowest = self.range(2)[0];
+        let corners = hull.triangles.iter().flatten();
+        let corners = corners.map(|corner| hull.positions[*corner as usize]);
+        match corners.min_by(|a, b| a[2].total_cmp(&b[2])) {
+            Some(at) if at[2] < lowest => Err(MeshError::StrayVertex {
+                at,
+                by: lowest - at[2],
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Smallest and largest value of coordinate `axis` [m].

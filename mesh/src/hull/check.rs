@@ -43,6 +43,16 @@ pub enum HullWarning {
         /// Edges that only one triangle uses.
         edges: usize,
     },
+    /// The hull is longer across than along.
+    Across {
+        /// Extents along x and y [m].
+        extent: [f64; 2],
+    },
+    /// The file holds several surfaces that share no vertex.
+    Apart {
+        /// How many.
+        bodies: usize,
+    },
     /// Neighbouring triangles disagree about the outside.
     Flipped {
         /// Edges where they do.
@@ -67,6 +77,18 @@ impl fmt::Display for HullWarning {
                 write!(
                     f,
                     "the hull is open: {edges} edges belong to one triangle only; its downward-facing part is used"
+                )
+            }
+            Self::Across { extent: [x, y] } => {
+                write!(
+                    f,
+                    "the hull is {y:.4} m across and {x:.4} m along: a runner that points along y needs forward = \"y\""
+                )
+            }
+            Self::Apart { bodies } => {
+                write!(
+                    f,
+                    "the file holds {bodies} bodies apart: the one with the lowest vertex is the runner, the others take no part"
                 )
             }
             Self::Flipped { edges } => {
@@ -119,6 +141,16 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     if open_edges > 0 {
         warnings.push(HullWarning::Open { edges: open_edges });
     }
+    // A disc or a ball is as wide as it is long.
+    if extent[1] > 1.5 * extent[0] {
+        warnings.push(HullWarning::Across {
+            extent: [extent[0], extent[1]],
+        });
+    }
+    let bodies = bodies(hull);
+    if bodies > 1 {
+        warnings.push(HullWarning::Apart { bodies });
+    }
     if flipped_edges > 0 {
         warnings.push(HullWarning::Flipped {
             edges: flipped_edges,
@@ -131,6 +163,32 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
         volume,
         warnings,
     })
+}
+
+/// Surfaces that share no vertex with one another.
+fn bodies(hull: &Hull) -> usize {
+    let mut leads: Vec<u32> = (0..hull.positions.len() as u32).collect();
+    fn lead(leads: &mut [u32], mut of: u32) -> u32 {
+        while leads[of as usize] != of {
+            leads[of as usize] = leads[leads[of as usize] as usize];
+            of = leads[of as usize];
+        }
+        of
+    }
+    for [a, b, c] in &hull.triangles {
+        for other in [b, c] {
+            let (one, other) = (lead(&mut leads, *a), lead(&mut leads, *other));
+            leads[one.max(other) as usize] = one.min(other);
+        }
+    }
+    let mut found: Vec<u32> = hull
+        .triangles
+        .iter()
+        .map(|corners| lead(&mut leads, corners[0]))
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found.len()
 }
 
 #[cfg(test)]

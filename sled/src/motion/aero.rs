@@ -13,9 +13,12 @@ pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
 
 /// Drag [N] against the driving direction: `F = -1/2 rho (c_d A)(beta) v^2`, never positive.
 ///
-/// Speed in m/s, density in kg/m3, `beta` in rad. With `beta = 0` it is the paper's ideal case.
+/// Speed in m/s, density in kg/m3, `beta` in rad. Without an area the density may be unknown. With `beta = 0` it is the paper's ideal case.
 pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
-    -0.5 * density * drag_area(sled, beta) * speed * speed
+    match drag_area(sled, beta) {
+        0.0 => 0.0,
+        area => -0.5 * density * area * speed * speed,
+    }
 }
 
 /// Component of a body-frame force along the driving direction [N].

@@ -16,6 +16,7 @@ use crate::record::columns::{Columns, collect};
 pub fn read_mdf4(path: &Path) -> Result<Columns, Error> {
     let file = path.display().to_string();
     let told = |error: falcon_mdf::Mf4Error| Error::file(&file, error);
+    kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
     let log = Mf4File::open_buffered(path).map_err(told)?;
     let lead = log
         .find_channel("v_mps")
@@ -23,6 +24,7 @@ pub fn read_mdf4(path: &Path) -> Result<Columns, Error> {
             file: file.clone(),
             column: "v_mps".to_string(),
             found: log.channel_names().join(", "),
+            needed_by: None,
         })?;
     let time = log.channel_timestamps(lead).map_err(told)?;
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();

@@ -8,22 +8,23 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
 use crate::record::check::gaps::{OnGaps, bridged};
+use crate::record::check::needs::Needs;
 use crate::record::check::relations::judge::{judge, refuse_faults};
 use crate::record::index::{Entry, read_index};
 use crate::record::read::read_columns;
 use crate::record::run::{COLUMNS, Run};
 
-/// Reads the index and every run it names, in the index's order.
+/// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
 ///
 /// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or, with the feature `mdf4`, MDF 4 (`.mf4`).
 /// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where the index states no `distance_m`, it is [`state_distances`]'.
 ///
 /// # Errors
 /// The first bad run's error in the order of the index, [`Error::Wrong`], [`Error::DuplicateContent`] where two runs are the same.
-pub fn read_runs(index: &Path, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
+pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
     let mut runs = read_index(index)?
         .into_par_iter()
-        .map(|entry| read_run(entry, &COLUMNS, on_gaps))
+        .map(|entry| read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error)))
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
@@ -37,10 +38,14 @@ pub fn read_runs(index: &Path, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
 ///
 /// # Errors
 /// Those of the index itself.
-pub fn read_good_runs(index: &Path, on_gaps: OnGaps) -> Result<(Vec<Run>, Vec<Error>), Error> {
+pub fn read_good_runs(
+    index: &Path,
+    needs: &Needs,
+    on_gaps: OnGaps,
+) -> Result<(Vec<Run>, Vec<Error>), Error> {
     let read: Vec<Result<Run, Error>> = read_index(index)?
         .into_par_iter()
-        .map(|entry| read_run(entry, &COLUMNS, on_gaps))
+        .map(|entry| read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error)))
         .collect();
     let (mut good, mut bad) = (Vec::new(), Vec::new());
     for run in read {

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::record::check::gaps::Gaps;
 use crate::record::index::Entry;
 
-/// Columns that a run must have besides `t_s`.
+/// Columns that runs have besides `t_s`; [`crate::Needs`] says which a computation cannot do without.
 pub const COLUMNS: [&str; 10] = [
     "ax_mps2",
     "ay_mps2",
@@ -65,6 +65,7 @@ impl Run {
                 file: self.entry.file.display().to_string(),
                 column: name.to_string(),
                 found: self.columns.keys().cloned().collect::<Vec<_>>().join(", "),
+                needed_by: None,
             })
     }
 }

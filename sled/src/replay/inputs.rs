@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::model::vehicle::Vehicle;
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::check::gaps::OnGaps;
+use crate::record::check::needs::Needs;
 use crate::record::check::relations::judge::refuse_faults;
 use crate::record::check::taking_part::TakingPart;
 use crate::record::index::Entry;
@@ -21,8 +22,12 @@ use crate::signals::resampling::{PrepareOptions, Resampling};
 use crate::signals::sensed::Sensed;
 use crate::track::spline::Spline;
 
-/// Columns that a replay needs besides `t_s`.
-pub const REPLAY_COLUMNS: [&str; 2] = ["v_mps", "delta_rad"];
+/// What a replay needs; the weather is asked for by what drives.
+const NEEDS: Needs = Needs {
+    by: "a replay",
+    columns: &["v_mps", "delta_rad"],
+    forces: false,
+};
 /// Columns that it compares with where they are recorded, and the place.
 const COMPARED: [&str; 4] = ["alpha_rad", "yaw_rate_radps", "gamma_rad", "s_m"];
 /// Knots of the straight line by which the steering crosses a gap [m].
@@ -66,12 +71,13 @@ pub struct Inputs {
     pub taking_part: TakingPart,
 }
 
-/// Reads a run for a replay; only [`REPLAY_COLUMNS`] must be there, and only gaps of columns that a replay uses count.
+/// Reads a run for a replay; only `v_mps` and `delta_rad` must be there, and only gaps of columns that a replay uses count.
 ///
 /// # Errors
 /// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name says.
 pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
-    let run = read_run_of(entry.clone(), &REPLAY_COLUMNS, &COMPARED, on_gaps)?;
+    let run = read_run_of(entry.clone(), NEEDS.columns, &COMPARED, on_gaps)
+        .map_err(|error| NEEDS.told(error))?;
     // All channels bear witness, also those that a replay does not use.
     if let Ok(whole) = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut) {
         refuse_faults(&[whole])?;
@@ -87,12 +93,12 @@ impl Inputs {
     /// # Errors
     /// [`Error::MissingColumn`], [`Error::TooShort`], [`Error::Keys`] for an effect that needs what nothing states.
     pub fn of(run: &Run, vehicle: &Vehicle, start_m: f64) -> Result<Inputs, Error> {
-        for name in REPLAY_COLUMNS {
-            run.column(name)?;
+        for name in NEEDS.columns {
+            run.column(name).map_err(|error| NEEDS.told(error))?;
         }
         let effects = vehicle.effects.on_track(&run.entry.track);
         let base = Resampling::of(run, &PrepareOptions::default());
-        let further = Further::of(run, vehicle, &effects)?;
+        let further = Further::of(run, vehicle, &effects, &NEEDS)?;
         let mut distance = Distance::of(run)?;
         let from = if run.columns.contains_key("s_m") {
             0.0

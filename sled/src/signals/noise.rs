@@ -1,6 +1,5 @@
 //! How noisy the sensors are: as the model states, or as the recording itself shows.
 
-use crate::error::Error;
 use crate::model::sled::{Noise, Sled};
 use crate::record::run::Run;
 
@@ -31,27 +30,21 @@ pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
     median / 0.674_489_75 / 20.0_f64.sqrt()
 }
 
-/// Noise of every sensor of a run at its own rate, estimated by [`white_noise_sd`].
-///
-/// # Errors
-/// [`Error::MissingColumn`].
-pub fn estimate_noise(run: &Run) -> Result<Noise, Error> {
-    let sd = |name: &str| -> Result<f64, Error> {
-        Ok(noise_sd_within(run.gaps.within(run.column(name)?)))
+/// Noise of every sensor of a run at its own rate, estimated by [`white_noise_sd`]; 0 for those that are not recorded.
+pub fn estimate_noise(run: &Run) -> Noise {
+    let sd = |name: &str| {
+        let column = run.columns.get(name);
+        column.map_or(0.0, |column| noise_sd_within(run.gaps.within(column)))
     };
-    let largest = |names: [&str; 3]| -> Result<f64, Error> {
-        names
-            .iter()
-            .try_fold(0.0_f64, |most, name| Ok(most.max(sd(name)?)))
-    };
-    Ok(Noise {
-        accel_mps2: largest(["ax_mps2", "ay_mps2", "az_mps2"])?,
-        rate_radps: largest(["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"])?,
-        speed_mps: sd("v_mps")?,
-        slip_rad: sd("alpha_rad")?,
-        steer_rad: sd("delta_rad")?,
-        roll_split_rad: sd("gamma_rad")?,
-    })
+    let largest = |names: [&str; 3]| names.into_iter().map(sd).fold(0.0, f64::max);
+    Noise {
+        accel_mps2: largest(["ax_mps2", "ay_mps2", "az_mps2"]),
+        rate_radps: largest(["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"]),
+        speed_mps: sd("v_mps"),
+        slip_rad: sd("alpha_rad"),
+        steer_rad: sd("delta_rad"),
+        roll_split_rad: sd("gamma_rad"),
+    }
 }
 
 /// Standard deviations of the slip angles at the front and the rear runner [rad], before any filter.

@@ -14,7 +14,7 @@ use crate::motion::state::{AxleForces, Motion, State};
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::check::taking_part::TakingPart;
 use crate::record::index::Entry;
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 use crate::signals::distance::Distance;
 use crate::signals::filter::{self, noise_gain};
 use crate::signals::further::Further;
@@ -70,7 +70,8 @@ impl Prepared {
 /// In this order: low pass and down-sampling to `rate_hz`, low pass at `cutoff_hz`, angular accelerations by
 /// [`derivative`], accelerations to the centre of gravity, slips at the axles, normal forces. `s_m` is taken from the
 /// recording where it has one, else integrated from the speed, across a gap of the speed as if it changed evenly there.
-/// Effects of the vehicle that stand between the truth and its sensors are taken out. `noise` states the sensors' noise;
+/// Effects of the vehicle that stand between the truth and its sensors are taken out. Of the columns that `options.needs` does not
+/// name, `ax_mps2` is NaN where it is not recorded, others are 0. `noise` states the sensors' noise;
 /// where absent it is estimated from the recording.
 ///
 /// Every stretch without a gap is filtered by itself. Beside a gap two periods of the corner and the derivative's three
@@ -85,16 +86,18 @@ pub fn prepare(
     noise: Option<&Noise>,
     options: &PrepareOptions,
 ) -> Result<Prepared, Error> {
-    for name in COLUMNS {
-        run.column(name)?;
+    for name in options.needs.columns {
+        run.column(name)
+            .map_err(|error| options.needs.told(error))?;
     }
     let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let (sled, effects) = (&vehicle.sled, &vehicle.effects);
     let base = Resampling::of(run, options);
-    let further = Further::of(run, vehicle, effects)?;
+    let further = Further::of(run, vehicle, effects, &options.needs)?;
     let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
     let mut speeds: (f64, usize) = (0.0, 0);
     let mut distance = Distance::of(run)?;
+    let along = run.columns.contains_key("ax_mps2");
     for (number, piece) in run.gaps.pieces.iter().enumerate() {
         let count = base.samples(piece).len();
         if count < filter::LEAST_SAMPLES {
@@ -105,7 +108,12 @@ pub fn prepare(
         speeds.1 += count;
         let start = states.len();
         for i in base.kept(number, run.gaps.pieces.len(), count) {
-            let (state, motion) = from_sensors(sled, &sensed.signals(i), &sensed.conditions(i));
+            let (mut state, mut motion) =
+                from_sensors(sled, &sensed.signals(i), &sensed.conditions(i));
+            if !along {
+                // What is not measured is no number, so that nothing rests on it.
+                (motion.accel_mps2[0], state.accel_mps2[0]) = (f64::NAN, f64::NAN);
+            }
             states.push(state);
             motions.push(motion);
         }
@@ -113,7 +121,9 @@ pub fn prepare(
             pieces.push(start..states.len());
         }
     }
-    refuse_no_number(run, vehicle, &states)?;
+    if options.needs.forces {
+        refuse_no_number(run, vehicle, &states)?;
+    }
     if states.len() < LEAST_SAMPLES {
         return Err(Error::TooShort {
             file: run.entry.file.display().to_string(),
@@ -123,7 +133,7 @@ pub fn prepare(
     }
     let noise = match noise {
         Some(noise) => *noise,
-        None => estimate_noise(run)?,
+        None => estimate_noise(run),
     };
     let mean_speed = speeds.0 / speeds.1 as f64;
     let (front, rear) = slip_noise(sled, &noise, mean_speed);

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::record::check::needs::Needs;
 use crate::record::run::Run;
 use crate::signals::derivative::HALF_WIDTH;
 use crate::signals::filter::{ratio, resample_from};
@@ -13,6 +14,8 @@ pub struct PrepareOptions {
     pub rate_hz: f64,
     /// Corner of the zero-phase low pass after that [Hz].
     pub cutoff_hz: f64,
+    /// What it is for.
+    pub needs: Needs,
 }
 
 impl Default for PrepareOptions {
@@ -20,6 +23,7 @@ impl Default for PrepareOptions {
         PrepareOptions {
             rate_hz: 100.0,
             cutoff_hz: 20.0,
+            needs: Needs::FORCES,
         }
     }
 }

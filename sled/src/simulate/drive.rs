@@ -3,10 +3,13 @@
 use crate::error::Error;
 use crate::model::refuse::refuse_effects;
 use crate::model::vehicle::Vehicle;
+use crate::record::check::needs::refuse_drag_without_air;
+use crate::record::index::Conditions;
 use crate::simulate::driver::Driver;
 use crate::simulate::dynamics::{Before, COUNT, Instant, TIME, Unknowns, World};
 use crate::simulate::options::{SimulateOptions, steps_an_interval};
 use crate::simulate::steering::Steering;
+use crate::track::ice::IceAlong;
 use crate::track::shape::TrackShape;
 
 /// Work and energy over a simulation [J].
@@ -71,12 +74,12 @@ pub fn simulate(
 ) -> Result<Simulated, Error> {
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = options.conditions.or(&vehicle.conditions);
-    refuse_effects(&vehicle.effects, &conditions.absent(), "simulation")?;
-    vehicle.refuse_unstated_ice(conditions.ice_c.is_finite(), "simulation")?;
+    refuse_unstated(vehicle, &conditions, &track.ice, "simulation")?;
     let world = World {
         vehicle,
         shape: track,
         conditions,
+        ice: &track.ice,
         density: options.conditions.air_density(),
         steering: Steering::Driver(
             driver,
@@ -93,6 +96,20 @@ pub fn simulate(
         None => Ok(simulated),
         Some(trouble) => Err(trouble),
     }
+}
+
+/// Refuses what the vehicle asks of ice and air that neither `conditions` nor the places along the track state.
+pub(crate) fn refuse_unstated(
+    vehicle: &Vehicle,
+    conditions: &Conditions,
+    ice: &IceAlong,
+    who: &str,
+) -> Result<(), Error> {
+    let mut absent = conditions.absent();
+    absent.retain(|name| *name != "ice_c" || ice.points().is_empty());
+    refuse_effects(&vehicle.effects, &absent, who)?;
+    vehicle.refuse_unstated_ice(!absent.contains(&"ice_c"), who)?;
+    refuse_drag_without_air(&vehicle.sled, conditions, who)
 }
 
 /// Drives from a `start` to the distance `finish_m`; beside the result why it ended before, where the motion left the

@@ -10,6 +10,7 @@ use crate::motion::state::{AxleForces, Motion, State};
 use crate::motion::transfer::{Slips, slips};
 use crate::record::index::Conditions;
 use crate::simulate::steering::{Seen, Steering};
+use crate::track::ice::IceAlong;
 use crate::track::shape::TrackShape;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
@@ -58,6 +59,8 @@ pub(crate) struct World<'a> {
     pub vehicle: &'a Vehicle,
     pub shape: &'a TrackShape,
     pub conditions: Conditions,
+    /// Where it differs from place to place.
+    pub ice: &'a IceAlong,
     pub density: f64,
     pub steering: Steering<'a>,
     pub contacts: &'a [WallContact],
@@ -172,7 +175,7 @@ impl World<'_> {
             fz_f0_n,
             fz_r_n,
             air_density_kgpm3: self.density,
-            ice_c: self.conditions.ice_c,
+            ice_c: self.ice.at(s).unwrap_or(self.conditions.ice_c),
             air_c: self.conditions.air_c,
             air_pa: self.conditions.air_pa,
             humidity_pct: self.conditions.humidity_pct.unwrap_or(f64::NAN),

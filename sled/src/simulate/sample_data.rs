@@ -133,6 +133,7 @@ pub fn sample_track(name: &str) -> Track {
         speed_square += 2.0 * (GRAVITY * slope(s).sin() - drag);
     }
     Track {
+        ice: crate::track::ice::IceAlong::default(),
         name: if name == "west" { "west" } else { "east" }.to_string(),
         slope_rad: s_m.iter().map(|s| slope(*s)).collect(),
         bank_rad: s_m.iter().map(|s| bank(*s)).collect(),

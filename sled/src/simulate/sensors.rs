@@ -134,6 +134,8 @@ fn complete_rates(signals: &mut [Signals], dt_s: f64) {
 /// An index row for a simulated run.
 pub fn simulated_entry(run: &str, track: &Track, driver: &str, conditions: Conditions) -> Entry {
     Entry {
+        ice_along: crate::track::ice::IceAlong::default(),
+        ice_of_track: crate::track::ice::IceAlong::default(),
         run: run.to_string(),
         file: PathBuf::from(format!("{run}.csv")),
         track: track.name.clone(),

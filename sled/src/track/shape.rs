@@ -1,5 +1,6 @@
 //! A track made smooth.
 
+use crate::track::ice::IceAlong;
 use crate::track::spline::Spline;
 use crate::track::table::Track;
 
@@ -14,6 +15,8 @@ pub struct TrackShape {
     pub curvature: Spline,
     /// Bank [rad].
     pub bank: Spline,
+    /// Temperature of the ice, where it is stated.
+    pub ice: IceAlong,
     /// Distance at the start [m].
     pub start_m: f64,
     /// Distance at the finish [m].
@@ -29,6 +32,7 @@ impl TrackShape {
             slope: through(&track.slope_rad),
             curvature: through(&track.curvature_1pm),
             bank: through(&track.bank_rad),
+            ice: track.ice.clone(),
             start_m: track.s_m[0],
             finish_m: track.s_m[track.s_m.len() - 1],
         }

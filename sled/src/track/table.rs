@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::error::Error;
 use crate::record::csv::{read_csv, write_csv};
+use crate::track::ice::IceAlong;
 
 /// A track table, `track_NAME.csv`.
 ///
@@ -22,9 +23,14 @@ pub struct Track {
     pub curvature_1pm: Vec<f64>,
     /// Bank, positive with the left side up [rad].
     pub bank_rad: Vec<f64>,
+    /// Temperature of the ice, where the table states it.
+    pub ice: IceAlong,
 }
 
 const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
+
+/// Temperatures of ice that runs are driven on [degrees Celsius].
+pub(crate) const ICE_C: (f64, f64) = (-60.0, 5.0);
 
 /// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
 const LEAST_SPAN_M: f64 = 20.0;
@@ -48,16 +54,28 @@ impl Track {
         Track::from_csv(reader, name, &file)
     }
 
-    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may stand for `curvature_1pm`. The errors of an
-    /// estimated track are passed over.
+    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may stand for `curvature_1pm`, and `ice_c`
+    /// [degrees Celsius] beside them, with cells left empty where nothing measures it. The errors of an estimated track are passed over.
     ///
     /// # Errors
     /// [`Error::MissingColumn`], [`Error::Column`] for unknown ones, [`Error::Cell`] with the row, [`Error::TooFew`].
     pub fn from_csv(reader: impl std::io::Read, name: &str, file: &str) -> Result<Track, Error> {
-        let required = ["s_m", "slope_rad", "curvature_1pm", "radius_m", "bank_rad"];
+        let required = [
+            "s_m",
+            "slope_rad",
+            "curvature_1pm",
+            "radius_m",
+            "bank_rad",
+            "ice_c",
+        ];
         let mut columns = read_csv(reader, &required, file)?;
         columns.retain(|name, _| !ERRORS.contains(&name.as_str()));
-        let expected = || format!("{} (or radius_m for curvature_1pm)", COLUMNS.join(", "));
+        let expected = || {
+            format!(
+                "{} (or radius_m for curvature_1pm) and perhaps ice_c",
+                COLUMNS.join(", ")
+            )
+        };
         if let Some(unknown) = columns
             .keys()
             .find(|name| !required.contains(&name.as_str()))
@@ -83,21 +101,30 @@ impl Track {
                 });
             }
         }
+        let ice = columns.remove("ice_c").unwrap_or_default();
         let mut take = |column: &str| {
             columns.remove(column).ok_or_else(|| Error::MissingColumn {
                 file: file.to_string(),
                 column: column.to_string(),
                 found: columns.keys().cloned().collect::<Vec<_>>().join(", "),
+                needed_by: None,
             })
         };
-        let track = Track {
+        let mut track = Track {
             name: name.to_string(),
+            ice: IceAlong::default(),
             s_m: take("s_m")?,
             slope_rad: take("slope_rad")?,
             curvature_1pm: take("curvature_1pm")?,
             bank_rad: take("bank_rad")?,
         };
         track.check(file)?;
+        let (low, high) = ICE_C;
+        if let Some(row) = ice.iter().position(|c| *c < low || *c > high) {
+            let expected = format!("a number from {low} to {high}, or nothing");
+            return Err(cell(file, row, "ice_c", ice[row], &expected));
+        }
+        track.ice = IceAlong::new(track.s_m.iter().zip(ice).map(|(s, c)| [*s, c]));
         Ok(track)
     }
 
@@ -161,15 +188,17 @@ impl Track {
     /// # Errors
     /// The writer's.
     pub fn write_csv(&self, writer: impl std::io::Write) -> std::io::Result<()> {
-        write_csv(
-            writer,
-            &[
-                ("s_m", &self.s_m),
-                ("slope_rad", &self.slope_rad),
-                ("curvature_1pm", &self.curvature_1pm),
-                ("bank_rad", &self.bank_rad),
-            ],
-        )
+        let mut columns: Vec<(&str, &[f64])> = vec![
+            ("s_m", &self.s_m),
+            ("slope_rad", &self.slope_rad),
+            ("curvature_1pm", &self.curvature_1pm),
+            ("bank_rad", &self.bank_rad),
+        ];
+        let ice: Vec<f64> = self.s_m.iter().filter_map(|s| self.ice.at(*s)).collect();
+        if !ice.is_empty() {
+            columns.push(("ice_c", &ice));
+        }
+        write_csv(writer, &columns)
     }
 
     /// Altitude lost from the start to each row [m]: the integral of `sin(slope)` along the line.

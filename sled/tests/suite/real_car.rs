@@ -16,6 +16,8 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
     };
     let file = PathBuf::from(data).join("revs/run.csv");
     let entry = Entry {
+        ice_along: kufe_sled::IceAlong::default(),
+        ice_of_track: kufe_sled::IceAlong::default(),
         run: "revs".to_string(),
         file,
         track: "road".to_string(),

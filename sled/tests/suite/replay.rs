@@ -4,9 +4,9 @@ use std::process::Command;
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Inputs, Model, OnGaps, Replay, Run, RunFormat, RunnerLaw, SimulateOptions, Track,
-    TrackShape, Vehicle, WallContact, read_for_replay, record, replay, simulate, simulated_entry,
-    write_run,
+    Driver, Inputs, Model, Noise, OnGaps, Replay, Run, RunFormat, RunnerLaw, SimulateOptions,
+    Track, TrackShape, Vehicle, WallContact, read_for_replay, record, replay, simulate,
+    simulated_entry, write_run,
 };
 
 fn vehicle() -> Vehicle {
@@ -66,11 +66,39 @@ fn a_simulated_run_comes_back_from_its_steering() {
     assert!(back.mean_force_n.abs() < 0.01, "{}", back.mean_force_n);
 }
 
+#[test]
+fn the_noise_of_the_first_reading_does_not_set_the_start() {
+    let (vehicle, track, noise) = (vehicle(), sample_track("west"), 0.3);
+    let shape = TrackShape::new(&track);
+    let driven = simulate(&vehicle, &shape, &Driver::of_skill(0.6), &options(100.0)).unwrap();
+    let sensors = Noise {
+        speed_mps: noise,
+        ..Noise::default()
+    };
+    let truth = driven.instants[0].state.v_mps;
+    let (mut first, mut started) = (0.0, 0.0);
+    for seed in 1..=12 {
+        let entry = simulated_entry("r", &track, "d", options(100.0).conditions);
+        let run = record(&driven, &vehicle, Some(&sensors), entry, seed);
+        let inputs = Inputs::of(&run, &vehicle, track.s_m[0]).unwrap();
+        let back = again(&run, &vehicle, &track);
+        first += (inputs.readings[0].values[0] - truth).powi(2) / 12.0;
+        started += (back.simulated.instants[0].state.v_mps - truth).powi(2) / 12.0;
+    }
+    // Half a second holds twenty values that know nothing of one another, each of the root of 0.4 of the noise.
+    assert!(first.sqrt() > 0.5 * noise, "{first}");
+    assert!(
+        started.sqrt() < 2.0 * noise * (0.4_f64 / 20.0).sqrt(),
+        "{started}"
+    );
+}
+
 /// A straight of constant slope.
 fn slide(slope: f64) -> Track {
     let s_m: Vec<f64> = (0..=60).map(|i| 10.0 * f64::from(i)).collect();
     let all = |value: f64| vec![value; s_m.len()];
     Track {
+        ice: kufe_sled::IceAlong::default(),
         name: "slide".to_string(),
         slope_rad: all(slope),
         curvature_1pm: all(0.0),
@@ -105,9 +133,15 @@ fn a_tenth_more_friction_parts_the_speeds_as_a_constant_force_does() {
     let speed = |mu: f64, s: f64| {
         (v0 * v0 + 2.0 * kufe_sled::GRAVITY * s * (slope.sin() - mu * slope.cos())).sqrt()
     };
+    // The start has the run's energy in the mean over half a second.
+    let early: Vec<f64> = back.compared.iter().map(|at| at.s_m).take(51).collect();
+    let more = early
+        .iter()
+        .map(|s| speed(mu, *s).powi(2) - speed(1.1 * mu, *s).powi(2));
+    let more = more.sum::<f64>() / early.len() as f64;
     for at in back.compared.iter().skip(20) {
         let [measured, model] = at.values[0];
-        let expected = speed(mu, at.s_m) - speed(1.1 * mu, at.s_m);
+        let expected = speed(mu, at.s_m) - (speed(1.1 * mu, at.s_m).powi(2) + more).sqrt();
         // The low pass extends the record's ends oddly, which a parabola feels: 1e-5 of the speed.
         assert!(
             (measured - model - expected).abs() < 2e-4,
@@ -312,13 +346,15 @@ fn the_model_driven_again_equals_scipys_solve_ivp() {
     let mut heavier = vehicle.clone();
     heavier.sled.mass_kg *= 1.1;
     heavier.rear.lateral.k_n_per_rad *= 0.8;
+    let ours = again(&run, &heavier, &track);
     let law = |law: kufe_friction::MagicFormula| [law.mu_zeta, law.c, law.e, law.k_n_per_rad];
     let to_m = 500.0;
     let parameters = serde_json::json!({
         "mass": heavier.sled.mass_kg, "jyy": sled.j_yy_kgm2, "jzz": sled.j_zz_kgm2,
         "l_f": sled.l_f_m, "l_r": sled.l_r_m, "xs": sled.slip_x_m, "cda": sled.cda_m2,
         "yaw_drag": sled.yaw_drag_per_deg, "mu": 0.004,
-        "rho": options(100.0).conditions.air_density(), "v0": 10.0, "to": to_m,
+        "rho": options(100.0).conditions.air_density(), "to": to_m,
+        "v0": ours.simulated.instants[0].state.v_mps,
         "front": law(friction.front), "rear": law(heavier.rear.lateral),
     });
     let Some(interpreter) = kufe_outside::python("numpy, scipy") else {
@@ -339,7 +375,6 @@ fn the_model_driven_again_equals_scipys_solve_ivp() {
         .split_whitespace()
         .map(|number| number.parse().unwrap())
         .collect();
-    let ours = again(&run, &heavier, &track);
     let at = ours
         .compared
         .windows(2)

@@ -27,6 +27,7 @@ fn rolling_track() -> Track {
     let s_m: Vec<f64> = (0..=800).map(f64::from).collect();
     let k = std::f64::consts::TAU / 160.0;
     Track {
+        ice: kufe_sled::IceAlong::default(),
         name: "rolling".to_string(),
         slope_rad: s_m.iter().map(|s| 0.06 + 0.08 * (k * s).sin()).collect(),
         curvature_1pm: s_m.iter().map(|s| -0.08 * k * (k * s).cos()).collect(),
@@ -150,6 +151,7 @@ fn recorded(
     let raw = PrepareOptions {
         rate_hz: 1e4,
         cutoff_hz: 1e4,
+        ..PrepareOptions::default()
     };
     prepare(&run, vehicle, Some(&Noise::default()), &raw).unwrap()
 }

@@ -331,6 +331,8 @@ fn entry(planned: &PlannedRun) -> Entry {
     let text = |name: &str| planned.index.cell(name).unwrap_or_default();
     let number = |name: &str| planned.index.number(name).unwrap_or(f64::NAN);
     Entry {
+        ice_along: kufe_sled::IceAlong::default(),
+        ice_of_track: kufe_sled::IceAlong::default(),
         run: planned.name.clone(),
         file: planned.name.clone().into(),
         track: text("track"),

@@ -5,11 +5,11 @@ use kufe_sled::{INDEX_COLUMNS, MORE_INDEX_COLUMNS};
 use crate::error::Error;
 use crate::mapping::plan::PlannedRun;
 
-/// The text of `runs.csv`: its required columns, and of the others those that a run states; the ice's temperature may be empty.
+/// The text of `runs.csv`: its usual columns, empty where a run does not state them, and of the others those that a run states.
 ///
 /// # Errors
-/// [`Error::Key`] for a required column that is not stated.
-pub fn index_csv(runs: &[PlannedRun], ending: &str, mapping: &str) -> Result<Vec<u8>, Error> {
+/// [`Error::File`] of the writer.
+pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
     let stated = |name: &&str| runs.iter().any(|run| run.index.cell(name).is_some());
     let more = MORE_INDEX_COLUMNS.into_iter().filter(stated);
     let columns: Vec<&str> = INDEX_COLUMNS.into_iter().chain(more).collect();
@@ -22,19 +22,7 @@ pub fn index_csv(runs: &[PlannedRun], ending: &str, mapping: &str) -> Result<Vec
             cells.push(match *name {
                 "run" => run.name.clone(),
                 "file" => format!("{}.{ending}", run.name),
-                name => match run.index.cell(name).filter(|cell| !cell.trim().is_empty()) {
-                    Some(cell) => cell,
-                    None if MORE_INDEX_COLUMNS.contains(&name) || name == "ice_c" => String::new(),
-                    None => {
-                        return Err(Error::Key {
-                            file: mapping.to_string(),
-                            key: format!("index.{name}"),
-                            found: format!("nothing for run {}", run.name),
-                            expected: "a value here, in the index table or in the run's own table"
-                                .to_string(),
-                        });
-                    }
-                },
+                name => run.index.cell(name).unwrap_or_default().trim().to_string(),
             });
         }
         table.write_record(&cells).map_err(told)?;

@@ -74,7 +74,7 @@ pub struct Args {
     /// Write Parquet instead of CSV
     #[arg(long)]
     pub parquet: bool,
-    /// Ice temperature [degrees Celsius]
+    /// Ice temperature [degrees Celsius], where the track states no ice_c
     #[arg(long, default_value_t = -8.0, allow_negative_numbers = true)]
     pub ice_c: f64,
     /// Air temperature [degrees Celsius]

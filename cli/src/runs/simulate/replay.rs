@@ -128,6 +128,8 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         return Ok(Entry {
+            ice_along: kufe_sled::IceAlong::default(),
+            ice_of_track: kufe_sled::IceAlong::default(),
             run: stem.unwrap_or_default(),
             file,
             track: track.name.clone(),

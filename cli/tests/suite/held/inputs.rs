@@ -60,7 +60,12 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
         "section.toml",
         CASE.replace("[ice]", "section = { profile = \"p.csv\" }\n[ice]"),
     );
-    let rows: [&[&str]; 13] = [
+    bench.succeeds(&["init", "--kind", "model", "-q"]);
+    bench.write(
+        "glides.csv",
+        "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa\n1,p.csv,a,up,50,0,2,94700\n",
+    );
+    let rows: [&[&str]; 24] = [
         &["press", "p.toml"],
         &["press", "hull.toml"],
         &["press", "device.toml"],
@@ -76,6 +81,31 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
         &["info", "p.exr"],
         &["hull", "bob", "--rocker-points", "p.csv", "-o", "new.obj"],
         &["simulate", "p.toml", "p.csv"],
+        &["simulate", "model.toml", "p.csv"],
+        &["evaluate", "p.csv", "--model", "model.toml"],
+        &["fit", "lateral", "p.csv", "--model", "model.toml"],
+        &[
+            "validate",
+            "p.csv",
+            "--model",
+            "model.toml",
+            "--fit",
+            "p.toml",
+        ],
+        &["discover", "p.csv", "--model", "model.toml"],
+        &[
+            "discover",
+            "p.csv",
+            "--model",
+            "model.toml",
+            "--rules",
+            "p.toml",
+        ],
+        &["runs", "check", "p.csv"],
+        &["runs", "align", "p.csv", "--model", "model.toml", "-o", "a"],
+        &["friction", "fit", "p.csv"],
+        &["icehouse", "p.csv"],
+        &["icehouse", "glides.csv"],
     ];
     for words in rows {
         let (code, told) = said(&bench, words);

@@ -265,6 +265,63 @@ fn a_hull_too_coarse_for_its_load_is_refused_with_the_numbers_by_every_command_t
 }
 
 #[test]
+fn a_stray_vertex_is_refused_and_a_second_runner_and_one_across_are_told() {
+    let (bench, hull) = bench_with_hull();
+    let moved = |line: &str, to: &dyn Fn(&[f64]) -> [f64; 3]| {
+        if !line.starts_with("v ") {
+            return line.to_owned();
+        }
+        let [x, y, z] = to(&numbers(line));
+        format!("v {x} {y} {z}")
+    };
+    let down = lines(&hull, |line| {
+        let to = |at: &[f64]| match at {
+            [0.0, 0.0, 0.0] => [0.0, 0.0, -1.0],
+            at => [at[0], at[1], at[2]],
+        };
+        Some(moved(line, &to))
+    });
+    assert_ne!(down, hull);
+    bench.write("down.obj", down);
+    refused(
+        &bench,
+        "hull = \"down.obj\"",
+        &["lowest vertex", "z = -1.000000", "stray"],
+    );
+    let count = hull.lines().filter(|line| line.starts_with("v ")).count();
+    let second = lines(&hull, |line| {
+        let Some(corners) = line.strip_prefix("f ") else {
+            return Some(moved(line, &|at| [at[0], at[1] + 0.4, at[2]]));
+        };
+        let corners = corners.split(' ').map(|word| {
+            let number = word.split('/').next().and_then(|n| n.parse::<usize>().ok());
+            format!(" {}", number.expect("a number") + count)
+        });
+        Some(format!("f{}", corners.collect::<String>()))
+    });
+    bench.write("two.obj", format!("{hull}{second}"));
+    let across = lines(&hull, |line| {
+        Some(moved(line, &|at| [-at[1], at[0], at[2]]))
+    });
+    bench.write("across.obj", across);
+    let whole = p_max(&press(&bench, "hull = \"bob.obj\""));
+    for (file, part) in [
+        ("two.obj", "2 bodies apart"),
+        ("across.obj", "forward = \"y\""),
+    ] {
+        let output = press(&bench, &format!("hull = \"{file}\""));
+        assert!(
+            errors(&output).contains(part),
+            "{file}: {}",
+            errors(&output)
+        );
+        assert!((p_max(&output) / whole - 1.0).abs() < 0.02, "{file}");
+    }
+    let turned = press(&bench, "hull = \"across.obj\"\nforward = \"y\"");
+    assert!(!errors(&turned).contains("forward"), "{}", errors(&turned));
+}
+
+#[test]
 fn a_load_that_misses_a_hull_is_refused_with_both_places() {
     let (bench, _) = bench_with_hull();
     let case =

@@ -287,6 +287,14 @@ fn wrong_arguments_leave_with_code_2() {
         &["press", "--threads", "0"][..],
         &["press", "--no-such-option"],
         &["nonsense"],
+        &[
+            "evaluate",
+            "runs.csv",
+            "--model",
+            "model.toml",
+            "--cutoff",
+            "1e-9",
+        ],
     ] {
         assert_eq!(bench.kufe(words).status.code(), Some(2), "{words:?}");
     }

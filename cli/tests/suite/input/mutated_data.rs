@@ -249,3 +249,50 @@ fn a_map_that_claims_more_than_the_limit_is_refused_by_its_header() {
         .to_string();
     assert!(told.contains("100000 x 100000 pixels"), "{told}");
 }
+
+/// Logs that other programs wrote, by a script that is given the folder.
+#[cfg(any(feature = "mdf4", feature = "mat73"))]
+fn logs(modules: &str, script: &str, ending: &str) -> Vec<Vec<u8>> {
+    let Some(interpreter) = kufe_outside::python(modules) else {
+        return Vec::new();
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = std::process::Command::new(interpreter)
+        .args(["-c", script])
+        .arg(folder.path())
+        .status();
+    assert!(made.expect("it runs").success(), "{modules}");
+    ["a", "b"]
+        .map(|name| std::fs::read(folder.path().join(format!("{name}.{ending}"))).expect("a log"))
+        .into()
+}
+
+#[cfg(feature = "mdf4")]
+#[test]
+fn damaged_mdf4_logs_are_channels_or_errors() {
+    let script = "import sys, numpy as np\nfrom asammdf import MDF, Signal\nt = np.arange(40) / 20.0\n\
+        for name, packed in (('a', 0), ('b', 2)):\n    log = MDF(version='4.10')\n    \
+        log.append([Signal(np.sin(t), t, name='a', unit='g'), Signal(np.arange(40).astype('i2'), t, name='n')])\n    \
+        log.save(sys.argv[1] + f'/{name}.mf4', compression=packed, overwrite=True)\n";
+    let seeds = logs("asammdf, numpy", script, "mf4");
+    if !seeds.is_empty() {
+        rounds("log.mf4", &seeds, |bytes| {
+            kufe_telemetry::read_mdf4(bytes.to_vec(), None, "log.mf4").is_ok()
+        });
+    }
+}
+
+#[cfg(feature = "mat73")]
+#[test]
+fn damaged_matlab73_files_are_channels_or_errors() {
+    let script = "import sys, h5py, numpy as np\nt = np.arange(40) / 20.0\n\
+        for name, filters in (('a', {}), ('b', {'chunks': (1, 20), 'compression': 'gzip'})):\n    \
+        with h5py.File(sys.argv[1] + f'/{name}.mat', 'w', userblock_size=512, libver=('earliest', 'latest')) as f:\n        \
+        f.create_dataset('t', data=t[None], **filters)\n        f.create_group('gps').create_dataset('v', data=np.cos(t)[None])\n";
+    let seeds = logs("h5py, numpy", script, "mat");
+    if !seeds.is_empty() {
+        rounds("log.mat", &seeds, |bytes| {
+            kufe_telemetry::read_matlab73(bytes.to_vec(), None, "log.mat").is_ok()
+        });
+    }
+}

@@ -204,6 +204,19 @@ fn strangers_and_oversized_requests_are_refused() {
 }
 
 #[test]
+fn connections_that_ask_for_nothing_do_not_block_the_page() {
+    let bench = Bench::new();
+    let view = View::start(&bench, &[]);
+    let idle: Vec<TcpStream> = (0..40)
+        .map(|_| TcpStream::connect(("127.0.0.1", view.port)).expect("it listens"))
+        .collect();
+    for _ in 0..3 {
+        assert_eq!(status(&view.get("/")), 200);
+    }
+    drop(idle);
+}
+
+#[test]
 fn a_solve_answers_as_press_does_and_a_newer_form_overtakes_it() {
     let bench = Bench::new();
     bench.write("fine.toml", CASE.replace("p_max = 0.02", "p_max = 0.0005"));

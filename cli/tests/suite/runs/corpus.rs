@@ -276,7 +276,7 @@ pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
     );
     add(
         each("az_mps2", |_, x| x.min(18.0)),
-        &[("", "note", "saturated")],
+        &[("az_mps2", "note", "saturated")],
     );
     // Pairs.
     let pairs: [(Damage, Damage, [Said; 2]); 8] = [

@@ -14,3 +14,4 @@ mod gaps;
 mod imported;
 mod replay;
 mod sled;
+mod thresholds;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::error::Error;
 use crate::record::check::clock::{Base, Clock};
 use crate::record::check::gaps::{Gaps, LEAST_SPEED, OnGaps};
+use crate::record::check::saturation::Saturation;
 use crate::record::columns::Columns;
 
 /// Fewest samples of a run that filters and derivatives can work on.
@@ -32,6 +33,7 @@ pub fn check_columns(
                 file: file.to_string(),
                 column: name.to_string(),
                 found: columns.keys().cloned().collect::<Vec<_>>().join(", "),
+                needed_by: None,
             });
         }
     }
@@ -88,8 +90,8 @@ pub fn check_columns(
     };
     let remarks = used
         .iter()
-        .filter_map(|name| at_end_stop(name, &columns[*name], &clock))
-        .map(|remark| format!("{file}: {remark}"))
+        .filter_map(|name| Some((name, Saturation::of(&columns[*name])?)))
+        .map(|(name, found)| format!("{file}: {}", found.told(name, clock.t0_s, clock.dt_s)))
         .collect();
     Ok((clock, gaps, remarks))
 }
@@ -164,31 +166,5 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
         t_s: time[first],
         bursts,
         total: values.iter().filter(|v| missing(v)).count(),
-    })
-}
-
-/// A stretch of equal samples at the column's extreme, as a saturated sensor gives.
-fn at_end_stop(column: &str, values: &[f64], clock: &Clock) -> Option<String> {
-    const STRETCH: usize = 8;
-    let extreme = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    if extreme == 0.0 || values.iter().all(|v| v.abs() == extreme) {
-        return None;
-    }
-    let (mut length, mut longest, mut end) = (0, 0, 0);
-    for (i, value) in values.iter().enumerate() {
-        length = if value.abs() == extreme {
-            length + 1
-        } else {
-            0
-        };
-        if length > longest {
-            (longest, end) = (length, i);
-        }
-    }
-    (longest >= STRETCH).then(|| {
-        format!(
-            "column {column} stays at its extreme {extreme} for {longest} samples from t = {:.3} s on: saturated?",
-            clock.t0_s + (end + 1 - longest) as f64 * clock.dt_s
-        )
     })
 }

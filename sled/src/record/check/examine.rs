@@ -13,6 +13,7 @@ use crate::record::check::relations::delay::delays;
 use crate::record::check::relations::fault::Fault;
 use crate::record::check::relations::judge::judge;
 use crate::record::check::relations::slow::Slow;
+use crate::record::check::saturation::Saturation;
 use crate::record::columns::Columns;
 use crate::record::index::{Entry, read_index};
 use crate::record::read::read_columns;
@@ -82,42 +83,38 @@ pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
         .into_par_iter()
         .map(|entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut)))
         .collect();
-    let mut copies: Vec<(String, String)> = Vec::new();
-    let mut runs: Vec<Run> = read
-        .iter()
-        .filter_map(|(_, run)| run.as_ref().ok().cloned())
-        .collect();
+    // Long recordings are held once: runs in one list, with their places in the index beside them.
+    let (mut runs, mut places, mut examined) = (Vec::new(), Vec::new(), Vec::new());
+    for (place, (entry, run)) in read.into_iter().enumerate() {
+        match run {
+            Ok(run) => {
+                runs.push(run);
+                places.push(place);
+            }
+            Err(error) => examined.push((place, refused(&entry, error.to_string()))),
+        }
+    }
     while let Some((first, second)) = find_copy(&runs) {
-        let copy = runs.remove(second);
-        copies.push((copy.entry.run, runs[first].entry.run.clone()));
+        let of = runs[first].entry.run.clone();
+        let (copy, place) = (runs.remove(second), places.remove(second));
+        let mut one = examine_run(&copy, Vec::new());
+        one.refused = Some(format!(
+            "holds the same samples as run {of}: expected each run once"
+        ));
+        examined.push((place, one));
     }
     let faults = judge(&runs);
-    let mut examined: Vec<Examination> = read
+    let found: Vec<(usize, Examination)> = runs
         .par_iter()
-        .map(|(entry, run)| match run {
-            Ok(run) => {
-                let own = faults.iter().filter(|fault| fault.run == entry.run);
-                let mut one = examine_run(run, own.cloned().collect());
-                let copy = copies.iter().find(|(copy, _)| *copy == entry.run);
-                one.refused = copy.map(|(_, of)| {
-                    format!("holds the same samples as run {of}: expected each run once")
-                });
-                one
-            }
-            Err(error) => Examination {
-                run: entry.run.clone(),
-                file: entry.file.display().to_string(),
-                refused: Some(error.to_string()),
-                faults: Vec::new(),
-                notes: Vec::new(),
-                gaps: Gaps::default(),
-                rate_hz: 0.0,
-                length_s: 0.0,
-                used_s: 0.0,
-                channels: BTreeMap::new(),
-            },
+        .zip(places)
+        .map(|(run, place)| {
+            let own = faults.iter().filter(|fault| fault.run == run.entry.run);
+            (place, examine_run(run, own.cloned().collect()))
         })
         .collect();
+    examined.extend(found);
+    examined.sort_by_key(|(place, _)| *place);
+    let mut examined: Vec<Examination> = examined.into_iter().map(|(_, one)| one).collect();
     let rank = |one: &Examination| {
         let odd = one.notes.first().map_or(0.0, |note| note.weight);
         (
@@ -131,6 +128,22 @@ pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
         (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     });
     Ok(examined)
+}
+
+/// A run that cannot be used at all.
+fn refused(entry: &Entry, reason: String) -> Examination {
+    Examination {
+        run: entry.run.clone(),
+        file: entry.file.display().to_string(),
+        refused: Some(reason),
+        faults: Vec::new(),
+        notes: Vec::new(),
+        gaps: Gaps::default(),
+        rate_hz: 0.0,
+        length_s: 0.0,
+        used_s: 0.0,
+        channels: BTreeMap::new(),
+    }
 }
 
 fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
@@ -150,6 +163,7 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             delay_s: delay
                 .filter(|_| faults.is_empty())
                 .map(|(delay, error)| [delay, error]),
+            saturation: Saturation::of(column),
             ..Profile::of(run.gaps.within(column), rate_hz)
         };
         channels.insert((*name).to_string(), profile);
@@ -233,13 +247,9 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
             0.01 * run.gaps.jitter,
         );
     }
-    for remark in &run.remarks {
-        note(
-            "",
-            remark.clone(),
-            "a sensor with a larger range, or leave the run out",
-            0.05,
-        );
+    // What is said of channels follows below.
+    for remark in run.remarks.iter().filter(|r| !r.contains("saturated?")) {
+        note("", remark.clone(), "nothing, or record it", 0.001);
     }
     for (name, profile) in channels {
         let still = profile.longest_still_s;
@@ -261,6 +271,25 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
             let rate = run.rate_hz() / rows as f64;
             let what = format!("each value stands for {rows} rows: {rate:.1} Hz");
             note(name, what, "import it with its own clock and rate", 0.02);
+        }
+        if let Some(found) = profile.saturation {
+            let what = format!(
+                "{} samples at an end of its range, {}, {} of them in one stretch from {:.3} s on: saturated?",
+                found.samples,
+                found.at,
+                found.longest,
+                run.t0_s + found.begins as f64 * run.dt_s
+            );
+            let advice = "a sensor with a larger range, or leave the run out";
+            let share = found.samples as f64 / run.len() as f64;
+            note(name, what, advice, share.max(0.05));
+        }
+        if profile.dropouts > 0 {
+            let what = format!(
+                "{} times one value for a moment, off all around it: it drops out",
+                profile.dropouts
+            );
+            note(name, what, "empty those cells: a gap takes no part", 0.1);
         }
         if profile.leaps > 0 {
             let what = format!(

@@ -106,6 +106,8 @@ impl Gaps {
         for column in columns.values_mut() {
             column.truncate(kept.end);
             column.drain(..kept.start);
+            // A reader's room for more rows than came, of every channel of every run.
+            column.shrink_to_fit();
         }
         for piece in &mut gaps.pieces {
             *piece = piece.start - kept.start..piece.end - kept.start;

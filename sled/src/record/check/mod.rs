@@ -4,8 +4,10 @@ pub(crate) mod clock;
 pub(crate) mod columns;
 pub(crate) mod examine;
 pub(crate) mod gaps;
+pub(crate) mod needs;
 pub(crate) mod profile;
 pub(crate) mod relations;
+pub(crate) mod saturation;
 pub(crate) mod taking_part;
 
 pub use clock::Clock;

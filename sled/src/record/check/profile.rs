@@ -3,7 +3,11 @@
 use serde::Serialize;
 
 use crate::record::check::relations::plain::rows_held;
+use crate::record::check::saturation::Saturation;
 use crate::signals::noise::noise_sd_within;
+
+/// Longest stretch of one value that is told to be a drop-out [s]; a longer one is a channel that stands still.
+const DROPOUT_S: f64 = 0.5;
 
 /// Noise of an octave of frequencies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -30,6 +34,10 @@ pub struct Profile {
     /// Single values that leap off the line of their neighbours by more than twenty deviations of the noise
     /// and a fifth of the channel's span.
     pub leaps: usize,
+    /// Stretches of up to half a second of one value that leap off that line alike: what was sent while nothing was measured.
+    pub dropouts: usize,
+    /// Where it stands at an end of its range.
+    pub saturation: Option<Saturation>,
     /// Mean while the speed stood at 0 for a second or more: a gyroscope's bias.
     pub at_standstill: Option<f64>,
     /// How late it is beside the others, if it alone is, and the standard error [s].
@@ -64,6 +72,8 @@ impl Profile {
         let far = (20.0 * noise_sd).max(0.2 * (high - low));
         let off = |w: &[f64]| (w[1] - 0.5 * (w[0] + w[2])).abs() > far;
         let lone = |w: &&[f64]| noise_sd > 0.0 && off(w) && (w[2] - w[0]).abs() < 10.0 * noise_sd;
+        let most = (DROPOUT_S * rate_hz) as usize;
+        let away = |x: &[f64]| dropouts(x, far, most);
         let longest = stretches.clone().map(longest_still).max().unwrap_or(0);
         Profile {
             noise_sd,
@@ -75,10 +85,28 @@ impl Profile {
                 .flat_map(|x| x.windows(3))
                 .filter(lone)
                 .count(),
+            dropouts: stretches.clone().map(away).sum(),
             octaves: octaves(stretches, rate_hz),
             ..Profile::default()
         }
     }
+}
+
+/// Stretches of 2 to `most` equal values that stand further than `far` off the values on either side, which are nearer to each other.
+fn dropouts(x: &[f64], far: f64, most: usize) -> usize {
+    let (mut count, mut start) = (0, 1);
+    while start < x.len() {
+        let value = x[start];
+        let length = x[start..].iter().take_while(|y| **y == value).count();
+        let end = start + length;
+        if (2..=most).contains(&length) && end < x.len() {
+            let (before, after) = (x[start - 1], x[end]);
+            let off = (value - before).abs().min((value - after).abs());
+            count += usize::from(off > far && (after - before).abs() < off);
+        }
+        start = end.max(start + 1);
+    }
+    count
 }
 
 /// Most equal values one after the other; 0 where none repeats.

@@ -99,6 +99,7 @@ pub(crate) fn estimate(
     }
     Some(TrackEstimate {
         track: Track {
+            ice: crate::track::ice::IceAlong::default(),
             name: name.to_string(),
             s_m: (0..rows.len())
                 .map(|i| from_m + (first + i) as f64)

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_sled::{COLUMNS, Error, OnGaps, read_good_runs, read_index, read_run, read_runs};
+use kufe_sled::{COLUMNS, Error, Needs, OnGaps, read_good_runs, read_index, read_run, read_runs};
 
 /// A plausible run of `samples` samples at 100 Hz; `spoil` may change any cell of it.
 fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) {
@@ -52,7 +52,7 @@ fn told(samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) -> String {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "bad", samples, spoil);
     let index = index(folder.path(), &[("K1", "bad.csv")]);
-    match read_runs(&index, OnGaps::Refuse) {
+    match read_runs(&index, &Needs::FORCES, OnGaps::Refuse) {
         Ok(_) => panic!("accepted"),
         Err(error) => error.to_string(),
     }
@@ -86,6 +86,7 @@ fn a_good_file_is_accepted_and_extra_columns_are_kept() {
     std::fs::write(&path, with.join("\n")).unwrap();
     let runs = read_runs(
         &index(folder.path(), &[("K1", "good.csv")]),
+        &Needs::FORCES,
         OnGaps::LeaveOut,
     )
     .unwrap();
@@ -106,6 +107,7 @@ fn a_missing_column_is_named_with_those_that_are_there() {
     std::fs::write(&path, text).unwrap();
     let error = read_runs(
         &index(folder.path(), &[("K1", "bad.csv")]),
+        &Needs::FORCES,
         OnGaps::LeaveOut,
     )
     .unwrap_err();
@@ -282,7 +284,9 @@ fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
     .unwrap();
     let twice = index(folder.path(), &[("K1", "one.csv"), ("K1", "other.csv")]);
     has(
-        &read_runs(&twice, OnGaps::LeaveOut).unwrap_err().to_string(),
+        &read_runs(&twice, &Needs::FORCES, OnGaps::LeaveOut)
+            .unwrap_err()
+            .to_string(),
         &["row 3", "\"K1\"", "row 2"],
     );
     let copied = index(
@@ -290,12 +294,12 @@ fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
         &[("K1", "one.csv"), ("K2", "other.csv"), ("K3", "copy.csv")],
     );
     has(
-        &read_runs(&copied, OnGaps::LeaveOut)
+        &read_runs(&copied, &Needs::FORCES, OnGaps::LeaveOut)
             .unwrap_err()
             .to_string(),
         &["\"K1\"", "\"K3\"", "same samples"],
     );
-    let (good, bad) = read_good_runs(&copied, OnGaps::LeaveOut).unwrap();
+    let (good, bad) = read_good_runs(&copied, &Needs::FORCES, OnGaps::LeaveOut).unwrap();
     assert_eq!(good.len(), 2);
     assert!(matches!(bad[..], [Error::DuplicateContent { .. }]));
 }
@@ -311,11 +315,20 @@ fn an_index_with_other_columns_or_values_is_refused() {
             ["weather", "unknown", "air_pa"],
         ),
         (
-            format!(
-                "{}\nK1,a.csv,e,A1,A,d1,-8,-2\n",
-                &header[..header.len() - 7]
-            ),
-            ["air_pa", "missing", "air_c"],
+            "run,track\nK1,e\n".to_owned(),
+            ["file is missing", "run, track", ""],
+        ),
+        (
+            "run,file,ice_c@start\nK1,a.csv,-8\n".to_owned(),
+            ["ice_c@start", "at no distance", "ice_c@350"],
+        ),
+        (
+            "run,file,ice_c@100,ice_c@100.0\nK1,a.csv,-8,-7\n".to_owned(),
+            ["ice_c@100.0", "given twice", ""],
+        ),
+        (
+            "run,file,ice_c@100\nK1,a.csv,17\n".to_owned(),
+            ["row 2", "ice_c@100", "from -60 to 5"],
         ),
         (
             format!("{header}\nK1,a.csv,e,A1,A,d1,-8,-2,950\n"),
@@ -332,7 +345,9 @@ fn an_index_with_other_columns_or_values_is_refused() {
     ] {
         std::fs::write(&path, text).unwrap();
         has(
-            &read_runs(&path, OnGaps::LeaveOut).unwrap_err().to_string(),
+            &read_runs(&path, &Needs::FORCES, OnGaps::LeaveOut)
+                .unwrap_err()
+                .to_string(),
             &parts,
         );
     }
@@ -358,8 +373,12 @@ fn damaged_parquet_and_matlab_files_are_errors_and_no_panics() {
             _ => Vec::new(),
         };
         std::fs::write(folder.path().join(name), bytes).unwrap();
-        let error =
-            read_runs(&index(folder.path(), &[("K1", name)]), OnGaps::LeaveOut).unwrap_err();
+        let error = read_runs(
+            &index(folder.path(), &[("K1", name)]),
+            &Needs::FORCES,
+            OnGaps::LeaveOut,
+        )
+        .unwrap_err();
         has(&error.to_string(), &[name]);
     }
 }

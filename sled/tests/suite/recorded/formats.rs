@@ -56,6 +56,8 @@ fn entry(file: PathBuf) -> Entry {
     };
     let text = || "x".to_string();
     Entry {
+        ice_along: kufe_sled::IceAlong::default(),
+        ice_of_track: kufe_sled::IceAlong::default(),
         run: text(),
         file,
         track: text(),

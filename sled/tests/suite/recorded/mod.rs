@@ -2,5 +2,7 @@
 
 mod bad_input;
 mod conditions;
+mod examined;
 mod formats;
 mod gaps;
+mod needs;

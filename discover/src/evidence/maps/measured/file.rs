@@ -5,7 +5,7 @@ use std::path::Path;
 use kufe_case::Case;
 
 use crate::error::Error;
-use crate::evidence::maps::measured::rows::{Row, read};
+use crate::evidence::maps::measured::rows::{LONGEST_CASE, Row, read};
 use crate::procedure::rules::MapRules;
 
 /// What a search is given: the case's text, and its rows as they are read.
@@ -24,7 +24,8 @@ impl Measured {
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
     pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(model).map_err(|error| told(model, &error))?;
+        let text = kufe_files::text_of_regular(model, LONGEST_CASE)
+            .map_err(|error| told(model, &error))?;
         let case = Case::parse(&text).map_err(|error| told(model, &error))?;
         let (rows, remarks) = read(path, (model, &case), rules)?;
         Ok(Self {

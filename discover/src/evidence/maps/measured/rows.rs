@@ -13,6 +13,9 @@ use crate::input::exr_map::read_map;
 use crate::input::table::Table;
 use crate::procedure::rules::MapRules;
 
+/// Longest text of a case [bytes]: those of people have some kilobytes.
+pub(super) const LONGEST_CASE: u64 = 1 << 24;
+
 /// One measurement.
 pub struct Row {
     /// Name for reports.
@@ -70,10 +73,11 @@ pub fn read(
         let (case, base) = if same(&file, model) {
             (model_case.clone(), model.parent().unwrap_or(Path::new("")))
         } else {
-            let text = std::fs::read_to_string(&file).map_err(|error| Error::File {
-                file: file.display().to_string(),
-                reason: error.to_string(),
-            })?;
+            let text =
+                kufe_files::text_of_regular(&file, LONGEST_CASE).map_err(|error| Error::File {
+                    file: file.display().to_string(),
+                    reason: error.to_string(),
+                })?;
             (
                 Case::parse(&text).map_err(told)?,
                 file.parent().unwrap_or(Path::new("")),

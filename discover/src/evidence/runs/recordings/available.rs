@@ -57,19 +57,21 @@ pub fn available(
             ));
         }
     }
-    let spread = |value: fn(&Frame) -> f64| frames.iter().any(|f| value(f) != value(frames[0]));
+    // NaN, where a run does not state it, differs from itself and does not vary.
+    let spread = |value: fn(&Frame) -> f64| {
+        frames.iter().all(|f| value(f).is_finite())
+            && frames.iter().any(|f| value(f) != value(frames[0]))
+    };
+    let ice = |f: &Frame, i: usize| f.extra.get("ice_c").map_or(f.ice_c, |ice| ice[i]);
+    let ices = || frames.iter().flat_map(|f| (0..f.len()).map(|i| ice(f, i)));
+    let ice_varies = ices().all(f64::is_finite) && ices().any(|c| Some(c) != ices().next());
     for (column, varies) in [
-        (
-            Column::IceTemperature,
-            varies("ice_c") || frames.iter().all(|f| f.ice_c.is_finite()) && spread(|f| f.ice_c),
-        ),
+        (Column::IceTemperature, ice_varies),
         (Column::AirTemperature, spread(|f| f.air_c)),
         (Column::AirPressure, spread(|f| f.air_pa)),
         (
             Column::Humidity,
-            !list.contains(&Column::Humidity)
-                && frames.iter().all(|f| f.humidity_pct.is_finite())
-                && spread(|f| f.humidity_pct),
+            !list.contains(&Column::Humidity) && spread(|f| f.humidity_pct),
         ),
         (
             Column::Wear,

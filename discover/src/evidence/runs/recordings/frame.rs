@@ -18,7 +18,7 @@ pub struct Frame {
     pub driver: String,
     /// Session.
     pub session: String,
-    /// Ice and air temperature [deg C], air pressure [Pa].
+    /// Ice temperature [deg C]; NaN where nothing states one for the whole run, and in `extra` where it differs from place to place.
     pub ice_c: f64,
     /// Air temperature [deg C].
     pub air_c: f64,
@@ -113,7 +113,12 @@ impl Frame {
 
     /// Columns that effects may ask for and that nothing states for this run.
     pub fn stated_nowhere(&self) -> Vec<&'static str> {
-        let stated = [("humidity_pct", self.humidity_pct), ("ice_c", self.ice_c)];
+        let stated = [
+            ("humidity_pct", self.humidity_pct),
+            ("ice_c", self.ice_c),
+            ("air_c", self.air_c),
+            ("air_pa", self.air_pa),
+        ];
         let nowhere = stated
             .into_iter()
             .filter(|(name, value)| !value.is_finite() && !self.extra.contains_key(*name));

@@ -141,7 +141,12 @@ pub fn prepare(
     // Such tables are over the ice's temperature as a rule.
     let friction = &model.friction.longitudinal;
     let tables = friction.front_table.is_some() && friction.rear_table.is_some();
-    if friction.mu.is_some() && tables && frames.iter().all(|f| f.ice_c.is_finite()) {
+    if friction.mu.is_some()
+        && tables
+        && frames
+            .iter()
+            .all(|f| !f.stated_nowhere().contains(&"ice_c"))
+    {
         available.push(Column::Film);
     }
     Ok(Data {

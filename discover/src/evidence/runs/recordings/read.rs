@@ -3,12 +3,28 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use kufe_sled::{Entry, Model, OnGaps, Run, Track, read_index, read_run, refuse_faults};
+use kufe_sled::{
+    Entry, Model, Needs, OnGaps, Run, Track, read_index, read_run, refuse_faults,
+    refuse_unstated_air,
+};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
 use crate::evidence::runs::recordings::survey::surveys;
 use crate::options::Options;
+
+/// What no search can do without.
+const INDISPENSABLE: Needs = Needs {
+    by: "a search",
+    columns: &[
+        "ay_mps2",
+        "yaw_rate_radps",
+        "v_mps",
+        "alpha_rad",
+        "delta_rad",
+    ],
+    forces: true,
+};
 
 /// Reads an index and its runs, locks a part of them away and makes them ready.
 ///
@@ -17,13 +33,6 @@ use crate::options::Options;
 /// # Errors
 /// Those of the sled's readers; [`Error::Duplicate`] where two runs hold the same samples; [`Error::TooFew`].
 pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Error> {
-    const INDISPENSABLE: [&str; 5] = [
-        "ay_mps2",
-        "yaw_rate_radps",
-        "v_mps",
-        "alpha_rad",
-        "delta_rad",
-    ];
     let entries: Vec<Entry> = read_index(index)?;
     let mut runs = Vec::with_capacity(entries.len());
     let on_gaps = match options.strict {
@@ -31,7 +40,11 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
         false => OnGaps::LeaveOut,
     };
     for entry in entries {
-        runs.push(read_run(entry, &INDISPENSABLE, on_gaps)?);
+        let run = read_run(entry, INDISPENSABLE.columns, on_gaps);
+        let run = run.map_err(|error| INDISPENSABLE.told(error))?;
+        let file = run.entry.file.display().to_string();
+        refuse_unstated_air(INDISPENSABLE.by, &run.entry.conditions, &file)?;
+        runs.push(run);
     }
     refuse_copies(index, &runs)?;
     refuse_faults(&runs)?;

@@ -1,5 +1,7 @@
 //! A recorded run, made a frame: every signal low-passed and thinned alike, with its derivative.
 
+use std::collections::BTreeMap;
+
 use kufe_sled::{Run, bridged};
 
 use crate::error::Error;
@@ -90,7 +92,7 @@ pub fn frame(
         });
     let s = kernel.smooth(&s_raw);
     let known: Vec<&str> = kufe_sled::COLUMNS.iter().copied().chain(["s_m"]).collect();
-    let extra = run
+    let mut extra: BTreeMap<String, Vec<f64>> = run
         .columns
         .iter()
         .filter(|(name, values)| {
@@ -99,6 +101,11 @@ pub fn frame(
         })
         .map(|(name, values)| (name.clone(), kernel.smooth(&bridged(values))))
         .collect();
+    if !extra.contains_key("ice_c")
+        && let Some(ice) = s.iter().map(|s| run.entry.ice_at(*s)).collect()
+    {
+        extra.insert("ice_c".to_owned(), ice);
+    }
     let slope = surveys
         .get(&run.entry.track)
         .map_or_else(Vec::new, |profile| {
@@ -161,8 +168,6 @@ pub fn frame(
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use kufe_sled::{Conditions, Entry, Gaps};
 
     use super::*;
@@ -184,6 +189,8 @@ mod tests {
         }
         Run {
             entry: Entry {
+                ice_along: kufe_sled::IceAlong::default(),
+                ice_of_track: kufe_sled::IceAlong::default(),
                 run: "one".to_owned(),
                 file: "one.csv".into(),
                 track: "east".to_owned(),

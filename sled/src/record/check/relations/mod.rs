@@ -9,4 +9,5 @@ pub(crate) mod plain;
 mod range;
 mod response;
 mod rigid_body;
+pub(crate) mod rules;
 pub(crate) mod slow;

@@ -10,28 +10,20 @@
 
 use crate::record::check::relations::coefficients::{Coefficient, coefficients};
 use crate::record::check::relations::fault::{Fault, FaultKind};
+use crate::record::check::relations::rules::RelationRules;
 use crate::record::check::relations::slow::Slow;
 use crate::record::run::{COLUMNS, Run};
 
-/// Standard errors from 0 of a coefficient with the wrong sign: by chance once in 10^9.
-const LEAST_T: f64 = 6.0;
-/// Share of the runs that must agree where all together prove it.
-const AGREE: f64 = 0.8;
 /// Density of the air [kg/m3]: near enough for what is judged here.
 const AIR: f64 = 1.2;
-/// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in g would show a tenth of that.
-const LEAST_DRAG: f64 = 2e-4;
-/// What drives or brakes changes a_x by more than this [m/s2]: nothing is said of its air then.
-const FREE: f64 = 1.0;
-
 /// What the answers of these runs to steering, roll-split and air prove; the slow parts are those that are mended already.
-pub fn response_faults(runs: &[(&Run, Slow)]) -> Vec<Fault> {
+pub fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> Vec<Fault> {
     let mut faults = Vec::new();
     for answer in &ANSWERS {
         let name = COLUMNS[answer.channel];
         let each: Vec<Option<Coefficient>> =
             runs.iter().map(|(_, slow)| answer.found(slow)).collect();
-        for (run, (c, error)) in wrong_way(runs, &each) {
+        for (run, (c, error)) in wrong_way(runs, &each, rules) {
             let (what, unit, c) = (answer.what, answer.unit, answer.sign * c);
             faults.push(fault(
                 run,
@@ -44,8 +36,9 @@ pub fn response_faults(runs: &[(&Run, Slow)]) -> Vec<Fault> {
             ));
         }
     }
-    let braking: Vec<Option<Coefficient>> = runs.iter().map(|(_, slow)| braking(slow)).collect();
-    let reversed = wrong_way(runs, &braking);
+    let braking: Vec<Option<Coefficient>> =
+        runs.iter().map(|(_, slow)| braking(slow, rules)).collect();
+    let reversed = wrong_way(runs, &braking, rules);
     for (run, (c, error)) in &reversed {
         faults.push(fault(
             run,
@@ -58,7 +51,7 @@ pub fn response_faults(runs: &[(&Run, Slow)]) -> Vec<Fault> {
     for ((run, _), found) in runs.iter().zip(&braking) {
         if let Some((c, error)) = found
             && *c > 0.0
-            && c + 4.0 * error < LEAST_DRAG
+            && c + 4.0 * error < rules.least_drag
         {
             faults.push(fault(
                 run,
@@ -96,13 +89,14 @@ fn fault(
 fn wrong_way<'a>(
     runs: &[(&'a Run, Slow)],
     each: &[Option<Coefficient>],
+    rules: &RelationRules,
 ) -> Vec<(&'a Run, Coefficient)> {
     let known = || each.iter().flatten().filter(|(_, error)| *error > 0.0);
     let weights: f64 = known().map(|(_, error)| error.powi(-2)).sum();
     let t = known().map(|(c, error)| c / error.powi(2)).sum::<f64>() / weights.sqrt().max(1e-300);
     let below = known().filter(|(c, _)| *c < 0.0).count();
-    let all = t < -LEAST_T && below as f64 >= AGREE * known().count() as f64;
-    let wrong = |(c, error): &Coefficient| *c < -LEAST_T * error || (all && *c < 0.0);
+    let all = t < -rules.least_t && below as f64 >= rules.agree * known().count() as f64;
+    let wrong = |(c, error): &Coefficient| *c < -rules.least_t * error || (all && *c < 0.0);
     runs.iter()
         .zip(each)
         .filter_map(|((run, _), found)| Some((*run, found.filter(wrong)?)))
@@ -181,11 +175,11 @@ impl Answer {
 }
 
 /// The air's share of what brakes, c_d A/m [m2/kg]; `None` where something drives.
-fn braking(slow: &Slow) -> Option<Coefficient> {
+fn braking(slow: &Slow, rules: &RelationRules) -> Option<Coefficient> {
     let (ax, v) = (slow.channels[0].as_ref()?, slow.channels[6].as_ref()?);
     let mean = ax.iter().sum::<f64>() / ax.len() as f64;
     let spread = ax.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / ax.len() as f64;
-    if spread.sqrt() > FREE {
+    if spread.sqrt() > rules.free {
         return None;
     }
     let pressure: Vec<f64> = v.iter().map(|v| 0.5 * AIR * v * v).collect();

@@ -1,0 +1,190 @@
+//! What an examination says of gaps, drop-outs, jitter, end stops, steps and channels that stand still or are exchanged: each alone.
+
+use std::path::Path;
+
+use kufe_sled::sample_data::sample_track;
+use kufe_sled::{
+    Driver, Examination, FaultKind, Model, Noise, Run, RunFormat, SimulateOptions, TrackShape,
+    Vehicle, examine, record, simulate, simulated_entry, write_run,
+};
+
+/// A run with noise at 100 Hz.
+fn clean() -> Run {
+    let model = Model::published();
+    let vehicle = Vehicle::new(&model).unwrap();
+    let track = sample_track("west");
+    let options = SimulateOptions {
+        rate_hz: 100.0,
+        ..SimulateOptions::default()
+    };
+    let driver = Driver::of_skill(0.5);
+    let simulated = simulate(&vehicle, &TrackShape::new(&track), &driver, &options).unwrap();
+    let noise = Noise {
+        accel_mps2: 0.2,
+        rate_radps: 0.0015,
+        speed_mps: 0.03,
+        slip_rad: 0.0005,
+        steer_rad: 0.0004,
+        roll_split_rad: 0.0004,
+    };
+    let entry = simulated_entry("r", &track, "d", options.conditions);
+    record(&simulated, &vehicle, Some(&noise), entry, 1)
+}
+
+/// What is said of the run with its lines changed.
+fn said(run: &Run, lines: impl Fn(Vec<String>) -> Vec<String>) -> Examination {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.csv");
+    let mut file = std::fs::File::create(&path).unwrap();
+    write_run(run, &mut file, RunFormat::Csv).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let lines = lines(text.lines().map(str::to_owned).collect());
+    std::fs::write(&path, lines.join("\n")).unwrap();
+    one(folder.path())
+}
+
+fn one(folder: &Path) -> Examination {
+    let index = folder.join("runs.csv");
+    std::fs::write(&index, "run,file\nr,r.csv\n").unwrap();
+    examine(&index).unwrap().remove(0)
+}
+
+/// The run with a column changed.
+fn changed(column: &str, change: impl Fn(usize, f64) -> f64) -> Examination {
+    let mut run = clean();
+    let values = run.columns.get_mut(column).unwrap();
+    for (i, x) in values.iter_mut().enumerate() {
+        *x = change(i, *x);
+    }
+    said(&run, |lines| lines)
+}
+
+fn notes(of: &Examination, column: &str) -> String {
+    let own = of.notes.iter().filter(|note| note.column == column);
+    own.map(|note| note.what.as_str())
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+#[test]
+fn of_a_clean_run_nothing_is_said() {
+    let clean = said(&clean(), |lines| lines);
+    assert!(
+        !clean.is_wrong() && clean.notes.is_empty(),
+        "{:?}",
+        clean.notes
+    );
+    for (name, profile) in &clean.channels {
+        let quiet = profile.leaps + profile.dropouts + profile.missing == 0;
+        let still = profile.saturation.is_some() || profile.quantum.is_some();
+        assert!(quiet && !still && profile.rows_held.is_none(), "{name}");
+    }
+}
+
+#[test]
+fn gaps_are_counted() {
+    let gaps = said(&clean(), |mut lines| {
+        lines.drain(1000..1300);
+        lines
+    });
+    assert_eq!(gaps.gaps.rows_missing, 300);
+    assert!(notes(&gaps, "").contains("300 rows missing"));
+    assert!((gaps.length_s - gaps.used_s - 3.0).abs() < 0.011);
+}
+
+#[test]
+fn drop_outs_are_counted_whether_they_last_a_sample_or_twenty() {
+    // At 3 m/s2 and more, far from the value that is sent where nothing is measured.
+    let single = changed("az_mps2", |i, x| if i % 500 == 250 { 0.0 } else { x });
+    let expected = (clean().len() - 251) / 500 + 1;
+    assert_eq!(single.channels["az_mps2"].leaps, expected);
+    assert!(notes(&single, "az_mps2").contains("leap"));
+    let short = changed(
+        "az_mps2",
+        |i, x| if i % 500 < 20 && i > 400 { 0.0 } else { x },
+    );
+    let expected = (clean().len() - 1) / 500;
+    assert_eq!(short.channels["az_mps2"].dropouts, expected);
+    assert!(notes(&short, "az_mps2").contains("drops out"));
+}
+
+#[test]
+fn jitter_is_told_in_shares_of_a_step() {
+    let jitter = said(&clean(), |lines| {
+        let moved = |(i, line): (usize, String)| match line.split_once(',') {
+            Some((t, rest)) if i > 0 && i % 3 == 1 => {
+                format!("{},{rest}", t.parse::<f64>().unwrap() + 0.0025)
+            }
+            _ => line,
+        };
+        lines.into_iter().enumerate().map(moved).collect()
+    });
+    assert!(
+        (jitter.gaps.jitter - 0.25).abs() < 0.03,
+        "{}",
+        jitter.gaps.jitter
+    );
+    assert!(notes(&jitter, "t_s").contains("of a step off"));
+}
+
+#[test]
+fn an_end_stop_is_told_above_and_below_with_its_samples() {
+    for (column, low, high) in [("az_mps2", 0.0, 14.0), ("yaw_rate_radps", -0.12, 9.0)] {
+        let stopped = changed(column, |_, x| x.clamp(low, high));
+        let stop = stopped.channels[column].saturation.unwrap();
+        let run = clean();
+        let beyond = run.columns[column]
+            .iter()
+            .filter(|x| **x <= low || **x >= high);
+        let beyond = beyond.count();
+        assert!(stop.at == low || stop.at == high, "{stop:?}");
+        // Stretches of fewer than eight samples aside.
+        assert!(
+            stop.samples <= beyond && 2 * stop.samples > beyond,
+            "{stop:?} of {beyond}"
+        );
+        assert!(
+            notes(&stopped, column).contains("saturated"),
+            "{:?}",
+            stopped.notes
+        );
+    }
+}
+
+#[test]
+fn the_step_of_a_converter_is_told() {
+    let step = 0.01;
+    let coarse = changed("yaw_rate_radps", |_, x| (x / step).round() * step);
+    let quantum = coarse.channels["yaw_rate_radps"].quantum.unwrap();
+    assert!((quantum / step - 1.0).abs() < 1e-6, "{quantum}");
+    assert!(notes(&coarse, "yaw_rate_radps").contains("steps of 1.00e-2"));
+}
+
+#[test]
+fn a_channel_that_stands_still_is_told_for_a_while_and_wrong_throughout() {
+    let while_ = changed("yaw_rate_radps", |i, x| {
+        if (1500..1600).contains(&i) { 0.125 } else { x }
+    });
+    let still = while_.channels["yaw_rate_radps"].longest_still_s;
+    assert!((still - 0.99).abs() < 0.011, "{still}");
+    assert!(notes(&while_, "yaw_rate_radps").contains("one value for 0.99 s"));
+    let throughout = changed("yaw_rate_radps", |_, _| 0.0);
+    let fault = &throughout.faults[0];
+    assert_eq!(fault.kind, FaultKind::Constant);
+    assert_eq!(fault.columns, ["yaw_rate_radps"]);
+}
+
+#[test]
+fn exchanged_channels_are_wrong_and_both_named() {
+    let exchanged = said(&clean(), |mut lines| {
+        lines[0] = lines[0]
+            .replace("roll_rate", "?")
+            .replace("pitch_rate", "roll_rate")
+            .replace('?', "pitch_rate");
+        lines
+    });
+    let fault = &exchanged.faults[0];
+    assert_eq!(fault.kind, FaultKind::Swapped);
+    assert_eq!(fault.columns, ["roll_rate_radps", "pitch_rate_radps"]);
+    assert!(fault.mend.contains("exchange"), "{}", fault.mend);
+}

@@ -1,0 +1,159 @@
+//! What a computation does not use may be absent, and what it uses is named where it is.
+
+use std::path::Path;
+
+use kufe_sled::sample_data::sample_track;
+use kufe_sled::{
+    Driver, Error, FitOptions, IceAlong, Model, Needs, OnGaps, PrepareOptions, Prepared, Run,
+    RunFormat, SimulateOptions, TrackShape, Vehicle, fit, prepare, prepare_all, read_index,
+    read_runs, record, simulate, simulated_entry, write_index, write_run,
+};
+
+/// Two runs in a folder without the columns named, and the index with this text before their rows' names.
+fn written(folder: &Path, without: &[&str], header: &str, rows: &str) {
+    let (vehicle, track) = (vehicle(""), sample_track("west"));
+    for seed in 1..=2 {
+        let options = SimulateOptions {
+            seed,
+            rate_hz: 100.0,
+            ..SimulateOptions::default()
+        };
+        let driver = Driver::of_skill(0.4);
+        let simulated = simulate(&vehicle, &TrackShape::new(&track), &driver, &options).unwrap();
+        let entry = simulated_entry("r", &track, "d", options.conditions);
+        let mut run = record(&simulated, &vehicle, None, entry, seed);
+        for name in without {
+            run.columns.remove(*name);
+        }
+        let mut file = std::fs::File::create(folder.join(format!("{seed}.csv"))).unwrap();
+        write_run(&run, &mut file, RunFormat::Csv).unwrap();
+    }
+    let text = format!("{header}\n1,1.csv{rows}\n2,2.csv{rows}\n");
+    std::fs::write(folder.join("runs.csv"), text).unwrap();
+}
+
+fn vehicle(effects: &str) -> Vehicle {
+    let text = Model::published().to_toml() + effects;
+    Vehicle::with_effects(&Model::from_toml(&text, "model.toml").unwrap()).unwrap()
+}
+
+fn runs(folder: &Path) -> Vec<Run> {
+    read_runs(&folder.join("runs.csv"), &Needs::FORCES, OnGaps::LeaveOut).unwrap()
+}
+
+fn prepared(folder: &Path, vehicle: &Vehicle) -> Result<Vec<Prepared>, Error> {
+    prepare_all(&runs(folder), vehicle, None, &PrepareOptions::default())
+}
+
+#[test]
+fn a_lateral_fit_is_the_same_without_what_it_does_not_use() {
+    let folder = tempfile::tempdir().unwrap();
+    let fitted = |without: &[&str], header: &str, rows: &str| {
+        written(folder.path(), without, header, rows);
+        let vehicle = vehicle("");
+        let runs = prepared(folder.path(), &vehicle).unwrap();
+        fit(&runs, &vehicle, &FitOptions::default()).unwrap()
+    };
+    let header = "run,file,track,driver,driver_class,session,ice_c,air_c,air_pa";
+    let whole = fitted(&[], header, ",west,A,b,c,-8,0,95000");
+    let bare = fitted(&["ax_mps2", "s_m"], "run,file,air_pa,air_c", ",95000,0");
+    assert_eq!(whole.front.model, bare.front.model);
+    assert_eq!(whole.rear.model, bare.rear.model);
+    assert_eq!(whole.left.side_n, bare.left.side_n);
+    assert!(whole.left.along_n.is_finite() && bare.left.along_n.is_nan());
+}
+
+#[test]
+fn what_a_computation_lacks_is_named_with_the_computation() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |vehicle: &Vehicle| prepared(folder.path(), vehicle).unwrap_err().to_string();
+    written(folder.path(), &["gamma_rad"], "run,file", "");
+    let index = folder.path().join("runs.csv");
+    let error = read_runs(&index, &Needs::FORCES, OnGaps::LeaveOut).unwrap_err();
+    let said = error.to_string();
+    assert!(
+        said.contains("1.csv: column gamma_rad is missing, which the forces on the runners needs"),
+        "{said}"
+    );
+    // A place along the track asks for no roll split, and for no weather.
+    let runs = read_runs(&index, &Needs::PLACE, OnGaps::LeaveOut).unwrap();
+    let options = PrepareOptions {
+        needs: Needs::PLACE,
+        ..PrepareOptions::default()
+    };
+    prepare(&runs[0], &vehicle(""), None, &options).unwrap();
+    written(folder.path(), &["ax_mps2"], "run,file", "");
+    let said = told(&vehicle(""));
+    assert!(
+        said.contains("air_c, which the drag of sled.cda_m2 = 0.28 needs, is not stated"),
+        "{said}"
+    );
+    let mut flat = vehicle("");
+    flat.sled.cda_m2 = 0.0;
+    let runs = prepared(folder.path(), &flat).unwrap();
+    assert!(runs[0].states.iter().all(|state| state.fz_r_n.is_finite()));
+    // An effect over what was not recorded is refused by its name.
+    let said = told(&vehicle(
+        "\n[effects.own]\nexpression = \"ax_mps2\"\nchannel = \"lateral\"\nvalue = 1e-3\n",
+    ));
+    assert!(said.contains("own") && said.contains("ax_mps2"), "{said}");
+}
+
+#[test]
+fn the_ice_of_a_place_acts_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "run,file,track,ice_c,air_c,air_pa";
+    written(folder.path(), &[], header, ",west,-8,0,95000");
+    let grip = vehicle("\n[effects.temperature-grip]\nslope_per_k = -0.01\n");
+    let ices = |at: &[(f64, f64)]| {
+        for run in prepared(folder.path(), &grip).unwrap() {
+            for state in &run.states {
+                let ice = IceAlong::new(at.iter().map(|(s, c)| [*s, *c]));
+                let expected = ice.at(state.s_m).unwrap();
+                assert!((state.ice_c - expected).abs() < 1e-9, "{} m", state.s_m);
+            }
+        }
+    };
+    ices(&[(0.0, -8.0)]);
+    // The track's table, with a sensor in two of its rows.
+    let track = "s_m,slope_rad,curvature_1pm,bank_rad,ice_c\n0,0.1,0,0,\n200,0.1,0,0,-9\n800,0.1,0,0,-5\n1500,0.1,0,0,\n";
+    std::fs::write(folder.path().join("track_west.csv"), track).unwrap();
+    ices(&[(200.0, -9.0), (800.0, -5.0)]);
+    // Sensors of the run's own stand before the track's.
+    let header = "run,file,track,ice_c,air_c,air_pa,ice_c@1000,ice_c@100";
+    written(folder.path(), &[], header, ",west,-8,0,95000,-2,-12");
+    ices(&[(100.0, -12.0), (1000.0, -2.0)]);
+    let entries = read_index(&folder.path().join("runs.csv")).unwrap();
+    let mut back = Vec::new();
+    write_index(&mut back, &entries).unwrap();
+    let back = String::from_utf8(back).unwrap();
+    assert!(
+        back.starts_with(
+            "run,file,track,driver,driver_class,session,ice_c,air_c,air_pa,ice_c@100,ice_c@1000\n"
+        ),
+        "{back}"
+    );
+    assert!(back.contains(",-8,0,95000,-12,-2"), "{back}");
+    // Driven on, too: with friction over the temperature only the places' own count.
+    let warm = vehicle("\n[effects.temperature]\nslope_per_k = -0.02\n");
+    let mut track = sample_track("west");
+    let finish = |ice: IceAlong, ice_c: f64, track: &mut kufe_sled::Track| {
+        track.ice = ice;
+        let mut options = SimulateOptions::default();
+        options.conditions.ice_c = ice_c;
+        let shape = TrackShape::new(track);
+        let driver = Driver::of_skill(1.0);
+        let run = simulate(&warm, &shape, &driver, &options).unwrap();
+        run.instants.last().unwrap().state.t_s
+    };
+    let one = finish(IceAlong::default(), -12.0, &mut track);
+    assert_eq!(one, finish(IceAlong::new([[0.0, -12.0]]), -3.0, &mut track));
+    let both = finish(
+        IceAlong::new([[700.0, -12.0], [701.0, -3.0]]),
+        f64::NAN,
+        &mut track,
+    );
+    let other = finish(IceAlong::default(), -3.0, &mut track);
+    let (low, high) = (one.min(other), one.max(other));
+    assert!(low < both && both < high, "{low} {both} {high}");
+}
