@@ -10,6 +10,7 @@ use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::clocks::spread_of_delays;
 use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
@@ -251,7 +252,7 @@ impl Campaign<'_> {
         }
         let (next, products) = self.installed_as(fit, stated.clone())?;
         let found = &next.residual_model.installation;
-        let wider = found.spread_of_delays(&products).sqrt();
+        let wider = spread_of_delays(found, &products).sqrt();
         match wider < ENOUGH {
             true => Ok(next),
             false => Ok(self.installed_as(fit, stated.with_delays(wider))?.0),
