@@ -1,6 +1,7 @@
 //! Recorded runs, a part of them locked away, and the model that they are judged against.
 
 use kufe_sled::Model;
+use nalgebra::DMatrix;
 
 use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -9,6 +10,7 @@ use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+use crate::evidence::runs::model::clocks::spread_of_delays;
 use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
@@ -238,21 +240,40 @@ impl Campaign<'_> {
     }
 
     /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
-    /// standard deviation moves a statistic by its own or more.
+    /// standard deviation moves a statistic by its own or more. Where the delays lie further apart than is stated their deviation is
+    /// the one that they show.
     ///
     /// # Errors
     /// Those of the fit.
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
-        const LEAST: f64 = 1.0;
+        /// A deviation known to a tenth.
+        const ENOUGH: f64 = 1.1;
         let tolerances = self.model.tolerances.unwrap_or_default();
-        let all = ResidualModel {
-            installation: Installation::new(&tolerances),
-            ..fit.residual_model.clone()
-        };
-        let parts = all.installation.fitted();
-        if parts == 0 {
+        let stated = Installation::new(&tolerances);
+        if stated.fitted() == 0 {
             return Ok(fit.clone());
         }
+        let (next, products) = self.installed_as(fit, stated.clone())?;
+        let found = &next.residual_model.installation;
+        let wider = spread_of_delays(found, &products).sqrt();
+        match wider < ENOUGH {
+            true => Ok(next),
+            false => Ok(self.installed_as(fit, stated.with_delays(wider))?.0),
+        }
+    }
+
+    /// The same for an installation of these deviations, with the products of its parts beyond the base.
+    fn installed_as(
+        &self,
+        fit: &RunFit,
+        installation: Installation,
+    ) -> Result<(RunFit, DMatrix<f64>), Error> {
+        const LEAST: f64 = 1.0;
+        let parts = installation.fitted();
+        let all = ResidualModel {
+            installation,
+            ..fit.residual_model.clone()
+        };
         let design = Design {
             residual_model: &all,
             whitener: &fit.whitener,
@@ -273,7 +294,7 @@ impl Campaign<'_> {
             installation: all.installation.told_apart(&beyond, LEAST),
             ..all
         };
-        self.fitted(&start, fit.owners.clone())
+        Ok((self.fitted(&start, fit.owners.clone())?, beyond))
     }
 
     /// Candidates that are not already part of the model.

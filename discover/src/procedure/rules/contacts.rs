@@ -18,7 +18,7 @@ pub struct ContactRules {
     pub fewest_hits: usize,
     /// Shares of the way to a runner's place between which a lever is a wall's: a force further out is the runner's own. Chosen.
     pub inside: f64,
-    /// Times what any single effect explains that contacts, with three numbers each, must explain. Chosen.
+    /// Times what any single effect that stands out explains that contacts, with three numbers each, must explain. Chosen.
     pub over: f64,
 }
 

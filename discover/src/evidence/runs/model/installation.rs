@@ -47,7 +47,16 @@ pub struct Part {
     pub unit: &'static str,
     /// Standard deviation, in its unit.
     pub sd: f64,
+    /// The same as it is stated.
+    pub stated: f64,
     wrong: Wrong,
+}
+
+impl Part {
+    /// Whether it is a delay.
+    pub fn is_delay(&self) -> bool {
+        matches!(self.wrong, Wrong::Late(_))
+    }
 }
 
 /// Everything that may be off, and by how much it is.
@@ -76,6 +85,7 @@ impl Installation {
                     what,
                     unit,
                     sd,
+                    stated: sd,
                     wrong,
                 };
                 parts.push(part);
@@ -176,6 +186,17 @@ impl Installation {
                 .collect(),
             ..self.clone()
         }
+    }
+
+    /// The same with delays of another deviation, nothing found yet.
+    pub fn with_delays(&self, factor: f64) -> Self {
+        let mut parts = self.parts.clone();
+        for part in &mut parts {
+            if part.is_delay() {
+                part.sd *= factor;
+            }
+        }
+        Self::of(parts)
     }
 
     /// Moves all combinations, in standard deviations.

@@ -1,11 +1,13 @@
 //! Claims in the track channel: slope, profile and the accelerometer's faults that look like them.
 
 use kufe_sled::GRAVITY;
+use kufe_sled::effects::Sensor;
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ModelOnRun, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
 use crate::finding::report::{Fitted, Rival};
@@ -47,6 +49,10 @@ impl Campaign<'_> {
         if !self.used[3] || !residual_model.frozen.is_empty() {
             return None;
         }
+        // A speed that is at fault has led to other places of the track.
+        if self.speed_at_fault(residual_model) {
+            return None;
+        }
         let list: Vec<Candidate<Amplitude>> = self
             .fresh(residual_model, &self.candidates.track)
             .into_iter()
@@ -84,6 +90,18 @@ impl Campaign<'_> {
             list,
             sd: stated.unwrap_or(self.rules().slope_sd_rad),
             within: self.rules().track_and_forces,
+        })
+    }
+
+    /// Whether an effect of the model stands between the speed and its sensor.
+    fn speed_at_fault(&self, residual_model: &ResidualModel) -> bool {
+        let effects = ResidualModel {
+            installation: Installation::default(),
+            ..residual_model.clone()
+        };
+        self.training.iter().any(|frame| {
+            let (on_run, middle) = (ModelOnRun::new(&effects, frame), frame.len() / 2);
+            on_run.measured(middle)[Sensor::Speed] != frame.v[middle]
         })
     }
 

@@ -66,10 +66,12 @@ impl Campaign<'_> {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         if let Some(found) = self.contacts_beside(at.residual_model) {
-            let gains = screen.seen[..regular.len()].iter().zip(&regular);
-            let most = gains
-                .filter(|(seen, candidate)| seen.usable && candidate.admits(seen.size))
-                .map(|(seen, _)| seen.gain)
+            // What walls leave bends the base, beside which much seems to explain something in some runs: what stands out is a rival.
+            let most = regular
+                .iter()
+                .enumerate()
+                .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
+                .map(|(c, _)| screen.seen[c].gain)
                 .fold(0.0, f64::max);
             if found.gain > self.rules().contacts.over * most {
                 let claim = self.claim_contacts(&found);
