@@ -8,3 +8,4 @@ mod lut;
 mod pages;
 mod press;
 mod runs;
+mod search;

@@ -55,6 +55,7 @@ fn class(report: &Report) -> Vec<String> {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn the_runs_asked_for_split_the_class_and_the_least_asked_for_do_not() {
     let truth = truth(HIDDEN);
     let before = tied();

@@ -52,6 +52,7 @@ fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<&'static str
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn force_gap_and_trajectory_gap_shrink_alike_on_runs_that_the_search_never_saw() {
     for (hidden, force, way) in [
         (

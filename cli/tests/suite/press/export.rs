@@ -56,6 +56,7 @@ fn total(dat: &str, set: &str) -> f64 {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in_calculix() {
     let bench = Bench::new();
     bench.write("case.toml", STEEL);

@@ -129,13 +129,14 @@ fn thresholds_at_half_and_twice_refuse_clean_runs_or_miss_damaged_ones() {
         score.0[0], score.0[1], score.1[0], score.1[1]
     );
     type Field = (&'static str, fn(&mut RelationRules) -> &mut f64);
-    let fields: [Field; 8] = [
+    let fields: [Field; 9] = [
         ("least_gain", |r| &mut r.least_gain),
         ("holds", |r| &mut r.holds),
         ("shows", |r| &mut r.shows),
         ("worse", |r| &mut r.worse),
         ("least_t", |r| &mut r.least_t),
         ("agree", |r| &mut r.agree),
+        ("alike", |r| &mut r.alike),
         ("least_drag", |r| &mut r.least_drag),
         ("free", |r| &mut r.free),
     ];

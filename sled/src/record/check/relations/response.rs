@@ -16,6 +16,7 @@ use crate::record::run::{COLUMNS, Run};
 
 /// Density of the air [kg/m3]: near enough for what is judged here.
 const AIR: f64 = 1.2;
+
 /// What the answers of these runs to steering, roll-split and air prove; the slow parts are those that are mended already.
 pub fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> Vec<Fault> {
     let mut faults = Vec::new();
@@ -86,6 +87,8 @@ fn fault(
 }
 
 /// The runs whose coefficient is negative, by themselves or because nearly all runs together show it.
+///
+/// By itself a run must answer as strongly as others do: a run that hits walls answers to them, a little and either way.
 fn wrong_way<'a>(
     runs: &[(&'a Run, Slow)],
     each: &[Option<Coefficient>],
@@ -96,7 +99,11 @@ fn wrong_way<'a>(
     let t = known().map(|(c, error)| c / error.powi(2)).sum::<f64>() / weights.sqrt().max(1e-300);
     let below = known().filter(|(c, _)| *c < 0.0).count();
     let all = t < -rules.least_t && below as f64 >= rules.agree * known().count() as f64;
-    let wrong = |(c, error): &Coefficient| *c < -rules.least_t * error || (all && *c < 0.0);
+    let mut sizes: Vec<f64> = known().map(|(c, _)| c.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let strong = rules.alike * sizes.get(sizes.len() / 2).unwrap_or(&0.0);
+    let wrong =
+        |(c, error): &Coefficient| *c < -strong && *c < -rules.least_t * error || (all && *c < 0.0);
     runs.iter()
         .zip(each)
         .filter_map(|((run, _), found)| Some((*run, found.filter(wrong)?)))

@@ -17,6 +17,8 @@ pub struct RelationRules {
     pub least_t: f64,
     /// Share of the runs that must agree where all together prove it.
     pub agree: f64,
+    /// Share of the runs' median answer that a single run must have to be told by its sign: a wrong sign leaves the size as it is.
+    pub alike: f64,
     /// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in g would show a tenth of that.
     pub least_drag: f64,
     /// What drives or brakes changes a_x by more than this [m/s2]: nothing is said of its air then.
@@ -32,6 +34,7 @@ impl Default for RelationRules {
             worse: 0.1,
             least_t: 6.0,
             agree: 0.8,
+            alike: 0.5,
             least_drag: 2e-4,
             free: 1.0,
         }

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::runs::experiments::{MODEL, TABLE, discover, next, report, table};
+use crate::search::friction_table::{MODEL, TABLE, discover, next, report, table};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 

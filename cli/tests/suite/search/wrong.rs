@@ -2,7 +2,7 @@
 
 use std::process::Output;
 
-use crate::runs::experiments::{MODEL, TABLE, discover};
+use crate::search::friction_table::{MODEL, TABLE, discover};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 

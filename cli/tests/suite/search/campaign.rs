@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::runs::experiments::{MODEL, TABLE, discover};
+use crate::search::friction_table::{MODEL, TABLE, discover};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 

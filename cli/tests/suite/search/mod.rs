@@ -1,0 +1,8 @@
+//! The search for what a model lacks, over runs, experiments, maps and campaigns.
+
+mod campaign;
+mod experiments;
+mod friction_table;
+mod pressures;
+mod runs;
+mod wrong;
