@@ -39,8 +39,10 @@ pub const FIGURES: [&str; 16] = [
     "seconds",
 ];
 
-/// What result.json of a runner that slides has besides.
-const SLIDING: [&str; 9] = [
+/// What some results have besides: a second method's answer, and what a runner that slides has.
+const FURTHER: [&str; 11] = [
+    "check_p_max_pa",
+    "check_p_max_error_pa",
     "mu",
     "mu_error",
     "mu_ploughing",
@@ -76,7 +78,7 @@ impl Row {
                 row.insert(key.into(), shear[key].clone());
             }
         }
-        for key in SLIDING {
+        for key in FURTHER {
             let figure = self.result.as_ref().and_then(|r| r.get(key));
             row.extend(figure.map(|figure| (key.into(), figure.clone())));
         }
