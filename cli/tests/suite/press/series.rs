@@ -54,8 +54,8 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     let rows = table(&bench, "out");
     let p_max = column(&rows, "p_max_pa");
     assert!((p_max[1] / p_max[0] - 2.0).abs() < 0.02, "{p_max:?}");
-    let [error, second, its_error] = ["p_max_error_pa", "check_p_max_pa", "check_p_max_error_pa"]
-        .map(|key| column(&rows, key));
+    let [error, second, its_error] =
+        ["p_max_error_pa", "check_p_max_pa", "check_p_max_error_pa"].map(|key| column(&rows, key));
     for k in 0..2 {
         let apart = (p_max[k] - second[k]).abs();
         assert!(apart <= error[k] + its_error[k], "step {k}: {apart}");
