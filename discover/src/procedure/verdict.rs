@@ -1,7 +1,5 @@
 //! The outcome: its verdict and what to measure next.
 
-use kufe_plot::number4;
-
 use crate::finding::next_runs::NextRuns;
 use crate::finding::report::Verdict;
 use crate::procedure::evidence::{Account, Description};
@@ -58,7 +56,7 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
 
 /// The best of the planned runs beside the rest.
 fn planned(plans: &[NextRuns]) -> Option<String> {
-    let (best, last) = (plans.first()?, plans.last()?);
+    let best = plans.first()?;
     let [a, b] = &best.between;
     /// Less is no difference but rounding.
     const NOTHING: f64 = 1e-6;
@@ -68,23 +66,19 @@ fn planned(plans: &[NextRuns]) -> Option<String> {
             plans.len()
         ));
     }
+    let NextRuns {
+        runs,
+        track,
+        change,
+        ..
+    } = best;
+    let tried = plans.len();
     Some(match best.splits {
         true => format!(
-            "{} runs on {}, {}, would tell {a} from {b} (by simulating them: expected logarithm of the likelihood ratio {}, {} plans tried, the least {})",
-            best.runs,
-            best.track,
-            best.change,
-            number4(best.expected_evidence),
-            plans.len(),
-            number4(last.expected_evidence)
+            "{runs} runs on {track}, {change}, would tell {a} from {b}: of {tried} plans that were simulated the one that tells most"
         ),
         false => format!(
-            "none of {} plans for {} runs, simulated, tells {a} from {b}: most by runs on {}, {}, an expected logarithm of the likelihood ratio of {}",
-            plans.len(),
-            best.runs,
-            best.track,
-            best.change,
-            number4(best.expected_evidence)
+            "none of {tried} plans that were simulated, of {runs} runs each, tells {a} from {b}; runs on {track}, {change}, come nearest"
         ),
     })
 }

@@ -23,6 +23,14 @@ const BINS: usize = 16;
 /// Fewest rows of a bin that is drawn.
 const FEWEST: usize = 20;
 
+/// What a run states once, unless its file has it sample by sample.
+const STATED: [(&str, fn(&Frame) -> f64); 4] = [
+    ("ice_c", |f| f.ice_c),
+    ("air_c", |f| f.air_c),
+    ("humidity_pct", |f| f.humidity_pct),
+    ("distance_m", |f| f.distance_before),
+];
+
 impl Campaign<'_> {
     /// Residuals along each track of the given model and of the one that was written, then each effect that acts everywhere over
     /// its column.
@@ -151,7 +159,7 @@ fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f6
 /// An effect's contribution to one channel over the column that explains most of it, with what the data say: the residual that is
 /// left when the effect alone is taken out of the model.
 ///
-/// The column is the one of [`COLUMNS`] with the largest correlation ratio: the share of the contribution's variance that lies
+/// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the share of the contribution's variance that lies
 /// between its bins.
 fn driven(
     model: &ResidualModel,
@@ -163,13 +171,22 @@ fn driven(
     let mut without = model.clone();
     let active = without.effects.active.remove(effect);
     let partial = residuals(&without, frames);
-    let (name, bins) = COLUMNS
-        .iter()
-        .filter(|(name, _)| *name != "s_m")
-        .filter_map(|(name, column)| {
+    let recorded = COLUMNS.iter().filter(|(name, _)| *name != "s_m");
+    let recorded = recorded.map(|(name, of)| (*name, each(frames, |f| of(f).to_vec())));
+    let stated = STATED.iter().map(|(name, of)| {
+        let by_sample = |f: &Frame| f.extra.get(*name).cloned();
+        let once = |f: &Frame| vec![of(f); f.len()];
+        (
+            *name,
+            each(frames, |f| by_sample(f).unwrap_or_else(|| once(f))),
+        )
+    });
+    let (name, bins) = recorded
+        .chain(stated)
+        .filter_map(|(name, columns)| {
             let mut rows: Vec<Row> = Vec::new();
-            for (i, frame) in frames.iter().enumerate() {
-                let x = frame.rows(column(frame));
+            for (i, (frame, column)) in frames.iter().zip(&columns).enumerate() {
+                let x = frame.rows(column);
                 for ((x, partial), with) in
                     x.iter().zip(&partial[i][channel]).zip(&with[i][channel])
                 {
@@ -183,7 +200,7 @@ fn driven(
                     }));
                 }
             }
-            (rows.len() >= BINS * FEWEST).then(|| (*name, bins(rows)))
+            (rows.len() >= BINS * FEWEST).then(|| (name, bins(rows)))
         })
         .max_by(|a, b| between(&a.1).total_cmp(&between(&b.1)))?;
     let (quantity, unit) = CHANNEL_NAMES[channel];
@@ -220,6 +237,11 @@ fn driven(
             }),
         },
     })
+}
+
+/// A column of every run.
+fn each(frames: &[Frame], of: impl Fn(&Frame) -> Vec<f64>) -> Vec<Vec<f64>> {
+    frames.iter().map(of).collect()
 }
 
 /// One row of one run.
