@@ -4,6 +4,7 @@ use hdf5_pure::{DType, Dataset, File, Group};
 
 use crate::error::Error;
 use crate::source::log::{Channel, Log};
+use crate::source::unpacked::most_unpacked;
 
 /// Structs within structs that are looked into.
 const DEPTH: usize = 6;
@@ -14,6 +15,7 @@ const DEPTH: usize = 6;
 /// [`Error::File`] where it is no HDF5, or a vector that is wanted cannot be read.
 pub fn read_matlab73(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<Log, Error> {
     let told = |error: hdf5_pure::Error| Error::file(file, error);
+    let most = most_unpacked(bytes.len());
     let hdf = File::from_bytes(bytes).map_err(told)?;
     let mut vectors = Vec::new();
     collect(&hdf.root(), "", DEPTH, &mut vectors).map_err(told)?;
@@ -34,6 +36,13 @@ pub fn read_matlab73(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Res
             .collect::<Result<_, _>>()?;
     }
     for place in places {
+        let shape = vectors[place].1.shape().map_err(told)?;
+        let length = shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k));
+        if length > most {
+            let name = &vectors[place].0;
+            let reason = format!("{name}: more numbers than a file of this size can hold");
+            return Err(Error::file(file, reason));
+        }
         log.channels[place].values = numbers(&vectors[place].1).map_err(told)?;
     }
     Ok(log)
@@ -49,7 +58,7 @@ fn collect(
     for name in group.datasets()? {
         let data = group.dataset(&name)?;
         let shape = data.shape()?;
-        let length: u64 = shape.iter().product();
+        let length = shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k));
         let vector = length > 1 && shape.iter().filter(|n| **n != 1).count() == 1;
         let number = !matches!(
             data.dtype()?,

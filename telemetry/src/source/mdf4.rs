@@ -7,6 +7,7 @@ use falcon_mdf::Mf4File;
 
 use crate::error::Error;
 use crate::source::log::{Channel, Log};
+use crate::source::unpacked::most_unpacked;
 
 /// Reads a log; of the channels only those `wanted` by name, or all that hold numbers.
 ///
@@ -16,6 +17,7 @@ use crate::source::log::{Channel, Log};
 /// [`Error::File`] where it is no MDF 4, or a channel that is wanted cannot be decoded.
 pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<Log, Error> {
     let told = |error: falcon_mdf::Mf4Error| Error::file(file, error);
+    let most = most_unpacked(bytes.len());
     let mdf = Mf4File::from_bytes(bytes).map_err(told)?;
     let mut log = Log::default();
     let mut clocks: BTreeMap<(usize, usize), usize> = BTreeMap::new();
@@ -38,6 +40,16 @@ pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<
     }
     let mut kept = vec![false; of.len()];
     for place in places {
+        let shape = of[place].array_shape().unwrap_or_default();
+        let each = shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k));
+        if of[place].sample_count.saturating_mul(each) > most {
+            let name = &log.channels[place].name;
+            let reason = format!("channel {name}: more samples than a file of this size can hold");
+            match wanted {
+                Some(_) => return Err(Error::file(file, reason)),
+                None => continue,
+            }
+        }
         let read = || -> Result<Vec<f64>, falcon_mdf::Mf4Error> {
             let signal = mdf.signal(of[place])?;
             let mut values = signal.values_f64()?;

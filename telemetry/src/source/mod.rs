@@ -10,6 +10,8 @@ mod matlab73;
 mod mdf4;
 mod read;
 mod text;
+#[cfg(any(feature = "mdf4", feature = "mat73"))]
+mod unpacked;
 
 pub use layout::TextOptions;
 pub use log::{Channel, Log};

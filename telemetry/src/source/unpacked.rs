@@ -1,0 +1,8 @@
+//! How much a file can unpack to.
+
+/// Most bytes, and so numbers, that a compressed file of this length holds: deflate packs at best 1032 of them into one.
+///
+/// Source: J. Gailly, M. Adler, zlib technical details.
+pub fn most_unpacked(bytes: usize) -> u64 {
+    1032 * bytes as u64
+}
