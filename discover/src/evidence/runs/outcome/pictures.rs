@@ -23,8 +23,11 @@ const BINS: usize = 16;
 /// Fewest rows of a bin that is drawn.
 const FEWEST: usize = 20;
 
+/// A number of a run by its name.
+type NumberOf = fn(&Frame) -> f64;
+
 /// What a run states once, unless its file has it sample by sample.
-const STATED: [(&str, fn(&Frame) -> f64); 4] = [
+const STATED: [(&str, NumberOf); 4] = [
     ("ice_c", |f| f.ice_c),
     ("air_c", |f| f.air_c),
     ("humidity_pct", |f| f.humidity_pct),
