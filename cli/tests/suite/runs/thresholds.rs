@@ -114,6 +114,8 @@ fn material(folder: &Path) -> Material {
     all
 }
 
+/// As they are no clean run is refused and nineteen in twenty damages are named; with KUFE_WRITE_DOCS the table of
+/// docs/verification.md is printed besides, some minutes of work.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn thresholds_at_half_and_twice_refuse_clean_runs_or_miss_damaged_ones() {
@@ -123,6 +125,9 @@ fn thresholds_at_half_and_twice_refuse_clean_runs_or_miss_damaged_ones() {
     let score = all.score(&usual);
     assert_eq!(score.0[0], 0, "clean runs refused: {score:?}");
     assert!(20 * score.1[0] >= 19 * score.1[1], "{score:?}");
+    if std::env::var_os("KUFE_WRITE_DOCS").is_none() {
+        return;
+    }
     println!("| threshold | value | clean refused, half | twice | damaged named, half | twice |");
     println!(
         "| as they are | | {} of {} | | {} of {} | |",
