@@ -80,7 +80,7 @@ pub use record::index::{
 };
 pub use record::parquet::{read_parquet, write_parquet};
 pub use record::read::read_columns;
-pub use record::read_runs::{read_good_runs, read_run, read_runs, state_distances};
+pub use record::read_runs::{read_good_runs, read_needed, read_run, read_runs, state_distances};
 pub use record::run::{COLUMNS, Run};
 pub use record::write::{RunFormat, write_run};
 pub use replay::again::{Replay, replay};

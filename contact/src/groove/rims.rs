@@ -60,7 +60,7 @@ impl<'a> Rims<'a> {
         let y = &self.mesh.grid.y;
         let (mut nodes, mut missing) = (0.0, 0.0);
         let mut before = None;
-        for (i, length) in along.iter().enumerate().take(nx) {
+        for (i, length) in along.iter().enumerate() {
             let part: f64 = (0..ny)
                 .filter(|j| self.full[j * nx + i])
                 .map(|j| across[j])

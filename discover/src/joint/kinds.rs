@@ -18,8 +18,6 @@ pub const PRESSURES: &str = "pressures";
 pub struct Kind<'a> {
     /// What it is called.
     pub name: &'static str,
-    /// Whether it writes a case instead of a model.
-    pub of_a_case: bool,
     /// Its evidence.
     pub part: Part<'a>,
     /// The fit with which its last screen claimed nothing.
@@ -81,7 +79,6 @@ impl<'a> Joint<'a> {
     pub fn new(parts: Vec<(&'static str, Part<'a>)>, options: &'a Options) -> Self {
         let kinds = parts.into_iter().map(|(name, part)| Kind {
             name,
-            of_a_case: name == PRESSURES,
             part,
             silent: None,
             held_out: HeldOut::default(),

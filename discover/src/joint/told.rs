@@ -1,7 +1,7 @@
 //! What a campaign's report tells: every kind's own part side by side, and one next model.
 
 use crate::finding::report::{Fitted, OfKind};
-use crate::joint::kinds::{Joint, Said};
+use crate::joint::kinds::{Joint, PRESSURES, Said};
 use crate::procedure::evidence::{Account, Description, Words};
 
 /// What one kind of data has to tell.
@@ -75,10 +75,10 @@ pub fn described(
         all.next_runs.extend(one.next_runs);
         all.clean &= one.clean;
         all.located |= one.located && steps == 0;
-        match () {
-            () if k == 0 => all.next_model = one.next_model,
-            () if joint.kinds[k].of_a_case => all.next_case = Some(one.next_model),
-            () => {}
+        if k == 0 {
+            all.next_model = one.next_model;
+        } else if name == PRESSURES {
+            all.next_case = Some(one.next_model);
         }
     }
     all.data = names.join(", ");

@@ -115,18 +115,17 @@ fn write(
         components,
         values,
     };
-    let largest: Vec<f64> = stresses
-        .iter()
-        .take(if shear { stresses.len() } else { 0 })
-        .map(|&stress| maximum_shear(stress))
-        .collect();
+    let largest: Option<Vec<f64>> = shear.then(|| {
+        let each = stresses.iter().map(|&stress| maximum_shear(stress));
+        each.collect()
+    });
     let mut fields = vec![
         field("displacement_m", 3, &displacement),
         field("stress_pa", 9, &tensors),
         field("von_mises_pa", 1, &mises),
     ];
-    if shear {
-        fields.push(field("max_shear_pa", 1, &largest));
+    if let Some(largest) = &largest {
+        fields.push(field("max_shear_pa", 1, largest));
     }
     fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));
     write_vtu(body.mesh(), &fields, &[], writer).map_err(Failure::bad_input)

@@ -24,7 +24,7 @@ use crate::record::run::{COLUMNS, Run};
 pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
     let mut runs = read_index(index)?
         .into_par_iter()
-        .map(|entry| read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error)))
+        .map(|entry| read_needed(entry, needs, on_gaps))
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
@@ -45,7 +45,7 @@ pub fn read_good_runs(
 ) -> Result<(Vec<Run>, Vec<Error>), Error> {
     let read: Vec<Result<Run, Error>> = read_index(index)?
         .into_par_iter()
-        .map(|entry| read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error)))
+        .map(|entry| read_needed(entry, needs, on_gaps))
         .collect();
     let (mut good, mut bad) = (Vec::new(), Vec::new());
     for run in read {
@@ -82,6 +82,14 @@ pub fn read_good_runs(
 pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run, Error> {
     let known: Vec<&str> = COLUMNS.into_iter().chain(["s_m"]).collect();
     read_run_of(entry, required, &known, on_gaps)
+}
+
+/// Like [`read_run`] with what `needs` says, which an error of a missing column names.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_needed(entry: Entry, needs: &Needs, on_gaps: OnGaps) -> Result<Run, Error> {
+    read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error))
 }
 
 /// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the file has, and no others: gaps

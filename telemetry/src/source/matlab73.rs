@@ -4,7 +4,7 @@ use hdf5_pure::{DType, Dataset, File, Group};
 
 use crate::error::Error;
 use crate::source::log::{Channel, Log};
-use crate::source::unpacked::most_unpacked;
+use crate::source::unpacked::{most_unpacked, numbers_of};
 
 /// Structs within structs that are looked into.
 const DEPTH: usize = 6;
@@ -37,8 +37,7 @@ pub fn read_matlab73(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Res
     }
     for place in places {
         let shape = vectors[place].1.shape().map_err(told)?;
-        let length = shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k));
-        if length > most {
+        if numbers_of(&shape) > most {
             let name = &vectors[place].0;
             let reason = format!("{name}: more numbers than a file of this size can hold");
             return Err(Error::file(file, reason));
@@ -58,8 +57,7 @@ fn collect(
     for name in group.datasets()? {
         let data = group.dataset(&name)?;
         let shape = data.shape()?;
-        let length = shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k));
-        let vector = length > 1 && shape.iter().filter(|n| **n != 1).count() == 1;
+        let vector = numbers_of(&shape) > 1 && shape.iter().filter(|n| **n != 1).count() == 1;
         let number = !matches!(
             data.dtype()?,
             DType::String

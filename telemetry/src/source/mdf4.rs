@@ -7,7 +7,7 @@ use falcon_mdf::Mf4File;
 
 use crate::error::Error;
 use crate::source::log::{Channel, Log};
-use crate::source::unpacked::most_unpacked;
+use crate::source::unpacked::{most_unpacked, numbers_of};
 
 /// Reads a log; of the channels only those `wanted` by name, or all that hold numbers.
 ///
@@ -41,8 +41,7 @@ pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<
     let mut kept = vec![false; of.len()];
     for place in places {
         let shape = of[place].array_shape().unwrap_or_default();
-        let each = shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k));
-        if of[place].sample_count.saturating_mul(each) > most {
+        if of[place].sample_count.saturating_mul(numbers_of(shape)) > most {
             let name = &log.channels[place].name;
             let reason = format!("channel {name}: more samples than a file of this size can hold");
             match wanted {

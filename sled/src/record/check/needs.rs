@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::model::sled::Sled;
 use crate::record::index::Conditions;
+use crate::record::run::COLUMNS;
 
 /// What a computation needs of a run besides `t_s`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,49 +17,24 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Forces on the runners from motion and slip. What brakes is compared with `ax_mps2` where that is there.
+    /// Forces on the runners from motion and slip: all but `ax_mps2`. What brakes is compared with that where it is there.
     pub const FORCES: Needs = Needs {
         by: "the forces on the runners",
-        columns: &[
-            "ay_mps2",
-            "az_mps2",
-            "roll_rate_radps",
-            "pitch_rate_radps",
-            "yaw_rate_radps",
-            "v_mps",
-            "alpha_rad",
-            "delta_rad",
-            "gamma_rad",
-        ],
+        columns: COLUMNS.split_at(1).1,
         forces: true,
     };
 
-    /// The place along a track, by its curvature and bank.
+    /// The place along a track, by its curvature and bank: from `ay_mps2` to `v_mps`.
     pub const PLACE: Needs = Needs {
         by: "the place along the track, from curvature and bank",
-        columns: &[
-            "ay_mps2",
-            "az_mps2",
-            "roll_rate_radps",
-            "pitch_rate_radps",
-            "yaw_rate_radps",
-            "v_mps",
-        ],
+        columns: COLUMNS.split_at(7).0.split_at(1).1,
         forces: false,
     };
 
-    /// The same, and the slope of a track that no survey states.
+    /// The same and `ax_mps2`, for the slope of a track that no survey states.
     pub const TRACK: Needs = Needs {
         by: "a track estimated from its runs",
-        columns: &[
-            "ax_mps2",
-            "ay_mps2",
-            "az_mps2",
-            "roll_rate_radps",
-            "pitch_rate_radps",
-            "yaw_rate_radps",
-            "v_mps",
-        ],
+        columns: COLUMNS.split_at(7).0,
         forces: false,
     };
 

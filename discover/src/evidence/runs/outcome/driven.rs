@@ -47,14 +47,11 @@ fn usual(training: &[Frame]) -> Conditions {
     let mean = |of: &dyn Fn(&Frame) -> f64| {
         training.iter().map(of).sum::<f64>() / training.len().max(1) as f64
     };
-    // A column of the runs' files goes before what their index says.
-    let stated = |frame: &Frame, name: &str, index: f64| match frame.extra.get(name) {
-        Some(column) => column.iter().sum::<f64>() / column.len() as f64,
-        None => index,
-    };
-    let humidity = mean(&|f| stated(f, "humidity_pct", f.humidity_pct));
+    let stated =
+        |frame: &Frame, name: &str| frame.condition(name).iter().sum::<f64>() / frame.len() as f64;
+    let humidity = mean(&|f| stated(f, "humidity_pct"));
     Conditions {
-        ice_c: mean(&|f| stated(f, "ice_c", f.ice_c)),
+        ice_c: mean(&|f| stated(f, "ice_c")),
         air_c: mean(&|f| f.air_c),
         air_pa: mean(&|f| f.air_pa),
         humidity_pct: Some(humidity).filter(|h| h.is_finite()),

@@ -23,16 +23,8 @@ const BINS: usize = 16;
 /// Fewest rows of a bin that is drawn.
 const FEWEST: usize = 20;
 
-/// A number of a run by its name.
-type NumberOf = fn(&Frame) -> f64;
-
-/// What a run states once, unless its file has it sample by sample.
-const STATED: [(&str, NumberOf); 4] = [
-    ("ice_c", |f| f.ice_c),
-    ("air_c", |f| f.air_c),
-    ("humidity_pct", |f| f.humidity_pct),
-    ("distance_m", |f| f.distance_before),
-];
+/// Conditions, of which a run states most once.
+const STATED: [&str; 4] = ["ice_c", "air_c", "humidity_pct", "distance_m"];
 
 impl Campaign<'_> {
     /// Residuals along each track of the given model and of the one that was written, then each effect that acts everywhere over
@@ -176,14 +168,7 @@ fn driven(
     let partial = residuals(&without, frames);
     let recorded = COLUMNS.iter().filter(|(name, _)| *name != "s_m");
     let recorded = recorded.map(|(name, of)| (*name, each(frames, |f| of(f).to_vec())));
-    let stated = STATED.iter().map(|(name, of)| {
-        let by_sample = |f: &Frame| f.extra.get(*name).cloned();
-        let once = |f: &Frame| vec![of(f); f.len()];
-        (
-            *name,
-            each(frames, |f| by_sample(f).unwrap_or_else(|| once(f))),
-        )
-    });
+    let stated = STATED.map(|name| (name, each(frames, |f| f.condition(name))));
     let (name, bins) = recorded
         .chain(stated)
         .filter_map(|(name, columns)| {

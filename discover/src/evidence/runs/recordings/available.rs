@@ -62,9 +62,8 @@ pub fn available(
         frames.iter().all(|f| value(f).is_finite())
             && frames.iter().any(|f| value(f) != value(frames[0]))
     };
-    let ice = |f: &Frame, i: usize| f.extra.get("ice_c").map_or(f.ice_c, |ice| ice[i]);
-    let ices = || frames.iter().flat_map(|f| (0..f.len()).map(|i| ice(f, i)));
-    let ice_varies = ices().all(f64::is_finite) && ices().any(|c| Some(c) != ices().next());
+    let ices: Vec<f64> = frames.iter().flat_map(|f| f.condition("ice_c")).collect();
+    let ice_varies = ices.iter().all(|c| c.is_finite()) && ices.iter().any(|c| *c != ices[0]);
     for (column, varies) in [
         (Column::IceTemperature, ice_varies),
         (Column::AirTemperature, spread(|f| f.air_c)),

@@ -111,6 +111,20 @@ impl Frame {
         }
     }
 
+    /// A condition sample by sample: a column of the run's file, else what is stated once; NaN where nothing states it.
+    pub fn condition(&self, name: &str) -> Vec<f64> {
+        let once = match name {
+            "ice_c" => self.ice_c,
+            "air_c" => self.air_c,
+            "air_pa" => self.air_pa,
+            "humidity_pct" => self.humidity_pct,
+            "distance_m" => self.distance_before,
+            _ => f64::NAN,
+        };
+        let own = self.extra.get(name).cloned();
+        own.unwrap_or_else(|| vec![once; self.len()])
+    }
+
     /// Columns that effects may ask for and that nothing states for this run.
     pub fn stated_nowhere(&self) -> Vec<&'static str> {
         let stated = [

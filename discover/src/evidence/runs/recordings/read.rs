@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use kufe_sled::{
-    Entry, Model, Needs, OnGaps, Run, Track, read_index, read_run, refuse_faults,
+    Entry, Model, Needs, OnGaps, Run, Track, read_index, read_needed, refuse_faults,
     refuse_unstated_air,
 };
 
@@ -40,8 +40,7 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
         false => OnGaps::LeaveOut,
     };
     for entry in entries {
-        let run = read_run(entry, INDISPENSABLE.columns, on_gaps);
-        let run = run.map_err(|error| INDISPENSABLE.told(error))?;
+        let run = read_needed(entry, &INDISPENSABLE, on_gaps)?;
         let file = run.entry.file.display().to_string();
         refuse_unstated_air(INDISPENSABLE.by, &run.entry.conditions, &file)?;
         runs.push(run);
