@@ -116,18 +116,23 @@ class Rectangles:
         raise SystemExit("the contact set does not settle")
 
 
+def highest(pressure):
+    """The largest pressure, raised by the vertex of the parabola through its neighbours on each axis."""
+    i, j = np.unravel_index(pressure.argmax(), pressure.shape)
+    top = pressure[i, j]
+    for before, after in ((pressure[i - 1, j], pressure[i + 1, j]), (pressure[i, j - 1], pressure[i, j + 1])):
+        slope, curvature = (after - before) / 2, after - 2 * pressure[i, j] + before
+        top -= slope**2 / (2 * curvature)
+    return top
+
+
 def boundary(gap, force, hardness, reach):
     """Peak, area, approach and what two resolutions differ by."""
     found = []
     for n in (64, 128):
         grid = Rectangles(n, *reach, modulus())
         pressure, approach = grid.press(gap(*np.meshgrid(grid.x, grid.y, indexing="ij")), force, hardness)
-        top = pressure.max()
-        if np.isinf(hardness):
-            # The four rectangles at the middle are half a step off the peak along either axis.
-            m = n // 2
-            near, far = pressure[m, m], (pressure[m + 1, m], pressure[m, m + 1])
-            top = near + sum((near - f) / 8 for f in far)
+        top = highest(pressure) if np.isinf(hardness) else pressure.max()
         area = (pressure > 0).sum() * grid.dx * grid.dy
         found.append((top, area, approach))
     coarse, fine = found
