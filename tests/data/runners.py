@@ -68,7 +68,7 @@ def held_at_top(draw, folder):
 
 
 def carried(draw, folder):
-    rocker, width, height, away = draw.logarithmic(5, 20), 0.010, draw.logarithmic(0.012, 0.020), draw.logarithmic(0.12, 0.2)
+    rocker, width, height, away = draw.logarithmic(8, 20), 0.010, draw.logarithmic(0.016, 0.020), draw.logarithmic(0.12, 0.2)
     section = 2 * width
     # What is left of a rectangle under the round section, to the first order in width / section.
     y = np.linspace(-width / 2, width / 2, 2001)

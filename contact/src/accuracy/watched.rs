@@ -118,6 +118,16 @@ impl Watched {
         self.last.map_or([f64::INFINITY; 3], |last| last.off)
     }
 
+    /// What the area scatters by, over it, where rims are beyond ice that yields: on n lines of a quarter of an ellipse, of n^2 pi / 4
+    /// cells, each rim is somewhere within a cell, by a standard deviation of 1 / sqrt(12); twice that of their sum.
+    fn scatter(&self) -> f64 {
+        let cells = self.area.cells();
+        match self.is_fixed() {
+            true => 2.0 * (cells / 12.0).sqrt() / (0.25 * std::f64::consts::PI * cells * cells),
+            false => 0.0,
+        }
+    }
+
     /// Whether the ice's hardness fixes the peak.
     fn is_fixed(&self) -> bool {
         self.last
@@ -137,7 +147,7 @@ impl Watched {
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
         let [area_off, length_off, _] = last.off;
-        let area_error = rims_error(&self.area, area_off);
+        let area_error = rims_error(&self.area, area_off).max(self.scatter() * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, BESIDE * area_error / last.area)
