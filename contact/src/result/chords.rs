@@ -236,20 +236,20 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_hertz_pressures_are_exact_and_those_on_layers_within_a_fifth_of_a_cell() {
+    fn ends_of_hertz_pressures_by_load_are_exact_and_those_on_layers_within_a_quarter_of_a_cell() {
         for cells in [3.3, 3.5, 4.7, 6.5, 10.5] {
-            for (m, part) in [(0.5, 1e-4), (0.75, 0.12), (1.0, 0.2)] {
+            for (m, mirrored, whole) in [(0.5, 1e-4, 0.02), (0.75, 0.15, 0.15), (1.0, 0.25, 0.25)] {
                 let (nodes, values) = sampled(m, cells);
-                let middle = nodes.len() / 2;
-                let whole = chords(&nodes, &values, None, f64::INFINITY, false);
-                let half = chords(
-                    &nodes[middle..],
-                    &values[middle..],
-                    None,
-                    f64::INFINITY,
-                    true,
-                );
-                for (found, end) in [(whole[0][0], -1.0), (whole[0][1], 1.0), (half[0][1], 1.0)] {
+                let of = |from: usize, symmetric: bool| {
+                    let ends = (f64::INFINITY, symmetric);
+                    chords(&nodes[from..], &values[from..], None, ends, By::Load)[0]
+                };
+                let ([low, high], [_, half]) = (of(0, false), of(nodes.len() / 2, true));
+                for (found, end, part) in [
+                    (low, -1.0, whole),
+                    (high, 1.0, whole),
+                    (half, 1.0, mirrored),
+                ] {
                     let off = (found - end).abs() * cells;
                     assert!(off < part, "{m} {cells}: {found} is off by {off} cells");
                 }
