@@ -177,11 +177,6 @@ impl Row {
         })
     }
 
-    /// Peak pressure [Pa], area [m2] and approach [m]; 0 where nothing is known.
-    pub fn truth(&self) -> [f64; 3] {
-        self.truth
-    }
-
     /// Whether what is stated, and what the truth is known to, holds a miss. An area of rectangles is known to some of them at its rim.
     pub fn holds(&self, figure: usize, miss: Miss) -> bool {
         let rectangles = match self.class.as_str() {
