@@ -116,10 +116,23 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     };
     // Both by more than the line's own scatter: a rink that is level does not push.
     if line.slope > LEAST_GROWTH.max(6.0 * line.slope_se) {
+        // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air took.
+        let in_kmh: Vec<f64> = section
+            .clone()
+            .map(|i| kinetic[i] + aero[i] / KMH)
+            .collect();
+        let slows_in_kmh = fit_line(&s[section], &in_kmh).is_some_and(|line| line.slope < 0.0);
         return Err(Error::OutOfRange {
             name: "force along the glide [N]",
             value: line.slope,
-            expected: "a glide that loses energy, a negative one: this one gets faster through its middle section",
+            expected: match slows_in_kmh && !trace.s_measured {
+                true => {
+                    "a glide that loses energy, a negative one: its speeds would lose some as km/h, v_mps is in m/s (divide by 3.6)"
+                }
+                false => {
+                    "a glide that loses energy, a negative one: this one gets faster through its middle section"
+                }
+            },
         });
     }
     Ok(GlideRun {
@@ -133,6 +146,9 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
         air_density: density,
     })
 }
+
+/// What km/h counts a m/s for.
+const KMH: f64 = 3.6;
 
 /// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the lightest rider.
 const LEAST_GROWTH: f64 = 0.3;

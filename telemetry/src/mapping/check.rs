@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::mapping::file::{ChannelSource, IndexValues, Mapping};
+use crate::mapping::index::place_of;
 use crate::unit::{column_unit, conversion};
 
 /// Largest number that a key of a mapping takes; far beyond any sensor's.
@@ -142,6 +143,13 @@ pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
     let index = |at: &str, values: &IndexValues| {
         for (name, low, high) in INDEX_RANGES {
             within(format!("{at}.{name}"), values.number(name), low, high)?;
+        }
+        for (place, value) in &values.ice_c_at {
+            let key = format!("{at}.ice_c_at");
+            place_of(place)
+                .ok_or_else(|| wrong(key.clone(), place.clone(), "a place along the track in m"))?;
+            let (_, low, high) = INDEX_RANGES[0];
+            within(format!("{key}.{place}"), Some(*value), low, high)?;
         }
         Ok(())
     };
