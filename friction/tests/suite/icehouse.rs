@@ -1,8 +1,8 @@
 //! Ice-house evaluation on glides integrated from the equation of motion.
 
 use kufe_friction::{
-    GlideEntry, GlideRun, GlideTrace, IceHouse, air_density, evaluate_glide, evaluate_ice_house,
-    fit_line, read_glide, read_glide_index,
+    GlideEntry, GlideRun, IceHouse, air_density, evaluate_glide, evaluate_ice_house, fit_line,
+    read_glide, read_glide_index,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -278,29 +278,6 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
     for part in ["run.csv", "row 2", "v_mps", "m/s", "3.60 times", "km/h"] {
         assert!(told.contains(part), "{told}");
     }
-    // Without a distance the air tells, where it takes more than a 3.6th.
-    let light = Glide {
-        mu: 0.002,
-        climb: 0.0,
-        cda: 0.5,
-        ..PLAIN
-    };
-    let trace = read_glide("run.csv", light.file(0).as_bytes()).expect("reads");
-    let entry = light.entry("1", "A", "up");
-    assert!(evaluate_glide(&entry, &trace).is_ok());
-    let faster = |v: &f64| 3.6 * v;
-    let kmh = GlideTrace {
-        v: trace.v.iter().map(faster).collect(),
-        s: trace.s.iter().map(faster).collect(),
-        ..trace
-    };
-    let told = evaluate_glide(&entry, &kmh).expect_err("refused");
-    let told = told.to_string();
-    assert!(
-        told.contains("km/h") && told.contains("divide by 3.6"),
-        "{told}"
-    );
-
     // Downhill by more than the ice takes.
     let pushed = Glide {
         climb: -0.02,

@@ -2,7 +2,6 @@
 
 use crate::error::Error;
 use crate::mapping::file::{ChannelSource, IndexValues, Mapping};
-use crate::mapping::index::place_of;
 use crate::unit::{column_unit, conversion};
 
 /// Largest number that a key of a mapping takes; far beyond any sensor's.
@@ -188,6 +187,11 @@ pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// A place along the track [m] as it is written in a name.
+pub(crate) fn place_of(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|s_m: &f64| s_m.abs() < 1e6)
 }
 
 const PLAIN: &str = "letters, digits, '-', '_' and '.', not beginning with a point";

@@ -3,7 +3,7 @@
 use kufe_sled::{ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS};
 
 use crate::error::Error;
-use crate::mapping::check::INDEX_RANGES;
+use crate::mapping::check::{INDEX_RANGES, place_of};
 use crate::mapping::file::IndexValues;
 
 impl IndexValues {
@@ -160,11 +160,6 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         rows.push((name, values));
     }
     Ok(rows)
-}
-
-/// A place along the track [m] as it is written in a name.
-pub(crate) fn place_of(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|s_m: &f64| s_m.abs() < 1e6)
 }
 
 /// Questions about the lines of `runs.csv`, for a mapping that is guessed.
