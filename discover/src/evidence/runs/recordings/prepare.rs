@@ -10,7 +10,7 @@ use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::sensor_noise::{Learned, doubted, estimate, quieter};
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
-use crate::evidence::runs::recordings::survey::{TrackTables, turn_slopes};
+use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
 use crate::procedure::lock::{LockRules, Locked, Place};
 use crate::procedure::rules::Rules;
 
@@ -57,7 +57,7 @@ impl Data {
 pub fn prepare(
     runs: &[Run],
     model: &Model,
-    tables: TrackTables,
+    surveys: &Surveys,
     rules: &Rules,
 ) -> Result<Data, Error> {
     if runs.is_empty() {
@@ -90,7 +90,7 @@ pub fn prepare(
     for run in runs {
         let own = signal_kernel(run.dt_s, recordings);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
-        let mut frame = frame(run, &own, &tables.slopes, recordings)?;
+        let mut frame = frame(run, &own, surveys, recordings)?;
         let stated = model.conditions.unwrap_or_default();
         if let (true, Some(humidity)) = (frame.humidity_pct.is_nan(), stated.humidity_pct) {
             frame.humidity_pct = humidity;
@@ -140,9 +140,9 @@ pub fn prepare(
     }
     // Such tables are over the ice's temperature as a rule.
     let friction = &model.friction.longitudinal;
-    let on_tables = friction.front_table.is_some() && friction.rear_table.is_some();
+    let tables = friction.front_table.is_some() && friction.rear_table.is_some();
     if friction.mu.is_some()
-        && on_tables
+        && tables
         && frames
             .iter()
             .all(|f| !f.stated_nowhere().contains(&"ice_c"))
@@ -156,7 +156,7 @@ pub fn prepare(
         noise_doubted,
         available,
         segmented,
-        tracks: tables.whole,
+        tracks: Vec::new(),
         uphill,
         locked,
         gaps,

@@ -47,7 +47,9 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
     refuse_faults(&runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
     let tables = TrackTables::beside(folder, &runs)?;
-    prepare(&runs, model, tables, &options.rules)
+    let mut data = prepare(&runs, model, &tables.slopes, &options.rules)?;
+    data.tracks = tables.whole;
+    Ok(data)
 }
 
 fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {
