@@ -74,16 +74,16 @@ fn lames_cylinder_converges_with_slope_2_to_its_displacement_and_about_1_to_its_
     }
 }
 
-/// At a ratio of 0.3 as at 0.4999 the wall moves as Lame says; the plain element's hardly moves.
+/// At a ratio of 0.3 as at 0.4999 the wall moves as Lame says; the plain element's little more than half as far.
 #[test]
 fn lames_cylinder_moves_however_nearly_incompressible_it_is() {
     for ratio in [0.3, 0.45, 0.49, 0.499, 0.4999] {
         let [error, _] = tube(16, ElementKind::Hex8Dilatation, ratio);
         println!("{ratio}: {error:.2e}");
-        assert!(error < 4e-3, "{ratio}: {error}");
+        assert!(error < 1e-3, "{ratio}: {error}");
     }
     let [locked, _] = tube(16, ElementKind::Hex8, 0.4999);
-    assert!(locked > 0.5, "{locked}");
+    assert!(locked > 0.4, "{locked}");
 }
 
 /// Largest error of a stress component over the largest component at its node, inside a block of the half-space beside and
