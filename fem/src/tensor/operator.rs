@@ -116,20 +116,19 @@ impl TensorOperator {
     }
 
     fn multiply_out(&mut self) {
-        let parts: &[(fn([f64; 2]) -> [f64; 2], CellMass)] = match self.kind {
+        // What is taken of lambda and of mu, and of which mass.
+        let parts: &[([[f64; 2]; 2], CellMass)] = match self.kind {
             ElementKind::Hex8Dilatation => &[
-                (|[_, mu]| [-2.0 / 3.0 * mu, mu], CellMass::Consistent),
-                (
-                    |[lambda, mu]| [lambda + 2.0 / 3.0 * mu, 0.0],
-                    CellMass::OfMeans,
-                ),
+                ([[0.0, -2.0 / 3.0], [0.0, 1.0]], CellMass::Consistent),
+                ([[1.0, 2.0 / 3.0], [0.0, 0.0]], CellMass::OfMeans),
             ],
-            _ => &[(|moduli| moduli, CellMass::Consistent)],
+            _ => &[([[1.0, 0.0], [0.0, 1.0]], CellMass::Consistent)],
         };
         let [x, y, z] = &self.axes;
-        let products = parts.iter().map(|&(moduli, mass)| {
+        let products = parts.iter().map(|&(share, mass)| {
             let factors = |first: usize, nodes: &[f64], own: [f64; 2]| {
-                Factors::new([x, y, &Axis::new(nodes)], moduli(own), mass, first)
+                let moduli = share.map(|[of_lambda, of_mu]| of_lambda * own[0] + of_mu * own[1]);
+                Factors::new([x, y, &Axis::new(nodes)], moduli, mass, first)
             };
             let from = self.lower.map_or(0, |layer| layer.cells);
             let below = self
