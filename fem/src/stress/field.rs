@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::element::hex8::{self, GAUSS, Jacobian};
-use crate::element::hex8_axial;
 use crate::element::hex8_incompatible::{Uncondensed, mode_gradients};
+use crate::element::{hex8_axial, hex8_dilatation};
 use crate::section::ElementKind;
 use crate::sparse::node_cells::NodeCells;
 
@@ -17,7 +17,7 @@ struct CellField {
     displacement: [f64; 24],
     /// Amplitudes of the incompatible modes and the centre's Jacobian, where the cell has them.
     inner: Option<([f64; 9], Jacobian)>,
-    axial: bool,
+    kind: ElementKind,
 }
 
 impl CellField {
@@ -34,13 +34,19 @@ impl CellField {
             corners,
             displacement,
             inner,
-            axial: section.kind == ElementKind::Hex8Axial,
+            kind: section.kind,
         }
     }
 
     fn strain(&self, xi: [f64; 3]) -> [f64; 6] {
-        if self.axial {
-            return hex8_axial::strain(&self.corners, &self.displacement, xi);
+        match self.kind {
+            ElementKind::Hex8Axial => {
+                return hex8_axial::strain(&self.corners, &self.displacement, xi);
+            }
+            ElementKind::Hex8Dilatation => {
+                return hex8_dilatation::strain(&self.corners, &self.displacement, xi);
+            }
+            ElementKind::Hex8 | ElementKind::Hex8Incompatible => {}
         }
         let (gradients, determinant) = hex8::gradients(&self.corners, xi);
         let mut h = [[0.0; 3]; 3];
@@ -212,6 +218,7 @@ mod tests {
             ElementKind::Hex8,
             ElementKind::Hex8Incompatible,
             ElementKind::Hex8Axial,
+            ElementKind::Hex8Dilatation,
         ] {
             let mut mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
             // In planes across x, as the axial element wants them.

@@ -24,7 +24,7 @@ pub fn write_ice(
     let mesh = volume.grid.hex_mesh();
     let mut sections = sections(
         [volume.youngs_modulus, volume.poissons_ratio],
-        ElementKind::Hex8,
+        volume.element,
         mesh.cells.len(),
     )?;
     if let Some((bed, layers)) = volume.bed {
@@ -32,7 +32,7 @@ pub fn write_ice(
         let cells = layers * (nx - 1) * (ny - 1);
         let own = self::sections(
             [bed.youngs_modulus, bed.poissons_ratio],
-            ElementKind::Hex8,
+            volume.element,
             cells,
         )?;
         sections[..cells].copy_from_slice(&own);

@@ -4,6 +4,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::kufe::{Bench, CASE, errors, json, names};
+use crate::search::friction_table::{MODEL, TABLE};
 
 #[cfg(target_os = "linux")]
 #[test]
@@ -91,30 +92,37 @@ fn a_series_that_is_terminated_keeps_its_steps_leaves_5_and_resumes() {
 
 #[cfg(unix)]
 #[test]
-fn a_single_contact_that_is_terminated_leaves_nothing() {
+fn a_command_that_is_terminated_leaves_nothing() {
     let bench = Bench::new();
     bench.write("case.toml", CASE.replace("p_max = 0.02", "p_max = 0.0001"));
-    let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
-        .current_dir(bench.folder.path())
-        .args(["press", "case.toml", "-o", "out"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the command runs");
-    let begun = Instant::now();
-    while !bench.path("out").exists() {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
-        std::thread::sleep(Duration::from_millis(2));
+    bench.write("model.toml", MODEL);
+    bench.write("experiments.csv", TABLE);
+    let inputs = bench.names();
+    let press = "press case.toml -o out";
+    let discover = "discover experiments.csv --model model.toml --twins 1000 -o out";
+    for words in [press, discover] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
+            .current_dir(bench.folder.path())
+            .args(words.split(' '))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command runs");
+        let begun = Instant::now();
+        while !bench.path("out").exists() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        // The handler is set right after the folder is made.
+        std::thread::sleep(Duration::from_millis(50));
+        Command::new("kill")
+            .args(["-TERM", &child.id().to_string()])
+            .status()
+            .expect("kill");
+        let status = child.wait().expect("it ends");
+        assert_eq!(status.code(), Some(130), "{words}");
+        assert_eq!(bench.names(), inputs, "{words}");
     }
-    // The handler is set right after the folder is made.
-    std::thread::sleep(Duration::from_millis(50));
-    Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
-        .status()
-        .expect("kill");
-    let status = child.wait().expect("it ends");
-    assert_eq!(status.code(), Some(130));
-    assert_eq!(bench.names(), ["case.toml"]);
 }
 
 #[test]
