@@ -191,6 +191,32 @@ pub(crate) fn add_block(
     }
 }
 
+/// Adds a point's weight times B^T D B to the upper half of a stiffness, for elements with a B (6 x 24) of their own.
+pub(crate) fn add_density(
+    k: &mut ElementMatrix,
+    b: &[[f64; 24]; 6],
+    weight: f64,
+    material: Material,
+) {
+    for j in 0..24 {
+        let stress = material.stress(std::array::from_fn(|row| b[row][j]));
+        for i in 0..=j {
+            let density: f64 = (0..6).map(|row| b[row][i] * stress[row]).sum();
+            k[i][j] += weight * density;
+        }
+    }
+}
+
+/// The matrix with its upper half below the diagonal too.
+pub(crate) fn mirrored(mut k: ElementMatrix) -> ElementMatrix {
+    for j in 0..24 {
+        for i in 0..j {
+            k[j][i] = k[i][j];
+        }
+    }
+    k
+}
+
 /// Stiffness matrix K = integral of B^T D B over the element, 2 x 2 x 2 Gauss points.
 ///
 /// 24 x 24, symmetric [N/m]. Every Jacobian determinant must be positive ([`smallest_determinant`]);

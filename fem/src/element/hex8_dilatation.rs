@@ -46,20 +46,9 @@ pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
             let third = (mean[j] - b[0][j] - b[1][j] - b[2][j]) / 3.0;
             (0..3).for_each(|row| b[row][j] += third);
         }
-        for j in 0..24 {
-            let stress = material.stress(std::array::from_fn(|row| b[row][j]));
-            for i in 0..=j {
-                let density: f64 = (0..6).map(|row| b[row][i] * stress[row]).sum();
-                k[i][j] += determinant * density;
-            }
-        }
+        hex8::add_density(&mut k, &b, determinant, material);
     }
-    for j in 0..24 {
-        for i in 0..j {
-            k[j][i] = k[i][j];
-        }
-    }
-    k
+    hex8::mirrored(k)
 }
 
 /// Strain (xx, yy, zz, yz, zx, xy) at natural coordinates `xi` for corner displacements `u` [m].
