@@ -219,7 +219,7 @@ fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f
 /// [`squared_pressure`]); then `sum p dx dy` is made the force by [`carry`], and nothing exceeds what the ice bears.
 fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Axis) -> Vec<f64> {
     let (nodes, columns) = (field.y.len(), along.count);
-    let squared = squared_pressure(field);
+    let squared = squared_pressure(field, bound);
     let mut by_rows = vec![f64::NAN; nodes * columns];
     squared
         .par_chunks_exact(field.x.len())

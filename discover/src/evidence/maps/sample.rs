@@ -10,9 +10,9 @@ use kufe_contact::{SurfaceField, squared_pressure};
 /// Points a pixel along each direction.
 const POINTS: [f64; 3] = [-1.0 / 3.0, 0.0, 1.0 / 3.0];
 
-/// The solution's pressure on the pixels of `like` [Pa].
-pub fn sample(surface: &SurfaceField, like: &Map) -> Map {
-    let square = squared_pressure(surface);
+/// The solution's pressure, nowhere above the `bound` of what the ice bears [Pa], on the pixels of `like` [Pa].
+pub fn sample(surface: &SurfaceField, bound: f64, like: &Map) -> Map {
+    let square = squared_pressure(surface, bound);
     let nx = surface.x.len();
     let places = |nodes: &[f64], from: f64, step: f64, count: usize| -> Vec<Option<(usize, f64)>> {
         (0..count)
@@ -87,7 +87,7 @@ mod tests {
             dy: 0.04 * b,
             pressure: vec![0.0; 3600],
         };
-        let map = sample(&surface, &like);
+        let map = sample(&surface, f64::INFINITY, &like);
         let mut worst = 0.0_f64;
         for j in 0..60 {
             for i in 0..60 {

@@ -190,7 +190,7 @@ fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated,
     };
     let solution = solve(&problem, &options)?;
     Ok(match &row.map {
-        Some(measured) => Simulated::Map(sample(&solution.surface, measured)),
+        Some(measured) => Simulated::Map(sample(&solution.surface, solution.bound(), measured)),
         None => Simulated::Peak(solution.p_max),
     })
 }
