@@ -66,10 +66,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         staging.write(&format!("{name}.vtu"), |file| write(mesh, file))?;
         document[*name] = figures(mesh);
     }
-    staging.write("quality.json", |mut file| {
-        use std::io::Write;
-        writeln!(file, "{document:#}")
-    })?;
+    staging.text("quality.json", &format!("{document:#}\n"))?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

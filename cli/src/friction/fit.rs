@@ -1,6 +1,6 @@
 //! `kufe friction fit`: mu over pressure from experiments, in the form of a model file.
 
-use std::io::{BufReader, Write};
+use std::io::BufReader;
 use std::path::PathBuf;
 
 use kufe_friction::{
@@ -92,9 +92,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         &["fit.json", "friction.toml", "mu.png"],
     )?;
     staging.remove_on_interrupt();
-    staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("fit.json", &format!("{document:#}\n"))?;
     let toml = model_form(&law).map_err(|error| staging.failure("friction.toml", &error))?;
-    staging.write("friction.toml", |mut file| file.write_all(toml.as_bytes()))?;
+    staging.text("friction.toml", &toml)?;
     kufe_plot::png(&staging.path("mu.png"), 900, 620, &|root| {
         draw_mu_over_pressure(&root, &experiments, &fit, &law)
     })

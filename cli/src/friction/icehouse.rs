@@ -1,7 +1,7 @@
 //! `kufe icehouse`: the coefficient of friction by specimen from gliding runs.
 
 use std::fs::File;
-use std::io::{BufReader, Write};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use kufe_friction::{
@@ -52,7 +52,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let names = ["icehouse.json", "experiments.csv"];
     let staging = Staging::beside(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
-    staging.write("icehouse.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("icehouse.json", &format!("{document:#}\n"))?;
     staging.write("experiments.csv", |file| {
         write_experiments(&house.experiments(), file)
     })?;

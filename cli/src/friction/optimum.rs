@@ -34,7 +34,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     })?;
     let document = document(&found, &loaded);
     if let Some(staging) = staging {
-        staging.write("friction.json", |mut file| writeln!(file, "{document:#}"))?;
+        staging.text("friction.json", &format!("{document:#}\n"))?;
         staging.write("friction.csv", |file| write_csv(file, &found))?;
         kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             optimum_picture::draw(&root, &found)

@@ -61,7 +61,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         document["fastest"] = verdicts.iter().map(Verdict::json).collect();
     }
     if let Some(staging) = staging {
-        staging.write("friction.json", |mut file| writeln!(file, "{document:#}"))?;
+        staging.text("friction.json", &format!("{document:#}\n"))?;
         staging.write("friction.csv", |file| write_csv(file, &runners))?;
         kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             sliding_picture::draw(&root, &runners)

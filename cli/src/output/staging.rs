@@ -129,6 +129,16 @@ impl Staging {
         file.sync_all().map_err(|error| told(&error))
     }
 
+    /// Writes one file of text, in one piece.
+    ///
+    /// # Errors
+    /// As [`write`](Staging::write).
+    pub fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        self.write(name, |mut file| {
+            std::io::Write::write_all(&mut file, text.as_bytes())
+        })
+    }
+
     /// Moves every file into the output folder; an index of runs goes first and comes last, so that what it names is whole
     /// also where this is killed.
     ///

@@ -1,6 +1,6 @@
 //! What one solved case is written to.
 
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 
 use kufe_contact::{CentreLine, PressureMap, pressure_maps};
 use kufe_jobs::field::{contact_vtp, map_picture, subsurface, volume_vtu, write_exr};
@@ -64,7 +64,7 @@ pub fn write(
     }
     document[FILES] = Value::Object(lengths);
     let text = format!("{document:#}\n");
-    staging.write("result.json", |mut file| file.write_all(text.as_bytes()))
+    staging.text("result.json", &text)
 }
 
 /// Writes maps, fields and the hull, side by side; returns their names.

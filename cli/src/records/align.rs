@@ -1,7 +1,7 @@
 //! `kufe runs align`: runs brought to one distance along their track.
 
 use std::collections::BTreeMap;
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, runs::failure};
@@ -115,7 +115,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !gaps.is_empty() {
         document["gaps"] = json!(gaps);
     }
-    staging.write(MARK, |mut file| writeln!(file, "{document:#}"))?;
+    staging.text(MARK, &format!("{document:#}\n"))?;
     staging.commit()?;
     bar.finish_and_clear();
     for remark in runs.iter().flat_map(|run| &run.remarks) {

@@ -1,6 +1,5 @@
 //! `kufe runs check`: what is provably wrong with recorded runs, what is odd, and what to do about it.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use kufe_jobs::{Failure, runs::failure};
@@ -47,10 +46,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "runs": runs,
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.write("check.json", |mut file| writeln!(file, "{document:#}"))?;
-    staging.write("check.html", |mut file| {
-        file.write_all(kufe_report::record_page(&document).as_bytes())
-    })?;
+    staging.text("check.json", &format!("{document:#}\n"))?;
+    staging.text("check.html", &kufe_report::record_page(&document))?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

@@ -91,9 +91,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.finish_and_clear();
     staging.write("runs.csv", |mut file| file.write_all(&index))?;
     if let Some(fragment) = &fragment {
-        staging.write("model.import.toml", |mut file| {
-            file.write_all(fragment.as_bytes())
-        })?;
+        staging.text("model.import.toml", &fragment)?;
     }
     let document = json!({
         "mapping": file,
@@ -101,7 +99,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "files": names,
         "runs": notes.iter().map(summary).collect::<Vec<_>>(),
     });
-    staging.write(LIST, |mut file| writeln!(file, "{document:#}"))?;
+    staging.text(LIST, &format!("{document:#}\n"))?;
     staging.commit()?;
     tell(args, global, &document, &notes, names.len());
     Ok(())
@@ -155,9 +153,10 @@ fn write(
     write_run(&imported.run, &mut file, format).map_err(|error| staging.failure(&name, &error))?;
     file.sync_all()
         .map_err(|error| staging.failure(&name, &error))?;
-    staging.write(&format!("{}.import.json", planned.name), |mut file| {
-        writeln!(file, "{:#}", json!(imported.note))
-    })?;
+    staging.text(
+        &format!("{}.import.json", planned.name),
+        &format!("{:#}\n", json!(imported.note)),
+    )?;
     Ok(imported.note)
 }
 

@@ -1,6 +1,5 @@
 //! `kufe discover`: what the model lacks, by data.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
@@ -112,15 +111,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;
-    staging.write("report.json", |mut file| writeln!(file, "{json}"))?;
-    staging.write("report.html", |mut file| {
-        file.write_all(kufe_report::discovery_page(&page).as_bytes())
-    })?;
-    staging.write("model.next.toml", |mut file| {
-        file.write_all(next.as_bytes())
-    })?;
+    staging.text("report.json", &format!("{json}\n"))?;
+    staging.text("report.html", &kufe_report::discovery_page(&page))?;
+    staging.text("model.next.toml", &next)?;
     if let Some(case) = case {
-        staging.write("case.next.toml", |mut file| file.write_all(case.as_bytes()))?;
+        staging.text("case.next.toml", &case)?;
     }
     staging.commit()?;
     if global.json {

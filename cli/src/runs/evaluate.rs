@@ -1,7 +1,5 @@
 //! `kufe evaluate`: what drivers lose beyond a straight glide.
 
-use std::io::Write;
-
 use kufe_jobs::Failure;
 use kufe_sled::plots::{angle_picture, energy_picture, force_picture};
 use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups};
@@ -66,7 +64,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     loaded.state_gaps(&mut document);
-    staging.write("evaluation.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("evaluation.json", &format!("{document:#}\n"))?;
     staging.write("evaluation.csv", |file| write_table(file, &runs))?;
     let drawn_files = draw(args, &staging, &runs, drawn)?;
     staging.commit()?;

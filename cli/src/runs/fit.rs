@@ -1,7 +1,5 @@
 //! `kufe fit`: friction from recorded runs.
 
-use std::io::Write;
-
 use kufe_friction::{LateralFit, MagicFormula};
 use kufe_jobs::{Failure, runs::Loaded, runs::failure};
 use kufe_sled::plots::fit_picture;
@@ -94,11 +92,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = loaded;
     document["left_out"] = left_out.into();
     document["outside_tables"] = serde_json::json!(outside_tables);
-    staging.write("fit.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("fit.json", &format!("{document:#}\n"))?;
     let fitted = fit.applied_to(&model);
-    staging.write("model.fit.toml", |mut file| {
-        file.write_all(fitted.to_toml().as_bytes())
-    })?;
+    staging.text("model.fit.toml", &fitted.to_toml())?;
     let marked = if options.leave_out_contacts {
         find_contacts(
             &prepared,

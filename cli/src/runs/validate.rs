@@ -1,7 +1,6 @@
 //! `kufe validate`: the friction model against runs that it was not fitted to.
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_friction::MagicFormula;
@@ -93,7 +92,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     loaded.state_gaps(&mut document);
-    staging.write("validation.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("validation.json", &format!("{document:#}\n"))?;
     rmse_picture(&staging.path("rmse.png"), &runs)
         .map_err(|error| staging.failure("rmse.png", &error))?;
     for run in &drawn {

@@ -1,6 +1,5 @@
 //! Runs of one driver on one track.
 
-use std::io::Write;
 use std::path::Path;
 
 use kufe_jobs::{Failure, runs::failure};
@@ -107,7 +106,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     bar.set_message("writing");
     write_runs(&staging, &mut runs, args.format())?;
     write_track(&staging, &track)?;
-    staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("simulation.json", &format!("{document:#}\n"))?;
     if args.mat {
         write_channels(&staging, &document, &runs)?;
     }

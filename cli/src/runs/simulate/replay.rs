@@ -1,6 +1,5 @@
 //! A measured run driven again by the model.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, runs::failure};
@@ -84,7 +83,7 @@ pub fn replay_run(
     });
     write_runs(&staging, std::slice::from_mut(&mut driven), args.format())?;
     write_track(&staging, &track)?;
-    staging.write("simulation.json", |mut file| writeln!(file, "{document:#}"))?;
+    staging.text("simulation.json", &format!("{document:#}\n"))?;
     if args.mat {
         write_channels(&staging, &document, std::slice::from_ref(&driven))?;
     }

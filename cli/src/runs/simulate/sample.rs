@@ -1,6 +1,5 @@
 //! The sample data set.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, runs::failure};
@@ -45,9 +44,7 @@ pub fn sample(
     for name in ["east", "west"] {
         write_track(&staging, &sample_track(name))?;
     }
-    staging.write("model.toml", |mut file| {
-        file.write_all(model.to_toml().as_bytes())
-    })?;
+    staging.text("model.toml", &model.to_toml())?;
     let truth = json!({
         "seed": args.seed,
         "model": "model.toml is the truth that the runs were driven with",
@@ -71,7 +68,7 @@ pub fn sample(
         })).collect::<Vec<_>>(),
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.write("truth.json", |mut file| writeln!(file, "{truth:#}"))?;
+    staging.text("truth.json", &format!("{truth:#}\n"))?;
     staging.commit()?;
     bar.finish_and_clear();
     if global.json {

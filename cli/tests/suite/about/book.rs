@@ -80,6 +80,8 @@ fn the_reference_has_the_help_of_every_command() {
     let bench = Bench::new();
     bench.succeeds(&["man", "--markdown", "command.md"]);
     let page = std::fs::read_to_string(bench.path("command.md")).expect("the page");
+    let spaced = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let flat = spaced(&page);
     for words in [
         &["press"][..],
         &["lut"],
@@ -90,8 +92,9 @@ fn the_reference_has_the_help_of_every_command() {
         let title = format!("\n## kufe {}\n", words.join(" "));
         assert!(page.contains(&title), "{title}");
         let help = bench.succeeds(&[words, &["--help"]].concat());
-        for line in help.lines().map(str::trim_end) {
-            assert!(page.contains(line), "{words:?}: {line:?}");
+        // Every command's own options stand once, in another style where a command says more of them.
+        for line in help.lines().filter(|line| !line.contains("Print help")) {
+            assert!(flat.contains(&spaced(line)), "{words:?}: {line:?}");
         }
     }
 }
