@@ -9,7 +9,7 @@ use crate::map::rim::squared_pressure;
 
 /// Pixels across the whole window, along each axis.
 const FEWEST: usize = 384;
-const MOST: usize = 3072;
+const MOST: usize = 8192;
 /// Width of the empty frame around the contact, relative to the contact's extent.
 const MARGIN: f64 = 0.25;
 
