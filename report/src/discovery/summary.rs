@@ -32,10 +32,16 @@ pub fn summary(out: &mut String, report: Data) {
     }
     if !steps.is_empty() {
         let left = report.list("bins_after").len();
+        let what = report.part("held_out").text("what");
         let (text, why) = match report.is("clean") {
             true => (
                 "clean".to_owned(),
-                "nothing that repeats is left".to_owned(),
+                match scatter(report) {
+                    None => "nothing that repeats is left".to_owned(),
+                    Some(scatter) => format!(
+                        "nothing that repeats is left; {scatter} beyond the sensors’ noise differ from {what} to {what}"
+                    ),
+                },
             ),
             false => (
                 "not clean".to_owned(),
@@ -134,10 +140,7 @@ fn gap_tile(out: &mut String, report: Data) {
         return;
     }
     let unit = held.text("unit");
-    let channels = held.list("channels");
-    let shown = channels
-        .iter()
-        .find(|c| c.number("before") == held.number("gap_before"));
+    let shown = judged(held);
     let mut why = format!(
         "gap on {} that the search had not seen",
         counted(runs.len(), held.text("what"))
@@ -151,8 +154,23 @@ fn gap_tile(out: &mut String, report: Data) {
         );
     }
     let before = number4(usual(held.number("gap_before"), unit).0);
-    let after = quantity(held.number("gap_after"), unit);
+    let after = quantity(held.number("gap_after"), unit).replace(' ', "\u{a0}");
     tile(out, &format!("{before} → {after}"), &why);
+}
+
+/// The channel that the gap is told of.
+fn judged(held: Data) -> Option<Data> {
+    let channels = held.list("channels");
+    let told = |c: &&Data| c.number("before") == held.number("gap_before");
+    channels.iter().find(told).copied()
+}
+
+/// What is left beyond the sensors' noise where that is more than the noise.
+fn scatter(report: Data) -> Option<String> {
+    let held = report.part("held_out");
+    let [after, noise] = [held.number("gap_after"), judged(held)?.number("noise")];
+    let beyond = (after * after - noise * noise).max(0.0).sqrt();
+    (beyond > noise).then(|| quantity(beyond, held.text("unit")))
 }
 
 fn step_tiles(out: &mut String, step: Data, report: Data) {
