@@ -138,13 +138,13 @@ impl Design<'_> {
                 }
             };
             let in_time = |(_, (trial, _)): &(usize, &(Active, _))| !trial.is_late();
+            let mut carrying = at;
             for (k, (trial, carried)) in trials.iter().enumerate().filter(in_time) {
                 let moved = match carried {
                     None => on_run.balances_with(i, trial, &at, &own),
                     Some(x) => {
-                        let mut at = at;
-                        at.seen.carried = x[i];
-                        on_run.balances_with(i, trial, &at, &own)
+                        carrying.seen.carried = x[i];
+                        on_run.balances_with(i, trial, &carrying, &own)
                     }
                 };
                 put(first_trial + k, moved, 0.01);
@@ -156,8 +156,7 @@ impl Design<'_> {
                 let there = on_modelled.instant(i, &on_modelled.measured(i));
                 let modelled = on_modelled.balances(&there, &on_modelled.forces(&there));
                 for (k, other) in &shifted {
-                    let near = other.instant_near(i, &other.measured(i), &there);
-                    let values = other.balances(&near, &other.forces(&near));
+                    let values = other.balances_near(i, &other.measured(i), &there);
                     let moved_by = |c: usize| rest[c] + values[c] - modelled[c];
                     put(*k, [moved_by(0), moved_by(1), moved_by(2)], 0.01);
                 }

@@ -272,7 +272,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// The same from the laws of a motion close by, to first order.
-    pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
+    fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
         let balance = self.balance(i, signals);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant {
@@ -281,6 +281,18 @@ impl<'a> ModelOnRun<'a> {
             laws,
             signals: *signals,
         }
+    }
+
+    /// Balances of a sample from the laws of a motion close by, as of [`instant_near`](Self::instant_near).
+    pub fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
+        let balance = self.balance(i, signals);
+        let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
+        let mut forces = laws.forces;
+        if !self.vehicle.effects.is_empty() {
+            let seen = balance.seen(&self.vehicle, laws.load_n);
+            self.vehicle.effects.act("", &seen, &mut forces);
+        }
+        balance.left(&forces).values()
     }
 
     /// These forces with the model's effects.
