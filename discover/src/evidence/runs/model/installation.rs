@@ -13,7 +13,7 @@ use kufe_sled::Tolerances;
 use kufe_sled::effects::{Constants, Sensor};
 use nalgebra::DMatrix;
 
-use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::model::channels::Channels;
 
 /// What an installation error does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -260,35 +260,23 @@ impl Installation {
         late.map(|(part, size)| part.sd * size).sum()
     }
 
-    /// From what the sensors said to what was true; `None` where no sensor is off.
-    pub fn corrected(&self, frame: &Frame) -> Option<Frame> {
-        let off = self
+    /// From what the sensors said to what was true.
+    pub fn correct(&self, channels: &mut Channels) {
+        for (part, size) in self
             .parts
             .iter()
             .zip(&self.sizes)
-            .filter(|(_, size)| **size != 0.0);
-        let mut corrected: Option<Frame> = None;
-        for (part, size) in off {
+            .filter(|(_, s)| **s != 0.0)
+        {
             let size = size * part.sd;
-            let (Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor)) = part.wrong
-            else {
-                continue;
-            };
-            let frame = corrected.get_or_insert_with(|| frame.clone());
-            if matches!(part.wrong, Wrong::Late(_)) {
-                frame.catch_up(sensor, size);
-                continue;
-            }
-            let (value, slope) = frame.channel(sensor);
-            if matches!(part.wrong, Wrong::Biased(_)) {
-                value.iter_mut().for_each(|x| *x -= size);
-                continue;
-            }
-            for x in [Some(value), slope].into_iter().flatten() {
-                x.iter_mut().for_each(|x| *x /= 1.0 + size);
+            match part.wrong {
+                Wrong::Late(sensor) => channels.catch_up(sensor, size),
+                Wrong::Biased(sensor) => channels.take_off(sensor, size),
+                Wrong::Scaled(sensor) => channels.divide(sensor, 1.0 + size),
+                Wrong::Accelerometer(_) | Wrong::SlipSensor | Wrong::Centre => {}
+                Wrong::Mass | Wrong::PitchInertia | Wrong::YawInertia => {}
             }
         }
-        corrected
     }
 }
 

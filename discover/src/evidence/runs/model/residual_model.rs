@@ -3,8 +3,6 @@
 //! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
 //! signals is not the smoothed product.
 
-use std::borrow::Cow;
-
 use kufe_friction::MagicFormula;
 use kufe_sled::effects::{
     self, Active, Conditions, Constants, Effects, Forces, Kind, Sensor, Signals,
@@ -12,6 +10,7 @@ use kufe_sled::effects::{
 use kufe_sled::{Balance, BaseParameter, LawForces, State, Vehicle, aero, from_sensors};
 
 use crate::evidence::runs::contacts::model::Contacts;
+use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -153,7 +152,8 @@ pub struct Instant {
 /// A model on one run: the vehicle with the effects that act there, and the weather.
 pub struct ModelOnRun<'a> {
     residual_model: &'a ResidualModel,
-    frame: Cow<'a, Frame>,
+    frame: &'a Frame,
+    channels: Channels<'a>,
     constants: Constants,
     vehicle: Vehicle,
     air_density: f64,
@@ -178,18 +178,17 @@ impl<'a> ModelOnRun<'a> {
         let mut constants = vehicle.sled.constants();
         let installation = &residual_model.installation;
         installation.find_constants(&mut constants);
-        let mut in_time = match installation.corrected(frame) {
-            Some(corrected) => Cow::Owned(corrected),
-            None => Cow::Borrowed(frame),
-        };
+        let mut channels = Channels::new(frame);
+        installation.correct(&mut channels);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
             if delay != 0.0 {
-                in_time.to_mut().catch_up(sensor, delay);
+                channels.catch_up(sensor, delay);
             }
         }
         Self {
             residual_model,
-            frame: in_time,
+            frame,
+            channels,
             constants,
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),
@@ -201,31 +200,18 @@ impl<'a> ModelOnRun<'a> {
 
     /// The signals of a sample, corrected by the active effects.
     pub fn measured(&self, i: usize) -> Signals {
-        let frame = &self.frame;
-        let mut signals = Signals {
-            sled: self.constants,
-            ..Signals::default()
-        };
-        let axes = [Sensor::Ax, Sensor::Ay, Sensor::Az];
-        let turns = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
-        for axis in 0..3 {
-            signals[axes[axis]] = frame.acceleration[axis][i];
-            signals.set(turns[axis], frame.rate[axis][i], frame.rate_slope[axis][i]);
-        }
-        signals.set(Sensor::Speed, frame.v[i], frame.v_slope[i]);
-        signals.set(Sensor::Slip, frame.slip[i], frame.slip_rate[i]);
-        signals.set(Sensor::Steering, frame.steer[i], frame.steer_rate[i]);
-        signals[Sensor::RollSplit] = frame.roll_split[i];
+        let mut signals = self.channels.signals(i, self.constants);
         let effects = &self.vehicle.effects;
         if !effects.is_empty() {
-            effects.correct(&self.conditions(i, frame.v[i]), &mut signals);
+            let v = self.channels.value(Sensor::Speed)[i];
+            effects.correct(&self.conditions(i, v), &mut signals);
         }
         signals
     }
 
     /// Time, place and weather of a sample at a speed [m/s].
     fn conditions(&self, i: usize, v: f64) -> Conditions {
-        let frame = &self.frame;
+        let frame = self.frame;
         Conditions {
             t: frame.t[i],
             s: frame.s[i],

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::effects::{Sensor, ahead};
-
 use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::recordings::smooth::Kernel;
 
@@ -83,31 +81,6 @@ impl Frame {
         match self.t.as_slice() {
             [first, .., last] => (last - first) / (self.t.len() - 1) as f64,
             _ => self.recorded_dt,
-        }
-    }
-
-    /// The values of a sensor, and their derivatives where there are any.
-    pub fn channel(&mut self, sensor: Sensor) -> (&mut Vec<f64>, Option<&mut Vec<f64>>) {
-        match sensor {
-            Sensor::Ax => (&mut self.acceleration[0], None),
-            Sensor::Ay => (&mut self.acceleration[1], None),
-            Sensor::Az => (&mut self.acceleration[2], None),
-            Sensor::RollRate => (&mut self.rate[0], Some(&mut self.rate_slope[0])),
-            Sensor::PitchRate => (&mut self.rate[1], Some(&mut self.rate_slope[1])),
-            Sensor::YawRate => (&mut self.rate[2], Some(&mut self.rate_slope[2])),
-            Sensor::Speed => (&mut self.v, Some(&mut self.v_slope)),
-            Sensor::Slip => (&mut self.slip, Some(&mut self.slip_rate)),
-            Sensor::Steering => (&mut self.steer, Some(&mut self.steer_rate)),
-            Sensor::RollSplit => (&mut self.roll_split, None),
-        }
-    }
-
-    /// A channel that is late by so much [s], brought back in time.
-    pub fn catch_up(&mut self, sensor: Sensor, delay_s: f64) {
-        let samples = delay_s / self.sample_s();
-        let (value, slope) = self.channel(sensor);
-        for x in [Some(value), slope].into_iter().flatten() {
-            *x = ahead(x, samples);
         }
     }
 

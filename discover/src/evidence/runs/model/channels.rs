@@ -1,0 +1,85 @@
+//! The sensors' channels of a run, brought from what was recorded to what was true.
+
+use std::borrow::Cow;
+
+use kufe_sled::effects::{Constants, Sensor, Signals, ahead};
+
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// Channels of a run; only those that something moves are copied.
+pub struct Channels<'a> {
+    /// Time between samples [s].
+    sample_s: f64,
+    /// Values and their derivatives, in the order of the sensors; a channel without derivatives has none.
+    values: [(Cow<'a, [f64]>, Option<Cow<'a, [f64]>>); Sensor::ALL.len()],
+}
+
+impl<'a> Channels<'a> {
+    /// As recorded.
+    pub fn new(frame: &'a Frame) -> Self {
+        let of = |value: &'a [f64], slope: Option<&'a Vec<f64>>| {
+            (
+                Cow::Borrowed(value),
+                slope.map(|x| Cow::Borrowed(x.as_slice())),
+            )
+        };
+        Self {
+            sample_s: frame.sample_s(),
+            values: Sensor::ALL.map(|sensor| match sensor {
+                Sensor::Ax => of(&frame.acceleration[0], None),
+                Sensor::Ay => of(&frame.acceleration[1], None),
+                Sensor::Az => of(&frame.acceleration[2], None),
+                Sensor::RollRate => of(&frame.rate[0], Some(&frame.rate_slope[0])),
+                Sensor::PitchRate => of(&frame.rate[1], Some(&frame.rate_slope[1])),
+                Sensor::YawRate => of(&frame.rate[2], Some(&frame.rate_slope[2])),
+                Sensor::Speed => of(&frame.v, Some(&frame.v_slope)),
+                Sensor::Slip => of(&frame.slip, Some(&frame.slip_rate)),
+                Sensor::Steering => of(&frame.steer, Some(&frame.steer_rate)),
+                Sensor::RollSplit => of(&frame.roll_split, None),
+            }),
+        }
+    }
+
+    /// The values of a sensor.
+    pub fn value(&self, sensor: Sensor) -> &[f64] {
+        &self.values[sensor as usize].0
+    }
+
+    /// A channel that is late by so much [s], brought back in time.
+    pub fn catch_up(&mut self, sensor: Sensor, delay_s: f64) {
+        let samples = delay_s / self.sample_s;
+        let (value, slope) = &mut self.values[sensor as usize];
+        for x in [Some(value), slope.as_mut()].into_iter().flatten() {
+            *x = Cow::Owned(ahead(x, samples));
+        }
+    }
+
+    /// A channel that reads this much too high throughout, in its own unit.
+    pub fn take_off(&mut self, sensor: Sensor, bias: f64) {
+        let (value, _) = &mut self.values[sensor as usize];
+        value.to_mut().iter_mut().for_each(|x| *x -= bias);
+    }
+
+    /// A channel that reads `scale` times what is true.
+    pub fn divide(&mut self, sensor: Sensor, scale: f64) {
+        let (value, slope) = &mut self.values[sensor as usize];
+        for x in [Some(value), slope.as_mut()].into_iter().flatten() {
+            x.to_mut().iter_mut().for_each(|x| *x /= scale);
+        }
+    }
+
+    /// The signals of a sample.
+    pub fn signals(&self, i: usize, sled: Constants) -> Signals {
+        let mut signals = Signals {
+            sled,
+            ..Signals::default()
+        };
+        for (sensor, (value, slope)) in Sensor::ALL.into_iter().zip(&self.values) {
+            match slope {
+                Some(slope) => signals.set(sensor, value[i], slope[i]),
+                None => signals[sensor] = value[i],
+            }
+        }
+        signals
+    }
+}
