@@ -47,7 +47,7 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
     }
     .mesh()?;
     let contact = &mesh.contact;
-    let greens = contact.greens();
+    let greens = contact.greens(usize::MAX);
     // Energies and sweeps as they are told, after every update of the set; and those of the bad acceleration beside the one before it.
     let solve = |disturbed: Option<usize>| {
         let none = vec![0.0; contact.candidates.len()];

@@ -1,5 +1,6 @@
 //! The contact problem on one mesh.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use faer::Mat;
@@ -10,6 +11,8 @@ use crate::active_set::motion::{Motion, dot_rows};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
 use crate::bodies::elastic_body::{BodyWork, ElasticBody};
+use crate::green::matrix::Green;
+use crate::green::modal::ModalGreen;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct ContactMesh {
@@ -60,16 +63,31 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::len).sum()
     }
 
-    /// The dense Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's.
-    pub fn greens(&self) -> [Mat<f64>; 2] {
-        let n = self.candidates.len();
-        let mut sums = [Mat::zeros(n, n), Mat::zeros(n, n)];
-        for body in &self.bodies {
-            for (sum, green) in sums.iter_mut().zip(body.green(&self.candidates)) {
+    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's. Stored for up to `dense`
+    /// candidates.
+    pub fn greens(&self, dense: usize) -> [Green<'_>; 2] {
+        let modal = |scaled: bool| {
+            let (bodies, plane) = (&self.bodies, self.gap.len());
+            ModalGreen::new(bodies, &self.candidates, plane, scaled)
+        };
+        if self.candidates.len() > dense
+            && let (Some(own), Some(scaled)) = (modal(false), modal(true))
+        {
+            return [own, scaled].map(Green::Modal);
+        }
+        self.dense_greens().map(|green| Green::Dense(Cow::Owned(green)))
+    }
+
+    /// As [`ContactMesh::greens`], stored.
+    pub fn dense_greens(&self) -> [Mat<f64>; 2] {
+        let mut bodies = self.bodies.iter().map(|body| body.green(&self.candidates));
+        let first = bodies.next().unwrap_or_else(|| [0, 1].map(|_| Mat::new()));
+        bodies.fold(first, |mut sums, greens| {
+            for (sum, green) in sums.iter_mut().zip(greens) {
                 *sum += &green;
             }
-        }
-        sums
+            sums
+        })
     }
 
     /// Forces of the candidates and the motion with them, without displacements.
