@@ -7,7 +7,7 @@ use crate::active_set::plane_problem::PlaneState;
 use crate::active_set::progress::{Control, Counts, Progress, SetUpdate};
 use crate::bodies::columns::Side;
 use crate::bodies::far_field::{lumps, prescribe};
-use crate::green::matrix::Green;
+use crate::green::matrix::{Green, Stored};
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::reference::plain::{active_set, projected_sor};
@@ -40,7 +40,7 @@ pub(crate) struct MeshSolve<'a> {
     pub mesh: &'a Discretisation,
     pub options: &'a Options,
     /// Most candidates whose Green's matrix is stored.
-    pub dense: usize,
+    pub stored: Stored,
     /// Told of every update of the contact set, with the state as it is then.
     pub tell: &'a dyn Fn(&SetUpdate, &State),
 }
@@ -56,7 +56,7 @@ impl MeshSolve<'_> {
     /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of `forces` at first.
     pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
-        let greens = contact.greens(self.dense);
+        let greens = contact.greens(self.stored);
         let (mut state, counts) = self.begin(&greens[1], motion);
         self.hold_outer_faces(forces, &mut state);
         let mut progress = self.with_held_faces(&greens, &mut state, counts)?;

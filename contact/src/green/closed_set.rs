@@ -49,7 +49,11 @@ impl<'a> ClosedSet<'a> {
             set.precondition(&column)
         });
         set.gram = Matrix3::from_fn(|a, b| match free[a] && free[b] {
-            true => rows.iter().zip(&set.columns[b]).map(|(r, c)| r[a] * c).sum(),
+            true => rows
+                .iter()
+                .zip(&set.columns[b])
+                .map(|(r, c)| r[a] * c)
+                .sum(),
             false => 0.0,
         });
         set
@@ -125,7 +129,9 @@ impl<'a> ClosedSet<'a> {
     fn add_columns(&self, factors: Vector3<f64>, out: &mut [f64]) {
         for (factor, column) in factors.iter().zip(&self.columns) {
             if *factor != 0.0 {
-                out.iter_mut().zip(column).for_each(|(o, c)| *o += factor * c);
+                out.iter_mut()
+                    .zip(column)
+                    .for_each(|(o, c)| *o += factor * c);
             }
         }
     }

@@ -6,7 +6,7 @@ use kufe_mesh::Paraboloid;
 
 use super::*;
 use crate::accuracy::scout::scout;
-use crate::green::matrix::Green;
+use crate::green::matrix::{Green, Stored};
 use crate::grid::discretise::{MeshPlan, Reach};
 use crate::grid::zones::Resolution;
 use crate::problem::check::check;
@@ -38,7 +38,10 @@ fn sets_are_closed_in_iterations_that_hardly_grow_with_the_mesh()
         };
         let mesh = plan.mesh()?;
         let contact = &mesh.contact;
-        let [Green::Modal(green), _] = contact.greens(0) else {
+        let [Green::Modal(green), _] = contact.greens(Stored {
+            faces: 0,
+            mounted: 0,
+        }) else {
             return Err("a stored matrix beyond the most".into());
         };
         let near = |&i: &usize| contact.gap[contact.candidates[i]] < patch.motion;
@@ -49,8 +52,10 @@ fn sets_are_closed_in_iterations_that_hardly_grow_with_the_mesh()
         let set = ClosedSet::new(&green, &inside, &rows, contact.motion.free);
         let balance = contact.motion.balance;
         let none = vec![0.0; inside.len()];
-        let count = (1..ITERATIONS)
-            .find(|&most| set.solve_within(most, &gap, [balance, [0.0; 3]], &none).is_some());
+        let count = (1..ITERATIONS).find(|&most| {
+            set.solve_within(most, &gap, [balance, [0.0; 3]], &none)
+                .is_some()
+        });
         println!("{} nodes: {count:?} iterations", inside.len());
         let (force, motion) = set
             .solve_within(40, &gap, [balance, [0.0; 3]], &none)

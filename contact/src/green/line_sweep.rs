@@ -2,8 +2,7 @@
 
 use faer::Mat;
 
-use crate::green::modal::ModalGreen;
-use crate::green::window::product;
+use crate::green::window::{Form, Window, product};
 
 /// One pass over lines of the window.
 ///
@@ -11,19 +10,21 @@ use crate::green::window::product;
 /// sums over the modes of the other axis; the line's change of L is a product of a column and a row. So a pass costs as much as a product,
 /// and every node meets the forces as they are then.
 pub(crate) struct LineSweep<'a> {
-    green: &'a ModalGreen<'a>,
+    window: &'a Window,
+    forms: &'a [Form],
     /// L for each form.
     loads: Vec<Mat<f64>>,
 }
 
 impl<'a> LineSweep<'a> {
     /// From these forces of the candidates.
-    pub fn new(green: &'a ModalGreen<'a>, force: &[f64]) -> Self {
-        let field = green.window.spread(force.iter().copied().enumerate());
-        let loads = green.forms.iter().map(|form| form.to_modes(&field));
+    pub fn new(window: &'a Window, forms: &'a [Form], force: &[f64]) -> Self {
+        let field = window.spread(force.iter().copied().enumerate());
+        let loads = forms.iter().map(|form| form.to_modes(&field));
         LineSweep {
             loads: loads.collect(),
-            green,
+            window,
+            forms,
         }
     }
 
@@ -34,14 +35,14 @@ impl<'a> LineSweep<'a> {
         force: &mut [f64],
         wanted: impl Fn(usize, f64, f64) -> f64,
     ) {
-        let [_, short] = self.green.window.shape();
-        for (line, nodes) in self.green.window.lines.iter().enumerate() {
+        let [_, short] = self.window.shape();
+        for (line, nodes) in self.window.lines.iter().enumerate() {
             if nodes.is_empty() {
                 continue;
             }
             let mut deflection = vec![0.0; short];
             let mut own = Mat::<f64>::zeros(short, short);
-            for (form, load) in self.green.forms.iter().zip(&self.loads) {
+            for (form, load) in self.forms.iter().zip(&self.loads) {
                 let along = form.long.col(line);
                 let count = form.short.ncols();
                 let (mut here, mut weights) = (vec![0.0; count], vec![0.0; count]);
@@ -56,8 +57,7 @@ impl<'a> LineSweep<'a> {
                     let row = form.short.row(i);
                     *deflection += row.iter().zip(&here).map(|(y, v)| y * v).sum::<f64>();
                 }
-                let weighted =
-                    Mat::from_fn(short, count, |i, b| form.short[(i, b)] * weights[b]);
+                let weighted = Mat::from_fn(short, count, |i, b| form.short[(i, b)] * weights[b]);
                 own += product(weighted.as_ref(), form.short.transpose());
             }
             let mut changes = vec![0.0; short];
@@ -82,7 +82,7 @@ impl<'a> LineSweep<'a> {
         if changes.iter().all(|c| *c == 0.0) {
             return;
         }
-        for (form, load) in self.green.forms.iter().zip(&mut self.loads) {
+        for (form, load) in self.forms.iter().zip(&mut self.loads) {
             let along = form.long.col(line);
             for (b, column) in load.col_iter_mut().enumerate() {
                 let modes = form.short.col(b);

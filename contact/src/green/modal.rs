@@ -131,7 +131,7 @@ impl<'a> ModalGreen<'a> {
         wanted: impl Fn(usize, f64, f64) -> f64,
     ) {
         let others = self.of_others(force);
-        LineSweep::new(self, force).run(&others, force, wanted);
+        LineSweep::new(&self.window, &self.forms, force).run(&others, force, wanted);
         deflection.copy_from_slice(&self.times(force));
     }
 }

@@ -104,17 +104,17 @@ impl Form {
     }
 }
 
-/// Columns that one task computes; fixed, so that bits do not depend on the number of threads.
-const COLUMNS: usize = 16;
+/// Rows that one task computes; fixed, so that bits do not depend on the number of threads.
+const ROWS: usize = 128;
 
-/// left right, by tasks of some columns.
+/// left right, by tasks of some rows.
 pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
     let mut out = Mat::zeros(left.nrows(), right.ncols());
-    out.par_col_chunks_mut(COLUMNS)
+    out.par_row_chunks_mut(ROWS)
         .enumerate()
         .for_each(|(k, mut part)| {
-            let columns = right.subcols(k * COLUMNS, part.ncols());
-            matmul(part.as_mut(), Accum::Replace, left, columns, 1.0, Par::Seq);
+            let rows = left.subrows(k * ROWS, part.nrows());
+            matmul(part.as_mut(), Accum::Replace, rows, right, 1.0, Par::Seq);
         });
     out
 }

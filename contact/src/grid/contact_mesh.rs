@@ -11,8 +11,9 @@ use crate::active_set::motion::{Motion, dot_rows};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
 use crate::bodies::elastic_body::{BodyWork, ElasticBody};
-use crate::green::matrix::Green;
+use crate::green::matrix::{Green, Stored};
 use crate::green::modal::ModalGreen;
+use crate::precondition::inverse::Inverse;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct ContactMesh {
@@ -63,19 +64,25 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::len).sum()
     }
 
-    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's. Stored for up to `dense`
-    /// candidates.
-    pub fn greens(&self, dense: usize) -> [Green<'_>; 2] {
+    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's. Stored where there are
+    /// at `most` so many candidates.
+    pub fn greens(&self, most: Stored) -> [Green<'_>; 2] {
         let modal = |scaled: bool| {
             let (bodies, plane) = (&self.bodies, self.gap.len());
             ModalGreen::new(bodies, &self.candidates, plane, scaled)
         };
-        if self.candidates.len() > dense
+        let on_faces = |body: &ElasticBody| matches!(body.inverse, Inverse::Planewise(_));
+        let most = match self.bodies.iter().all(on_faces) {
+            true => most.faces,
+            false => most.mounted,
+        };
+        if self.candidates.len() > most
             && let (Some(own), Some(scaled)) = (modal(false), modal(true))
         {
             return [own, scaled].map(Green::Modal);
         }
-        self.dense_greens().map(|green| Green::Dense(Cow::Owned(green)))
+        self.dense_greens()
+            .map(|green| Green::Dense(Cow::Owned(green)))
     }
 
     /// As [`ContactMesh::greens`], stored.

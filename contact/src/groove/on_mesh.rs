@@ -7,7 +7,7 @@ use kufe_fem::Material;
 
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::plane_problem::PlaneState;
-use crate::green::matrix::{Green, MOST_DENSE};
+use crate::green::matrix::{Green, Stored};
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::groove::elastic_response::respond;
@@ -68,7 +68,7 @@ impl OnMesh<'_> {
             material: self.material,
             mesh: self.mesh,
             options: self.options,
-            dense: MOST_DENSE,
+            stored: Stored::USUAL,
             tell: &|_, _| {},
         };
         outer.hold_outer_faces(forces, &mut slid.state);
@@ -103,11 +103,9 @@ impl OnMesh<'_> {
     fn green(&self) -> Result<Mat<f64>, Error> {
         let contact = &self.mesh.contact;
         let nodes = contact.candidates.len();
-        if nodes > MOST_DENSE {
-            return Err(Error::TooManyTouch {
-                nodes,
-                limit: MOST_DENSE,
-            });
+        let limit = Stored::USUAL.mounted;
+        if nodes > limit {
+            return Err(Error::TooManyTouch { nodes, limit });
         }
         let [_, green] = contact.dense_greens();
         Ok(green)
