@@ -36,7 +36,7 @@ const SERIES: [(&str, &str, &str, &[&str]); 5] = [
     (
         "waves",
         "touching nodes",
-        "one contact on waves of ice, no symmetry, one mesh",
+        "a contact on waves of ice",
         &["25", "50", "100"],
     ),
     (

@@ -29,7 +29,7 @@ pub(crate) enum Green<'a> {
     /// Every entry.
     Dense(Cow<'a, Mat<f64>>),
     /// Products through the modes of the plane.
-    Modal(ModalGreen<'a>),
+    Modal(Box<ModalGreen<'a>>),
 }
 
 impl Green<'_> {

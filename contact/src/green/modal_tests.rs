@@ -55,7 +55,6 @@ impl Meshed {
             reach: Reach::Patch,
         }
         .mesh()?;
-        drop(gap);
         Ok(Meshed {
             problem,
             material,

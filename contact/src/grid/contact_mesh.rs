@@ -79,7 +79,7 @@ impl ContactMesh {
         if self.candidates.len() > most
             && let (Some(own), Some(scaled)) = (modal(false), modal(true))
         {
-            return [own, scaled].map(Green::Modal);
+            return [own, scaled].map(|green| Green::Modal(Box::new(green)));
         }
         self.dense_greens()
             .map(|green| Green::Dense(Cow::Owned(green)))
