@@ -16,8 +16,8 @@ pub(crate) struct Stored {
 }
 
 impl Stored {
-    /// Products are as fast as what is stored from some 1,000 candidates on (300 that touch), three times as fast and a sixth of the
-    /// memory at 10,000 on a bed; beside a mount's they are as fast at best, and the matrices' memory is the limit, 0.8 GB each.
+    /// Products are as fast as what is stored from some 300 nodes that touch on, a thousand that may, and at 2,700 that touch on a bed take a third of
+    /// the time and a sixth of the memory. Beside a mount's they are as fast at best, and the matrices' memory is the limit, 0.8 GB each.
     pub const USUAL: Stored = Stored {
         faces: 2_500,
         mounted: 10_000,
