@@ -51,7 +51,7 @@ pub fn draw(path: &Path, charts: &[Chart]) -> Result<(), kufe_plot::Error> {
                 .build_cartesian_2d(decades(0).log_scale(), decades(1).log_scale())?;
             axes.configure_mesh()
                 .light_line_style(WHITE)
-                .x_desc("size: unknowns, points, runs, candidates [1]")
+                .x_desc("size: unknowns, points, nodes, runs, candidates [1]")
                 .y_desc(chart.unit)
                 .x_label_formatter(&|v| power(*v))
                 .y_label_formatter(&|v| power(*v))

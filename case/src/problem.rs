@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use kufe_files::read_regular;
 use kufe_mesh::{
-    Axis, BobRunner, FittedUnderside, HullOptions, HullReport, LugeSteel, MeshError, Paraboloid,
-    Rocker, Section, Underside, check_hull, load_hull, read_gmsh, read_vtu, size_warnings,
+    Axis, BobRunner, FittedUnderside, Hull, HullOptions, HullReport, LugeSteel, MeshError,
+    Paraboloid, Rocker, Section, Underside, check_hull, load_hull, read_gmsh, read_vtu,
+    size_warnings,
 };
 
 use crate::check::range::combination;
@@ -33,6 +34,8 @@ pub struct FittedHull {
     pub underside: Arc<FittedUnderside>,
     /// Size, holes and warnings.
     pub report: HullReport,
+    /// Its triangles, where the case states a noise of their vertices.
+    pub scan: Option<Arc<Hull>>,
 }
 
 impl Case {
@@ -135,6 +138,7 @@ impl Case {
         let hull = FittedHull {
             underside: Arc::new(underside),
             report,
+            scan: None,
         };
         Ok((hull, elastic))
     }
@@ -202,10 +206,12 @@ fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshErro
         forward: runner.forward.map_or(Axis::X, FileAxis::axis),
     };
     let (hull, report) = load_hull(path, &options)?;
-    let underside = FittedUnderside::new(&hull, runner.noise_m.unwrap_or(0.0))?;
+    let noise = runner.noise_m.unwrap_or(0.0);
+    let underside = FittedUnderside::new(&hull, noise)?;
     Ok(FittedHull {
         underside: Arc::new(underside),
         report,
+        scan: (noise > 0.0).then(|| Arc::new(hull)),
     })
 }
 

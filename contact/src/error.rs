@@ -133,9 +133,10 @@ pub enum Error {
         /// Most nodes.
         limit: usize,
     },
-    /// More nodes of the contact plane may touch than the dense problem on it takes.
+    /// More nodes of the contact plane may touch under a sliding runner than the stored matrices of the plane with memory take.
     #[error(
-        "{nodes} nodes of the contact plane may touch, {limit} are the most: expected a shorter contact, longer waves, or less accuracy"
+        "{nodes} nodes of the contact plane may touch while the runner slides, {limit} are the most: expected a shorter contact, longer \
+         waves, or less accuracy"
     )]
     TooManyTouch {
         /// Nodes that may touch.

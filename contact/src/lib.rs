@@ -59,6 +59,7 @@ mod active_set;
 mod bodies;
 mod boundary_elements;
 mod error;
+mod green;
 mod grid;
 mod groove;
 mod map;

@@ -17,7 +17,7 @@ use crate::{Error, Load, Options, Problem, Solution};
 /// problems without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
 /// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do;
 /// [`Error::NotHeld`] and [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
-/// [`Error::TooFine`], [`Error::MeshTooLarge`] and [`Error::TooManyTouch`] where no mesh can be had, [`Error::NoAnswer`] where
+/// [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had, [`Error::NoAnswer`] where
 /// the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to wake up.

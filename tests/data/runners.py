@@ -183,6 +183,7 @@ def main():
             for key, true in truth.items():
                 name, unit = key.rsplit("_", 1)
                 off, stated = abs(result[key] / true - 1), result[f"{name}_error_{unit}"] / true
+                stated += result.get(f"{name}_noise_{unit}", 0.0) / true
                 held.setdefault(name, []).append(off <= stated + error)
                 if name == "p_max":
                     ratios.append(stated / max(off, 1e-12))

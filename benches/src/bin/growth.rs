@@ -9,18 +9,18 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_benches::{Chart, Line, again, best_of, needle_block, on_half_space, peak_bytes};
-use kufe_contact::{Options, Runner, solve};
+use kufe_benches::{Chart, ICE, Line, again, best_of, needle_block, on_half_space, peak_bytes};
+use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, solve};
 use kufe_discover::{Gram, Prior, Scores};
 use kufe_fem::cg;
-use kufe_mesh::Paraboloid;
+use kufe_mesh::{BobRunner, Paraboloid, Waviness};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// What grows: its name here, what is counted, the work, and the sizes asked for.
-const SERIES: [(&str, &str, &str, &[&str]); 4] = [
+const SERIES: [(&str, &str, &str, &[&str]); 5] = [
     (
         "linear",
         "unknowns",
@@ -32,6 +32,12 @@ const SERIES: [(&str, &str, &str, &[&str]); 4] = [
         "points",
         "contacts of a sweep, 0.5 % each",
         &["4", "8", "16", "32", "64"],
+    ),
+    (
+        "waves",
+        "touching nodes",
+        "a contact on waves of ice",
+        &["25", "50", "100"],
     ),
     (
         "runs",
@@ -58,9 +64,10 @@ fn main() {
             let [count, seconds] = match *what {
                 "linear" => linear(size),
                 "points" => points(size),
+                "waves" => waves(size),
                 "runs" => runs(size),
                 "candidates" => candidates(size),
-                _ => panic!("{what}: expected linear, points, runs or candidates"),
+                _ => panic!("{what}: expected linear, points, waves, runs or candidates"),
             };
             println!("{count} {seconds} {}", peak_bytes());
         }
@@ -188,6 +195,40 @@ fn points(count: usize) -> [f64; 2] {
             .unwrap_or_else(|error| panic!("{error}"))
     });
     [count as f64, seconds]
+}
+
+/// A runner of 1 m along `count` waves of ice on a rigid bed, each touched by 16 cells.
+///
+/// The smallest of tilts, so that no mirror plane halves what touches.
+fn waves(count: usize) -> [f64; 2] {
+    let problem = || -> Result<Problem, Box<dyn std::error::Error>> {
+        let length = 0.95 / count as f64;
+        let hull = BobRunner::default();
+        let ice = Ice {
+            foundation: Foundation::RigidBed { thickness: 5e-4 },
+            ..Ice::half_space(ICE.0, ICE.1)
+        };
+        let load = Load::Approach {
+            approach: 1e-5,
+            pitch: 1e-9,
+            roll: 1e-9,
+        };
+        Ok(Problem {
+            track_curvature: 1.0 / hull.rocker_radius,
+            ice_surface: Some(Arc::new(Waviness::new(2.5e-3 * length, length)?)),
+            ..Problem::new(Runner::rigid(Arc::new(hull.swept()?)), ice, load)
+        })
+    };
+    let problem = problem().unwrap_or_else(|error| panic!("{error}"));
+    let options = Options {
+        cells: Some(8),
+        ..Options::default()
+    };
+    let (seconds, solution) = best_of(1, || {
+        solve(&problem, &options).unwrap_or_else(|error| panic!("{error}"))
+    });
+    let touching = solution.history.last().map_or(0, |last| last.contact_nodes);
+    [touching as f64, seconds]
 }
 
 /// Runs of the sample data from their recordings in memory to what their drivers lose.

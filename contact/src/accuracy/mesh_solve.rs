@@ -1,6 +1,5 @@
 //! The solve on one mesh.
 
-use faer::Mat;
 use kufe_fem::{Material, TensorOperator};
 use kufe_mesh::TensorGrid;
 
@@ -8,6 +7,7 @@ use crate::active_set::plane_problem::PlaneState;
 use crate::active_set::progress::{Control, Counts, Progress, SetUpdate};
 use crate::bodies::columns::Side;
 use crate::bodies::far_field::{lumps, prescribe};
+use crate::green::matrix::{Green, Stored};
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::reference::plain::{active_set, projected_sor};
@@ -39,6 +39,8 @@ pub(crate) struct MeshSolve<'a> {
     pub material: Material,
     pub mesh: &'a Discretisation,
     pub options: &'a Options,
+    /// Most candidates whose Green's matrix is stored.
+    pub stored: Stored,
     /// Told of every update of the contact set, with the state as it is then.
     pub tell: &'a dyn Fn(&SetUpdate, &State),
 }
@@ -54,7 +56,7 @@ impl MeshSolve<'_> {
     /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of `forces` at first.
     pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
-        let greens = contact.greens();
+        let greens = contact.greens(self.stored);
         let (mut state, counts) = self.begin(&greens[1], motion);
         self.hold_outer_faces(forces, &mut state);
         let mut progress = self.with_held_faces(&greens, &mut state, counts)?;
@@ -91,7 +93,7 @@ impl MeshSolve<'_> {
     }
 
     /// The contact on the plane alone, from no forces at `motion`.
-    fn begin(&self, scaled: &Mat<f64>, motion: f64) -> (State, Counts) {
+    fn begin(&self, scaled: &Green, motion: f64) -> (State, Counts) {
         let contact = &self.mesh.contact;
         let start = PlaneState::new(vec![0.0; contact.candidates.len()], [motion, 0.0, 0.0]);
         let found = contact.plane_contact(scaled, &contact.unpressed_gap(), start);
@@ -147,7 +149,7 @@ impl MeshSolve<'_> {
     /// Solves the equations for held outer faces, from `state`, whose forces took `begun`.
     fn with_held_faces(
         &self,
-        greens: &[Mat<f64>; 2],
+        greens: &[Green; 2],
         state: &mut State,
         begun: Counts,
     ) -> Result<Progress, Error> {

@@ -13,6 +13,7 @@ use crate::accuracy::scout::scout;
 use crate::accuracy::watched::{Limits, Place, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
+use crate::green::matrix::Stored;
 use crate::grid::assembled::assemble;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
@@ -160,6 +161,7 @@ impl<'a> Meshes<'a> {
             material: self.material,
             mesh: &mesh,
             options: self.options,
+            stored: Stored::USUAL,
             tell: &tell,
         }
         .solve(self.patch.motion, &self.forces)?;

@@ -10,6 +10,7 @@ use crate::active_set::constrained_cg::OneSet;
 use crate::active_set::plane_problem::PlaneState;
 use crate::active_set::progress::{Control, Counts, SetUpdate};
 use crate::active_set::sets::Sets;
+use crate::green::matrix::Stored;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::{MeshPlan, Reach};
 use crate::grid::zones::Resolution;
@@ -47,7 +48,7 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
     }
     .mesh()?;
     let contact = &mesh.contact;
-    let greens = contact.greens();
+    let greens = contact.greens(Stored::USUAL);
     // Energies and sweeps as they are told, after every update of the set; and those of the bad acceleration beside the one before it.
     let solve = |disturbed: Option<usize>| {
         let none = vec![0.0; contact.candidates.len()];

@@ -4,6 +4,7 @@ use kufe_fem::Material;
 
 use crate::accuracy::mesh_solve::Forces;
 use crate::active_set::plane_problem::PlaneState;
+use crate::green::matrix::Stored;
 use crate::grid::discretise::{MeshPlan, Reach};
 use crate::grid::first_guess::first_guess;
 use crate::grid::patch::Patch;
@@ -45,7 +46,7 @@ pub(crate) fn scout(
         }
         .mesh()?;
         let contact = &mesh.contact;
-        let [_, scaled] = contact.greens();
+        let [_, scaled] = contact.greens(Stored::USUAL);
         let none = vec![0.0; contact.candidates.len()];
         let start = PlaneState::new(none, [patch.motion, 0.0, 0.0]);
         let found = contact.plane_contact(&scaled, &contact.unpressed_gap(), start);

@@ -9,20 +9,32 @@ use crate::active_set::progress::{Control, Progress};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
 use crate::bodies::elastic_body::BodyWork;
+use crate::green::closed_set::ClosedSet;
+use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
-/// The factorised constraint of one contact set.
-pub(crate) struct Constraint {
+/// The constraint of one contact set.
+pub(crate) struct Constraint<'a> {
     pub inside: Vec<usize>,
     rows: Vec<[f64; 3]>,
-    factor: Llt<f64>,
-    motion_columns: Mat<f64>,
+    closed: Closed<'a>,
+}
+
+/// The way to the forces that keep a set closed.
+enum Closed<'a> {
+    /// The factor of G on the set, with G^-1 N.
+    Factored {
+        factor: Llt<f64>,
+        motion_columns: Mat<f64>,
+    },
+    /// Inner conjugate gradients.
+    Iterated(ClosedSet<'a>),
 }
 
 /// A contact set to iterate on.
 pub(crate) struct OneSet<'a> {
     pub sets: &'a Sets,
-    pub constraint: &'a Constraint,
+    pub constraint: &'a Constraint<'a>,
     pub control: &'a Control<'a>,
     /// Residual at which the signs are looked at first: once sets have changed often, they are only changed by what is well
     /// known, since forces known to a hundredth can send a set in circles.
@@ -41,23 +53,33 @@ pub(crate) struct Workspace {
 }
 
 impl ContactMesh {
-    pub fn constrain(&self, sets: &Sets, green: &Mat<f64>) -> Option<Constraint> {
+    pub fn constrain<'a>(&self, sets: &Sets, green: &'a Green<'_>) -> Option<Constraint<'a>> {
         let inside = &sets.inside;
-        let n = inside.len();
-        let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
-        let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
         let rows: Vec<[f64; 3]> = inside
             .iter()
             .map(|&i| self.rows[self.candidates[i]])
             .collect();
-        let columns = Mat::from_fn(n, 3, |i, j| rows[i][j]);
-        let motion_columns = factor.solve(&columns);
+        let closed = match green {
+            Green::Dense(green) => {
+                let n = inside.len();
+                let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
+                let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
+                let columns = Mat::from_fn(n, 3, |i, j| rows[i][j]);
+                let motion_columns = factor.solve(&columns);
+                Closed::Factored {
+                    factor,
+                    motion_columns,
+                }
+            }
+            Green::Modal(green) => {
+                Closed::Iterated(ClosedSet::new(green, inside, &rows, self.motion.free))
+            }
+        };
         let inside = inside.iter().map(|&i| self.candidates[i]).collect();
         Some(Constraint {
             inside,
             rows,
-            factor,
-            motion_columns,
+            closed,
         })
     }
 
@@ -240,7 +262,7 @@ impl ContactMesh {
         (turn, multipliers)
     }
 
-    /// The turn and the multipliers that close `defect` beyond `closing` = B P^-1 r.
+    /// The turn and the multipliers that close `defect` beyond `closing` = B P^-1 r; not finite where an inner iteration fails.
     pub(crate) fn multipliers(
         &self,
         constraint: &Constraint,
@@ -250,14 +272,27 @@ impl ContactMesh {
     ) -> ([f64; 3], Vec<f64>) {
         let n = constraint.inside.len();
         let side = Mat::from_fn(n, 1, |i, _| defect[i] - closing[constraint.inside[i]]);
-        let solved_side = constraint.factor.solve(&side);
-        let solved = Mat::from_fn(n, 4, |i, j| {
-            if j == 0 {
-                solved_side[(i, 0)]
-            } else {
-                constraint.motion_columns[(i, j - 1)]
+        let solved = match &constraint.closed {
+            Closed::Factored {
+                factor,
+                motion_columns,
+            } => {
+                let solved_side = factor.solve(&side);
+                Mat::from_fn(n, 4, |i, j| {
+                    if j == 0 {
+                        solved_side[(i, 0)]
+                    } else {
+                        motion_columns[(i, j - 1)]
+                    }
+                })
             }
-        });
+            Closed::Iterated(set) => {
+                let gap: Vec<f64> = side.col(0).iter().copied().collect();
+                let found = set.solve(&gap, balance, [0.0; 3], &vec![0.0; n]);
+                let (multipliers, turn) = found.unwrap_or((vec![f64::NAN; n], [f64::NAN; 3]));
+                return (turn, multipliers);
+            }
+        };
         let turn = solve_motion(&self.motion, &constraint.rows, &solved, balance, [0.0; 3]);
         let multipliers: Vec<f64> = (0..n)
             .map(|i| (1..4).map(|j| solved[(i, j)] * turn[j - 1]).sum::<f64>() - solved[(i, 0)])

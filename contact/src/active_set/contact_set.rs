@@ -2,14 +2,13 @@
 
 use std::convert::Infallible;
 
-use faer::Mat;
-
 use crate::active_set::constrained_cg::OneSet;
 use crate::active_set::energy::Feasible;
 use crate::active_set::motion::dot;
 use crate::active_set::plane_problem::{PlaneProblem, PlaneState};
 use crate::active_set::progress::{Control, Counts, Progress, SetUpdate};
 use crate::active_set::sets::Sets;
+use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
 /// Most contact sets of one solve.
@@ -30,7 +29,7 @@ impl ContactMesh {
     pub fn solve(
         &self,
         state: &mut State,
-        greens: &[Mat<f64>; 2],
+        greens: &[Green; 2],
         begun: Counts,
         control: &Control,
     ) -> Progress {
@@ -52,7 +51,7 @@ impl ContactMesh {
     pub fn solve_by<E>(
         &self,
         state: &mut State,
-        greens: &[Mat<f64>; 2],
+        greens: &[Green; 2],
         begun: Counts,
         control: &Control,
         mut iterate: impl FnMut(&OneSet, &mut State, &mut Progress) -> Result<bool, E>,
@@ -141,7 +140,7 @@ impl ContactMesh {
     }
 
     /// Projected SOR on the plane, from the gaps as they are now.
-    fn predict(&self, state: &State, scaled: &Mat<f64>) -> PlaneState {
+    fn predict(&self, state: &State, scaled: &Green) -> PlaneState {
         let gaps = self.gaps(state);
         let n = self.candidates.len();
         let force: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
@@ -150,11 +149,8 @@ impl ContactMesh {
             .iter()
             .map(|&c| gaps[c] + dot(self.rows[c], state.motion))
             .collect();
-        for (j, &f) in force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
-            for (b, g) in base.iter_mut().zip(scaled.col(j).iter()) {
-                *b -= f * g;
-            }
-        }
+        let taken: Vec<f64> = force.iter().map(|f| -f).collect();
+        scaled.add_times(&taken, &mut base);
         let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
         let clamped = (0..n).map(|i| force[i].clamp(0.0, bound[i])).collect();
         self.plane_contact(scaled, &base, PlaneState::new(clamped, state.motion))
@@ -182,7 +178,7 @@ impl ContactMesh {
     /// Solves the contact on the plane alone, with the scaled Green's matrix.
     ///
     /// `base` is the gap of the candidates without motion and forces, `start` the forces and motion to begin with.
-    pub fn plane_contact(&self, scaled: &Mat<f64>, base: &[f64], start: PlaneState) -> PlaneState {
+    pub fn plane_contact(&self, scaled: &Green, base: &[f64], start: PlaneState) -> PlaneState {
         let rows: Vec<[f64; 3]> = self.candidates.iter().map(|&n| self.rows[n]).collect();
         let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
         PlaneProblem {

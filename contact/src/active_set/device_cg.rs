@@ -9,12 +9,13 @@
 //! by conjugate gradients with the same preconditioner. In each of its iterations only the vertical modes of the contact plane go
 //! to the host and back, where the factorised constraint is. What rounding leaves open is closed by the next outer step.
 
-use faer::{Mat, MatMut, MatRef};
+use faer::{MatMut, MatRef};
 use kufe_fem::gpu::{Device, DeviceCg, EndPlane};
 
 use crate::Error;
 use crate::active_set::constrained_cg::{Constraint, OneSet, Workspace, add_to, forces_on};
 use crate::active_set::progress::{Control, Counts, Progress};
+use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::precondition::planewise::PlanewiseInverse;
 
@@ -36,7 +37,7 @@ impl ContactMesh {
         &self,
         device: &Device,
         state: &mut State,
-        greens: &[Mat<f64>; 2],
+        greens: &[Green; 2],
         begun: Counts,
         control: &Control,
     ) -> Result<Progress, Error> {

@@ -1,9 +1,8 @@
 //! The energy of contact forces on the bodies' own stiffness, from one contact set to the next.
 
-use faer::Mat;
-
 use crate::active_set::motion::dot;
 use crate::active_set::sets::{Sets, clip};
+use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
 
 /// Forces within their bounds, the gaps under them, and their energy.
@@ -77,7 +76,7 @@ impl ContactMesh {
     ///
     /// Without a state before, energies count from no forces on the bodies as they lie under outer loads, and the work of a
     /// load from first touch. Under a given approach no load works, and the energy is minus what the bodies have stored.
-    pub fn feasible(&self, state: &State, scaled: &Mat<f64>, last: Option<&Feasible>) -> Feasible {
+    pub fn feasible(&self, state: &State, scaled: &Green, last: Option<&Feasible>) -> Feasible {
         let gaps = self.gaps(state);
         let mut gap: Vec<f64> = self.candidates.iter().map(|&c| gaps[c]).collect();
         let force: Vec<f64> = self
@@ -85,14 +84,9 @@ impl ContactMesh {
             .iter()
             .map(|&c| state.force[c].clamp(0.0, self.bound[c]))
             .collect();
-        for (j, &c) in self.candidates.iter().enumerate() {
-            let change = force[j] - state.force[c];
-            if change != 0.0 {
-                for (gap, g) in gap.iter_mut().zip(scaled.col(j).iter()) {
-                    *gap += change * g;
-                }
-            }
-        }
+        let nodes = self.candidates.iter().zip(&force);
+        let change: Vec<f64> = nodes.map(|(&c, f)| f - state.force[c]).collect();
+        scaled.add_times(&change, &mut gap);
         let energy = match last {
             Some(last) => last.energy + last.change(&force, &gap),
             None => {

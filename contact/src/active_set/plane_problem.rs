@@ -7,6 +7,8 @@ use crate::active_set::balance::{Answer, Balance};
 use crate::active_set::motion::{Motion, dot, solve_motion};
 use crate::active_set::progress::Counts;
 use crate::active_set::sets::{Sets, clip};
+use crate::green::closed_set::ClosedSet;
+use crate::green::matrix::Green;
 
 /// The contact problem on the contact plane alone.
 ///
@@ -15,7 +17,7 @@ use crate::active_set::sets::{Sets, clip};
 /// the bounds and gap_i <= 0 at the upper one. At the solution D is minus the total potential energy, the load's work in it.
 pub(crate) struct PlaneProblem<'a> {
     /// G, symmetric positive definite [m/N].
-    pub green: &'a Mat<f64>,
+    pub green: &'a Green<'a>,
     /// Gap without motion and forces [m].
     pub gap: &'a [f64],
     /// Rows N.
@@ -93,6 +95,7 @@ impl PlaneProblem<'_> {
             self.sweep(&mut state, &mut deflection);
         }
         let everyone = vec![true; self.gap.len()];
+        let precision = self.green.precision();
         let begun = self.balanced(&state.force, &self.left(&state, &deflection), &everyone);
         let feasible = begun.met;
         self.take(&mut state, begun);
@@ -104,7 +107,7 @@ impl PlaneProblem<'_> {
         state.energies.push(self.energy(&state, &deflection));
         for round in 0..ROUNDS {
             let way = self.accelerate(&mut state, &mut deflection);
-            if way == Acceleration::Arrived && self.confirmed(&state, &deflection, 1e-12) {
+            if way == Acceleration::Arrived && self.confirmed(&state, &deflection, precision) {
                 state.settled = true;
                 break;
             }
@@ -112,7 +115,7 @@ impl PlaneProblem<'_> {
                 || self.balanced_sweep(&mut state, &mut deflection);
             if !falls && way != Acceleration::Short {
                 // The energy falls no more in this precision.
-                state.settled = self.confirmed(&state, &deflection, 1e-9);
+                state.settled = self.confirmed(&state, &deflection, 1e3 * precision);
                 break;
             }
         }
@@ -124,18 +127,12 @@ impl PlaneProblem<'_> {
     /// It lowers D - q^T N^T f over the bounds, whatever the motion q.
     fn sweep(&self, state: &mut PlaneState, deflection: &mut [f64]) {
         state.counts.sweeps += 1;
-        for i in 0..self.gap.len() {
-            let gap = self.gap[i] - dot(self.rows[i], state.motion) + deflection[i];
-            let wanted = state.force[i] - RELAXATION * gap / self.green[(i, i)];
-            let force = wanted.clamp(0.0, self.bound[i]);
-            let change = force - state.force[i];
-            if change != 0.0 {
-                state.force[i] = force;
-                for (d, g) in deflection.iter_mut().zip(self.green.col(i).iter()) {
-                    *d += change * g;
-                }
-            }
-        }
+        let motion = state.motion;
+        let wanted = |i: usize, force: f64, deflection: f64| {
+            let gap = self.gap[i] - dot(self.rows[i], motion) + deflection;
+            (force - RELAXATION * gap / self.green.own(i)).clamp(0.0, self.bound[i])
+        };
+        self.green.sweep(&mut state.force, deflection, wanted);
     }
 
     /// A sweep whose outcome keeps the balance; returns whether D fell.
@@ -210,7 +207,7 @@ impl PlaneProblem<'_> {
     /// What the nodes that `may` answer to the motion that balances the load, each on its own stiffness.
     fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> Answer {
         let softness: Vec<f64> = (0..gaps.len())
-            .map(|i| RELAXATION / self.green[(i, i)])
+            .map(|i| RELAXATION / self.green.own(i))
             .collect();
         Balance {
             force,
@@ -246,11 +243,7 @@ impl PlaneProblem<'_> {
     /// G f.
     fn deflection(&self, force: &[f64]) -> Vec<f64> {
         let mut deflection = vec![0.0; force.len()];
-        for (j, &f) in force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
-            for (d, g) in deflection.iter_mut().zip(self.green.col(j).iter()) {
-                *d += f * g;
-            }
-        }
+        self.green.add_times(force, &mut deflection);
         deflection
     }
 
@@ -262,8 +255,9 @@ impl PlaneProblem<'_> {
         };
         state.counts.accelerations += 1;
         let largest = force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        let slack = self.green.precision();
         let beyond =
-            |i: &usize| force[*i] < -1e-12 * largest || force[*i] > self.bound[*i] * (1.0 + 1e-12);
+            |i: &usize| force[*i] < -slack * largest || force[*i] > self.bound[*i] * (1.0 + slack);
         let before = (state.force.clone(), state.motion);
         if !set.inside.iter().any(beyond) {
             // D is no higher there: the forces before are of this set.
@@ -343,14 +337,26 @@ impl PlaneProblem<'_> {
                 *b -= row * self.bound[i];
             }
         }
-        let matrix = Mat::from_fn(n, n, |i, j| self.green[(inside[i], inside[j])]);
+        let rows: Vec<[f64; 3]> = inside.iter().map(|&i| self.rows[i]).collect();
+        let matrix = match self.green {
+            Green::Dense(green) => Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]),
+            Green::Modal(green) => {
+                let gap: Vec<f64> = inside.iter().map(|&i| self.gap[i] + pressed[i]).collect();
+                let near: Vec<f64> = inside.iter().map(|&i| state.force[i]).collect();
+                let set = ClosedSet::new(green, inside, &rows, self.motion.free);
+                let (found, motion) = set.solve(&gap, balance, state.motion, &near)?;
+                for (&node, f) in inside.iter().zip(found) {
+                    force[node] = f;
+                }
+                return Some((force, motion));
+            }
+        };
         let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
         let sides = Mat::from_fn(n, 4, |i, j| match j {
             0 => self.gap[inside[i]] + pressed[inside[i]],
             _ => self.rows[inside[i]][j - 1],
         });
         let solved = factor.solve(&sides);
-        let rows: Vec<[f64; 3]> = inside.iter().map(|&i| self.rows[i]).collect();
         let motion = solve_motion(self.motion, &rows, &solved, balance, state.motion);
         for (i, &node) in inside.iter().enumerate() {
             force[node] =

@@ -1,5 +1,7 @@
 //! Claims on accelerated projective SOR on the contact plane.
 
+use std::borrow::Cow;
+
 use super::*;
 
 /// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring under each.
@@ -34,8 +36,9 @@ impl Square {
 
     fn solve(&self, bound: f64, motion: &Motion, start: f64) -> PlaneState {
         let bound = vec![bound; self.gap.len()];
+        let green = Green::Dense(Cow::Borrowed(&self.green));
         let problem = PlaneProblem {
-            green: &self.green,
+            green: &green,
             gap: &self.gap,
             rows: &self.rows,
             bound: &bound,
@@ -104,8 +107,9 @@ fn plain_projected_sor_at_the_motion_found_gives_the_same_forces() {
     let motion = free([true, true, false], [0.2, 0.0, 0.0]);
     let s = square.solve(f64::INFINITY, &motion, 0.1);
     let bound = vec![f64::INFINITY; square.gap.len()];
+    let green = Green::Dense(Cow::Borrowed(&square.green));
     let plain = PlaneProblem {
-        green: &square.green,
+        green: &green,
         gap: &square.gap,
         rows: &square.rows,
         bound: &bound,

@@ -139,6 +139,11 @@ impl ElasticBody {
         self.held.iter().for_each(|&entry| step[entry] = 0.0);
     }
 
+    /// `closing` += B M^-1 B^T f for the forces f on nodes; `work` forgets what it was begun with.
+    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut BodyWork) {
+        self.inverse.respond(forces, closing, &mut work.inverse);
+    }
+
     /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T that contact sets are predicted with [m/N].
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         self.inverse.green(nodes)

@@ -1,5 +1,6 @@
 //! The contact problem on one mesh.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use faer::Mat;
@@ -10,6 +11,9 @@ use crate::active_set::motion::{Motion, dot_rows};
 use crate::active_set::sets::Sets;
 use crate::active_set::vector;
 use crate::bodies::elastic_body::{BodyWork, ElasticBody};
+use crate::green::matrix::{Green, Stored};
+use crate::green::modal::ModalGreen;
+use crate::precondition::inverse::Inverse;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct ContactMesh {
@@ -60,16 +64,37 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::len).sum()
     }
 
-    /// The dense Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's.
-    pub fn greens(&self) -> [Mat<f64>; 2] {
-        let n = self.candidates.len();
-        let mut sums = [Mat::zeros(n, n), Mat::zeros(n, n)];
-        for body in &self.bodies {
-            for (sum, green) in sums.iter_mut().zip(body.green(&self.candidates)) {
+    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's. Stored where there are
+    /// at `most` so many candidates.
+    pub fn greens(&self, most: Stored) -> [Green<'_>; 2] {
+        let modal = |scaled: bool| {
+            let (bodies, plane) = (&self.bodies, self.gap.len());
+            ModalGreen::new(bodies, &self.candidates, plane, scaled)
+        };
+        let on_faces = |body: &ElasticBody| matches!(body.inverse, Inverse::Planewise(_));
+        let most = match self.bodies.iter().all(on_faces) {
+            true => most.faces,
+            false => most.mounted,
+        };
+        if self.candidates.len() > most
+            && let (Some(own), Some(scaled)) = (modal(false), modal(true))
+        {
+            return [own, scaled].map(|green| Green::Modal(Box::new(green)));
+        }
+        self.dense_greens()
+            .map(|green| Green::Dense(Cow::Owned(green)))
+    }
+
+    /// As [`ContactMesh::greens`], stored.
+    pub fn dense_greens(&self) -> [Mat<f64>; 2] {
+        let mut bodies = self.bodies.iter().map(|body| body.green(&self.candidates));
+        let first = bodies.next().unwrap_or_else(|| [0, 1].map(|_| Mat::new()));
+        bodies.fold(first, |mut sums, greens| {
+            for (sum, green) in sums.iter_mut().zip(greens) {
                 *sum += &green;
             }
-        }
-        sums
+            sums
+        })
     }
 
     /// Forces of the candidates and the motion with them, without displacements.

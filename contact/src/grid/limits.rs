@@ -6,8 +6,6 @@ use crate::Error;
 pub(crate) const MOST_ON_A_LINE: usize = 100_000;
 /// Most nodes of the ice: 12 million unknowns, some 4 GB.
 const MOST_NODES: usize = 4_000_000;
-/// Most nodes that may touch: the plane problem's matrices are dense, 0.8 GB each.
-const MOST_CANDIDATES: usize = 10_000;
 
 /// Passes a line on whose nodes increase, each by more than rounding.
 pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
@@ -34,17 +32,6 @@ pub(crate) fn storable(shape: [usize; 3]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks that the plane problem of so many nodes can be had.
-pub(crate) fn touchable(nodes: usize) -> Result<(), Error> {
-    if nodes > MOST_CANDIDATES {
-        return Err(Error::TooManyTouch {
-            nodes,
-            limit: MOST_CANDIDATES,
-        });
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +53,5 @@ mod tests {
     fn sizes_are_bounded_without_overflow() {
         assert!(storable([100, 100, 100]).is_ok());
         assert!(storable([usize::MAX, 3, 1]).is_err());
-        assert!(touchable(10_000).is_ok() && touchable(10_001).is_err());
     }
 }

@@ -1,10 +1,13 @@
 //! Steady sliding on one mesh: the plane with memory, and the bodies that correct its response.
 
+use std::borrow::Cow;
+
 use faer::Mat;
 use kufe_fem::Material;
 
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::plane_problem::PlaneState;
+use crate::green::matrix::{Green, Stored};
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::groove::elastic_response::respond;
@@ -45,7 +48,7 @@ impl OnMesh<'_> {
     /// Solves on the contact plane alone.
     pub fn on_plane(&self, start: &Start) -> Result<Slid, Error> {
         let contact = &self.mesh.contact;
-        let [_, green] = contact.greens();
+        let green = self.green()?;
         self.begin(&green, &contact.unpressed_gap(), start)
     }
 
@@ -57,7 +60,7 @@ impl OnMesh<'_> {
     /// stands what it would be without that.
     pub fn solve(&self, start: &Start, forces: &Forces) -> Result<[Slid; 2], Error> {
         let contact = &self.mesh.contact;
-        let [_, green] = contact.greens();
+        let green = self.green()?;
         let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
         slid.state.displacement = vec![0.0; contact.len()];
         let outer = MeshSolve {
@@ -65,6 +68,7 @@ impl OnMesh<'_> {
             material: self.material,
             mesh: self.mesh,
             options: self.options,
+            stored: Stored::USUAL,
             tell: &|_, _| {},
         };
         outer.hold_outer_faces(forces, &mut slid.state);
@@ -95,6 +99,18 @@ impl OnMesh<'_> {
         Err(not_converged(&slid))
     }
 
+    /// The Green's matrix of the candidates, which steady sliding needs stored.
+    fn green(&self) -> Result<Mat<f64>, Error> {
+        let contact = &self.mesh.contact;
+        let nodes = contact.candidates.len();
+        let limit = Stored::USUAL.mounted;
+        if nodes > limit {
+            return Err(Error::TooManyTouch { nodes, limit });
+        }
+        let [_, green] = contact.dense_greens();
+        Ok(green)
+    }
+
     /// Steady sliding on the plane.
     fn begin(&self, green: &Mat<f64>, gap: &[f64], start: &Start) -> Result<Slid, Error> {
         let contact = &self.mesh.contact;
@@ -104,7 +120,8 @@ impl OnMesh<'_> {
             Start::AtRest(motion) => {
                 let none = vec![0.0; contact.candidates.len()];
                 let rest = PlaneState::new(none, [*motion, 0.0, 0.0]);
-                let rest = contact.plane_contact(green, gap, rest);
+                let stored = Green::Dense(Cow::Borrowed(green));
+                let rest = contact.plane_contact(&stored, gap, rest);
                 (memory.kinds(&rest.force), rest.motion)
             }
             Start::From(known) => (known.on(self.mesh), known.motion),

@@ -55,6 +55,14 @@ impl FactoredInverse {
         self.solve(&work.kept, &mut work.by_node, step);
     }
 
+    /// See [`crate::precondition::inverse::Inverse::respond`].
+    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
+        work.kept.fill(0.0);
+        self.mortar.add_forces(forces, 1.0, &mut work.kept);
+        self.solve(&work.kept, &mut work.by_node, &mut work.scratch);
+        self.mortar.add_closing(&work.scratch, closing);
+    }
+
     /// See [`crate::precondition::inverse::Inverse::green`]; both are exact.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let mut used: Vec<usize> = nodes

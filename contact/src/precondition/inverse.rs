@@ -48,6 +48,15 @@ impl Inverse {
         }
     }
 
+    /// `closing` += B M^-1 B^T f for the forces f on nodes.
+    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
+        match self {
+            Inverse::Planewise(inverse) => inverse.respond(forces, closing),
+            Inverse::Mounted(inverse) => inverse.respond(forces, closing, work),
+            Inverse::Factored(inverse) => inverse.respond(forces, closing, work),
+        }
+    }
+
     /// B M^-1 B^T between plane nodes, and that with the fast-diagonalisation part scaled to elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         match self {

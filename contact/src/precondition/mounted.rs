@@ -93,18 +93,7 @@ impl MountedInverse {
             beam.project(residual, motion, by_node, sums);
         }
         self.hold(modal, motion);
-        let trace = self.contact.trace(&self.fast, modal);
-        let amplitudes = self.beam.as_ref().map(|beam| beam.answer(motion));
-        let [nx, ny] = self.columns.count;
-        for j in 0..ny {
-            for i in 0..nx {
-                let mut value = trace[(i, j)];
-                if let (Some(beam), Some(c)) = (&self.beam, &amplitudes) {
-                    value += beam.on_contact([i, j], c);
-                }
-                closing[self.columns.node([i, j])] += self.sign * value;
-            }
-        }
+        self.add_closing(1.0, modal, motion, closing);
     }
 
     /// See [`crate::precondition::inverse::Inverse::finish`].
@@ -116,6 +105,46 @@ impl MountedInverse {
             by_node,
             ..
         } = work;
+        self.take_forces(multipliers, modal, motion);
+        self.hold(modal, motion);
+        self.fast.from_modes(modal, step, scratch);
+        if let Some(beam) = &self.beam {
+            beam.add_motion(&beam.answer(motion), step, by_node);
+        }
+    }
+
+    /// See [`crate::precondition::inverse::Inverse::respond`].
+    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
+        let InverseWork {
+            kept: modal,
+            motion,
+            ..
+        } = work;
+        modal.fill(0.0);
+        motion.fill(0.0);
+        self.take_forces(forces, modal, motion);
+        self.hold(modal, motion);
+        self.add_closing(-1.0, modal, motion, closing);
+    }
+
+    /// `closing` += `factor` B u of what modal values and motions of a beam say.
+    fn add_closing(&self, factor: f64, modal: &[f64], motion: &[f64], closing: &mut [f64]) {
+        let trace = self.contact.trace(&self.fast, modal);
+        let amplitudes = self.beam.as_ref().map(|beam| beam.answer(motion));
+        let [nx, ny] = self.columns.count;
+        for j in 0..ny {
+            for i in 0..nx {
+                let mut value = trace[(i, j)];
+                if let (Some(beam), Some(c)) = (&self.beam, &amplitudes) {
+                    value += beam.on_contact([i, j], c);
+                }
+                closing[self.columns.node([i, j])] += factor * self.sign * value;
+            }
+        }
+    }
+
+    /// Takes the forces m on nodes from what an application has gathered: r - B^T m.
+    fn take_forces(&self, multipliers: &[(usize, f64)], modal: &mut [f64], motion: &mut [f64]) {
         let [nx, ny] = self.columns.count;
         let mut plane = Mat::<f64>::zeros(nx, ny);
         for &(node, m) in multipliers {
@@ -128,11 +157,6 @@ impl MountedInverse {
         }
         self.contact
             .subtract_load(&self.fast, plane.as_ref(), modal);
-        self.hold(modal, motion);
-        self.fast.from_modes(modal, step, scratch);
-        if let Some(beam) = &self.beam {
-            beam.add_motion(&beam.answer(motion), step, by_node);
-        }
     }
 
     /// Subtracts the clamps' reactions that keep them still.

@@ -22,6 +22,11 @@ impl PlaneBasis {
         }
     }
 
+    /// The modes of one axis.
+    pub fn along(&self, axis: usize) -> MatRef<'_, f64> {
+        [&self.x, &self.y][axis].as_ref()
+    }
+
     /// Modes of x and of y.
     pub fn mode_shape(&self) -> [usize; 2] {
         [self.x.ncols(), self.y.ncols()]

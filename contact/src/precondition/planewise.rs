@@ -11,11 +11,11 @@ use crate::precondition::work::InverseWork;
 /// P^-1 by layers, with the contact plane as the end of the elimination.
 pub(crate) struct PlanewiseInverse {
     pub preconditioner: PlanewiseDiagonal,
-    basis: PlaneBasis,
-    columns: Columns,
+    pub basis: PlaneBasis,
+    pub columns: Columns,
     sign: f64,
     /// Factor by which the true surface response exceeds that of P on a half-space.
-    response: f64,
+    pub response: f64,
 }
 
 impl PlanewiseInverse {
@@ -72,6 +72,15 @@ impl PlanewiseInverse {
         let kept = &mut work.kept;
         self.take_forces(multipliers, self.preconditioner.gathered_mut(kept));
         self.preconditioner.spread(kept, step);
+    }
+
+    /// See [`crate::precondition::inverse::Inverse::respond`].
+    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64]) {
+        let [mx, my] = self.basis.mode_shape();
+        let mut gathered = Mat::<f64>::zeros(mx, my);
+        self.take_forces(forces, gathered.as_mut());
+        gathered *= faer::Scale(-1.0);
+        self.add_closing(gathered.as_ref(), closing);
     }
 
     /// `gathered` -= B^T m for the forces m on nodes.

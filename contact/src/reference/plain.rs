@@ -1,6 +1,8 @@
 //! Two slow ways to the same answer, for tests: plain projected SOR on the stiffness, and an active set on
 //! exact surface responses by sparse Cholesky.
 
+use std::borrow::Cow;
+
 use faer::Mat;
 use kufe_fem::{BlockMatrix, Constraints, ElementKind, Factor, Material, assemble, to_components};
 use kufe_mesh::TensorGrid;
@@ -8,6 +10,7 @@ use kufe_mesh::TensorGrid;
 use crate::active_set::motion::dot;
 use crate::active_set::plane_problem::PlaneState;
 use crate::bodies::hexahedra::hexahedra;
+use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::reference::plain_runner::PlainRunner;
@@ -106,7 +109,7 @@ pub(crate) fn active_set(
     }
     let force = contact.candidates.iter().map(|&c| state.force[c]).collect();
     let start = PlaneState::new(force, state.motion);
-    let found = contact.plane_contact(&response, &base, start);
+    let found = contact.plane_contact(&Green::Dense(Cow::Owned(response)), &base, start);
     let mut loads = vec![0.0; 3 * nodes];
     state.force.fill(0.0);
     for (i, &force) in found.force.iter().enumerate() {

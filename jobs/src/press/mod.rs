@@ -3,5 +3,6 @@
 mod check;
 mod pressed;
 mod result;
+mod scan_noise;
 
 pub use pressed::{Pressed, press, press_with};

@@ -65,6 +65,9 @@ impl Pressed {
                 document.shift_insert(place + shift, key, value);
             }
         }
+        if let (Some(noise), Value::Object(document)) = (self.p_max_noise, &mut document) {
+            document.shift_insert(2, "p_max_noise_pa".into(), json!(noise));
+        }
         if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
             document.extend(slid.keys());
         }

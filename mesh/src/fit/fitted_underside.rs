@@ -1,5 +1,9 @@
 //! A smooth underside fitted to the vertices of a tessellated hull.
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
 use crate::error::MeshError;
 use crate::fit::arc_length::arc_length;
 use crate::fit::bicubic::{Bicubic, Sample};
@@ -105,6 +109,31 @@ impl FittedUnderside {
         };
         let judgement = Judgement::of(&mut surface, &samples, &coarser, noise);
         Ok(Self { surface, judgement })
+    }
+
+    /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.
+    ///
+    /// Vertices farther off than six of it are of other parts of the hull, and keep their places but for the noise.
+    pub fn scanned(&self, hull: &Hull, noise: f64, seed: u64) -> Hull {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut scanned = hull.clone();
+        for [x, y, z] in &mut scanned.positions {
+            let on = self.surface.spline_height(*x, *y);
+            if (on - *z).abs() <= 6.0 * noise {
+                *z = on;
+            }
+            let drawn: f64 = StandardNormal.sample(&mut random);
+            *z += noise * drawn;
+        }
+        scanned
+    }
+
+    /// What is fitted to [`FittedUnderside::scanned`].
+    ///
+    /// # Errors
+    /// As [`FittedUnderside::new`].
+    pub fn scanned_again(&self, hull: &Hull, noise: f64, seed: u64) -> Result<Self, MeshError> {
+        FittedUnderside::new(&self.scanned(hull, noise, seed), noise)
     }
 
     /// How well the surface follows the hull.

@@ -1,0 +1,169 @@
+//! Forces that keep a set of nodes closed, by conjugate gradients on a Green's matrix that is not stored.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::active_set::motion::{dot, solve_semidefinite};
+use crate::green::modal::ModalGreen;
+
+/// Relative error of the forces, in their own energy, at which the iteration ends.
+const PRECISION: f64 = 1e-11;
+
+/// Most iterations; a few dozen are usual, whatever the set.
+const ITERATIONS: usize = 300;
+
+/// G f = N q - g on a set A of candidates, with N^T f = balance for the free motions.
+///
+/// Conjugate gradients in the subspace of balanced forces, with residuals freed of N q before each step (N. I. M. Gould, M. E.
+/// Hribar and J. Nocedal, SIAM J. Sci. Comput. 23 (2001), 1376-1395). They are preconditioned by the block of A in the plane's
+/// G^-1: an operator of the opposite order on the same nodes, so that iterations hardly grow with the mesh.
+pub(crate) struct ClosedSet<'a> {
+    green: &'a ModalGreen<'a>,
+    /// The set, as numbers of candidates.
+    inside: Vec<usize>,
+    rows: Vec<[f64; 3]>,
+    free: [bool; 3],
+    /// W N.
+    columns: [Vec<f64>; 3],
+    /// N^T W N over the free motions.
+    gram: Matrix3<f64>,
+}
+
+impl<'a> ClosedSet<'a> {
+    /// Of the candidates `inside`, with the rows N of each.
+    pub fn new(
+        green: &'a ModalGreen<'a>,
+        inside: &[usize],
+        rows: &[[f64; 3]],
+        free: [bool; 3],
+    ) -> Self {
+        let mut set = ClosedSet {
+            green,
+            inside: inside.to_vec(),
+            rows: rows.to_vec(),
+            free,
+            columns: Default::default(),
+            gram: Matrix3::zeros(),
+        };
+        set.columns = [0, 1, 2].map(|a| {
+            let column: Vec<f64> = rows.iter().map(|row| row[a]).collect();
+            set.precondition(&column)
+        });
+        set.gram = Matrix3::from_fn(|a, b| match free[a] && free[b] {
+            true => rows
+                .iter()
+                .zip(&set.columns[b])
+                .map(|(r, c)| r[a] * c)
+                .sum(),
+            false => 0.0,
+        });
+        set
+    }
+
+    /// The forces and the motion for gaps g without either, from forces near them; held motions, and those that the set does not
+    /// feel, stay as in `current`. None where the iteration does not end.
+    pub fn solve(
+        &self,
+        gap: &[f64],
+        balance: [f64; 3],
+        current: [f64; 3],
+        near: &[f64],
+    ) -> Option<(Vec<f64>, [f64; 3])> {
+        self.solve_within(ITERATIONS, gap, [balance, current], near)
+    }
+
+    fn solve_within(
+        &self,
+        most: usize,
+        gap: &[f64],
+        [balance, current]: [[f64; 3]; 2],
+        near: &[f64],
+    ) -> Option<(Vec<f64>, [f64; 3])> {
+        let mut force = near.to_vec();
+        let left = Vector3::from_fn(|a, _| match self.free[a] {
+            true => balance[a] - sum(self.rows.iter().zip(&force).map(|(r, f)| r[a] * f)),
+            false => 0.0,
+        });
+        self.add_columns(solve_semidefinite(self.gram, left), &mut force);
+        let mut image = self.times(&force);
+        let mut motion = current;
+        let mut residual: Vec<f64> = (0..force.len())
+            .map(|i| gap[i] - dot(self.rows[i], motion) + image[i])
+            .collect();
+        let mut direction = vec![0.0; force.len()];
+        let mut before = 0.0;
+        for _ in 0..most {
+            let mut step = self.precondition(&residual);
+            let felt = Vector3::from_fn(|a, _| match self.free[a] {
+                true => sum(self.rows.iter().zip(&step).map(|(r, z)| r[a] * z)),
+                false => 0.0,
+            });
+            let turn = solve_semidefinite(self.gram, felt);
+            self.add_columns(-turn, &mut step);
+            for (r, row) in residual.iter_mut().zip(&self.rows) {
+                *r -= dot(*row, turn.into());
+            }
+            motion = [0, 1, 2].map(|a| motion[a] + turn[a]);
+            let rho = product(&residual, &step);
+            if !rho.is_finite() {
+                return None;
+            }
+            if rho <= PRECISION.powi(2) * product(&force, &image) {
+                return Some((force, motion));
+            }
+            let beta = if before > 0.0 { rho / before } else { 0.0 };
+            before = rho;
+            for (d, z) in direction.iter_mut().zip(&step) {
+                *d = -z + beta * *d;
+            }
+            let moved = self.times(&direction);
+            let alpha = rho / product(&direction, &moved);
+            for i in 0..force.len() {
+                force[i] += alpha * direction[i];
+                image[i] += alpha * moved[i];
+                residual[i] += alpha * moved[i];
+            }
+        }
+        None
+    }
+
+    fn add_columns(&self, factors: Vector3<f64>, out: &mut [f64]) {
+        for (factor, column) in factors.iter().zip(&self.columns) {
+            if *factor != 0.0 {
+                out.iter_mut()
+                    .zip(column)
+                    .for_each(|(o, c)| *o += factor * c);
+            }
+        }
+    }
+
+    /// G f on the set.
+    fn times(&self, force: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.green.own.len()];
+        for (&number, &f) in self.inside.iter().zip(force) {
+            all[number] = f;
+        }
+        let moved = self.green.times(&all);
+        self.inside.iter().map(|&number| moved[number]).collect()
+    }
+
+    /// W r, the set's block of the plane's G^-1.
+    fn precondition(&self, residual: &[f64]) -> Vec<f64> {
+        let window = &self.green.window;
+        let values = self.inside.iter().copied().zip(residual.iter().copied());
+        let field = self.green.stiffness.times(&window.spread(values));
+        let at = |&number: &usize| window.at(&field, number);
+        self.inside.iter().map(at).collect()
+    }
+}
+
+fn sum(values: impl Iterator<Item = f64>) -> f64 {
+    values.sum()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+#[path = "closed_set_tests.rs"]
+mod tests;
