@@ -7,10 +7,11 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::judged::Smooth;
-use crate::evidence::runs::laws::shape::unit;
+use crate::evidence::runs::laws::polished::{Shown, start};
+use crate::evidence::runs::laws::shape::{unit, unit_of};
 use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
-use crate::evidence::runs::laws::term::COLUMNS;
+use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
@@ -52,10 +53,13 @@ impl Campaign<'_> {
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = total(&best.first()?.gains);
-        let mut seen: Vec<&[usize]> = Vec::new();
+        // Of the forces, which are much alike, the one on which it explains most; each sensor by itself.
+        let mut seen: Vec<(Option<usize>, &[usize])> = Vec::new();
         best.retain(|law| {
-            let first = !seen.contains(&law.columns.as_slice());
-            seen.push(&law.columns);
+            let sensor = matches!(channels[law.channel], Channel::Sensor(_));
+            let kind = (sensor.then_some(law.channel), law.columns.as_slice());
+            let first = !seen.contains(&kind);
+            seen.push(kind);
             first
         });
         best.truncate(rules.tried);
@@ -68,32 +72,45 @@ impl Campaign<'_> {
         let told = |formula: Formula| {
             let sums = terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
             let sums = sums.into_iter().next()?;
-            let shown = self.told_law(&terms, &channels, &formula, &sums, at)?;
-            Some((formula, sums, shown))
-        };
-        let mut leaders: Vec<_> = leaders.into_iter().filter_map(told).collect();
-        let size_of = |sums: &LawSums| {
             let part = sums.of(&[0], 0..sums.m.len());
-            part.s[0] / part.m[(0, 0)]
-        };
-        let misfits: Vec<f64> = leaders
-            .iter()
-            .map(|(_, sums, shown)| match shown.act.carrier {
+            let size = part.s[0] / part.m[(0, 0)];
+            let candidate = self.told_law(&terms, &channels, &formula, size, at)?;
+            // By full refits: a large effect bends the base that scores are taken at.
+            let misfit = match candidate.act.carrier {
                 Some(_) => f64::INFINITY,
-                None => self.misfit_with(at, shown, size_of(sums)),
-            })
-            .collect();
-        // By full refits: a large effect bends the base that scores are taken at.
-        let worth = |k: usize| misfits[k] + rules.number * leaders[k].0.term.shape.numbers() as f64;
-        let chosen = (0..leaders.len()).min_by(|a, b| worth(*a).total_cmp(&worth(*b)))?;
-        let left = worth(chosen);
-        let (formula, sums, shown) = leaders.swap_remove(chosen);
-        if let Some(named) = claim {
-            let gains = match known.is_empty() {
-                true => return None,
-                false => sums.held_gains(&[1], &DMatrix::zeros(1, 1), rules.folds),
+                None => self.misfit_with(at, &candidate, start(&candidate, size)),
             };
-            let [more, error] = difference(&formula.gains, &gains);
+            let left = misfit + rules.number * formula.term.shape.numbers() as f64;
+            Some((
+                formula,
+                sums,
+                Shown {
+                    candidate,
+                    size,
+                    left,
+                },
+            ))
+        };
+        let leaders = leaders.into_iter().filter_map(told);
+        let (mut formula, sums, mut shown) =
+            leaders.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
+        if shown.candidate.act.carrier.is_none() {
+            let as_told =
+                |formula: &Formula, size: f64| self.told_law(&terms, &channels, formula, size, at);
+            (formula, shown) = self.polished(at, formula, shown, &terms, &as_told);
+        }
+        let Shown {
+            candidate: shown,
+            size,
+            left,
+        } = shown;
+        if let Some(named) = claim {
+            if known.is_empty() {
+                return None;
+            }
+            let none = DMatrix::zeros(1, 1);
+            let [of_law, of_name] = [0, 1].map(|k| sums.held_gains(&[k], &none, rules.folds));
+            let [more, error] = difference(&of_law, &of_name);
             // A column's own form gives way to a formula that does as well.
             let column = named.candidate.is_column();
             let least = if column { -rules.as_good } else { rules.beats };
@@ -127,9 +144,16 @@ impl Campaign<'_> {
                 }
                 class
             });
-        let size = size_of(&sums);
         let strongest = self.strongest_channel(at.residual_model, &shown, size);
-        let remark = smoothest.and_then(|smooth| {
+        let fault = match channels[formula.term.channel] {
+            Channel::Sensor(sensor) => Some(format!(
+                "{}: a fault of {}, which reads so much more than is true",
+                shown.effect,
+                sensor.name()
+            )),
+            _ => None,
+        };
+        let smoother = smoothest.and_then(|smooth| {
             let [more, error] = difference(smooth, &formula.gains);
             (more > rules.alike * error).then(|| {
                 format!(
@@ -138,6 +162,7 @@ impl Campaign<'_> {
                 )
             })
         });
+        let remarks: Vec<String> = fault.into_iter().chain(smoother).collect();
         Some(Claim {
             place: self.place_of(&shown, at),
             channel: CHANNEL_NAMES[strongest],
@@ -146,19 +171,19 @@ impl Campaign<'_> {
             class,
             rivals: Vec::new(),
             p_value,
-            remark,
+            remark: (!remarks.is_empty()).then(|| remarks.join("; ")),
             parameters: Vec::new(),
             candidate: shown,
         })
     }
 
-    /// The formula as an effect of one's own.
+    /// The formula as an effect of one's own; nothing where it has no size or the model has it already.
     fn told_law(
         &self,
         terms: &Terms,
         channels: &[Channel],
         formula: &Formula,
-        sums: &LawSums,
+        size: f64,
         at: &Current,
     ) -> Option<Candidate<Amplitude>> {
         let channel = channels[formula.term.channel];
@@ -166,7 +191,7 @@ impl Campaign<'_> {
         let text = shape.text(&terms.names);
         let columns = &formula.columns;
         let named = shape.columns();
-        let beyond = named.iter().find(|x| **x >= COLUMNS.len());
+        let beyond = named.iter().find(|x| **x >= KNOWN);
         let carrier = beyond.map(|x| terms.names[*x].clone());
         let custom = Custom::new(channel, &text, carrier.as_deref())?;
         let per: Vec<&str> = shape
@@ -177,11 +202,10 @@ impl Campaign<'_> {
         let own = match channel {
             Channel::Lateral | Channel::Longitudinal => "N",
             Channel::Yaw => "N m",
+            Channel::Sensor(sensor) => unit_of(sensor.name()),
             _ => "",
         };
         let unit = unit(own, &per);
-        let part = sums.of(&[0], 0..sums.m.len());
-        let size = part.s[0] / part.m[(0, 0)];
         if !size.is_finite() || size == 0.0 {
             return None;
         }

@@ -47,11 +47,12 @@ impl Campaign<'_> {
                 .collect()
         };
         let mut shapes = match law.columns.as_slice() {
-            [column] => formulas(*column, &terms.sorted(*column)),
+            [column] => formulas(channels[law.channel], *column, &terms.sorted(*column)),
             [a, b] => vec![Shape::Product(*a, *b)],
             _ => Vec::new(),
         };
-        if !matches!(channels[law.channel], Channel::Grip | Channel::Friction) {
+        let forces = [Channel::Lateral, Channel::Longitudinal, Channel::Yaw];
+        if forces.contains(&channels[law.channel]) {
             shapes.push(Shape::One);
         }
         let on = |shape| Term {

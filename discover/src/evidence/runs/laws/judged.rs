@@ -1,13 +1,13 @@
 //! Smooth laws of all columns on all channels, judged.
 
-use kufe_sled::effects::Channel;
+use kufe_sled::effects::{Channel, Sensor};
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::laws::shapes::bumps;
 use crate::evidence::runs::laws::smooth::{Group, test};
 use crate::evidence::runs::laws::sums::total;
-use crate::evidence::runs::laws::term::{COLUMNS, Term};
+use crate::evidence::runs::laws::term::{COLUMNS, Term, drives, said_by};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 
@@ -33,6 +33,7 @@ impl Campaign<'_> {
         if self.used[0] {
             channels.push(Channel::Friction);
         }
+        channels.extend(Sensor::ALL.map(Channel::Sensor));
         channels
     }
 
@@ -59,7 +60,12 @@ impl Campaign<'_> {
             .filter(|(_, x)| x.iter().all(|x| x.is_finite()) && x.first() < x.last())
             .collect();
         for (channel, kind) in channels.iter().enumerate() {
-            for (column, sorted) in &varying {
+            // A sensor that says the same all along is none.
+            let said = match kind {
+                Channel::Sensor(sensor) => varying.iter().any(|(x, _)| *x == said_by(*sensor)),
+                _ => true,
+            };
+            for (column, sorted) in varying.iter().filter(|(x, _)| said && drives(*kind, *x)) {
                 law(channel, vec![*column], bumps(*column, sorted, rules.bumps));
             }
             if !matches!(kind, Channel::Grip | Channel::Friction) {

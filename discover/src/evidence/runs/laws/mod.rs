@@ -3,6 +3,7 @@
 pub(crate) mod claim;
 pub(crate) mod formula;
 pub(crate) mod judged;
+pub(crate) mod polished;
 pub(crate) mod shape;
 pub(crate) mod shapes;
 pub(crate) mod smooth;

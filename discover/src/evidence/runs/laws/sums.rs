@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::regression::gram::Gram;
+use crate::regression::inverse::ridge_inverse;
 use crate::regression::prior::Prior;
 
 /// Sums of all columns.
@@ -75,6 +76,31 @@ impl LawSums {
         self.common = self.common.rows(0, count).into_owned();
         for m in &mut self.m {
             *m = m.view((0, 0), (count, count)).into_owned();
+        }
+    }
+
+    /// The columns beyond a refit of the last ones, without these: with W = M_cb M_bb^-1, c' = c - W b.
+    pub fn beyond(self, last: usize) -> Self {
+        if last == 0 {
+            return self;
+        }
+        let columns = self.u.nrows();
+        let first = columns - last;
+        let all: Vec<usize> = (0..columns).collect();
+        let total = self.of(&all, 0..self.m.len()).m;
+        let own = total.view((first, first), (last, last)).into_owned();
+        let shares = total.view((0, first), (first, last)) * ridge_inverse(own);
+        let mut turn = DMatrix::identity(first, columns);
+        turn.view_mut((0, first), (first, last)).copy_from(&-shares);
+        Self {
+            u: &turn * self.u,
+            m: self
+                .m
+                .iter()
+                .map(|m| &turn * m * turn.transpose())
+                .collect(),
+            shared: &turn * self.shared,
+            common: &turn * self.common,
         }
     }
 
@@ -159,7 +185,7 @@ impl Part {
     /// `(M + w P)^-1`, w being the mean diagonal of M.
     pub fn inverse(&self, penalty: &DMatrix<f64>) -> DMatrix<f64> {
         let weight = (self.m.trace() / self.m.nrows() as f64).max(0.0);
-        crate::regression::inverse::ridge_inverse(&self.m + penalty * weight)
+        ridge_inverse(&self.m + penalty * weight)
     }
 }
 

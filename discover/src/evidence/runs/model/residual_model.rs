@@ -150,6 +150,13 @@ pub struct Instant {
     signals: Signals,
 }
 
+impl Instant {
+    /// What the sensors say, corrected by the active effects.
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
+}
+
 /// A model on one run: the vehicle with the effects that act there, and the weather.
 pub struct ModelOnRun<'a> {
     residual_model: &'a ResidualModel,

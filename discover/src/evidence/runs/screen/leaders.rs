@@ -16,17 +16,28 @@ impl Campaign<'_> {
     /// without the effect may have been bent to stand for it: `sum_c n_c ln(rms_c)` over the channels of the training runs;
     /// infinite where they cannot be fitted.
     pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-        let with = at.residual_model.with(candidate.active(size));
+        let refitted = self.refitted(at, candidate, size);
+        refitted.map_or(f64::INFINITY, |(misfit, _)| misfit)
+    }
+
+    /// The same with the size that leaves least, `from` being a first guess; nothing where they cannot be fitted.
+    pub fn refitted(
+        &self,
+        at: &Current,
+        candidate: &Candidate<Amplitude>,
+        from: f64,
+    ) -> Option<(f64, f64)> {
+        let with = at.residual_model.with(candidate.active(from));
         let exact = ResidualModel {
             installation: Installation::default(),
             ..with
         };
-        let Ok((_, whitener)) = fit(&exact, &self.training, &self.free, self.used) else {
-            return f64::INFINITY;
-        };
+        let (found, whitener) = fit(&exact, &self.training, &self.free, self.used).ok()?;
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
         let channels = (0..3).filter(|c| self.used[*c]);
-        rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>()
+        let misfit = rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>();
+        let size = found.effects.active.last()?.values[candidate.act.parameter];
+        Some((misfit, size))
     }
 
     /// Of the effects that explain nearly as much as the named one, that which leaves least after a full refit; the named one
