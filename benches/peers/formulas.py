@@ -168,7 +168,7 @@ def served(runs, g_free):
         known = dict(x, v=low["v_mps"], yaw=low["yaw_rate_radps"], **{c: low[c] for c in COLUMNS})
         _, ay, _, scaled = balance(known, low["alpha_rad"], 0.0)
         scaled, left = sosfiltfilt(sieve, scaled), low["ay_mps2"] - sosfiltfilt(sieve, ay)
-        strong = (np.abs(scaled) > 0.25) & (np.arange(len(ay)) % 5 == 0)
+        strong = (np.abs(scaled) > 0.25) & (np.arange(len(ay)) % 10 == 0)
         strong[:50] = strong[-50:] = False
         rows.append(np.column_stack([low[c] for c in COLUMNS])[strong])
         ratio.append((left / scaled)[strong])

@@ -235,4 +235,33 @@ mod tests {
             assert!((part.m[(0, 0)] - known.total_information(c)).abs() < 1e-9);
         }
     }
+
+    #[test]
+    fn columns_beyond_others_are_those_that_a_refit_of_these_leaves() {
+        let mut rng = stream(5, 1, 4);
+        let (levels, base, q, last) = (2, 3, 4, 2);
+        let n = levels + base + q + last + 1;
+        let rows: Vec<DMatrix<f64>> = (0..5)
+            .map(|_| DMatrix::from_fn(40, n, |_, _| normal(&mut rng)))
+            .collect();
+        let square = |x: &DMatrix<f64>| x.tr_mul(x);
+        // The same with the last ones among the base, which needs no formula of its own.
+        let order = |k: usize| match k {
+            k if k < levels + base => k,
+            k if k < levels + base + last => k + q,
+            k if k < n - 1 => k - last,
+            k => k,
+        };
+        let among: Vec<DMatrix<f64>> = rows
+            .iter()
+            .map(|x| square(&DMatrix::from_fn(40, n, |i, k| x[(i, order(k))])))
+            .collect();
+        let plain: Vec<DMatrix<f64>> = rows.iter().map(square).collect();
+        let beyond = LawSums::new(&plain, levels, &Prior::none(base)).beyond(last);
+        let refitted = LawSums::new(&among, levels, &Prior::none(base + last));
+        let all: Vec<usize> = (0..q).collect();
+        let [a, b] = [&beyond, &refitted].map(|sums| sums.of(&all, 0..5));
+        assert!((a.m - b.m).abs().max() < 1e-9);
+        assert!((a.s - b.s).abs().max() < 1e-9);
+    }
 }
