@@ -56,7 +56,7 @@ def drive(rng):
     v = 12 + 0.8 * t + wave(rng, t, 15, 5, 0.8)[0]
     x = dict(t=t, v=v, v_mps=v, roll_rate_radps=roll, pitch_rate_radps=pitch, yaw_rate_radps=yaw, yaw=yaw,
              turning=np.stack([roll_rate, pitch_rate, yaw_rate], 1), az=12.0 + wave(rng, t, 12, 2.5, 2.0)[0],
-             delta_rad=wave(rng, t, 12, 2.0, 0.03)[0], gamma_rad=wave(rng, t, 12, 2.0, 0.04)[0], density=1.25)
+             delta_rad=wave(rng, t, 12, 2.0, 0.03)[0], gamma_rad=wave(rng, t, 12, 2.0, 0.04)[0], density=96_000.0 / (287.05 * 275.15))
     base = SLED["l_f_m"] + SLED["l_r_m"]
     x["front"] = (SLED["l_r_m"] * SLED["mass_kg"] * x["az"] - SLED["j_yy_kgm2"] * pitch_rate) / base
     x["rear"] = SLED["mass_kg"] * x["az"] - x["front"]
@@ -75,10 +75,12 @@ def balance(x, alpha, g):
     fy, rear = (1 + g) * fy, (1 + g) * magic(FRICTION["rear"], slip_r, x["rear"])
     side = cg * (sd * fx + cd * fy) - sg * load
     drag = 0.5 * x["density"] * SLED["cda_m2"] * x["v"] ** 2
-    along = cd * fx - sd * fy - mu * x["rear"] * np.cos(slip_r) - drag
+    # The air pushes against the driving direction, which points by alpha to the right of the axis.
+    along = cd * fx - sd * fy - mu * x["rear"] * np.cos(slip_r) - drag * np.cos(alpha)
     turn = (SLED["l_f_m"] * side - SLED["l_r_m"] * rear) / SLED["j_zz_kgm2"]
     scaled = cg * cd * fy + rear
-    return along / SLED["mass_kg"], (side + rear) / SLED["mass_kg"], turn, scaled / SLED["mass_kg"]
+    across = side + rear + drag * np.sin(alpha)
+    return along / SLED["mass_kg"], across / SLED["mass_kg"], turn, scaled / SLED["mass_kg"]
 
 
 def recorded(x, g):
@@ -168,7 +170,7 @@ def served(runs, g_free):
         known = dict(x, v=low["v_mps"], yaw=low["yaw_rate_radps"], **{c: low[c] for c in COLUMNS})
         _, ay, _, scaled = balance(known, low["alpha_rad"], 0.0)
         scaled, left = sosfiltfilt(sieve, scaled), low["ay_mps2"] - sosfiltfilt(sieve, ay)
-        strong = (np.abs(scaled) > 0.25) & (np.arange(len(ay)) % 10 == 0)
+        strong = (np.abs(scaled) > 0.25) & (np.arange(len(ay)) % 20 == 0)
         strong[:50] = strong[-50:] = False
         rows.append(np.column_stack([low[c] for c in COLUMNS])[strong])
         ratio.append((left / scaled)[strong])
@@ -203,7 +205,7 @@ def operon(x, y, seed):
     from pyoperon.sklearn import SymbolicRegressor
 
     model = SymbolicRegressor(allowed_symbols="add,sub,mul,div,exp,log,sqrt,square,abs,pow,constant,variable", generations=500, population_size=500,
-                              max_evaluations=100_000, optimizer_iterations=5, max_length=25, n_threads=1, random_state=seed,
+                              max_evaluations=30_000, optimizer_iterations=5, max_length=25, n_threads=1, random_state=seed,
                               model_selection_criterion="minimum_description_length")
     model.fit(x, y)
     return model.get_model_string(model.model_, 4, names=COLUMNS), lambda c: model.predict(np.column_stack([c[n] for n in COLUMNS]))

@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::judged::Smooth;
-use crate::evidence::runs::laws::polished::{Shown, start};
+use crate::evidence::runs::laws::polished::{LawFit, start};
 use crate::evidence::runs::laws::shape::{unit, unit_of};
 use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
@@ -84,7 +84,7 @@ impl Campaign<'_> {
             Some((
                 formula,
                 sums,
-                Shown {
+                LawFit {
                     candidate,
                     size,
                     left,
@@ -99,7 +99,7 @@ impl Campaign<'_> {
                 |formula: &Formula, size: f64| self.told_law(&terms, &channels, formula, size, at);
             (formula, shown) = self.polished(at, formula, shown, &terms, &as_told);
         }
-        let Shown {
+        let LawFit {
             candidate: shown,
             size,
             left,

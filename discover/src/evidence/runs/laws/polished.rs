@@ -9,8 +9,8 @@ use crate::evidence::runs::laws::shapes::moved;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::procedure::candidate::Candidate;
 
-/// A formula as an effect, with what full refits say of it.
-pub struct Shown {
+/// A formula as an effect, fitted together with the base.
+pub struct LawFit {
     /// The effect.
     pub candidate: Candidate<Amplitude>,
     /// Its size.
@@ -33,10 +33,10 @@ impl Campaign<'_> {
         &self,
         at: &Current,
         formula: Formula,
-        shown: Shown,
+        shown: LawFit,
         terms: &Terms,
         told: &dyn Fn(&Formula, f64) -> Option<Candidate<Amplitude>>,
-    ) -> (Formula, Shown) {
+    ) -> (Formula, LawFit) {
         /// Refits at most.
         const MOST: usize = 30;
         /// Share by which a number is moved at last: less than its error.
@@ -67,7 +67,7 @@ impl Campaign<'_> {
                 let left = misfit + numbers;
                 Some((
                     other,
-                    Shown {
+                    LawFit {
                         candidate,
                         size,
                         left,
