@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use kufe_discover::{Options, Report, Rules, Verdict, runs};
 use kufe_sled::Model;
-use kufe_sled::effects::Expression;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 
 /// Runs driven with the effects of `hidden` (TOML), searched with the published model that lacks them.
@@ -90,27 +89,6 @@ fn a_hidden_effect_is_in_the_class_that_is_named() {
             told(&report)
         );
     }
-}
-
-#[test]
-fn a_sensor_that_bows_is_told_by_a_formula_of_what_it_says() {
-    let bow = "[effects.bow]\nexpression = \"delta_rad^2\"\nchannel = \"sensor:delta_rad\"\nunit = \"1/rad\"\n\
-               value = 2.0\nlow = -10.0\nhigh = 10.0\n";
-    let report = searched(bow, 6, 16);
-    assert_eq!(report.verdict, Verdict::Law, "{}", told(&report));
-    assert_eq!(report.steps.len(), 1, "{}", told(&report));
-    let step = &report.steps[0];
-    assert_eq!(step.effect, "unknown:delta_rad");
-    let formula = Expression::parse(step.law.as_deref().unwrap()).unwrap();
-    let value = &step.parameters[0];
-    assert_eq!(value.unit, "rad");
-    // Where the steering is as large as it becomes: within a tenth, which its noise allows.
-    let read_too_much = value.value * formula.evaluate(|_| 0.05);
-    assert!(
-        (read_too_much / (2.0 * 0.05_f64.powi(2)) - 1.0).abs() < 0.1,
-        "{read_too_much}: {}",
-        told(&report)
-    );
 }
 
 #[test]
