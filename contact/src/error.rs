@@ -245,7 +245,7 @@ pub enum Error {
     /// The graphics processor does not solve problems of this kind.
     #[cfg(feature = "gpu")]
     #[error(
-        "a graphics processor solves for rigid runners by the accelerated method alone; found {found}"
+        "a graphics processor solves for rigid runners on compressible ice by the accelerated method alone; found {found}"
     )]
     NotOnDevice {
         /// What it does not take.

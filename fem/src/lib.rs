@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Material`], [`Section`], [`Body`] | what a mesh is made of, checked once |
 //! | [`hex8`], [`hex8_incompatible`], [`hex8_axial`] | the trilinear hexahedron, and two that bend without locking |
+//! | [`hex8_dilatation`] | the one for nearly incompressible materials |
 //! | [`Constraints`], [`add_pressure`], [`add_traction`], [`add_body_force`] | supports and loads |
 //! | [`equilibrium`] | loads in, displacements and reactions out |
 //! | [`nodal_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
@@ -66,7 +67,7 @@ pub use closed_form::boussinesq::{boussinesq, boussinesq_stress, love_rectangle}
 pub use closed_form::thick_cylinder::ThickCylinder;
 pub use constraints::{Constraints, DofMap};
 pub use element::face::{FACES, add_pressure, add_traction, boundary_faces};
-pub use element::{hex8, hex8_axial, hex8_incompatible};
+pub use element::{hex8, hex8_axial, hex8_dilatation, hex8_incompatible};
 pub use error::Error;
 pub use layout::{to_components, to_nodes};
 pub use material::Material;

@@ -135,8 +135,8 @@ impl RunSelection {
                 self.runs.display()
             )));
         }
-        for text in runs.iter().flat_map(|run| &run.remarks).chain(&left_out) {
-            watch.warn(text);
+        for text in runs.iter().flat_map(Run::noticed).chain(left_out.clone()) {
+            watch.warn(&text);
         }
         watch.progress(&format!("preparing {} runs", runs.len()));
         let options = PrepareOptions {

@@ -76,7 +76,7 @@ pub use record::check::taking_part::{TakingPart, gaps_line};
 pub use record::columns::Columns;
 pub use record::csv::{read_csv, write_csv};
 pub use record::index::{
-    Conditions, Entry, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
+    Conditions, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
 };
 pub use record::parquet::{read_parquet, write_parquet};
 pub use record::read::read_columns;

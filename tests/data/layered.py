@@ -1,4 +1,4 @@
-"""A rigid paraboloid on two bonded elastic layers over a rigid bed, by Hankel transforms.
+"""A paraboloid on bonded elastic layers over a rigid bed, by Hankel transforms; it may be the underside of layers too.
 
     python layered.py RADIUS FORCE E1 NU1 H1 E2 NU2 H2
 
@@ -42,10 +42,9 @@ def compliance(k, layers):
     return c[1, 1]
 
 
-def main():
-    radius, force, e1, nu1, h1, e2, nu2, h2 = map(float, sys.argv[1:])
-    layers = [(e1, nu1, h1), (e2, nu2, h2)]
-    guess = (0.75 * force * radius * (1 - nu1**2) / e1) ** (1 / 3)
+def paraboloid(radius, force, *bodies):
+    """Contact radius, approach and peak; a body is a list of layers (E, nu, thickness) from the contact to what is rigid."""
+    guess = (0.75 * force * radius * sum((1 - nu**2) / e for (e, nu, _), *_ in bodies)) ** (1 / 3)
     # Wave numbers by pieces: the layers act at 1/h, the contact at 1/a.
     points, weights = np.polynomial.legendre.leggauss(8)
     edges = np.concatenate([np.linspace(0, 4, 60)[:-1], np.geomspace(4, 4000, 1500)]) / (2 * guess)
@@ -53,9 +52,10 @@ def main():
     k = (0.5 * (high + low) + 0.5 * (high - low) * points).ravel()
     w = (0.5 * (high - low) * weights).ravel()
     # Over the half-space's it is a smooth function of log k.
-    own = (1 - nu1) / lame(e1, nu1)[1]
+    own = sum((1 - nu) / lame(e, nu)[1] for (e, nu, _), *_ in bodies)
     nodes = np.linspace(np.log(k[0]), np.log(k[-1]), 240)
-    ratio = CubicSpline(nodes, [compliance(np.exp(n), layers) * np.exp(n) / own for n in nodes])
+    both = [sum(compliance(np.exp(n), layers) for layers in bodies) for n in nodes]
+    ratio = CubicSpline(nodes, both * np.exp(nodes) / own)
     table = ratio(np.log(k)) * own / k
     powers = np.arange(6) + 0.5
 
@@ -75,7 +75,12 @@ def main():
 
     a = brentq(lambda a: solved(a)[2] - force, 0.3 * guess, 2.0 * guess, rtol=1e-8)
     pressures, approach, _ = solved(a)
-    print(a, approach, pressures.sum())
+    return a, approach, pressures.sum()
+
+
+def main():
+    radius, force, e1, nu1, h1, e2, nu2, h2 = map(float, sys.argv[1:])
+    print(*paraboloid(radius, force, [(e1, nu1, h1), (e2, nu2, h2)]))
 
 
 if __name__ == "__main__":

@@ -128,7 +128,7 @@ fn write(mesh: &HexMesh, file: &std::fs::File) -> Result<(), MeshError> {
         field("scaled_jacobian", &jacobians),
         field("volume_m3", &volumes),
     ];
-    write_vtu(mesh, &[], &fields, file)
+    write_vtu(mesh, &[], &fields, &[], file)
 }
 
 fn figures(mesh: &HexMesh) -> Value {

@@ -63,7 +63,8 @@ pub fn write(
         lengths.insert(name.into(), json!(staging.length(name)?));
     }
     document[FILES] = Value::Object(lengths);
-    staging.write("result.json", |mut file| writeln!(file, "{document:#}"))
+    let text = format!("{document:#}\n");
+    staging.write("result.json", |mut file| file.write_all(text.as_bytes()))
 }
 
 /// Writes maps, fields and the hull, side by side; returns their names.
@@ -78,7 +79,9 @@ fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
 /// Writes what is a picture of the contact plane.
 fn maps(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
     let solution = &pressed.solution;
-    let map = PressureMap::of(solution);
+    let parts = pressure_maps(solution);
+    let whole = (parts.len() > 1).then(|| PressureMap::of(solution));
+    let map = whole.as_ref().unwrap_or(&parts[0]);
     let mut names = vec!["pressure.exr", "pressure.png"];
     let numbers = || {
         staging.write("pressure.exr", |mut file| {
@@ -89,18 +92,18 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failu
                 ("p_max_error_pa", solution.p_max_error),
                 ("p_max_mesh_pa", solution.p_max_mesh),
             ];
-            write_exr::write(&mut file, &map, curvature, &figures)
+            write_exr::write(&mut file, map, curvature, &figures)
         })
     };
     let picture = || {
-        let (maps, title) = (pressure_maps(solution), summary::title(solution));
-        map_picture::write(&staging.path("pressure.png"), &maps, &title)
+        let title = summary::title(solution);
+        map_picture::write(&staging.path("pressure.png"), &parts, &title)
             .map_err(|error| staging.failure("pressure.png", &error))
     };
     let (numbers, picture) = rayon::join(numbers, picture);
     numbers.and(picture)?;
     if let Some(slid) = &pressed.sliding {
-        sliding::write(staging, pressed, &map, slid)?;
+        sliding::write(staging, pressed, map, slid)?;
         names.extend(["groove.exr", "groove.png", "film.csv"]);
     }
     Ok(names)
@@ -112,13 +115,7 @@ fn bodies(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
     let mut names = vec!["field.vtu", "contact.vtp"];
     staging.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
-        volume_vtu::write_ice(
-            &mut file,
-            &solution.volume,
-            &solution.surface,
-            groove,
-            shear,
-        )
+        volume_vtu::write_ice(&mut file, solution, groove, shear)
     })?;
     staging.write("contact.vtp", |mut file| {
         contact_vtp::write(&mut file, &solution.surface)
@@ -130,7 +127,7 @@ fn bodies(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'sta
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
     {
         staging.write("runner.vtu", |mut file| {
-            volume_vtu::write_runner(&mut file, field, elastic, shear)
+            volume_vtu::write_runner(&mut file, field, elastic, solution.symmetry, shear)
         })?;
         names.push("runner.vtu");
     }

@@ -1,13 +1,14 @@
 //! `kufe discover`: what the model lacks, by data.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
-use kufe_jobs::{Failure, write_whole};
+use kufe_jobs::Failure;
 
-use crate::output::apart::folder_apart;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::staging::Staging;
 
 /// Find the effect that a model lacks, name it and add it
 #[derive(clap::Args, Debug)]
@@ -98,7 +99,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if campaign {
         inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
     }
-    folder_apart(&inputs, &args.output, &WRITTEN)?;
+    let staging = Staging::beside(&inputs, &args.output, &WRITTEN)?;
+    staging.remove_on_interrupt();
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
     let found = kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
@@ -110,15 +112,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;
-    let out = |name: &str| -> PathBuf { Path::new(&args.output).join(name) };
-    write_whole(&out("report.json"), |w| writeln!(w, "{json}"))?;
-    write_whole(&out("report.html"), |w| {
-        w.write_all(kufe_report::discovery_page(&page).as_bytes())
+    staging.write("report.json", |mut file| writeln!(file, "{json}"))?;
+    staging.write("report.html", |mut file| {
+        file.write_all(kufe_report::discovery_page(&page).as_bytes())
     })?;
-    write_whole(&out("model.next.toml"), |w| w.write_all(next.as_bytes()))?;
+    staging.write("model.next.toml", |mut file| {
+        file.write_all(next.as_bytes())
+    })?;
     if let Some(case) = case {
-        write_whole(&out("case.next.toml"), |w| w.write_all(case.as_bytes()))?;
+        staging.write("case.next.toml", |mut file| file.write_all(case.as_bytes()))?;
     }
+    staging.commit()?;
     if global.json {
         say(&format!("{json}\n"));
     } else if !global.quiet {

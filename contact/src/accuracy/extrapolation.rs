@@ -61,7 +61,13 @@ impl Sequence {
                 .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
             let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
             let three = [*first, *second, third];
+            let used = similar.iter().filter(|mesh| mesh.cells >= first.cells);
+            let used: Vec<f64> = used.map(|mesh| mesh.value).collect();
             return Some(match self.alternating {
+                // Three that seem to settle say nothing where those between them go to and fro.
+                true if is_monotone(&three.map(|m| m.value)) && !is_monotone(&used) => {
+                    self.spread_from(self.meshes.len() - 3)
+                }
                 true => Limit::of_alternating(three),
                 false => Limit::of_similar(three),
             });
@@ -89,6 +95,11 @@ impl Sequence {
     fn values_from(&self, start: usize) -> Vec<f64> {
         self.meshes[start..].iter().map(|mesh| mesh.value).collect()
     }
+}
+
+/// Whether values only rise or only fall.
+fn is_monotone(values: &[f64]) -> bool {
+    values.is_sorted() || values.iter().rev().is_sorted()
 }
 
 /// Most times finer that the last of three meshes is than the first.

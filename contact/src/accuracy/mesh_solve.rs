@@ -1,7 +1,7 @@
 //! The solve on one mesh.
 
 use faer::Mat;
-use kufe_fem::Material;
+use kufe_fem::{Material, TensorOperator};
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::plane_problem::PlaneState;
@@ -43,7 +43,7 @@ pub(crate) struct MeshSolve<'a> {
     pub tell: &'a dyn Fn(&SetUpdate, &State),
 }
 
-/// Most conjugate-gradient iterations on one mesh.
+/// Most conjugate-gradient iterations on one mesh at a Poisson's ratio of 1/3.
 const ITERATIONS: usize = 1000;
 /// Most sweeps of the plain method.
 const SWEEPS: usize = 200_000;
@@ -101,6 +101,20 @@ impl MeshSolve<'_> {
         (state, counts)
     }
 
+    /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner, which couples no components, is
+    /// conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and iterations go with its root.
+    fn most_iterations(&self) -> usize {
+        let bodies = self.mesh.contact.bodies.iter();
+        let stiffest = bodies.flat_map(|body| {
+            let own = body.material.uniaxial_strain_modulus() / body.material.shear_modulus();
+            let lower = body.stiffness.grid().and_then(TensorOperator::lower_layer);
+            let lower = lower.map(|layer| layer.lambda / layer.mu + 2.0);
+            [Some(own), lower].into_iter().flatten()
+        });
+        let condition = stiffest.fold(4.0, f64::max);
+        (ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
+    }
+
     /// Writes the far field of the contact forces onto the outer faces of a half-space.
     pub fn hold_outer_faces(&self, forces: &Forces, state: &mut State) {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
@@ -140,7 +154,7 @@ impl MeshSolve<'_> {
         let options = self.options;
         let control = Control {
             tolerance: options.residual,
-            iterations: ITERATIONS,
+            iterations: self.most_iterations(),
             options,
             tell: self.tell,
         };

@@ -108,8 +108,23 @@ impl Watched {
         let last = |figure: &Sequence| figure.last().error_of(figure.value());
         Beside {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
-            width_error: self.extent_error(&self.width),
+            width_error: self.extent_error(&self.width, self.off()[2]),
             approach_error: self.approach.last().error,
+        }
+    }
+
+    /// What two ways to find the last mesh's rims make of area, length and width.
+    fn off(&self) -> [f64; 3] {
+        self.last.map_or([f64::INFINITY; 3], |last| last.off)
+    }
+
+    /// What the area scatters by, over it, where rims are beyond ice that yields: on n lines of a quarter of an ellipse, of n^2 pi / 4
+    /// cells, each rim is somewhere within a cell, by a standard deviation of 1 / sqrt(12); twice that of their sum.
+    fn scatter(&self) -> f64 {
+        let cells = self.area.cells();
+        match self.is_fixed() {
+            true => 2.0 * (cells / 12.0).sqrt() / (0.25 * std::f64::consts::PI * cells * cells),
+            false => 0.0,
         }
     }
 
@@ -121,18 +136,19 @@ impl Watched {
 
     /// The error of the last mesh's length or width. A rim beyond ice that yields is known to half a cell, at either end, even
     /// where meshes that were made for it agree.
-    fn extent_error(&self, extent: &Sequence) -> f64 {
+    fn extent_error(&self, extent: &Sequence, off: f64) -> f64 {
         let cell = match self.is_fixed() {
             true => 0.5 * extent.value() / extent.cells(),
             false => 0.0,
         };
-        rims_error(extent).max(cell)
+        rims_error(extent, off).max(cell)
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
-        let area_error = rims_error(&self.area);
-        let length_error = self.extent_error(&self.length);
+        let [area_off, length_off, _] = last.off;
+        let area_error = rims_error(&self.area, area_off).max(self.scatter() * last.area);
+        let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, BESIDE * area_error / last.area)
         } else {
@@ -149,11 +165,11 @@ impl Watched {
     }
 }
 
-/// The error of the last mesh's area, length or width: by their limit, and at least their range, since rims between the nodes of
-/// coarse meshes can look as if they converged.
-fn rims_error(figure: &Sequence) -> f64 {
+/// The error of the last mesh's area, length or width: by their limit, and at least their range and what two ways to find a rim
+/// between its nodes differ by, since rims of coarse meshes can look as if they converged.
+fn rims_error(figure: &Sequence, off: f64) -> f64 {
     let by_limit = figure.last().error_of(figure.value());
-    by_limit.max(figure.range())
+    by_limit.max(figure.range()).max(off)
 }
 
 #[cfg(test)]
@@ -173,6 +189,7 @@ mod tests {
             area: of(1.0, parts[1]),
             length: of(0.1, parts[2]),
             width: 0.01,
+            off: [0.0; 3],
         };
         watched.push(figures, PLACE, cells, false);
     }
@@ -214,6 +231,7 @@ mod tests {
                 area: 1.0,
                 length: 0.1,
                 width: 0.01,
+                off: [0.0; 3],
             };
             watched.push(figures, PLACE, cells, anew);
         };

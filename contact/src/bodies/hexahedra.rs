@@ -1,6 +1,6 @@
 //! The hexahedra of a body on a tensor grid, as they are assembled.
 
-use kufe_fem::{Body, ElementKind, Error, Material, Section, TensorOperator};
+use kufe_fem::{Body, Error, Material, Section, TensorOperator};
 use kufe_mesh::TensorGrid;
 
 /// The body that a tensor operator stands for; `material` is that of its cells, but of its lower layer's.
@@ -12,7 +12,7 @@ pub(crate) fn hexahedra(operator: &TensorOperator, material: Material) -> Result
     let mesh = TensorGrid { x, y, z }.hex_mesh();
     let of = |material| Section {
         material,
-        kind: ElementKind::Hex8,
+        kind: operator.element_kind(),
     };
     let mut sections = vec![of(material); mesh.cells.len()];
     if let Some(layer) = operator.lower_layer() {

@@ -73,7 +73,10 @@ impl RunnerPlan<'_> {
             count: [grid.x.len(), grid.y.len()],
             plane_width: ice.x.len(),
         };
-        let operator = self.operator(&grid, material, held(self.symmetry, true, true));
+        let mut operator = self.operator(&grid, material, held(self.symmetry, true, true));
+        if self.elastic.element_kind() == ElementKind::Hex8Dilatation {
+            operator = operator.with_mean_dilatation();
+        }
         (
             ElasticBody::on_grid(operator, material, Side::Above, columns),
             grid.hex_mesh(),

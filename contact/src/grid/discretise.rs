@@ -1,6 +1,6 @@
 //! From a patch and a resolution to a mesh.
 
-use kufe_fem::{HeldFaces, LowerLayer, Material, TensorOperator};
+use kufe_fem::{ElementKind, HeldFaces, LowerLayer, Material, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::active_set::motion::Motion;
@@ -76,6 +76,9 @@ impl MeshPlan<'_> {
         let mut operator = TensorOperator::new(&grid, lambda, mu, held_faces(symmetry));
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
+        }
+        if self.problem.ice.element_kind() == ElementKind::Hex8Dilatation {
+            operator = operator.with_mean_dilatation();
         }
         let mut contact = self.contact_mesh(&grid, operator);
         touchable(contact.candidates.len())?;

@@ -32,6 +32,19 @@ impl Patch {
         self
     }
 
+    /// Whether this patch's rims are those of `other` to a `part` of their stretches' halves, as fine as cells are there.
+    pub fn agrees_with(&self, other: &Patch, part: f64) -> bool {
+        let agree = |mine: &Stretch, theirs: &Stretch| {
+            let near = |a: f64, b: f64| (a - b).abs() <= part * mine.half() * mine.size(a);
+            near(mine.low, theirs.low) && near(mine.high, theirs.high)
+        };
+        let pairs = self.x.iter().zip(&other.x);
+        self.x.len() == other.x.len()
+            && pairs
+                .chain([(&self.y, &other.y)])
+                .all(|(mine, theirs)| agree(mine, theirs))
+    }
+
     /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a mesh that does not
     /// know of them, whatever it says of the pressure.
     pub fn refined_at_corners(mut self) -> Self {

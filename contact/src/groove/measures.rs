@@ -6,6 +6,7 @@ use crate::groove::rims::Rims;
 use crate::groove::slid::Slid;
 use crate::groove::solution::Section;
 use crate::problem::gap::Gap;
+use crate::result::chords::By;
 use crate::result::measure::PressureField;
 
 /// The figures that errors are stated of, as one mesh has them.
@@ -56,7 +57,7 @@ impl<'a> Reading<'a> {
     pub fn measures(&self, field: &PressureField) -> Measures {
         let pressure = field.pressures();
         let lowest = self.lowest();
-        let [back, front] = self.rims.ends(&field.chords_along(&pressure));
+        let [back, front] = self.rims.ends(&field.chords_along(&pressure, By::Shape));
         let contact = &self.on.mesh.contact;
         let (plastic_work, by_slope) = (self.plastic_work(), self.by_slope());
         Measures {
@@ -126,9 +127,9 @@ impl<'a> Reading<'a> {
     pub fn sections(&self, field: &PressureField) -> Vec<Section> {
         let pressure = field.pressures();
         let [nx, ny] = self.shape();
-        let [back, front] = self.rims.ends(&field.chords_along(&pressure));
+        let [back, front] = self.rims.ends(&field.chords_along(&pressure, By::Shape));
         let hardness = self.on.problem.ice.hardness.unwrap_or(f64::INFINITY);
-        let sides = self.rims.sides(&field.chords_across(&pressure));
+        let sides = self.rims.sides(&field.chords_across(&pressure, By::Shape));
         let along = &self.on.mesh.contact.lumped[0];
         let section = |i: usize| {
             let [right, left] = sides[i]?;

@@ -3,6 +3,7 @@
 use crate::grid::discretise::Discretisation;
 use crate::groove::memory::Kind;
 use crate::groove::slid::Slid;
+use crate::result::chords::By;
 use crate::result::measure::PressureField;
 
 /// A solution on its mesh, with the nodes' states on the whole plane.
@@ -38,8 +39,8 @@ impl<'a> Rims<'a> {
     /// The patch's rims, below the cell: [x low, x high, y low, y high] [m].
     pub fn rims(&self, field: &PressureField) -> [f64; 4] {
         let pressure = field.pressures();
-        let [back, front] = self.ends(&field.chords_along(&pressure));
-        let sides = self.sides(&field.chords_across(&pressure));
+        let [back, front] = self.ends(&field.chords_along(&pressure, By::Shape));
+        let sides = self.sides(&field.chords_across(&pressure, By::Shape));
         let touched = sides.iter().flatten();
         let left = touched
             .clone()

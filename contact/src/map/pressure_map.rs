@@ -1,5 +1,7 @@
 //! The contact's fields on a regular grid of pixels.
 
+use rayon::prelude::*;
+
 use crate::result::solution::{Solution, SurfaceField};
 
 use crate::map::hermite::Hermite;
@@ -69,7 +71,10 @@ impl PressureMap {
             .zip(&field.gap)
             .map(|(&p, gap)| if p > 0.0 { 0.0 } else { gap.max(0.0) })
             .collect();
-        let pressure = pressure(field, fz, bound, &along, &across);
+        let (pressure, (gap, uz)) = rayon::join(
+            || pressure(field, fz, bound, &along, &across),
+            || rayon::join(|| average(&gap), || average(&field.uz)),
+        );
         PressureMap {
             x0: along.first,
             y0: across.first,
@@ -78,8 +83,8 @@ impl PressureMap {
             nx: along.count,
             ny: across.count,
             pressure,
-            gap: average(&gap),
-            uz: average(&field.uz),
+            gap,
+            uz,
         }
     }
 
@@ -216,31 +221,29 @@ fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Ax
     let (nodes, columns) = (field.y.len(), along.count);
     let squared = squared_pressure(field);
     let mut by_rows = vec![f64::NAN; nodes * columns];
-    for (row, out) in squared
-        .chunks_exact(field.x.len())
-        .zip(by_rows.chunks_exact_mut(columns))
-    {
-        let line = Hermite::new(&field.x, row);
-        out.iter_mut()
-            .enumerate()
-            .for_each(|(i, value)| *value = line.at(along.centre(i)));
-    }
-    let mut pressure = vec![0.0; columns * across.count];
-    let mut column = vec![0.0; nodes];
-    for i in 0..columns {
-        column
-            .iter_mut()
-            .enumerate()
-            .for_each(|(j, value)| *value = by_rows[j * columns + i]);
-        let line = Hermite::new(&field.y, &column);
-        for j in 0..across.count {
+    squared
+        .par_chunks_exact(field.x.len())
+        .zip(by_rows.par_chunks_exact_mut(columns))
+        .for_each(|(row, out)| {
+            let line = Hermite::new(&field.x, row);
+            out.iter_mut()
+                .enumerate()
+                .for_each(|(i, value)| *value = line.at(along.centre(i)));
+        });
+    let lines: Vec<Vec<f64>> = (0..columns)
+        .into_par_iter()
+        .map(|i| {
+            let column: Vec<f64> = (0..nodes).map(|j| by_rows[j * columns + i]).collect();
+            let line = Hermite::new(&field.y, &column);
             // A gap's NaN loses against zero.
-            pressure[j * columns + i] = line.at(across.centre(j)).max(0.0).sqrt();
-        }
+            let value = |j| line.at(across.centre(j)).max(0.0).sqrt().min(bound);
+            (0..across.count).map(value).collect()
+        })
+        .collect();
+    let mut pressure = Vec::with_capacity(columns * across.count);
+    for j in 0..across.count {
+        pressure.extend(lines.iter().map(|line| line[j]));
     }
-    pressure
-        .iter_mut()
-        .for_each(|value| *value = value.min(bound));
     carry(&mut pressure, fz / (along.step * across.step));
     pressure
 }

@@ -29,7 +29,7 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
     if let Some(elastic) = &problem.runner.elastic {
         check_mount(problem, elastic)?;
     }
-    check_method(problem.runner.elastic.as_ref(), options)?;
+    check_method(problem, options)?;
     positive(
         "accuracy of the peak pressure",
         options.p_max_tolerance,
@@ -157,7 +157,8 @@ fn check_bed(bed: Bed) -> Result<(), Error> {
 }
 
 /// The checking methods and a graphics processor take some runners only.
-fn check_method(elastic: Option<&ElasticRunner>, options: &Options) -> Result<(), Error> {
+fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
+    let elastic = problem.runner.elastic.as_ref();
     let taken = match (options.method, elastic) {
         (Method::Accelerated, _) | (_, None) => true,
         (method, Some(e)) => method == Method::CholeskyActiveSet && e.solid.is_none(),
@@ -172,6 +173,9 @@ fn check_method(elastic: Option<&ElasticRunner>, options: &Options) -> Result<()
         let found = match (elastic, options.method) {
             _ if options.stiffness == StiffnessForm::Assembled => Some("an assembled stiffness"),
             (Some(_), _) => Some("an elastic runner"),
+            _ if problem.ice.element_kind() != kufe_fem::ElementKind::Hex8 => {
+                Some("nearly incompressible ice")
+            }
             (None, Method::Accelerated) => None,
             (None, _) => Some("a checking method"),
         };

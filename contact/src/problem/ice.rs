@@ -1,5 +1,7 @@
 //! The pressed body and what carries it.
 
+use kufe_fem::ElementKind;
+
 /// The pressed body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ice {
@@ -22,6 +24,15 @@ impl Ice {
             foundation: Foundation::HalfSpace,
             hardness: None,
         }
+    }
+
+    /// The element of its hexahedra and of its bed's.
+    pub fn element_kind(&self) -> ElementKind {
+        let ratio = match self.foundation {
+            Foundation::ElasticBed { bed, .. } => self.poissons_ratio.max(bed.poissons_ratio),
+            Foundation::HalfSpace | Foundation::RigidBed { .. } => self.poissons_ratio,
+        };
+        ElementKind::of_block(ratio)
     }
 }
 

@@ -57,10 +57,11 @@ impl Mount {
         }
     }
 
-    /// The element of a runner on the ice's columns: what is held all over its top cannot bend, and plain hexahedra serve.
-    pub fn element(&self) -> ElementKind {
+    /// The element of a runner on the ice's columns: what is held all over its top cannot bend, and what serves a
+    /// block serves it.
+    pub fn element(&self, poissons_ratio: f64) -> ElementKind {
         match self {
-            Mount::Top => ElementKind::Hex8,
+            Mount::Top => ElementKind::of_block(poissons_ratio),
             Mount::Places(_) | Mount::Loads(_) => ElementKind::Hex8Axial,
         }
     }

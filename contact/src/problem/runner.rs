@@ -69,7 +69,9 @@ impl ElasticRunner {
     pub fn element_kind(&self) -> ElementKind {
         match self.solid {
             Some(_) => ElementKind::Hex8Incompatible,
-            None => self.element.unwrap_or(self.mount.element()),
+            None => self
+                .element
+                .unwrap_or(self.mount.element(self.poissons_ratio)),
         }
     }
 }

@@ -105,6 +105,7 @@ impl Answer<'_> {
                 displacement,
                 youngs_modulus: problem.ice.youngs_modulus,
                 poissons_ratio: problem.ice.poissons_ratio,
+                element: problem.ice.element_kind(),
                 bed,
             },
             runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {

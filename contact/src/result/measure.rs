@@ -1,5 +1,7 @@
 //! From nodal forces to pressures, and from pressures to the figures of a contact.
 
+use crate::result::chords::{By, chords};
+
 /// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it ends at.
 pub(crate) struct PressureField<'a> {
     /// Nodes along x [m].
@@ -25,6 +27,8 @@ pub(crate) struct Figures {
     pub area: f64,
     pub length: f64,
     pub width: f64,
+    /// What rims by shape and by load make of area, length and width, one less the other.
+    pub off: [f64; 3],
 }
 
 impl PressureField<'_> {
@@ -60,7 +64,30 @@ impl PressureField<'_> {
 
     /// Peak, area, length and width of the contact.
     pub fn figures(&self, pressure: &[f64]) -> Figures {
-        let (columns, rows) = (self.chords_across(pressure), self.chords_along(pressure));
+        let ([area, length, width], by_load) = (
+            self.extents(pressure, By::Shape),
+            self.extents(pressure, By::Load),
+        );
+        let off = |a: f64, b: f64| (a - b).abs();
+        Figures {
+            p_max: self.peak(pressure),
+            area,
+            length,
+            width,
+            off: [
+                off(area, by_load[0]),
+                off(length, by_load[1]),
+                off(width, by_load[2]),
+            ],
+        }
+    }
+
+    /// Area, length and width of the contact.
+    fn extents(&self, pressure: &[f64], by: By) -> [f64; 3] {
+        let (columns, rows) = (
+            self.chords_across(pressure, by),
+            self.chords_along(pressure, by),
+        );
         let copies: f64 = self
             .symmetry
             .iter()
@@ -82,16 +109,11 @@ impl PressureField<'_> {
         let (length, width) = (extent(&rows, 0), extent(&columns, 1));
         let by_columns = area(self.x, &columns, &rows);
         let by_rows = area(self.y, &rows, &columns);
-        Figures {
-            p_max: self.peak(pressure),
-            area: 0.5 * (by_columns + by_rows) * copies,
-            length,
-            width,
-        }
+        [0.5 * (by_columns + by_rows) * copies, length, width]
     }
 
     /// Contact intervals of every line across (one for each x).
-    pub fn chords_across(&self, pressure: &[f64]) -> Vec<Vec<[f64; 2]>> {
+    pub fn chords_across(&self, pressure: &[f64], by: By) -> Vec<Vec<[f64; 2]>> {
         let nx = self.x.len();
         (0..nx)
             .map(|i| {
@@ -103,22 +125,22 @@ impl PressureField<'_> {
                     self.y,
                     &column(pressure),
                     gap.as_deref(),
-                    self.bound(),
-                    self.symmetry[1],
+                    (self.bound(), self.symmetry[1]),
+                    by,
                 )
             })
             .collect()
     }
 
     /// Contact intervals of every line along (one for each y).
-    pub fn chords_along(&self, pressure: &[f64]) -> Vec<Vec<[f64; 2]>> {
+    pub fn chords_along(&self, pressure: &[f64], by: By) -> Vec<Vec<[f64; 2]>> {
         let nx = self.x.len();
         pressure
             .chunks_exact(nx)
             .enumerate()
             .map(|(j, row)| {
                 let gap = self.gap.as_ref().map(|gap| &gap[j * nx..(j + 1) * nx]);
-                chords(self.x, row, gap, self.bound(), self.symmetry[0])
+                chords(self.x, row, gap, (self.bound(), self.symmetry[0]), by)
             })
             .collect()
     }
@@ -191,109 +213,6 @@ fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -
         }
         _ => 0.0,
     }
-}
-
-/// Stretches of positive pressure along a line, resolved below the cell.
-///
-/// Ends are found by [`rim`], where that finds none by [`rim_by_gap`]; beyond a node that bears all it can,
-/// and where neither finds one, half-way; a mirror plane at the first node is the
-/// start of a stretch that touches it.
-fn chords(
-    nodes: &[f64],
-    pressure: &[f64],
-    gap: Option<&[f64]>,
-    bound: f64,
-    symmetric: bool,
-) -> Vec<[f64; 2]> {
-    let mut found = Vec::new();
-    let mut i = 0;
-    while i < nodes.len() {
-        if pressure[i] <= 0.0 {
-            i += 1;
-            continue;
-        }
-        let first = i;
-        while i + 1 < nodes.len() && pressure[i + 1] > 0.0 {
-            i += 1;
-        }
-        let last = i;
-        let at = |k: usize| (nodes[k], pressure[k]);
-        let upwards: Vec<(f64, f64)> = (first..=last).take(4).map(at).collect();
-        let downwards: Vec<(f64, f64)> = (first..=last).rev().take(4).map(at).collect();
-        let open = |k: usize| Some((*nodes.get(k)?, *gap?.get(k)?));
-        let below = [1, 2].map(|k| first.checked_sub(k).and_then(open));
-        let above = [1, 2].map(|k| open(last + k));
-        let low = if first == 0 && symmetric {
-            nodes[0]
-        } else {
-            let outside = first.checked_sub(1).map_or(nodes[first], |o| nodes[o]);
-            rim(&upwards, outside, bound)
-                .or_else(|| rim_by_gap([first, (first + 1).min(last)].map(at), below, bound))
-                .unwrap_or(0.5 * (nodes[first] + outside))
-        };
-        let outside = nodes.get(last + 1).copied().unwrap_or(nodes[last]);
-        let high = rim(&downwards, outside, bound)
-            .or_else(|| {
-                rim_by_gap(
-                    [last, last.saturating_sub(1).max(first)].map(at),
-                    above,
-                    bound,
-                )
-            })
-            .unwrap_or(0.5 * (nodes[last] + outside));
-        found.push([low, high]);
-        i += 1;
-    }
-    found
-}
-
-/// Where p^2 reaches zero beyond the outermost node in contact; `None` where it is no parabola there, or a rising one.
-///
-/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too large (its hat reaches out of
-/// the contact), so the parabola goes through the next three inside; they have to be there, and below the bound of pressures.
-fn rim(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> {
-    let outermost = inside[0].0;
-    let [_, a, b, c, ..] = inside else {
-        return None;
-    };
-    if [a, b, c].iter().any(|node| node.1 >= bound) {
-        return None;
-    }
-    let [pa, pb, pc] = [a, b, c].map(|n| n.1 * n.1);
-    // Newton's form from a outwards: p^2(t) = pa + d1 t + d2 t (t - (b - a)), t = x - a.
-    let d1 = (pb - pa) / (b.0 - a.0);
-    let d2 = ((pc - pb) / (c.0 - b.0) - d1) / (c.0 - a.0);
-    let slope = d1 - d2 * (b.0 - a.0);
-    let outwards = (outside - outermost).signum();
-    if slope * outwards >= 0.0 || !slope.is_finite() {
-        return None;
-    }
-    let discriminant = slope * slope - 4.0 * d2 * pa;
-    let t = if discriminant > 0.0 {
-        2.0 * pa / (-slope + -slope.signum() * discriminant.sqrt())
-    } else {
-        -pa / slope
-    };
-    let (low, high) = (0.5 * (a.0 + outermost), outside);
-    Some((a.0 + t).clamp(low.min(high), low.max(high)))
-}
-
-/// Where the gap closes between the outermost node in contact, `inside` with the next one (place, pressure), and the two open ones
-/// (place, gap) beyond it; `None` where the outermost one bears all it can, up to the end of its part of the line.
-///
-/// Beside a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson, Contact Mechanics, 1985, section 5.1),
-/// so that its power 2/3 is a line. What the outermost node bears needs some of its part at the `bound` at least.
-fn rim_by_gap(inside: [(f64, f64); 2], open: [Option<(f64, f64)>; 2], bound: f64) -> Option<f64> {
-    let [near, far] = [open[0]?, open[1]?];
-    let [outermost, next] = inside;
-    if outermost.1 >= bound || !(near.1 > 0.0 && far.1 > near.1 && far.1.is_finite()) {
-        return None;
-    }
-    let [a, b] = [near.1, far.1].map(|gap| gap.powf(2.0 / 3.0));
-    let rim = near.0 - (far.0 - near.0) * a / (b - a);
-    let (start, end) = (0.5 * (next.0 + outermost.0), 0.5 * (outermost.0 + near.0));
-    let least = start + (end - start) * outermost.1 / bound;
-    Some(rim.clamp(least.min(near.0), least.max(near.0)))
 }
 
 /// Area from the chords on the lines of one axis, with the square of the chord linear between lines (it is a

@@ -5,6 +5,7 @@ use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
+use crate::result::chords::By;
 use crate::result::measure::{Figures, PressureField};
 
 /// Pressures and figures of a state.
@@ -94,8 +95,8 @@ fn found_patch(
     edge: bool,
 ) -> Patch {
     let nx = field.x.len();
-    let mut x = merged(field.chords_along(pressure), field.symmetry[0]);
-    let mut y = merged(field.chords_across(pressure), field.symmetry[1]);
+    let mut x = merged(field.chords_along(pressure, By::Load), field.symmetry[0]);
+    let mut y = merged(field.chords_across(pressure, By::Load), field.symmetry[1]);
     let last = y.pop().unwrap_or_else(|| before.y.clone());
     let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
     let highest_at_x: Vec<f64> = (0..nx)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kufe_fem::SparseStiffness;
+use kufe_fem::{ElementKind, SparseStiffness};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::Bed;
@@ -138,6 +138,8 @@ pub struct VolumeField {
     pub youngs_modulus: f64,
     /// Poisson's ratio of the ice.
     pub poissons_ratio: f64,
+    /// The element of its cells.
+    pub element: ElementKind,
     /// The elastic bed that the lowest cells are of, and how many of them along z.
     pub bed: Option<(Bed, usize)>,
 }

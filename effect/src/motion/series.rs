@@ -26,13 +26,26 @@ pub fn ahead(series: &[f64], samples: f64) -> Vec<f64> {
     };
     let weights: [f64; 6] = std::array::from_fn(weight);
     let first = whole as isize + FIRST;
-    (0..series.len() as isize)
-        .map(|i| {
-            let near = weights.iter().zip(i + first..);
-            near.map(|(w, k)| w * series[k.clamp(0, last) as usize])
-                .sum()
-        })
-        .collect()
+    let mut moved = vec![0.0; series.len()];
+    // What has all its neighbours, without asking for the ends; then the rest.
+    let whole = (-first).max(0)..(last - 4 - first).min(series.len() as isize);
+    let inside = usize::try_from(whole.start).unwrap_or(0)..usize::try_from(whole.end).unwrap_or(0);
+    if !inside.is_empty() {
+        let from = inside.start.wrapping_add_signed(first);
+        let near = series[from..].windows(6);
+        for (to, near) in moved[inside.clone()].iter_mut().zip(near) {
+            *to = weights.iter().zip(near).map(|(w, x)| w * x).sum();
+        }
+    }
+    let ends =
+        (0..inside.start.min(series.len())).chain(inside.end.max(inside.start)..series.len());
+    for i in ends {
+        let near = weights.iter().zip(i as isize + first..);
+        moved[i] = near
+            .map(|(w, k)| w * series[k.clamp(0, last) as usize])
+            .sum();
+    }
+    moved
 }
 
 #[cfg(test)]

@@ -24,6 +24,18 @@ pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
+/// For each corner its edges along xi, eta and zeta, each from its low end to its high one.
+pub(crate) const EDGES: [[[usize; 2]; 3]; 8] = [
+    [[0, 1], [0, 3], [0, 4]],
+    [[0, 1], [1, 2], [1, 5]],
+    [[3, 2], [1, 2], [2, 6]],
+    [[3, 2], [0, 3], [3, 7]],
+    [[4, 5], [4, 7], [0, 4]],
+    [[4, 5], [5, 6], [1, 5]],
+    [[7, 6], [5, 6], [2, 6]],
+    [[7, 6], [4, 7], [3, 7]],
+];
+
 /// Abscissa 1/sqrt(3) of the two-point Gauss rule; its weights are 1.
 pub const GAUSS: f64 = 0.577_350_269_189_625_8;
 
@@ -97,6 +109,15 @@ pub fn gradients(corners: &Corners, xi: [f64; 3]) -> ([[f64; 3]; 8], f64) {
     (g, jacobian.determinant)
 }
 
+/// Lengths along x, y and z [m] of an element that is a box along these axes, with its corners in their order; nothing of another.
+pub fn box_lengths(corners: &Corners) -> Option<[f64; 3]> {
+    let (low, high) = (corners[0], corners[6]);
+    let boxed = CORNERS.iter().zip(corners).all(|(natural, corner)| {
+        (0..3).all(|i| corner[i] == if natural[i] < 0.0 { low[i] } else { high[i] })
+    });
+    boxed.then(|| std::array::from_fn(|i| high[i] - low[i]))
+}
+
 /// Gradient in real coordinates of a function with the natural derivatives `d`.
 pub(crate) fn pull_back(d: [f64; 3], inverse: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|i| d[0] * inverse[0][i] + d[1] * inverse[1][i] + d[2] * inverse[2][i])
@@ -106,6 +127,10 @@ pub(crate) fn pull_back(d: [f64; 3], inverse: &[[f64; 3]; 3]) -> [f64; 3] {
 ///
 /// The stiffness of an element is only meaningful where this is positive.
 pub fn smallest_determinant(corners: &Corners) -> f64 {
+    if let Some([x, y, z]) = box_lengths(corners).filter(|lengths| lengths.iter().all(|l| *l > 0.0))
+    {
+        return x * y * z / 8.0;
+    }
     let centre = Jacobian::at(corners, [0.0; 3]).determinant;
     gauss_points().iter().fold(centre, |smallest, &xi| {
         let d = Jacobian::at(corners, xi).determinant;

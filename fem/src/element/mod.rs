@@ -3,4 +3,5 @@
 pub mod face;
 pub mod hex8;
 pub mod hex8_axial;
+pub mod hex8_dilatation;
 pub mod hex8_incompatible;

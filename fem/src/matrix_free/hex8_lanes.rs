@@ -29,6 +29,17 @@ pub(crate) struct LanesMaterial<S: Simd> {
     pub mu: Lanes<S>,
 }
 
+/// What the element takes means of over Gauss points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mean {
+    /// Nothing.
+    None,
+    /// Shear along the first axis.
+    Shear,
+    /// The change of volume in the cell.
+    Dilatation,
+}
+
 /// Lower triangle by rows of the inverse stiffness of the incompatible modes' amplitudes, of a batch's cells.
 pub(crate) type InnerInverse = [Stored; 45];
 
@@ -75,22 +86,23 @@ fn traction<S: Simd>(s: &[Lanes<S>; 6], v: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
     ]
 }
 
-/// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with their first place in the batch, `axial` says that
-/// shear is averaged.
+/// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with their first place in the batch, `mean` says
+/// what is averaged.
 #[inline(always)]
 pub(crate) fn apply<S: Simd>(
     corners: &CornerField<S>,
     u: &CornerField<S>,
     material: &LanesMaterial<S>,
     inner: Option<(&InnerInverse, usize)>,
-    axial: bool,
+    mean: Mean,
 ) -> CornerField<S> {
+    let axial = mean == Mean::Shear;
     let zero = material.mu.filled(0.0);
     let (dx, du) = (component_derivatives(corners), component_derivatives(u));
     let mut cofactor = [[[zero; 3]; 3]; 8];
     let mut inverse_determinant = [zero; 8];
     let mut stresses = [[zero; 6]; 8];
-    let mut bracket = [zero; 8];
+    let (mut bracket, mut trace) = ([zero; 8], [zero; 8]);
     each_gauss_point!(G, {
         let (j, natural) = (tensor_at::<S, G>(&dx), tensor_at::<S, G>(&du));
         let c = cofactors(&j);
@@ -109,6 +121,7 @@ pub(crate) fn apply<S: Simd>(
             bracket[G] = natural[0][1] * c[1][0] + natural[0][2] * c[2][0];
             h[0][0] = natural[0][0] * c[0][0];
         }
+        trace[G] = h[0][0] + h[1][1] + h[2][2];
         stresses[G] = stress(&h, material, inverse_determinant[G]);
     });
     if let Some(inverse) = inner {
@@ -116,6 +129,9 @@ pub(crate) fn apply<S: Simd>(
     }
     if axial {
         average(&bracket, material, &inverse_determinant, &mut stresses);
+    }
+    if mean == Mean::Dilatation {
+        take_mean_dilatation(&trace, material, &inverse_determinant, &mut stresses);
     }
     // The stress xx that works on the bracket of eps_xx.
     let mut on_bracket = [zero; 8];
@@ -193,6 +209,31 @@ fn average<S: Simd>(
             );
             stresses[first][k] = mean;
             stresses[second][k] = mean;
+        }
+    }
+}
+
+/// Stresses of the mean dilatation in place of each point's own (`trace`, given times det J): kappa times the difference more.
+///
+/// The stress' own trace is then the same at all points, so that the virtual strain needs no mean.
+#[inline(always)]
+fn take_mean_dilatation<S: Simd>(
+    trace: &[Lanes<S>; 8],
+    material: &LanesMaterial<S>,
+    inverse_determinant: &[Lanes<S>; 8],
+    stresses: &mut [[Lanes<S>; 6]; 8],
+) {
+    let (mut sum, mut volume) = (trace[0], inverse_determinant[0].recip());
+    for g in 1..8 {
+        sum += trace[g];
+        volume += inverse_determinant[g].recip();
+    }
+    let mean = sum * volume.recip();
+    let bulk = material.lambda + material.mu * material.mu.filled(2.0 / 3.0);
+    for g in 0..8 {
+        let more = bulk * (mean - trace[g] * inverse_determinant[g]);
+        for k in 0..3 {
+            stresses[g][k] += more;
         }
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::element::hex8_incompatible::{inner_factor, invert};
-use crate::matrix_free::hex8_lanes::{InnerInverse, LanesMaterial, apply};
+use crate::matrix_free::hex8_lanes::{InnerInverse, LanesMaterial, Mean, apply};
 use crate::matrix_free::lanes::{LANES, Lanes, Stored};
 use crate::section::ElementKind;
 use crate::sparse::node_cells::NodeCells;
@@ -28,10 +28,10 @@ struct Batch {
 /// same bits for any number of threads.
 pub struct MatrixFree {
     dofs: usize,
-    /// Plain cells' batches first, then those with averaged shear, then those with incompatible modes.
+    /// Plain cells' batches first, then those with averaged shear, with mean dilatation, with incompatible modes.
     batches: Vec<Batch>,
-    plain: usize,
-    simple: usize,
+    /// Where the batches of each kind after the first begin.
+    starts: [usize; 3],
     inner: Vec<InnerInverse>,
     cell_start: Vec<usize>,
     /// Where in `forces` the x force of each node's places stands; y and z follow at strides of [`LANES`].
@@ -47,20 +47,25 @@ const FORCES: usize = 24 * LANES;
 impl MatrixFree {
     /// The operator of a body.
     pub fn new(body: &Body) -> Self {
-        let mut kinds: [Vec<usize>; 3] = Default::default();
+        let mut kinds: [Vec<usize>; 4] = Default::default();
         for (cell, section) in body.sections().iter().enumerate() {
             let group = match section.kind {
                 ElementKind::Hex8 => 0,
                 ElementKind::Hex8Axial => 1,
-                ElementKind::Hex8Incompatible => 2,
+                ElementKind::Hex8Dilatation => 2,
+                ElementKind::Hex8Incompatible => 3,
             };
             kinds[group].push(cell);
         }
-        let plain = kinds[0].len().div_ceil(LANES);
-        let simple = plain + kinds[1].len().div_ceil(LANES);
+        let mut starts = [0; 3];
+        let mut next = 0;
+        for (start, cells) in starts.iter_mut().zip(&kinds) {
+            next += cells.len().div_ceil(LANES);
+            *start = next;
+        }
         let groups: Vec<&[usize]> = kinds.iter().flat_map(|cells| cells.chunks(LANES)).collect();
         let batches: Vec<Batch> = groups.par_iter().map(|group| batch(body, group)).collect();
-        let inner = groups[simple..]
+        let inner = groups[starts[2]..]
             .par_iter()
             .map(|group| inner_inverse(body, group))
             .collect();
@@ -86,8 +91,7 @@ impl MatrixFree {
         Self {
             dofs: body.dofs(),
             batches,
-            plain,
-            simple,
+            starts,
             inner,
             cell_start: node_cells.start,
             slots,
@@ -127,14 +131,13 @@ impl MatrixFree {
         assert_eq!((u.len(), y.len()), (self.dofs, self.dofs));
         forces.resize(FORCES * self.batches.len(), 0.0);
         let (batches, inner) = (&self.batches, &self.inner);
-        let (plain, simple) = (self.plain, self.simple);
+        let starts = self.starts;
         let tasks = forces.par_chunks_mut(BATCHES_A_TASK * FORCES).enumerate();
         tasks.for_each(|(task, forces)| {
             let first = task * BATCHES_A_TASK;
             dispatch(Task {
                 batches,
-                plain,
-                simple,
+                starts,
                 inner,
                 first,
                 u,
@@ -164,8 +167,7 @@ impl MatrixFree {
 /// Some batches in a row, to be applied with one set of vector instructions.
 struct Task<'a> {
     batches: &'a [Batch],
-    plain: usize,
-    simple: usize,
+    starts: [usize; 3],
     inner: &'a [InnerInverse],
     first: usize,
     u: &'a [f64],
@@ -211,17 +213,16 @@ impl WithSimd for Task<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         for (local, forces) in self.forces.chunks_exact_mut(FORCES).enumerate() {
             let b = self.first + local;
-            let inner = b.checked_sub(self.simple).map(|b| &self.inner[b]);
-            let axial = (self.plain..self.simple).contains(&b);
+            let [axial, dilatation, incompatible] = self.starts;
+            let inner = b.checked_sub(incompatible).map(|b| &self.inner[b]);
+            let mean = match b {
+                b if (axial..dilatation).contains(&b) => Mean::Shear,
+                b if (dilatation..incompatible).contains(&b) => Mean::Dilatation,
+                _ => Mean::None,
+            };
             for first in (0..LANES).step_by(S::F64_LANES) {
                 let inner = inner.map(|inner| (inner, first));
-                apply_from(
-                    simd,
-                    &self.batches[b],
-                    (first, inner, axial),
-                    self.u,
-                    forces,
-                );
+                apply_from(simd, &self.batches[b], (first, inner, mean), self.u, forces);
             }
         }
     }
@@ -232,7 +233,7 @@ impl WithSimd for Task<'_> {
 fn apply_from<S: Simd>(
     simd: S,
     batch: &Batch,
-    (first, inner, axial): (usize, Option<(&InnerInverse, usize)>, bool),
+    (first, inner, mean): (usize, Option<(&InnerInverse, usize)>, Mean),
     u: &[f64],
     forces: &mut [f64],
 ) {
@@ -256,7 +257,7 @@ fn apply_from<S: Simd>(
         lambda: Lanes::load(simd, &batch.lambda, first),
         mu: Lanes::load(simd, &batch.mu, first),
     };
-    let result = apply(&corners, &local, &material, inner, axial);
+    let result = apply(&corners, &local, &material, inner, mean);
     for a in 0..8 {
         for i in 0..3 {
             let at = (3 * a + i) * LANES;
@@ -319,12 +320,13 @@ mod tests {
     #[test]
     fn matrix_free_product_equals_the_assembled_one() {
         let (plain, bending) = (ElementKind::Hex8, ElementKind::Hex8Incompatible);
-        let axial = ElementKind::Hex8Axial;
+        let (axial, dilatation) = (ElementKind::Hex8Axial, ElementKind::Hex8Dilatation);
         let bodies = [
             body(|_| plain),
             body(|_| bending),
             body(|_| axial),
-            body(|cell| [bending, plain, axial][cell % 3]),
+            body(|_| dilatation),
+            body(|cell| [bending, plain, axial, dilatation][cell % 4]),
         ];
         for body in bodies {
             let u: Vec<f64> = (0..body.dofs()).map(|i| (i as f64 * 0.37).sin()).collect();

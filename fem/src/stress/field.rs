@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::element::hex8::{self, GAUSS, Jacobian};
-use crate::element::hex8_axial;
 use crate::element::hex8_incompatible::{Uncondensed, mode_gradients};
+use crate::element::{hex8_axial, hex8_dilatation};
 use crate::section::ElementKind;
 use crate::sparse::node_cells::NodeCells;
 
@@ -17,7 +17,7 @@ struct CellField {
     displacement: [f64; 24],
     /// Amplitudes of the incompatible modes and the centre's Jacobian, where the cell has them.
     inner: Option<([f64; 9], Jacobian)>,
-    axial: bool,
+    kind: ElementKind,
 }
 
 impl CellField {
@@ -34,13 +34,19 @@ impl CellField {
             corners,
             displacement,
             inner,
-            axial: section.kind == ElementKind::Hex8Axial,
+            kind: section.kind,
         }
     }
 
     fn strain(&self, xi: [f64; 3]) -> [f64; 6] {
-        if self.axial {
-            return hex8_axial::strain(&self.corners, &self.displacement, xi);
+        match self.kind {
+            ElementKind::Hex8Axial => {
+                return hex8_axial::strain(&self.corners, &self.displacement, xi);
+            }
+            ElementKind::Hex8Dilatation => {
+                return hex8_dilatation::strain(&self.corners, &self.displacement, xi);
+            }
+            ElementKind::Hex8 | ElementKind::Hex8Incompatible => {}
         }
         let (gradients, determinant) = hex8::gradients(&self.corners, xi);
         let mut h = [[0.0; 3]; 3];
@@ -97,15 +103,47 @@ pub fn stress_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] 
 /// Where `u` does not have three numbers a node.
 pub fn gauss_point_stresses(body: &Body, u: &[f64]) -> Vec<[[f64; 6]; 8]> {
     assert_eq!(u.len(), body.dofs());
-    let points = hex8::gauss_points();
     (0..body.mesh().cells.len())
         .into_par_iter()
-        .map(|cell| {
-            let field = CellField::new(body, cell, u);
-            let material = body.sections()[cell].material;
-            points.map(|xi| material.stress(field.strain(xi)))
-        })
+        .map(|cell| cell_stresses(body, cell, u))
         .collect()
+}
+
+fn cell_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
+    let field = CellField::new(body, cell, u);
+    let material = body.sections()[cell].material;
+    hex8::gauss_points().map(|xi| material.stress(field.strain(xi)))
+}
+
+/// Stresses of one cell's Gauss points continued to its corners.
+///
+/// In a plain box u's derivative along an edge is bilinear in the other two directions, which continues to the corners as it is: what the two
+/// ends of the edge differ by, over its length.
+fn corner_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
+    let section = body.sections()[cell];
+    let lengths = match section.kind {
+        ElementKind::Hex8 => hex8::box_lengths(&body.corners(cell)),
+        _ => None,
+    };
+    let Some(lengths) = lengths else {
+        return extrapolate_to_corners(&cell_stresses(body, cell, u));
+    };
+    let displacement = body.gather(cell, u);
+    std::array::from_fn(|corner| {
+        // d u_i / d x_j
+        let derivative = |i: usize, j: usize| {
+            let [low, high] = hex8::EDGES[corner][j];
+            (displacement[3 * high + i] - displacement[3 * low + i]) / lengths[j]
+        };
+        section.material.stress([
+            derivative(0, 0),
+            derivative(1, 1),
+            derivative(2, 2),
+            derivative(1, 2) + derivative(2, 1),
+            derivative(0, 2) + derivative(2, 0),
+            derivative(0, 1) + derivative(1, 0),
+        ])
+    })
 }
 
 /// Gauss-point values continued trilinearly to the eight corners of their cell.
@@ -125,10 +163,11 @@ pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
 /// # Panics
 /// As [`gauss_point_stresses`].
 pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
-    let mut corners = gauss_point_stresses(body, u);
-    corners
-        .par_iter_mut()
-        .for_each(|values| *values = extrapolate_to_corners(values));
+    assert_eq!(u.len(), body.dofs());
+    let corners: Vec<[[f64; 6]; 8]> = (0..body.mesh().cells.len())
+        .into_par_iter()
+        .map(|cell| corner_stresses(body, cell, u))
+        .collect();
     let cells = NodeCells::new(body.mesh());
     (0..body.node_count())
         .into_par_iter()
@@ -152,11 +191,34 @@ mod tests {
     use crate::test_block::block;
 
     #[test]
+    fn a_box_has_at_its_corners_what_its_gauss_points_continue_to() {
+        let mesh = block([2, 3, 2], [0.3, 2e-4, 7e-4], 0.0);
+        let material = Material::new(9.0e9, 0.33).unwrap();
+        let body = Body::uniform(mesh, material, ElementKind::Hex8).unwrap();
+        let u: Vec<f64> = (0..body.dofs())
+            .map(|k| 1e-6 * (1.7 * k as f64 + (k * k) as f64).sin())
+            .collect();
+        for cell in 0..body.mesh().cells.len() {
+            assert!(hex8::box_lengths(&body.corners(cell)).is_some());
+            let expected = extrapolate_to_corners(&cell_stresses(&body, cell, &u));
+            let found = corner_stresses(&body, cell, &u);
+            let largest = expected
+                .as_flattened()
+                .iter()
+                .fold(0.0_f64, |m, s| m.max(s.abs()));
+            for (a, b) in found.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!((a - b).abs() < 1e-12 * largest, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
     fn a_linear_displacement_has_its_stress_at_every_gauss_point_and_node() {
         for kind in [
             ElementKind::Hex8,
             ElementKind::Hex8Incompatible,
             ElementKind::Hex8Axial,
+            ElementKind::Hex8Dilatation,
         ] {
             let mut mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
             // In planes across x, as the axial element wants them.

@@ -7,11 +7,12 @@
 //! (K u)_i = (v / h)_(below) - (v / h)_(above),
 //! (2 D u)_i = w_(below) - w_(above),
 //!
-//! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a node its lumped mass.
+//! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a node its lumped mass. Where
+//! cells count by their means, h / 4 stands for h / 6: (u_i + u_(i+1)) (v_i + v_(i+1)) h / 4 is then what a cell weighs.
 
 use crate::tensor::axis::Axis;
 
-/// Two numbers a cell: h / 6 [m] and 1 / h [1/m], the second times a modulus.
+/// Two numbers a cell: h / 6, or h / 4 [m], and 1 / h [1/m], the second times a modulus.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cell {
     pub mass: f64,
@@ -47,7 +48,7 @@ pub(crate) struct Layer {
 /// so that products of differences need no factor.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
-    /// Along x: lumped mass, and h / 6 of the cells below and above, continued by zeros to whole vectors.
+    /// Along x: lumped mass, and h / 6 (or h / 4) of the cells below and above, continued by zeros to whole vectors.
     pub mass_x: [Vec<f64>; 3],
     /// 1 / h of the cells below and above, by modulus as in [`Row::above`].
     pub stiffness_x: [[Vec<f64>; 2]; 2],
@@ -67,9 +68,24 @@ pub(crate) struct Factors {
     pub first: usize,
 }
 
+/// How the mass of a cell couples its two nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CellMass {
+    /// Products of the linear functions, h / 6.
+    Consistent,
+    /// Products of their means over the cell, h / 4.
+    OfMeans,
+}
+
 impl Factors {
     /// Those of planes `first` and on, which z holds.
-    pub fn new([x, y, z]: [&Axis; 3], lambda: f64, mu: f64, first: usize) -> Self {
+    pub fn new(
+        [x, y, z]: [&Axis; 3],
+        [lambda, mu]: [f64; 2],
+        mass: CellMass,
+        first: usize,
+    ) -> Self {
+        let cell = |axis: &Axis, e: usize| cell(axis, e, mass);
         let coupling = 0.25 * (lambda + mu);
         let shares = [lambda, mu].map(|modulus| 2.0 * modulus / (lambda + mu));
         let moduli = [mu, lambda + 2.0 * mu];
@@ -134,11 +150,14 @@ impl Factors {
 }
 
 /// Cell `e` of an axis; beyond its last all zeros.
-fn cell(axis: &Axis, e: usize) -> Cell {
+fn cell(axis: &Axis, e: usize, mass: CellMass) -> Cell {
     axis.nodes.get(e + 1).map_or(Cell::default(), |next| {
         let h = next - axis.nodes[e];
         Cell {
-            mass: h / 6.0,
+            mass: match mass {
+                CellMass::Consistent => h / 6.0,
+                CellMass::OfMeans => h / 4.0,
+            },
             stiffness: 1.0 / h,
         }
     })

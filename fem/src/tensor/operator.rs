@@ -3,9 +3,10 @@
 use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
+use crate::section::ElementKind;
 use crate::tensor::axis::Axis;
 use crate::tensor::faces::FaceTerms;
-use crate::tensor::factors::Factors;
+use crate::tensor::factors::{CellMass, Factors};
 use crate::tensor::slab::{Pool, Scratch, band_height, part, walk};
 
 /// Which components are held on which faces: `held[c][axis]` is (low face, high face).
@@ -22,11 +23,13 @@ pub struct LowerLayer {
     pub mu: f64,
 }
 
-/// What lies below the plane where two materials meet.
+/// Products of 1-D matrices that the stiffness is a sum of.
 #[derive(Clone, Debug)]
-struct Lower {
-    layer: LowerLayer,
-    factors: Factors,
+struct Products {
+    /// x and y with the mass of these products.
+    plane: [Axis; 2],
+    /// By layer of material, from below.
+    layers: Vec<Factors>,
 }
 
 /// Isotropic elasticity on a tensor grid of trilinear hexahedra, in one material or two layers.
@@ -40,6 +43,8 @@ struct Lower {
 /// Vectors hold component after component, each in [`TensorGrid::node`] order: `3 * node_count`
 /// numbers. The integration is exact. Cost: 52 multiplications, 29 of them with an addition in one instruction,
 /// and 48 further additions a node.
+///
+/// [`TensorOperator::with_mean_dilatation`] makes it that of [`ElementKind::Hex8Dilatation`], at twice the cost.
 #[derive(Clone, Debug)]
 pub struct TensorOperator {
     /// x, y and z.
@@ -50,26 +55,27 @@ pub struct TensorOperator {
     pub mu: f64,
     /// Held faces; results are 0 there.
     pub held: HeldFaces,
-    /// Of all planes, or of those of the upper layer.
-    factors: Factors,
-    lower: Option<Lower>,
+    lower: Option<LowerLayer>,
+    kind: ElementKind,
+    products: Vec<Products>,
     pool: Pool,
 }
 
 impl TensorOperator {
     /// The operator of a grid; `lambda` and `mu` are the Lame constants [Pa].
     pub fn new(grid: &TensorGrid, lambda: f64, mu: f64, held: HeldFaces) -> Self {
-        let axes = [Axis::new(&grid.x), Axis::new(&grid.y), Axis::new(&grid.z)];
-        let factors = Factors::new(axes.each_ref(), lambda, mu, 0);
-        TensorOperator {
-            axes,
+        let mut operator = TensorOperator {
+            axes: [Axis::new(&grid.x), Axis::new(&grid.y), Axis::new(&grid.z)],
             lambda,
             mu,
             held,
-            factors,
             lower: None,
+            kind: ElementKind::Hex8,
+            products: Vec::new(),
             pool: Pool::default(),
-        }
+        };
+        operator.multiply_out();
+        operator
     }
 
     /// The same operator with another material in its lower cells.
@@ -77,29 +83,68 @@ impl TensorOperator {
     /// # Panics
     /// Unless both layers have at least one cell.
     pub fn on_layer(mut self, layer: LowerLayer) -> Self {
-        let z = &self.axes[2].nodes;
+        let cells = self.axes[2].len() - 1;
         assert!(
-            layer.cells >= 1 && layer.cells + 1 < z.len(),
-            "{} of {} cells in the lower layer",
+            layer.cells >= 1 && layer.cells < cells,
+            "{} of {cells} cells in the lower layer",
             layer.cells,
-            z.len() - 1
         );
-        let factors = |first: usize, nodes: &[f64], lambda: f64, mu: f64| {
-            let [x, y, _] = &self.axes;
-            Factors::new([x, y, &Axis::new(nodes)], lambda, mu, first)
-        };
-        let lower = factors(0, &z[..=layer.cells], layer.lambda, layer.mu);
-        self.factors = factors(layer.cells, &z[layer.cells..], self.lambda, self.mu);
-        self.lower = Some(Lower {
-            layer,
-            factors: lower,
-        });
+        self.lower = Some(layer);
+        self.multiply_out();
         self
+    }
+
+    /// The same operator with the mean of each cell's change of volume in place of the change itself.
+    ///
+    /// With the bulk modulus kappa = lambda + 2/3 mu a cell's energy is that of the plain element at -2/3 mu and mu, which
+    /// is the deviator's, and kappa times the square of the mean dilatation: the plain element's at kappa and 0, with masses of
+    /// means over cells.
+    pub fn with_mean_dilatation(mut self) -> Self {
+        self.kind = ElementKind::Hex8Dilatation;
+        self.multiply_out();
+        self
+    }
+
+    /// The element of its cells.
+    pub fn element_kind(&self) -> ElementKind {
+        self.kind
     }
 
     /// The lower layer, where there are two.
     pub fn lower_layer(&self) -> Option<LowerLayer> {
-        self.lower.as_ref().map(|lower| lower.layer)
+        self.lower
+    }
+
+    fn multiply_out(&mut self) {
+        // What is taken of lambda and of mu, and of which mass.
+        let parts: &[([[f64; 2]; 2], CellMass)] = match self.kind {
+            ElementKind::Hex8Dilatation => &[
+                ([[0.0, -2.0 / 3.0], [0.0, 1.0]], CellMass::Consistent),
+                ([[1.0, 2.0 / 3.0], [0.0, 0.0]], CellMass::OfMeans),
+            ],
+            _ => &[([[1.0, 0.0], [0.0, 1.0]], CellMass::Consistent)],
+        };
+        let [x, y, z] = &self.axes;
+        let products = parts.iter().map(|&(share, mass)| {
+            let factors = |first: usize, nodes: &[f64], own: [f64; 2]| {
+                let moduli = share.map(|[of_lambda, of_mu]| of_lambda * own[0] + of_mu * own[1]);
+                Factors::new([x, y, &Axis::new(nodes)], moduli, mass, first)
+            };
+            let from = self.lower.map_or(0, |layer| layer.cells);
+            let below = self
+                .lower
+                .iter()
+                .map(|layer| factors(0, &z.nodes[..=layer.cells], [layer.lambda, layer.mu]));
+            let above = factors(from, &z.nodes[from..], [self.lambda, self.mu]);
+            Products {
+                layers: below.chain([above]).collect(),
+                plane: match mass {
+                    CellMass::Consistent => [x.clone(), y.clone()],
+                    CellMass::OfMeans => [x.averaged(0.0), y.averaged(0.0)],
+                },
+            }
+        });
+        self.products = products.collect();
     }
 
     /// The z axis as component `c` of the preconditioner sees it.
@@ -108,10 +153,9 @@ impl TensorOperator {
     /// the horizontal components, lambda + 2 mu in the stiffness of the vertical one. Where both have one
     /// Poisson's ratio that is the block diagonal of the stiffness exactly.
     pub(crate) fn preconditioned_z(&self, c: usize) -> Axis {
-        let Some(lower) = &self.lower else {
+        let Some(layer) = self.lower else {
             return self.axes[2].clone();
         };
-        let layer = lower.layer;
         let shear = layer.mu / self.mu;
         let own = if c == 2 {
             (layer.lambda + 2.0 * layer.mu) / (self.lambda + 2.0 * self.mu)
@@ -205,12 +249,43 @@ impl TensorOperator {
         scratch: &mut Scratch,
         out: &mut [&mut [f64]; 3],
     ) {
+        let [nx, ny, nz] = self.shape();
+        let length = out[0].len();
+        if let Some((products, others)) = self.products.split_first() {
+            self.slab_of(products, u, (first, height), scratch, out);
+            for products in others {
+                let mut further = std::mem::take(&mut scratch.further);
+                further.resize(3 * length, 0.0);
+                let (x, rest) = further.split_at_mut(length);
+                let (y, z) = rest.split_at_mut(length);
+                self.slab_of(products, u, (first, height), scratch, &mut [x, y, z]);
+                for (sum, part) in out.iter_mut().zip(further.chunks_exact(length)) {
+                    sum.iter_mut().zip(part).for_each(|(sum, v)| *sum += *v);
+                }
+                scratch.further = further;
+            }
+        }
+        for (c, component) in out.iter_mut().enumerate() {
+            for (place, plane) in component.chunks_exact_mut(nx * ny).enumerate() {
+                mask_plane(plane, self.held[c], [nx, ny, nz], first + place);
+            }
+        }
+    }
+
+    /// The part of one of the sums of products, held entries as they come.
+    fn slab_of(
+        &self,
+        products: &Products,
+        u: &[f64],
+        (first, height): (usize, usize),
+        scratch: &mut Scratch,
+        out: &mut [&mut [f64]; 3],
+    ) {
         let shape = self.shape();
         let size = shape[0] * shape[1];
         let planes = first..first + out[0].len() / size;
         let mut shared = Vec::new();
-        let materials = self.lower.iter().map(|lower| &lower.factors);
-        for factors in materials.chain([&self.factors]) {
+        for factors in &products.layers {
             let own = planes.start.max(factors.first)..planes.end.min(factors.end());
             if own.is_empty() {
                 continue;
@@ -228,7 +303,7 @@ impl TensorOperator {
             for (k, sign) in [(factors.first, -1.0), (factors.end() - 1, 1.0)] {
                 if own.contains(&k) && !self.is_held(k) {
                     let at = (k - first) * size;
-                    let [x, y, _] = &self.axes;
+                    let [x, y] = &products.plane;
                     let of = |c: usize| &u[(c * shape[2] + k) * size..][..size];
                     let face = FaceTerms {
                         axes: [x, y],
@@ -246,11 +321,6 @@ impl TensorOperator {
                 for (sum, part) in parts {
                     sum.iter_mut().zip(part).for_each(|(sum, v)| *sum += *v);
                 }
-            }
-        }
-        for (c, component) in out.iter_mut().enumerate() {
-            for (plane, k) in component.chunks_exact_mut(size).zip(planes.clone()) {
-                mask_plane(plane, self.held[c], shape, k);
             }
         }
     }

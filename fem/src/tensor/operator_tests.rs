@@ -8,7 +8,7 @@ use crate::material::Material;
 use crate::precondition::elimination::End;
 use crate::precondition::fast_diagonal::FastDiagonal;
 use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
-use crate::section::{ElementKind, Section};
+use crate::section::Section;
 use crate::sparse::assembly::assemble;
 
 /// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer than a register.
@@ -33,23 +33,25 @@ fn operator_is_the_assembled_stiffness() {
         };
         let nodes = grid.node_count();
         let ice = Material::new(9e9, 0.33).unwrap();
-        let body = Body::uniform(grid.hex_mesh(), ice, ElementKind::Hex8).unwrap();
         let free = [[[false; 2]; 3]; 3];
-        let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free);
-        let u: Vec<f64> = (0..3 * nodes).map(|i| (1.3 * i as f64).sin()).collect();
-        let (mut expected, mut found) = (vec![0.0; 3 * nodes], vec![f64::NAN; 3 * nodes]);
-        assemble(&body).apply(&u, &mut expected);
-        let by_component: Vec<f64> = (0..3 * nodes)
-            .map(|i| u[3 * (i % nodes) + i / nodes])
-            .collect();
-        operator.apply(&by_component, &mut found);
-        let size = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        for (i, found) in found.iter().enumerate() {
-            let expected = expected[3 * (i % nodes) + i / nodes];
-            assert!(
-                (found - expected).abs() < 1e-13 * size,
-                "{shape:?}, {i}: {found} instead of {expected}"
-            );
+        let plain = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free);
+        for operator in [plain.clone(), plain.with_mean_dilatation()] {
+            let body = Body::uniform(grid.hex_mesh(), ice, operator.element_kind()).unwrap();
+            let u: Vec<f64> = (0..3 * nodes).map(|i| (1.3 * i as f64).sin()).collect();
+            let (mut expected, mut found) = (vec![0.0; 3 * nodes], vec![f64::NAN; 3 * nodes]);
+            assemble(&body).apply(&u, &mut expected);
+            let by_component: Vec<f64> = (0..3 * nodes)
+                .map(|i| u[3 * (i % nodes) + i / nodes])
+                .collect();
+            operator.apply(&by_component, &mut found);
+            let size = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            for (i, found) in found.iter().enumerate() {
+                let expected = expected[3 * (i % nodes) + i / nodes];
+                assert!(
+                    (found - expected).abs() < 1e-13 * size,
+                    "{shape:?}, {i}: {found} instead of {expected}"
+                );
+            }
         }
     }
 }
@@ -74,26 +76,28 @@ fn layered() -> (TensorGrid, Material, Material, LowerLayer) {
 fn two_layers_have_the_assembled_stiffness_of_their_hexahedra() {
     let (grid, ice, concrete, layer) = layered();
     let free = [[[false; 2]; 3]; 3];
-    let operator =
+    let plain =
         TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free).on_layer(layer);
-    let mesh = grid.hex_mesh();
-    let of = |material| Section {
-        material,
-        kind: ElementKind::Hex8,
-    };
-    let mut sections = vec![of(ice); mesh.cells.len()];
-    sections[..mesh.cells.len() / 2].fill(of(concrete));
-    let assembled = assemble(&Body::new(mesh, sections).unwrap());
-    let nodes = grid.node_count();
-    let u: Vec<f64> = (0..3 * nodes).map(|i| (1.7 * i as f64).sin()).collect();
-    let by_node: Vec<f64> = (0..3 * nodes).map(|i| u[i % 3 * nodes + i / 3]).collect();
-    let (mut out, mut expected) = (vec![0.0; 3 * nodes], vec![0.0; 3 * nodes]);
-    operator.apply(&u, &mut out);
-    assembled.apply(&by_node, &mut expected);
-    let largest = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    for i in 0..3 * nodes {
-        let error = (out[i % 3 * nodes + i / 3] - expected[i]).abs();
-        assert!(error < 1e-12 * largest, "{error:e} of {largest:e}");
+    for operator in [plain.clone(), plain.with_mean_dilatation()] {
+        let mesh = grid.hex_mesh();
+        let of = |material| Section {
+            material,
+            kind: operator.element_kind(),
+        };
+        let mut sections = vec![of(ice); mesh.cells.len()];
+        sections[..mesh.cells.len() / 2].fill(of(concrete));
+        let assembled = assemble(&Body::new(mesh, sections).unwrap());
+        let nodes = grid.node_count();
+        let u: Vec<f64> = (0..3 * nodes).map(|i| (1.7 * i as f64).sin()).collect();
+        let by_node: Vec<f64> = (0..3 * nodes).map(|i| u[i % 3 * nodes + i / 3]).collect();
+        let (mut out, mut expected) = (vec![0.0; 3 * nodes], vec![0.0; 3 * nodes]);
+        operator.apply(&u, &mut out);
+        assembled.apply(&by_node, &mut expected);
+        let largest = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        for i in 0..3 * nodes {
+            let error = (out[i % 3 * nodes + i / 3] - expected[i]).abs();
+            assert!(error < 1e-12 * largest, "{error:e} of {largest:e}");
+        }
     }
 }
 
@@ -116,7 +120,9 @@ fn slabs_give_the_same_bits_for_any_number_of_threads() {
         })
     };
     // Slabs of two threads begin at plane 12, those of five at planes 5, 10, 15 and 20.
-    for operator in [plain.clone(), lower(4), lower(5), lower(11), lower(12)] {
+    let layered = [lower(4), lower(5), lower(11), lower(12)];
+    let means = lower(5).with_mean_dilatation();
+    for operator in layered.into_iter().chain([plain.clone(), means]) {
         let n = 3 * operator.node_count();
         let u: Vec<f64> = (0..n).map(|i| (0.9 * i as f64).sin()).collect();
         let with = |threads: usize| {

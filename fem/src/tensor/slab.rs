@@ -16,6 +16,8 @@ pub(crate) struct Scratch {
     discarded: [Vec<f64>; 3],
     /// Room for a row.
     pub row: Vec<f64>,
+    /// What a further sum of products gives; empty where there is one.
+    pub further: Vec<f64>,
 }
 
 impl Scratch {
@@ -25,6 +27,7 @@ impl Scratch {
             sums: Aligned::zeros(3 * 2 * ny * padded(nx)),
             discarded: std::array::from_fn(|_| vec![0.0; nx * ny]),
             row: Vec::with_capacity(nx + 2),
+            further: Vec::new(),
         }
     }
 }

@@ -116,10 +116,23 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     };
     // Both by more than the line's own scatter: a rink that is level does not push.
     if line.slope > LEAST_GROWTH.max(6.0 * line.slope_se) {
+        // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air took.
+        let in_kmh: Vec<f64> = section
+            .clone()
+            .map(|i| kinetic[i] + aero[i] / KMH)
+            .collect();
+        let slows_in_kmh = fit_line(&s[section], &in_kmh).is_some_and(|line| line.slope < 0.0);
         return Err(Error::OutOfRange {
             name: "force along the glide [N]",
             value: line.slope,
-            expected: "a glide that loses energy, a negative one: this one gets faster through its middle section",
+            expected: match slows_in_kmh && !trace.s_measured {
+                true => {
+                    "a glide that loses energy, a negative one: its speeds would lose some as km/h, v_mps is in m/s (divide by 3.6)"
+                }
+                false => {
+                    "a glide that loses energy, a negative one: this one gets faster through its middle section"
+                }
+            },
         });
     }
     Ok(GlideRun {
@@ -133,6 +146,9 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
         air_density: density,
     })
 }
+
+/// What km/h counts a m/s for.
+const KMH: f64 = 3.6;
 
 /// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the lightest rider.
 const LEAST_GROWTH: f64 = 0.3;
@@ -156,4 +172,52 @@ fn fastest(trace: &GlideTrace) -> usize {
         }
     }
     best.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::icehouse::glides::read_glide_index;
+
+    /// Speeds in km/h and no distance: with a friction F and an air of c v^2 a glide has v = w tan(q - w c t / m), w^2 = F / c. Where
+    /// the air takes more than a 3.6th of the loss it takes more than is lost once the speeds are 3.6 times too large.
+    #[test]
+    fn kilometres_an_hour_show_by_what_the_air_takes() {
+        let row = "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa\n1,1.csv,A,up,100,0.5,2,94700\n";
+        let entry = read_glide_index("glides.csv", row.as_bytes())
+            .unwrap()
+            .remove(0);
+        let c = 0.5 * entry.cda_m2 * air_density(entry.air_pa, entry.air_c);
+        let glide = |friction: f64, unit: f64| {
+            let root = (friction / c).sqrt();
+            let start = (3.0 / root).atan();
+            let t: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
+            let speed = |t: &f64| unit * root * (start - root * c * t / entry.mass_kg).tan();
+            let v: Vec<f64> = t.iter().map(speed).collect();
+            let s = integrate(&t, &v);
+            evaluate_glide(
+                &entry,
+                &GlideTrace {
+                    t,
+                    v,
+                    s,
+                    s_measured: false,
+                },
+            )
+        };
+        // Below 3 m/s the air takes 2.4 N on the mean.
+        let found = glide(2.0, 1.0).unwrap();
+        assert!(
+            (-found.line.slope / 2.0 - 1.0).abs() < 1e-3,
+            "{}",
+            found.line.slope
+        );
+        let told = glide(2.0, KMH).unwrap_err().to_string();
+        assert!(
+            told.contains("km/h") && told.contains("divide by 3.6"),
+            "{told}"
+        );
+        // Here it takes less, and nothing tells.
+        assert!(glide(20.0, KMH).is_ok());
+    }
 }

@@ -4,26 +4,27 @@ use std::io::Write;
 
 use crate::Failure;
 use crate::field::contact_vtp::finite;
-use kufe_contact::{ElasticRunner, RunnerField, SurfaceField, VolumeField};
+use kufe_contact::{ElasticRunner, RunnerField, Solution, SurfaceField, VolumeField};
 use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 /// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where there is one, the plastic depth of its surface
-/// (0 below it). Where the solver used mirror planes the file holds the part that it solved.
+/// (0 below it). Where the solver used mirror planes the file holds the part that it solved, and says so in the field data `mirrored_at_x_y`:
+/// 1 where x = 0, and where y = 0, is such a plane.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
 pub fn write_ice(
     writer: &mut dyn Write,
-    volume: &VolumeField,
-    surface: &SurfaceField,
+    solution: &Solution,
     plastic_depth: Option<&[f64]>,
     shear: bool,
 ) -> Result<(), Failure> {
+    let (volume, surface) = (&solution.volume, &solution.surface);
     let mesh = volume.grid.hex_mesh();
     let mut sections = sections(
         [volume.youngs_modulus, volume.poissons_ratio],
-        ElementKind::Hex8,
+        volume.element,
         mesh.cells.len(),
     )?;
     if let Some((bed, layers)) = volume.bed {
@@ -31,7 +32,7 @@ pub fn write_ice(
         let cells = layers * (nx - 1) * (ny - 1);
         let own = self::sections(
             [bed.youngs_modulus, bed.poissons_ratio],
-            ElementKind::Hex8,
+            volume.element,
             cells,
         )?;
         sections[..cells].copy_from_slice(&own);
@@ -43,7 +44,9 @@ pub fn write_ice(
     let depth = plastic_depth.map(|depth| at_nodes(depth, 0.0));
     let mut own = vec![("contact_pressure_pa", &pressure[..]), ("gap_m", &gap[..])];
     own.extend(depth.iter().map(|depth| ("plastic_depth_m", &depth[..])));
-    write(writer, mesh, &volume.displacement, sections, &own, shear)
+    let mirrored = solution.symmetry;
+    let moved = &volume.displacement;
+    write(writer, (mesh, mirrored), moved, sections, &own, shear)
 }
 
 /// A field on the whole surface at all nodes of the part that was solved, which has the surface's last columns and rows; `below` the surface.
@@ -57,7 +60,8 @@ fn at_nodes(volume: &VolumeField, surface: &SurfaceField, field: &[f64], below: 
     values
 }
 
-/// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved.
+/// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved, as in
+/// [`write_ice`].
 ///
 /// # Errors
 /// As [`write_ice`].
@@ -65,6 +69,7 @@ pub fn write_runner(
     writer: &mut dyn Write,
     field: &RunnerField,
     elastic: &ElasticRunner,
+    mirrored: [bool; 2],
     shear: bool,
 ) -> Result<(), Failure> {
     let sections = sections(
@@ -74,7 +79,7 @@ pub fn write_runner(
     )?;
     write(
         writer,
-        field.mesh.clone(),
+        (field.mesh.clone(), mirrored),
         &field.displacement,
         sections,
         &[],
@@ -96,7 +101,7 @@ fn sections(
 /// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
 fn write(
     writer: &mut dyn Write,
-    mesh: HexMesh,
+    (mesh, mirrored): (HexMesh, [bool; 2]),
     displacement: &[[f64; 3]],
     sections: Vec<Section>,
     own: &[(&str, &[f64])],
@@ -128,5 +133,7 @@ fn write(
         fields.push(field("max_shear_pa", 1, largest));
     }
     fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));
-    write_vtu(body.mesh(), &fields, &[], writer).map_err(Failure::bad_input)
+    let mirrored = mirrored.map(|used| f64::from(u8::from(used)));
+    let planes = [("mirrored_at_x_y", &mirrored[..])];
+    write_vtu(body.mesh(), &fields, &[], &planes, writer).map_err(Failure::bad_input)
 }

@@ -93,7 +93,11 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     };
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
-    if let Some(warning) = beyond_ice(&problem, &solution) {
+    let remarks = [
+        beyond_ice(&problem, &solution),
+        beyond_discretisation(&loaded, hull.as_ref(), &solution),
+    ];
+    for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
         warnings.push(warning);
     }
@@ -129,4 +133,27 @@ fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
             solution.p_max / 1e6
         )
     })
+}
+
+/// What the stated errors, which are of the ice's cells alone, do not hold: a runner's own hexahedra, a scanner's noise.
+fn beyond_discretisation(
+    loaded: &LoadedCase,
+    hull: Option<&FittedHull>,
+    solution: &Solution,
+) -> Option<String> {
+    let runner = &loaded.case.runner;
+    if runner.mesh.is_some() {
+        return Some(
+            "the stated errors do not hold what the runner's own hexahedra are off by: press it on a finer mesh to see that"
+                .into(),
+        );
+    }
+    let (noise, hull) = (runner.noise_m.filter(|noise| *noise > 0.0)?, hull?);
+    let left = hull.underside.quality().residual_rms;
+    Some(format!(
+        "the stated errors do not hold what noise leaves in the hull: {:.3} um stated and {:.3} um found, {:.2} % of the approach",
+        1e6 * noise,
+        1e6 * left,
+        100.0 * left / solution.approach
+    ))
 }

@@ -52,7 +52,7 @@ fn right_files() -> Vec<Vec<u8>> {
     }
     .hex_mesh();
     let mut vtu = Vec::new();
-    write_vtu(&mesh, &[], &[], &mut vtu).unwrap();
+    write_vtu(&mesh, &[], &[], &[], &mut vtu).unwrap();
     files.push(vtu);
     files.push(b"x_m,y_m,z_m\n0,0,1\n1,0,1\n0,1,1\n1,1,2\n".to_vec());
     let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 2\n6 1 0 2\n7 1 1 2\n8 0 1 2\n";

@@ -64,6 +64,7 @@ fn write_with_fields(mesh: &HexMesh, path: &Path) {
             field("stress_pa", 9, &tensor),
         ],
         &[field("number", 1, &cell)],
+        &[("planes", &[1.0, 0.0])],
         std::fs::File::create(path).unwrap(),
     )
     .unwrap();
@@ -79,15 +80,17 @@ fn pyvista_and_meshio_read_points_cells_and_fields() {
         let script = r#"
 import numpy as np, pyvista, meshio
 def check(points, cells, scalar, vector, tensor, number):
-    assert np.array_equal(scalar, points @ [1, 10, 100]) or np.allclose(scalar, points @ [1, 10, 100], rtol=1e-15)
-    assert np.array_equal(vector, points[:, [2, 0, 1]])
-    assert np.array_equal(tensor.reshape(-1, 9), np.outer(points[:, 0], np.arange(9)))
-    assert np.array_equal(number, np.arange(len(cells)) / 3)
+    assert points.dtype == np.float64 and scalar.dtype == np.float32
+    assert np.allclose(scalar, points @ [1, 10, 100], rtol=1e-7)
+    assert np.array_equal(vector, np.float32(points[:, [2, 0, 1]]))
+    assert np.array_equal(tensor.reshape(-1, 9), np.float32(np.outer(points[:, 0], np.arange(9))))
+    assert np.array_equal(number, np.float32(np.arange(len(cells)) / 3))
 m = meshio.read("field.vtu")
 cells = m.cells_dict["hexahedron"]
 check(m.points, cells, m.point_data["von_mises_pa"], m.point_data["displacement_m"], m.point_data["stress_pa"], m.cell_data["number"][0])
 p = pyvista.read("field.vtu")
 assert (p.celltypes == 12).all()
+assert list(m.field_data["planes"]) == [1, 0] and list(p.field_data["planes"]) == [1, 0]
 check(p.points, cells, p.point_data["von_mises_pa"], p.point_data["displacement_m"], p.point_data["stress_pa"], p.cell_data["number"])
 print(len(m.points), len(cells), p.n_cells, p.volume)
 "#;

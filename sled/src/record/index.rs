@@ -32,7 +32,7 @@ const ALWAYS: [&str; 2] = ["run", "file"];
 const UNNAMED: &str = "unnamed";
 
 /// How columns begin that hold the ice's temperature at a place, `ice_c@350` at 350 m.
-const ICE_AT: &str = "ice_c@";
+pub const ICE_AT: &str = "ice_c@";
 
 /// Ice, air and crew of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -119,14 +119,14 @@ pub fn read_run_of(
     }
     let there = |name: &&str| columns.contains_key(*name);
     let used: Vec<&str> = known.into_iter().filter(there).collect();
-    let (clock, gaps, noticed) = check_columns(&mut columns, required, &used, on_gaps, &file)?;
-    remarks.extend(noticed);
+    let (clock, gaps, saturated) = check_columns(&mut columns, required, &used, on_gaps, &file)?;
     Ok(Run {
         entry,
         t0_s: clock.t0_s,
         dt_s: clock.dt_s,
         columns,
         gaps,
+        saturated,
         remarks,
     })
 }

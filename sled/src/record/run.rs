@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::error::Error;
 use crate::record::check::gaps::Gaps;
+use crate::record::check::saturation::Saturation;
 use crate::record::index::Entry;
 
 /// Columns that runs have besides `t_s`; [`crate::Needs`] says which a computation cannot do without.
@@ -33,7 +34,9 @@ pub struct Run {
     pub columns: BTreeMap<String, Vec<f64>>,
     /// Which samples take part, and why the others do not.
     pub gaps: Gaps,
-    /// What was noticed and is no error (a sensor at its end stop).
+    /// Channels that stand at an end of their range for a while.
+    pub saturated: BTreeMap<String, Saturation>,
+    /// What else was noticed and is no error.
     pub remarks: Vec<String>,
 }
 
@@ -51,6 +54,16 @@ impl Run {
     /// Sampling rate [Hz].
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.dt_s
+    }
+
+    /// Everything that was noticed and is no error, in words.
+    pub fn noticed(&self) -> Vec<String> {
+        let file = self.entry.file.display();
+        let told = |(name, found): (&String, &Saturation)| {
+            format!("{file}: {}", found.told(name, self.t0_s, self.dt_s))
+        };
+        let remarks = self.remarks.iter().cloned();
+        remarks.chain(self.saturated.iter().map(told)).collect()
     }
 
     /// A column by name.

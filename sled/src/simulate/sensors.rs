@@ -91,6 +91,7 @@ pub fn record(
         dt_s: simulated.dt_s,
         columns,
         gaps: Gaps::none(simulated.instants.len()),
+        saturated: BTreeMap::new(),
         remarks: Vec::new(),
     }
 }

@@ -159,6 +159,7 @@ impl Importer {
             columns,
             // Told when it is read.
             gaps: Gaps::none(base.count),
+            saturated: BTreeMap::new(),
             remarks: Vec::new(),
         };
         Ok(Imported { run, note })

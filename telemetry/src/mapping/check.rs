@@ -143,6 +143,13 @@ pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
         for (name, low, high) in INDEX_RANGES {
             within(format!("{at}.{name}"), values.number(name), low, high)?;
         }
+        for (place, value) in &values.ice_c_at {
+            let key = format!("{at}.ice_c_at");
+            place_of(place)
+                .ok_or_else(|| wrong(key.clone(), place.clone(), "a place along the track in m"))?;
+            let (_, low, high) = INDEX_RANGES[0];
+            within(format!("{key}.{place}"), Some(*value), low, high)?;
+        }
         Ok(())
     };
     index("index", &mapping.index)?;
@@ -180,6 +187,11 @@ pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// A place along the track [m] as it is written in a name.
+pub(crate) fn place_of(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|s_m: &f64| s_m.abs() < 1e6)
 }
 
 const PLAIN: &str = "letters, digits, '-', '_' and '.', not beginning with a point";

@@ -130,6 +130,9 @@ pub struct IndexValues {
     pub session: Option<String>,
     /// Ice temperature [degrees Celsius].
     pub ice_c: Option<f64>,
+    /// Ice temperatures [degrees Celsius] by their place along the track [m]: `{ 350 = -8.2, 1100 = -9.0 }`.
+    #[serde(default)]
+    pub ice_c_at: BTreeMap<String, f64>,
     /// Air temperature [degrees Celsius].
     pub air_c: Option<f64>,
     /// Air pressure [Pa].

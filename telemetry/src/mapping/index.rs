@@ -1,9 +1,9 @@
 //! What `runs.csv` says of each run.
 
-use kufe_sled::{INDEX_COLUMNS, MORE_INDEX_COLUMNS};
+use kufe_sled::{ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS};
 
 use crate::error::Error;
-use crate::mapping::check::INDEX_RANGES;
+use crate::mapping::check::{INDEX_RANGES, place_of};
 use crate::mapping::file::IndexValues;
 
 impl IndexValues {
@@ -27,7 +27,11 @@ impl IndexValues {
             "driver" => self.driver.clone(),
             "driver_class" => self.driver_class.clone(),
             "session" => self.session.clone(),
-            _ => self.number(name).map(|value| value.to_string()),
+            _ => match name.strip_prefix(ICE_AT) {
+                Some(place) => self.ice_c_at.get(place).copied(),
+                None => self.number(name),
+            }
+            .map(|value| value.to_string()),
         }
     }
 
@@ -43,12 +47,19 @@ impl IndexValues {
             "driver_class" => self.driver_class = text(),
             "session" => self.session = text(),
             _ => {
-                let Some((_, low, high)) = INDEX_RANGES.iter().find(|range| range.0 == name) else {
+                let place = name.strip_prefix(ICE_AT);
+                let range = place.map_or(name, |_| "ice_c");
+                let Some((_, low, high)) = INDEX_RANGES.iter().find(|known| known.0 == range)
+                else {
                     return Err("no cell".to_string());
                 };
                 let value: Option<f64> = cell.replace(',', ".").parse().ok();
                 let value = value.filter(|value| (*low..=*high).contains(value));
                 let value = value.ok_or_else(|| format!("a number from {low} to {high}"))?;
+                if let Some(place) = place {
+                    self.ice_c_at.insert(place.to_string(), value);
+                    return Ok(());
+                }
                 let slot = match name {
                     "ice_c" => &mut self.ice_c,
                     "air_c" => &mut self.air_c,
@@ -75,6 +86,10 @@ impl IndexValues {
                 .or_else(|| self.driver_class.clone()),
             session: before.session.clone().or_else(|| self.session.clone()),
             ice_c: before.ice_c.or(self.ice_c),
+            ice_c_at: match before.ice_c_at.is_empty() {
+                true => self.ice_c_at.clone(),
+                false => before.ice_c_at.clone(),
+            },
             air_c: before.air_c.or(self.air_c),
             air_pa: before.air_pa.or(self.air_pa),
             humidity_pct: before.humidity_pct.or(self.humidity_pct),
@@ -102,12 +117,16 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     let header = reader.headers().map_err(told)?.clone();
     let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
     for name in &header {
+        let place = name.strip_prefix(ICE_AT);
+        if place.is_some_and(|place| place_of(place).is_some()) {
+            continue;
+        }
         if name == "file" || !known().any(|known| *known == name) {
             let names: Vec<&str> = known().copied().filter(|name| *name != "file").collect();
             return Err(Error::file(
                 file,
                 format!(
-                    "column {name:?} is unknown, expected some of: {}",
+                    "column {name:?} is unknown, expected some of: {}, {ICE_AT}350 (at 350 m)",
                     names.join(", ")
                 ),
             ));
@@ -159,5 +178,5 @@ pub(crate) fn index_help() -> String {
     ] {
         text += &format!("# ? {name} of the runs\n# {name} = {what}\n");
     }
-    text + "# humidity_pct, distance_m and mass_kg may stand here too\n"
+    text + "# humidity_pct, distance_m, mass_kg and ice_c_at = { 350 = -8.2 } may stand here too\n"
 }

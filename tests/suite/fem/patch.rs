@@ -5,10 +5,11 @@ use kufe_fem::{
 };
 use kufe_tests::meshes::{block, nodes_where, shake};
 
-const KINDS: [ElementKind; 3] = [
+const KINDS: [ElementKind; 4] = [
     ElementKind::Hex8,
     ElementKind::Hex8Incompatible,
     ElementKind::Hex8Axial,
+    ElementKind::Hex8Dilatation,
 ];
 const CELLS: [usize; 3] = [4, 3, 5];
 const SIZE: [f64; 3] = [1.0, 0.6, 2.0];

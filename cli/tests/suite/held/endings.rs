@@ -4,6 +4,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::kufe::{Bench, CASE, errors, json, names};
+use crate::search::friction_table::MODEL;
 
 #[cfg(target_os = "linux")]
 #[test]
@@ -89,32 +90,59 @@ fn a_series_that_is_terminated_keeps_its_steps_leaves_5_and_resumes() {
     assert!((1..400).contains(&done), "{done}");
 }
 
+/// Whether a process has a handler of SIGTERM; where the system does not tell, after a moment.
+#[cfg(unix)]
+fn handles_termination(process: u32) -> bool {
+    const SIGTERM: u32 = 15;
+    let Ok(status) = std::fs::read_to_string(format!("/proc/{process}/status")) else {
+        std::thread::sleep(Duration::from_millis(200));
+        return true;
+    };
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    caught.is_some_and(|mask| mask >> (SIGTERM - 1) & 1 == 1)
+}
+
 #[cfg(unix)]
 #[test]
-fn a_single_contact_that_is_terminated_leaves_nothing() {
+fn a_command_that_is_terminated_leaves_nothing() {
     let bench = Bench::new();
     bench.write("case.toml", CASE.replace("p_max = 0.02", "p_max = 0.0001"));
-    let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
-        .current_dir(bench.folder.path())
-        .args(["press", "case.toml", "-o", "out"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the command runs");
-    let begun = Instant::now();
-    while !bench.path("out").exists() {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
-        std::thread::sleep(Duration::from_millis(2));
+    bench.write("model.toml", MODEL);
+    // So many points take seconds.
+    let points = (0..400).map(|k| {
+        let mu = 0.0035 + 1e-5 * f64::from(37 * k % 61);
+        format!("S{k},{}e4,5e5,{mu:.6},0.0003\n", 700 + 2 * k)
+    });
+    let head = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n";
+    bench.write(
+        "experiments.csv",
+        head.to_owned() + &points.collect::<String>(),
+    );
+    let inputs = bench.names();
+    let press = "press case.toml -o out";
+    let discover = "discover experiments.csv --model model.toml --twins 1000 -o out";
+    for words in [press, discover] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
+            .current_dir(bench.folder.path())
+            .args(words.split(' '))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command runs");
+        let begun = Instant::now();
+        while !bench.path("out").exists() || !handles_termination(child.id()) {
+            assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Command::new("kill")
+            .args(["-TERM", &child.id().to_string()])
+            .status()
+            .expect("kill");
+        let status = child.wait().expect("it ends");
+        assert_eq!(status.code(), Some(130), "{words}");
+        assert_eq!(bench.names(), inputs, "{words}");
     }
-    // The handler is set right after the folder is made.
-    std::thread::sleep(Duration::from_millis(50));
-    Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
-        .status()
-        .expect("kill");
-    let status = child.wait().expect("it ends");
-    assert_eq!(status.code(), Some(130));
-    assert_eq!(bench.names(), ["case.toml"]);
 }
 
 #[test]

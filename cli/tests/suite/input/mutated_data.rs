@@ -202,7 +202,7 @@ fn damaged_meshes_are_meshes_or_errors() {
         z: axis(),
     };
     let mut vtu = Vec::new();
-    write_vtu(&grid.hex_mesh(), &[], &[], &mut vtu).expect("memory");
+    write_vtu(&grid.hex_mesh(), &[], &[], &[], &mut vtu).expect("memory");
     rounds("vtu", &[vtu], |bytes| read_vtu(bytes).is_ok());
 }
 

@@ -234,7 +234,7 @@ fn openexr_reads_a_map_that_carries_the_force_peak_and_area() {
         assert h['type'] == OpenEXR.scanlineimage\n\
         p = c['p'].pixels.astype(float)\n\
         a = float(h['pixel_x_m'][0]) * float(h['pixel_y_m'][0])\n\
-        touching = c['gap'].pixels[p > 0.5 * p.max()]\n\
+        touching = c['gap'].pixels[p > 0.7 * p.max()]\n\
         print(p.sum() * a, p.max(), (p > 0).sum() * a, p.min(), touching.max())\n";
     let exr = bench.path("out/pressure.exr");
     let Some(said) = python(script, &[&exr.to_string_lossy()]) else {
@@ -257,6 +257,7 @@ fn openexr_reads_a_map_that_carries_the_force_peak_and_area() {
         "area {}",
         numbers[2]
     );
+    // Within half a patch's last of four cells, which the rim may cut, no pixel has a gap: p there is over 0.66 of the peak.
     assert_eq!((numbers[3], numbers[4]), (0.0, 0.0));
 }
 

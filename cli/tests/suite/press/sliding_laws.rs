@@ -157,10 +157,10 @@ fn the_plastic_depth_in_the_vtu_file_is_the_groove() {
         String::from_utf8_lossy(&output.stderr)
     );
     let found: Vec<f64> = serde_json::from_slice(&output.stdout).expect("numbers");
-    // Deepest on the surface and left behind; none below, none ahead. VTU holds what the solver's last mesh has: no rounding.
+    // Deepest on the surface and left behind; none below, none ahead. VTU holds what the solver's last mesh has, in single precision.
     let depth = number(&result, "groove_depth_m");
     assert!(
-        (found[0] / depth - 1.0).abs() < 1e-12 && found[2] == found[0],
+        (found[0] / depth - 1.0).abs() < 1e-7 && found[2] == found[0],
         "{found:?} {depth}"
     );
     assert_eq!((found[1], found[3]), (0.0, 0.0));

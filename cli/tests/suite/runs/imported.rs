@@ -52,6 +52,34 @@ fn bench() -> Bench {
     bench
 }
 
+/// Temperatures of the ice at places, of all runs in the mapping and of one in its table, come into `runs.csv`.
+#[test]
+fn ice_at_places_is_written_through() {
+    let bench = bench();
+    let text = std::fs::read_to_string(bench.path("mapping.toml")).expect("a mapping");
+    let stated = "[index]\ntable = \"index.csv\"\nice_c_at = { 350 = -8.25, 1100 = -9.0 }";
+    bench.write("mapping.toml", text.replace("[index]", stated));
+    bench.write("index.csv", "run;ice_c@350;ice_c@90\n2;-6,5;-5\n");
+    bench.succeeds(&["runs", "import", "mapping.toml", "-o", "runs", "-q"]);
+    let index = read_index(&bench.path("runs/runs.csv")).expect("an index");
+    assert_eq!(
+        index[0].ice_along.points(),
+        [[350.0, -8.25], [1100.0, -9.0]]
+    );
+    assert_eq!(index[1].ice_along.points(), [[90.0, -5.0], [350.0, -6.5]]);
+    for (place, value, named) in [("here", "-8", "here"), ("350", "30", "-60 to 5")] {
+        let wrong = format!("[index]\nice_c_at = {{ {place} = {value} }}");
+        bench.write("mapping.toml", text.replace("[index]", &wrong));
+        let output = bench.kufe(&["runs", "import", "mapping.toml", "-o", "runs"]);
+        let told = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{told}");
+        assert!(
+            told.contains("index.ice_c_at") && told.contains(named),
+            "{told}"
+        );
+    }
+}
+
 #[test]
 fn kufes_own_runs_are_imported_as_they_are_and_evaluated() {
     let bench = bench();

@@ -2,7 +2,7 @@
 
 mod campaign;
 mod experiments;
-mod friction_table;
+pub(crate) mod friction_table;
 mod pressures;
 mod runs;
 mod wrong;

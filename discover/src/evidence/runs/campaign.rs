@@ -180,16 +180,27 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
-        let least_squares =
-            |model: &ResidualModel| fit(&model.hold(true), &self.training, &self.free, self.used);
-        let (mut residual_model, mut whitener) = least_squares(residual_model)?;
-        if !residual_model.installation.directions.is_empty() {
-            // By corrected scores: least squares would shrink what scales the residual's own noise.
-            let off = self
-                .newton(&residual_model.hold(false), &whitener, &[2], true)
-                .1;
-            (residual_model, whitener) = least_squares(&off)?;
+        let plain = self.least_squares(residual_model, owners)?;
+        if residual_model.installation.directions.is_empty() {
+            return Ok(plain);
         }
+        // By corrected scores: least squares would shrink what scales the residual's own noise.
+        let at = &plain.residual_model.hold(false);
+        let off = self.newton(at, &plain.whitener, &[2], true).1;
+        self.least_squares(&off, plain.owners)
+    }
+
+    /// Fits base and effects alone, beside an installation as it stands.
+    ///
+    /// # Errors
+    /// As [`fitted`](Self::fitted).
+    pub fn least_squares(
+        &self,
+        residual_model: &ResidualModel,
+        owners: Vec<usize>,
+    ) -> Result<RunFit, Error> {
+        let held = residual_model.hold(true);
+        let (residual_model, whitener) = fit(&held, &self.training, &self.free, self.used)?;
         Ok(RunFit {
             settled: residual_model.clone(),
             residual_model,

@@ -217,8 +217,8 @@ impl Evidence for Campaign<'_> {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
-        // A large effect has hidden what the installation is off by, and bent what was found of it.
-        let next = self.installed(&self.fitted(&next, owners)?)?;
+        // A large effect has hidden what the installation is off by, and bent what was found of it: that is found anew.
+        let next = self.installed(&self.least_squares(&next, owners)?)?;
         let stretch = claim.candidate.act.track.is_some();
         Ok(Added {
             gap: [before, gap(&next.residual_model)],
@@ -234,8 +234,7 @@ impl Evidence for Campaign<'_> {
             account.leave_out(step);
             fit = self.without_step(&fit, step)?;
         }
-        let mut last = self.fitted(&fit.residual_model, fit.owners)?;
-        last.told = fit.told;
+        let mut last = fit;
         self.write(&mut last)?;
         // A refit of the base alone is written only where it is better than what was given.
         let contacts = &last.residual_model.contacts;

@@ -65,7 +65,7 @@ mod tests {
             }
             .hex_mesh();
             let mut file = Vec::new();
-            write_vtu(&mesh, &[], &[], &mut file).unwrap();
+            write_vtu(&mesh, &[], &[], &[], &mut file).unwrap();
             let back = read_vtu(&file).unwrap();
             assert_eq!(back.quality(), mesh.quality());
             assert_eq!(back.cells.len(), mesh.cells.len());

@@ -2,7 +2,7 @@
 
 use std::io::{Result, Write};
 
-use base64::{Engine, engine::general_purpose::STANDARD};
+use base64::{Engine, engine::general_purpose::STANDARD, write::EncoderWriter};
 use flate2::{Compression, write::ZlibEncoder};
 use rayon::prelude::*;
 
@@ -10,10 +10,11 @@ use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
 use crate::hexahedra::vtu::data::HEXAHEDRON;
 
-/// Bytes that are compressed at a time, one thread a block.
-const BLOCK: usize = 1 << 18;
+/// Numbers that are compressed at a time, one thread a block.
+const BLOCK: usize = 1 << 15;
 
-/// A named array with one value, vector or tensor a point or cell.
+/// A named array with one value, vector or tensor a point or cell; in the file its numbers have seven digits (`Float32`), which halves
+/// what is packed.
 #[derive(Clone, Copy, Debug)]
 pub struct VtuField<'a> {
     /// The array's name; its unit belongs in it, as `stress_pa`.
@@ -24,7 +25,8 @@ pub struct VtuField<'a> {
     pub values: &'a [f64],
 }
 
-/// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read.
+/// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read; `field_data` is numbers of the whole file
+/// by name.
 ///
 /// # Errors
 /// [`MeshError::FieldLength`] where an array does not fit the mesh, [`MeshError::Vtu`] where it cannot be written.
@@ -32,6 +34,7 @@ pub fn write_vtu(
     mesh: &HexMesh,
     point_data: &[VtuField],
     cell_data: &[VtuField],
+    field_data: &[(&str, &[f64])],
     writer: impl Write,
 ) -> std::result::Result<(), MeshError> {
     for (fields, count) in [
@@ -41,7 +44,7 @@ pub fn write_vtu(
         fits(fields, count)?;
     }
     let mut out = std::io::BufWriter::new(writer);
-    write_file(mesh, point_data, cell_data, &mut out)
+    write_file(mesh, point_data, cell_data, field_data, &mut out)
         .and_then(|()| out.flush())
         .map_err(|e| MeshError::Vtu(e.to_string()))
 }
@@ -63,6 +66,7 @@ fn write_file(
     mesh: &HexMesh,
     point_data: &[VtuField],
     cell_data: &[VtuField],
+    field_data: &[(&str, &[f64])],
     out: &mut impl Write,
 ) -> Result<()> {
     let (points, cells) = (mesh.points.len(), mesh.cells.len());
@@ -73,23 +77,33 @@ fn write_file(
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">"
     )?;
     writeln!(out, "<UnstructuredGrid>")?;
+    if !field_data.is_empty() {
+        writeln!(out, "<FieldData>")?;
+        for &(name, values) in field_data {
+            let name = quick_xml::escape::escape(name);
+            let tuples = values.len();
+            write!(
+                out,
+                "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"{tuples}\" format=\"ascii\">"
+            )?;
+            values
+                .iter()
+                .try_for_each(|value| write!(out, " {value}"))?;
+            writeln!(out, "</DataArray>")?;
+        }
+        writeln!(out, "</FieldData>")?;
+    }
     writeln!(
         out,
         "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
     )?;
     write_fields(out, "PointData", point_data)?;
     write_fields(out, "CellData", cell_data)?;
-    let coordinates = bytes(mesh.points.iter().flatten().map(|v| v.to_le_bytes()));
-    writeln!(out, "<Points>")?;
-    write_array(out, "Float64", ("Points", 3), &coordinates)?;
-    writeln!(out, "</Points>")?;
-    let nodes = mesh.cells.iter().flatten();
-    let connectivity = bytes(nodes.map(|&n| (n as i64).to_le_bytes()));
-    let offsets = bytes((1..=cells as i64).map(|n| (8 * n).to_le_bytes()));
+    write_points(out, &mesh.points)?;
     writeln!(out, "<Cells>")?;
-    write_array(out, "Int64", ("connectivity", 1), &connectivity)?;
-    write_array(out, "Int64", ("offsets", 1), &offsets)?;
-    write_array(out, "UInt8", ("types", 1), &vec![HEXAHEDRON; cells])?;
+    write_cells(out, &mesh.cells)?;
+    let types = vec![HEXAHEDRON; cells];
+    write_array(out, "UInt8", ("types", 1), &types, |kind| [kind])?;
     writeln!(out, "</Cells>")?;
     writeln!(out, "</Piece>")?;
     writeln!(out, "</UnstructuredGrid>")?;
@@ -107,25 +121,46 @@ pub(super) fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField])
     }
     writeln!(out, ">")?;
     for field in fields {
-        let values = bytes(field.values.iter().map(|v| v.to_le_bytes()));
-        write_array(out, "Float64", (field.name, field.components), &values)?;
+        let number = |value: f64| (value as f32).to_le_bytes();
+        write_array(
+            out,
+            "Float32",
+            (field.name, field.components),
+            field.values,
+            number,
+        )?;
     }
     writeln!(out, "</{tag}>")
 }
 
-pub(super) fn bytes<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(N * numbers.size_hint().0);
-    numbers.for_each(|number| bytes.extend_from_slice(&number));
-    bytes
+/// Places, in full.
+pub(super) fn write_points(out: &mut impl Write, points: &[[f64; 3]]) -> Result<()> {
+    writeln!(out, "<Points>")?;
+    let coordinates = points.as_flattened();
+    write_array(out, "Float64", ("Points", 3), coordinates, f64::to_le_bytes)?;
+    writeln!(out, "</Points>")
+}
+
+/// The points of each cell, one after the other, and where each cell ends.
+pub(super) fn write_cells<const N: usize>(
+    out: &mut impl Write,
+    cells: &[[usize; N]],
+) -> Result<()> {
+    let ends: Vec<usize> = (1..=cells.len()).map(|cell| N * cell).collect();
+    let number = |n: usize| (n as i64).to_le_bytes();
+    let points = cells.as_flattened();
+    write_array(out, "Int64", ("connectivity", 1), points, number)?;
+    write_array(out, "Int64", ("offsets", 1), &ends, number)
 }
 
 /// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then the blocks; both in
-/// base64.
-pub(super) fn write_array(
+/// base64. `number` gives a value's bytes in the file.
+fn write_array<T: Copy + Sync, const N: usize>(
     out: &mut impl Write,
     kind: &str,
     (name, components): (&str, usize),
-    data: &[u8],
+    values: &[T],
+    number: impl Fn(T) -> [u8; N] + Sync,
 ) -> Result<()> {
     let name = quick_xml::escape::escape(name);
     write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"")?;
@@ -134,17 +169,28 @@ pub(super) fn write_array(
         write!(out, " NumberOfComponents=\"{components}\"")?;
     }
     writeln!(out, " format=\"binary\">")?;
-    let blocks: Vec<Vec<u8>> = data.par_chunks(BLOCK).map(packed).collect::<Result<_>>()?;
-    let mut header = vec![blocks.len(), BLOCK, data.len() % BLOCK];
-    header.extend(blocks.iter().map(Vec::len));
-    let header = bytes(header.iter().map(|&n| (n as u64).to_le_bytes()));
+    let packed = |block: &[T]| {
+        let bytes: Vec<u8> = block.iter().flat_map(|&value| number(value)).collect();
+        let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len()), Compression::fast());
+        encoder.write_all(&bytes)?;
+        encoder.finish()
+    };
+    let blocks: Vec<Vec<u8>> = values
+        .par_chunks(BLOCK)
+        .map(packed)
+        .collect::<Result<_>>()?;
+    let sizes = [blocks.len(), N * BLOCK, N * (values.len() % BLOCK)];
+    let header: Vec<u8> = sizes
+        .into_iter()
+        .chain(blocks.iter().map(Vec::len))
+        .flat_map(|n| (n as u64).to_le_bytes())
+        .collect();
     write!(out, "{}", STANDARD.encode(header))?;
-    writeln!(out, "{}", STANDARD.encode(blocks.concat()))?;
-    writeln!(out, "</DataArray>")
-}
-
-fn packed(block: &[u8]) -> Result<Vec<u8>> {
-    let mut encoder = ZlibEncoder::new(Vec::with_capacity(block.len()), Compression::fast());
-    encoder.write_all(block)?;
-    encoder.finish()
+    let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
+    blocks
+        .iter()
+        .try_for_each(|block| encoder.write_all(block))?;
+    encoder.finish()?;
+    drop(encoder);
+    writeln!(out, "\n</DataArray>")
 }

@@ -3,7 +3,7 @@
 use std::io::{BufWriter, Result, Write};
 
 use crate::error::MeshError;
-use crate::hexahedra::vtu::write::{VtuField, bytes, fits, write_array, write_fields};
+use crate::hexahedra::vtu::write::{VtuField, fits, write_cells, write_fields, write_points};
 
 /// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with `point_data` as a VTP file (polygons) that VTK
 /// and pyvista read.
@@ -40,14 +40,8 @@ fn write_file(
         "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{faces}\">"
     )?;
     write_fields(out, "PointData", point_data)?;
-    let coordinates = bytes(points.iter().flatten().map(|v| v.to_le_bytes()));
-    writeln!(out, "<Points>")?;
-    write_array(out, "Float64", ("Points", 3), &coordinates)?;
-    writeln!(out, "</Points>\n<Polys>")?;
-    let corners = quadrilaterals.iter().flatten();
-    let connectivity = bytes(corners.map(|&n| (n as i64).to_le_bytes()));
-    let offsets = bytes((1..=faces as i64).map(|n| (4 * n).to_le_bytes()));
-    write_array(out, "Int64", ("connectivity", 1), &connectivity)?;
-    write_array(out, "Int64", ("offsets", 1), &offsets)?;
+    write_points(out, points)?;
+    writeln!(out, "<Polys>")?;
+    write_cells(out, quadrilaterals)?;
     writeln!(out, "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>")
 }

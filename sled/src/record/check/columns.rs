@@ -1,5 +1,6 @@
 //! Whether a run's columns are what their names say.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::error::Error;
@@ -16,7 +17,7 @@ pub const LEAST_SAMPLES: usize = 64;
 /// `required` are the columns there must be besides `t_s`; `used` those of the file that must have a value where a sample
 /// takes part; `file` names the source in errors. In this order: missing columns, too few samples, time (backwards, jumps),
 /// values missing altogether. `t_s` is taken out of the columns. With [`OnGaps::Refuse`]
-/// irregular steps, missing values and standstill are errors. A sensor that sticks at its extreme is a remark.
+/// irregular steps, missing values and standstill are errors. Sensors that stick at their extremes come beside.
 ///
 /// # Errors
 /// The first of these that is found, with its place.
@@ -26,7 +27,7 @@ pub fn check_columns(
     used: &[&str],
     on_gaps: OnGaps,
     file: &str,
-) -> Result<(Clock, Gaps, Vec<String>), Error> {
+) -> Result<(Clock, Gaps, BTreeMap<String, Saturation>), Error> {
     for name in std::iter::once("t_s").chain(required.iter().copied()) {
         if !columns.contains_key(name) {
             return Err(Error::MissingColumn {
@@ -88,12 +89,11 @@ pub fn check_columns(
         t0_s: base.clock.t0_s + gaps.cut_s[0],
         ..base.clock
     };
-    let remarks = used
+    let saturated = used
         .iter()
-        .filter_map(|name| Some((name, Saturation::of(&columns[*name])?)))
-        .map(|(name, found)| format!("{file}: {}", found.told(name, clock.t0_s, clock.dt_s)))
+        .filter_map(|name| Some(((*name).to_string(), Saturation::of(&columns[*name])?)))
         .collect();
-    Ok((clock, gaps, remarks))
+    Ok((clock, gaps, saturated))
 }
 
 /// Refuses what [`OnGaps::LeaveOut`] leaves out: values without a number, uneven time, standstill.

@@ -13,7 +13,6 @@ use crate::record::check::relations::delay::delays;
 use crate::record::check::relations::fault::Fault;
 use crate::record::check::relations::judge::judge;
 use crate::record::check::relations::slow::Slow;
-use crate::record::check::saturation::Saturation;
 use crate::record::columns::Columns;
 use crate::record::index::{Entry, read_index};
 use crate::record::read::read_columns;
@@ -163,7 +162,7 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             delay_s: delay
                 .filter(|_| faults.is_empty())
                 .map(|(delay, error)| [delay, error]),
-            saturation: Saturation::of(column),
+            saturation: run.saturated.get(*name).copied(),
             ..Profile::of(run.gaps.within(column), rate_hz)
         };
         channels.insert((*name).to_string(), profile);
@@ -247,8 +246,7 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
             0.01 * run.gaps.jitter,
         );
     }
-    // What is said of channels follows below.
-    for remark in run.remarks.iter().filter(|r| !r.contains("saturated?")) {
+    for remark in &run.remarks {
         note("", remark.clone(), "nothing, or record it", 0.001);
     }
     for (name, profile) in channels {

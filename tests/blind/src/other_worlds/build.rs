@@ -167,9 +167,17 @@ impl Campaign<'_> {
 }
 
 /// Names of what the world itself has wrong, which are no false claims in it: a sled that climbs the banks feels another slope than
-/// the table's, and a channel is late that lags three of the default tolerance's deviations behind the middle of all.
+/// the table's, a channel is late that lags three of the default tolerance's deviations behind the middle of all, and so far a gyroscope's
+/// bias or scale is off.
 fn really_off(wrong: &Wrong) -> Vec<String> {
     const LATE_S: f64 = 3.0 * 0.002;
+    const BIAS_RADPS: f64 = 3.0 * 0.001;
+    const SCALE: f64 = 3.0 * 0.005;
+    const GYROS: [[&str; 2]; 3] = [
+        ["roll-rate-bias", "roll-rate-scale"],
+        ["pitch-rate-bias", "pitch-rate-scale"],
+        ["yaw-rate-bias", "yaw-rate-scale"],
+    ];
     const LAGS: [(usize, &str); 7] = [
         (3, "roll-rate-lag"),
         (4, "pitch-rate-lag"),
@@ -191,6 +199,17 @@ fn really_off(wrong: &Wrong) -> Vec<String> {
         behind.abs() > LATE_S
     });
     names.extend(late.map(|(_, name)| *name));
+    for (axis, [bias, scale]) in GYROS.into_iter().enumerate() {
+        let off = [
+            (bias, wrong.gyro_bias_radps[axis].abs() > BIAS_RADPS),
+            (scale, wrong.gyro_scale[axis].abs() > SCALE),
+        ];
+        names.extend(
+            off.into_iter()
+                .filter(|(_, off)| *off)
+                .map(|(name, _)| name),
+        );
+    }
     names.into_iter().map(str::to_owned).collect()
 }
 

@@ -77,11 +77,13 @@ impl RunSimulator {
         simulator
     }
 
-    /// By which factor the sensors' noise, as a variance, may be larger before it explains more than a channel's whole residual.
+    /// By which factor the sensors' noise, as a variance, may be larger before it explains more than the whole residual of every channel.
+    ///
+    /// White noise of that size may explain too much of some channels, as of the one that takes derivatives; noise that is not white need not.
     pub fn most_noise(&self, used: [bool; CHANNELS]) -> f64 {
         let explained = |c: usize| (1.0 - self.beyond[c].powi(2)).max(1e-3);
         let factors = (0..3).filter(|c| used[*c]).map(|c| 1.0 / explained(c));
-        factors.fold(1e3, f64::min)
+        factors.fold(1.0, f64::max)
     }
 
     /// The same with the sensors' noise alone.

@@ -70,9 +70,9 @@ pub fn prepare(
     let mut remarks: Vec<String> = runs
         .iter()
         .flat_map(|run| {
-            run.remarks
-                .iter()
-                .map(|r| format!("run {}: {r}", run.entry.run))
+            run.noticed()
+                .into_iter()
+                .map(move |r| format!("run {}: {r}", run.entry.run))
         })
         .collect();
     for (name, table) in &model.effects {

@@ -1,16 +1,14 @@
 //! Runs from their index.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use kufe_sled::{
-    Entry, Model, Needs, OnGaps, Run, Track, read_index, read_needed, refuse_faults,
-    refuse_unstated_air,
+    Entry, Model, Needs, OnGaps, Run, read_index, read_needed, refuse_faults, refuse_unstated_air,
 };
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
-use crate::evidence::runs::recordings::survey::surveys;
+use crate::evidence::runs::recordings::survey::TrackTables;
 use crate::options::Options;
 
 /// What no search can do without.
@@ -48,17 +46,10 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
     refuse_copies(index, &runs)?;
     refuse_faults(&runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
-    let mut data = prepare(&runs, model, &surveys(folder, &runs)?, &options.rules)?;
-    data.tracks = tracks(folder, &runs);
+    let tables = TrackTables::beside(folder, &runs)?;
+    let mut data = prepare(&runs, model, &tables.slopes, &options.rules)?;
+    data.tracks = tables.whole;
     Ok(data)
-}
-
-/// The tables beside the index that hold all that a simulation drives on; a survey of the slope alone does not.
-fn tracks(folder: &Path, runs: &[Run]) -> Vec<Track> {
-    let names: BTreeSet<&str> = runs.iter().map(|run| run.entry.track.as_str()).collect();
-    let file = |name: &&str| folder.join(format!("track_{name}.csv"));
-    let tables = names.iter().map(file).filter(|path| path.is_file());
-    tables.filter_map(|path| Track::load(&path).ok()).collect()
 }
 
 fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {

@@ -210,6 +210,7 @@ mod tests {
             dt_s: 0.01,
             columns,
             gaps,
+            saturated: BTreeMap::new(),
             remarks: Vec::new(),
         }
     }

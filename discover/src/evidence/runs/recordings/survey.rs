@@ -1,9 +1,9 @@
 //! The surveyed slope of each track.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use kufe_sled::Run;
+use kufe_sled::{Run, Track};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -12,30 +12,45 @@ use crate::input::table::Table;
 /// Slope over distance, by track.
 pub type Surveys = BTreeMap<String, Vec<(f64, f64)>>;
 
-/// Reads `track_NAME.csv` beside the index, where there is one.
-///
-/// # Errors
-/// Those of the table; [`Error::File`] where s_m does not increase.
-pub fn surveys(folder: &Path, runs: &[Run]) -> Result<Surveys, Error> {
-    let mut surveys = Surveys::new();
-    for run in runs {
-        let name = &run.entry.track;
-        let path = folder.join(format!("track_{name}.csv"));
-        if surveys.contains_key(name) || !path.is_file() {
-            continue;
+/// What the tables of the runs' tracks say.
+pub struct TrackTables {
+    /// The surveyed slope of each track that has a table.
+    pub slopes: Surveys,
+    /// The tables that hold all that a simulation drives on; a survey of the slope alone does not.
+    pub whole: Vec<Track>,
+}
+
+impl TrackTables {
+    /// Reads `track_NAME.csv` beside the index, where there is one.
+    ///
+    /// # Errors
+    /// Those of the table; [`Error::File`] where s_m does not increase.
+    pub fn beside(folder: &Path, runs: &[Run]) -> Result<TrackTables, Error> {
+        let mut tables = TrackTables {
+            slopes: Surveys::new(),
+            whole: Vec::new(),
+        };
+        let names: BTreeSet<&String> = runs.iter().map(|run| &run.entry.track).collect();
+        for name in names {
+            let path = folder.join(format!("track_{name}.csv"));
+            if !path.is_file() {
+                continue;
+            }
+            let table = Table::read(&path)?;
+            let s = table.numbers("s_m", -1e6, 1e6)?;
+            let slope = table.numbers("slope_rad", -1.5, 1.5)?;
+            if s.windows(2).any(|pair| pair[1] <= pair[0]) {
+                return Err(Error::File {
+                    file: path.display().to_string(),
+                    reason: "column s_m does not increase from row to row".to_owned(),
+                });
+            }
+            let slope = s.into_iter().zip(slope).collect();
+            tables.slopes.insert(name.clone(), slope);
+            tables.whole.extend(Track::load(&path).ok());
         }
-        let table = Table::read(&path)?;
-        let s = table.numbers("s_m", -1e6, 1e6)?;
-        let slope = table.numbers("slope_rad", -1.5, 1.5)?;
-        if s.windows(2).any(|pair| pair[1] <= pair[0]) {
-            return Err(Error::File {
-                file: path.display().to_string(),
-                reason: "column s_m does not increase from row to row".to_owned(),
-            });
-        }
-        surveys.insert(name.clone(), s.into_iter().zip(slope).collect());
+        Ok(tables)
     }
-    Ok(surveys)
 }
 
 /// A track table may count slope uphill: the sign that the speeds of these frames agree with is taken, downhill positive from

@@ -1,0 +1,259 @@
+//! Stretches of a line in contact, with their ends below the cell.
+
+/// What says where a stretch ends between two nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum By {
+    /// The pressures inside, which Hertz' contact continues exactly: [`rim_by_shape`].
+    Shape,
+    /// What the outermost node bears, which hardly depends on the pressure's shape: [`rim_by_load`].
+    Load,
+}
+
+/// Stretches of positive pressure along a line, resolved below the cell.
+///
+/// Where ends are not found `by` what is asked, they are by [`rim_by_gap`]; beyond a node that bears all it can,
+/// and where that finds none either, half-way; a mirror plane at the first node is the
+/// start of a stretch that touches it.
+pub(crate) fn chords(
+    nodes: &[f64],
+    pressure: &[f64],
+    gap: Option<&[f64]>,
+    (bound, symmetric): (f64, bool),
+    by: By,
+) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    let mut i = 0;
+    while i < nodes.len() {
+        if pressure[i] <= 0.0 {
+            i += 1;
+            continue;
+        }
+        let first = i;
+        while i + 1 < nodes.len() && pressure[i + 1] > 0.0 {
+            i += 1;
+        }
+        let last = i;
+        let at = |k: usize| (nodes[k], pressure[k]);
+        let open = |k: usize| Some((*nodes.get(k)?, *gap?.get(k)?));
+        let below = [1, 2].map(|k| first.checked_sub(k).and_then(open));
+        let above = [1, 2].map(|k| open(last + k));
+        let before = first.checked_sub(1).map_or(nodes[first], |o| nodes[o]);
+        let after = nodes.get(last + 1).copied().unwrap_or(nodes[last]);
+        let half_way = [0.5 * (nodes[first] + before), 0.5 * (nodes[last] + after)];
+        let cut = first == 0 && symmetric;
+        let upwards: Vec<(f64, f64)> = (first..=last).take(4).map(at).collect();
+        let downwards: Vec<(f64, f64)> = (first..=last).rev().take(4).map(at).collect();
+        let low = if cut {
+            nodes[0]
+        } else {
+            let end = match by {
+                By::Shape => rim_by_shape(&upwards, before, bound),
+                By::Load if last > first + 2 => {
+                    rim_by_load(&upwards, before, |_| half_way[1], bound)
+                }
+                By::Load => None,
+            };
+            end.or_else(|| rim_by_gap([first, (first + 1).min(last)].map(at), below, bound))
+                .unwrap_or(half_way[0])
+        };
+        let other = |x: f64| if cut { 2.0 * nodes[0] - x } else { half_way[0] };
+        let end = match by {
+            By::Shape => rim_by_shape(&downwards, after, bound),
+            By::Load if cut || last > first + 2 => rim_by_load(&downwards, after, other, bound),
+            By::Load => None,
+        };
+        let next = last.saturating_sub(1).max(first);
+        let high = end
+            .or_else(|| rim_by_gap([last, next].map(at), above, bound))
+            .unwrap_or(half_way[1]);
+        found.push([low, high]);
+        i += 1;
+    }
+    found
+}
+
+/// Where p^2 reaches zero beyond the outermost node in contact; `None` where it is no parabola there, or a rising one.
+///
+/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too large (its hat reaches out of
+/// the contact), so the parabola goes through the next three inside; they have to be there, and below the bound of pressures.
+fn rim_by_shape(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> {
+    let outermost = inside[0].0;
+    let [_, a, b, c, ..] = inside else {
+        return None;
+    };
+    if [a, b, c].iter().any(|node| node.1 >= bound) {
+        return None;
+    }
+    let [pa, pb, pc] = [a, b, c].map(|n| n.1 * n.1);
+    // Newton's form from a outwards: p^2(t) = pa + d1 t + d2 t (t - (b - a)), t = x - a.
+    let d1 = (pb - pa) / (b.0 - a.0);
+    let d2 = ((pc - pb) / (c.0 - b.0) - d1) / (c.0 - a.0);
+    let slope = d1 - d2 * (b.0 - a.0);
+    let outwards = (outside - outermost).signum();
+    if slope * outwards >= 0.0 || !slope.is_finite() {
+        return None;
+    }
+    let discriminant = slope * slope - 4.0 * d2 * pa;
+    let t = if discriminant > 0.0 {
+        2.0 * pa / (-slope + -slope.signum() * discriminant.sqrt())
+    } else {
+        -pa / slope
+    };
+    let (low, high) = (0.5 * (a.0 + outermost), outside);
+    Some((a.0 + t).clamp(low.min(high), low.max(high)))
+}
+
+/// Where a pressure ends beyond the outermost node in contact, by the last three nodes, from outside inwards; `None` where it does
+/// not end before the next node, `outside`.
+///
+/// Along a line from X' to X a contact's pressure is p = sqrt(u) (c0 + c1 u + ...) with u = (X - x) (x - X'): c0 alone in
+/// Hertz' contact, while c1 grows on layers (`tests/data/layered.py`). c0 and c1 follow from the two inner nodes, X from what the
+/// outermost one bears: its `value` is the mean of p over its hat function, which reaches out of the contact. `other` says X' for X.
+fn rim_by_load(
+    inside: &[(f64, f64)],
+    outside: f64,
+    other: impl Fn(f64) -> f64,
+    bound: f64,
+) -> Option<f64> {
+    let &[(outermost, value), a, b, ..] = inside else {
+        return None;
+    };
+    if [value, a.1, b.1].iter().any(|&p| p >= bound) {
+        return None;
+    }
+    let hat = |x: f64| match (x - outermost) * (outside - outermost) > 0.0 {
+        true => (outside - x) / (outside - outermost),
+        false => (x - a.0) / (outermost - a.0),
+    };
+    // What the outermost node would bear more than it does if the pressure ended at `end`.
+    let excess = |end: f64| {
+        let u = |x: f64| (end - x) * (x - other(end));
+        let [ua, ub] = [u(a.0), u(b.0)];
+        let [qa, qb] = [a.1 / ua.sqrt(), b.1 / ub.sqrt()];
+        // Beyond the middle the second node tells nothing of c1.
+        let beyond = (b.0 - 0.5 * (end + other(end))) * (outside - outermost) < 0.0;
+        let c1 = if beyond { 0.0 } else { (qb - qa) / (ub - ua) };
+        let pressure = |x: f64| u(x).max(0.0).sqrt() * (qa + c1 * (u(x) - ua));
+        let piece = |from: f64, to: f64| -> f64 {
+            // In w = sqrt(|end - x|) the integrand is smooth.
+            let [low, high] = [(end - to).abs().sqrt(), (end - from).abs().sqrt()];
+            GAUSS
+                .iter()
+                .map(|(weight, t)| {
+                    let w = 0.5 * (low + high) + 0.5 * (high - low) * t;
+                    let x = end - (end - from).signum() * w * w;
+                    weight * (high - low) * w * pressure(x) * hat(x)
+                })
+                .sum()
+        };
+        let ends_beyond = (end - outermost) * (outside - outermost) > 0.0;
+        let borne = match ends_beyond {
+            true => piece(a.0, outermost) + piece(outermost, end),
+            false => piece(a.0, end),
+        };
+        borne / (0.5 * (outside - a.0).abs()) - value
+    };
+    // The false position, by halves where one end stays (M. Dowell and P. Jarratt, BIT 11, 1971).
+    let [mut low, mut high] = [0.5 * (a.0 + outermost), outside].map(|end| (end, excess(end)));
+    if low.1 >= 0.0 {
+        return Some(low.0);
+    }
+    if high.1.is_nan() || high.1 <= 0.0 {
+        return None;
+    }
+    for _ in 0..STEPS {
+        let end = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let found = excess(end);
+        if found.abs() <= ENOUGH * value {
+            return Some(end);
+        }
+        if found * high.1 < 0.0 {
+            low = high;
+        } else {
+            low.1 *= 0.5;
+        }
+        high = (end, found);
+    }
+    Some(high.0)
+}
+
+/// Most steps to an end, and the part of the outermost pressure that its hat function's mean may be off by.
+const STEPS: usize = 30;
+const ENOUGH: f64 = 1e-7;
+
+/// Weights and places of Gauss' rule with five points on [-1, 1].
+const GAUSS: [(f64, f64); 5] = [
+    (0.236_926_885_056_189, -0.906_179_845_938_664),
+    (0.478_628_670_499_366, -0.538_469_310_105_683),
+    (0.568_888_888_888_889, 0.0),
+    (0.478_628_670_499_366, 0.538_469_310_105_683),
+    (0.236_926_885_056_189, 0.906_179_845_938_664),
+];
+
+/// Where the gap closes between the outermost node in contact, `inside` with the next one (place, pressure), and the two open ones
+/// (place, gap) beyond it; `None` where the outermost one bears all it can, up to the end of its part of the line.
+///
+/// Beside a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson, Contact Mechanics, 1985, section 5.1),
+/// so that its power 2/3 is a line. What the outermost node bears needs some of its part at the `bound` at least.
+fn rim_by_gap(inside: [(f64, f64); 2], open: [Option<(f64, f64)>; 2], bound: f64) -> Option<f64> {
+    let [near, far] = [open[0]?, open[1]?];
+    let [outermost, next] = inside;
+    if outermost.1 >= bound || !(near.1 > 0.0 && far.1 > near.1 && far.1.is_finite()) {
+        return None;
+    }
+    let [a, b] = [near.1, far.1].map(|gap| gap.powf(2.0 / 3.0));
+    let rim = near.0 - (far.0 - near.0) * a / (b - a);
+    let (start, end) = (0.5 * (next.0 + outermost.0), 0.5 * (outermost.0 + near.0));
+    let least = start + (end - start) * outermost.1 / bound;
+    Some(rim.clamp(least.min(near.0), least.max(near.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pressures (1 - x^2)^m at even nodes of spacing 1 / `cells`, the outermost one's as the mean over its hat function.
+    fn sampled(m: f64, cells: f64) -> (Vec<f64>, Vec<f64>) {
+        let h = 1.0 / cells;
+        let pressure = |x: f64| (1.0 - x * x).max(0.0).powf(m);
+        let last = cells.floor() as i32;
+        let nodes: Vec<f64> = (-last - 2..=last + 2).map(|i| h * f64::from(i)).collect();
+        let mean = |x: f64| {
+            let steps = 20_000;
+            let part = |k: i32| {
+                let t = (f64::from(k) + 0.5) / f64::from(steps) * 2.0 - 1.0;
+                pressure(x + t * h) * (1.0 - t.abs())
+            };
+            (0..steps).map(part).sum::<f64>() * 2.0 / f64::from(steps)
+        };
+        let value = |x: &f64| match 1.0 - x.abs() {
+            left if left <= 0.0 => 0.0,
+            left if left < h => mean(*x),
+            _ => pressure(*x),
+        };
+        let values = nodes.iter().map(value).collect();
+        (nodes, values)
+    }
+
+    #[test]
+    fn ends_of_hertz_pressures_by_load_are_exact_and_those_on_layers_within_a_quarter_of_a_cell() {
+        for cells in [3.3, 3.5, 4.7, 6.5, 10.5] {
+            for (m, mirrored, whole) in [(0.5, 1e-4, 0.02), (0.75, 0.15, 0.15), (1.0, 0.25, 0.25)] {
+                let (nodes, values) = sampled(m, cells);
+                let of = |from: usize, symmetric: bool| {
+                    let ends = (f64::INFINITY, symmetric);
+                    chords(&nodes[from..], &values[from..], None, ends, By::Load)[0]
+                };
+                let ([low, high], [_, half]) = (of(0, false), of(nodes.len() / 2, true));
+                for (found, end, part) in [
+                    (low, -1.0, whole),
+                    (high, 1.0, whole),
+                    (half, 1.0, mirrored),
+                ] {
+                    let off = (found - end).abs() * cells;
+                    assert!(off < part, "{m} {cells}: {found} is off by {off} cells");
+                }
+            }
+        }
+    }
+}

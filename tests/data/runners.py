@@ -1,0 +1,197 @@
+"""How often `kufe press` states errors that hold: runners that deform and hulls that are scanned, beside answers that share no code with it.
+
+    python runners.py KUFE SEED COUNT [CLASS]
+
+Draws COUNT contacts of each class, writes each as a case with its files, presses it to 2 % and prints what does not hold and a table.
+
+- *held at its top*: a round underside, its flat top held: Hankel transforms of ice and runner (`layered.py`).
+- *carried*: a bar that two places press down: Hertz with the rocker's curvature less the bar's own, M / (E I). Within its height of the load a
+  bar is no beam, so M is known to half the height over the distance of the places: the truth's error.
+- *meshed runner*: the first class on hexahedra of this file's own, 2 to 5 cells over half the patch.
+- *scanned hull*: a paraboloid's triangles with normal noise on their vertices, of 1e-4 to 3e-2 of the approach: Hertz without the noise.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+import layered
+from hertz_contact import ellipse, hertz
+
+ICE, STEEL = (9e9, 0.33), (210e9, 0.30)
+
+
+def modulus(*bodies):
+    return 1 / sum((1 - nu**2) / e for e, nu in bodies)
+
+
+class Draw:
+    def __init__(self, seed):
+        self.random = np.random.default_rng(seed)
+
+    def logarithmic(self, low, high):
+        return float(np.exp(self.random.uniform(np.log(low), np.log(high))))
+
+
+def case(runner, force, tilt='"fixed"'):
+    return f"""[runner]
+{runner}
+[ice]
+youngs_modulus_pa = {ICE[0]}
+poissons_ratio = {ICE[1]}
+thickness_m = "half-space"
+[load]
+fz_n = {force}
+tilt = {tilt}
+[accuracy]
+p_max = 0.02
+"""
+
+
+def layered_truth(radius, force, material, height):
+    a, approach, peak = layered.paraboloid(radius, force, [(*ICE, np.inf)], [(*material, height)])
+    return {"p_max_pa": peak, "area_m2": np.pi * a * a, "approach_m": approach}
+
+
+def held_at_top(draw, folder):
+    """Radii of metres keep the runner's height even over the patch: it differs by a^2 / (2 R H) there, which the truth takes for its error."""
+    radius, force = draw.logarithmic(2, 6), draw.logarithmic(300, 3000)
+    material = draw.logarithmic(5e9, 210e9), 0.30
+    a = (0.75 * force * radius / modulus(ICE, material)) ** (1 / 3)
+    height = max(0.010, a * draw.logarithmic(1, 3))
+    shape = f'{{ kind = "bob", length_m = 0.2, rocker_radius_m = {radius}, section_radius_m = {radius}, width_m = 0.16, height_m = {height} }}'
+    runner = f"shape = {shape}\nelastic = true\nyoungs_modulus_pa = {material[0]}\npoissons_ratio = {material[1]}"
+    return case(runner, force), layered_truth(radius, force, material, height), a * a / (2 * radius * height)
+
+
+def carried(draw, folder):
+    rocker, width, height, away = draw.logarithmic(8, 20), 0.010, draw.logarithmic(0.016, 0.020), draw.logarithmic(0.12, 0.2)
+    section = 2 * width
+    # What is left of a rectangle under the round section, to the first order in width / section.
+    y = np.linspace(-width / 2, width / 2, 2001)
+    low = section - np.sqrt(section**2 - y**2)
+    area, first = np.trapezoid(height - low, y), np.trapezoid((height**2 - low**2) / 2, y)
+    inertia = np.trapezoid((height**3 - low**3) / 3, y) - first**2 / area
+    # Bent by a tenth to two fifths of its curvature.
+    force = draw.logarithmic(0.1, 0.4) / rocker * STEEL[0] * inertia / (0.5 * away)
+    e = modulus(ICE, STEEL)
+
+    def figures(share):
+        """With so much of M / (E I)."""
+        a = 0.0
+        for _ in range(50):
+            bend = share * 0.5 * force * (away - 3 / 8 * a) / (STEEL[0] * inertia)
+            peak, area, _ = hertz(1 / (1 / rocker - bend), section, e, force)
+            a = ellipse(1 / (1 / rocker - bend), section, e, force)[0]
+        return {"p_max_pa": peak, "area_m2": area}
+
+    truth, less = figures(1.0), figures(1.0 - 0.5 * height / away)
+    error = max(abs(truth[k] / less[k] - 1) for k in truth)
+    length = 2 * away + 0.1
+    shape = f'{{ kind = "bob", length_m = {length}, rocker_radius_m = {rocker}, section_radius_m = {section}, width_m = {width}, height_m = {height} }}'
+    places = ", ".join(f"{{ x_m = {x}, length_m = 0.01, share = 0.5 }}" for x in (-away, away))
+    return case(f"shape = {shape}\nelastic = true\nmount = {{ carries = [{places}] }}", force, '"free"'), truth, error
+
+
+def graded(fine, even, end):
+    """From 0: even cells up to `even`, then each longer by a third, to `end`."""
+    nodes = list(np.linspace(0, even, round(even / fine) + 1))
+    while nodes[-1] < end:
+        nodes.append(nodes[-1] + 4 / 3 * (nodes[-1] - nodes[-2]))
+    return np.array(nodes) * end / nodes[-1] if nodes[-1] > end * 1.2 else np.append(nodes[:-1], end)
+
+
+def meshed(draw, folder):
+    radius, force = draw.logarithmic(0.5, 6), draw.logarithmic(300, 3000)
+    material = draw.logarithmic(5e9, 210e9), 0.30
+    a = (0.75 * force * radius / modulus(ICE, material)) ** (1 / 3)
+    height, cells = a * draw.logarithmic(2, 6), draw.random.integers(2, 6)
+    half = graded(a / cells, 1.5 * a, 3 * height + 3 * a)
+    line, up = np.concatenate([-half[:0:-1], half]), graded(a / cells, 0.5 * a, height) / height
+    n, m = len(line), len(up)
+    x, y, t = np.meshgrid(line, line, up, indexing="ij")
+    low = (x**2 + y**2) / (2 * radius)
+    points = np.stack([x, y, low + t * (height - low)], axis=-1).reshape(-1, 3)
+    number = np.arange(n * n * m).reshape(n, n, m)
+    corner = [number[i : n - 1 + i, j : n - 1 + j, k : m - 1 + k].ravel() for i, j, k in
+              ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))]
+    write_vtu(folder / "runner.vtu", points, np.stack(corner, axis=-1))
+    runner = f'mesh = "runner.vtu"\nelastic = true\nyoungs_modulus_pa = {material[0]}\npoissons_ratio = {material[1]}'
+    return case(runner, force), layered_truth(radius, force, material, height), a * a / (2 * radius * height)
+
+
+def write_vtu(path, points, cells):
+    def array(kind, name, values, parts=""):
+        text = " ".join(map(str, np.asarray(values).ravel()))
+        return f'<DataArray type="{kind}" Name="{name}" {parts} format="ascii">{text}</DataArray>'
+
+    path.write_text(
+        '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(cells)}"><Points>'
+        + array("Float64", "Points", points, 'NumberOfComponents="3"')
+        + "</Points><Cells>"
+        + array("Int64", "connectivity", cells)
+        + array("Int64", "offsets", 8 * np.arange(1, len(cells) + 1))
+        + array("UInt8", "types", np.full(len(cells), 12))
+        + "</Cells></Piece></UnstructuredGrid></VTKFile>"
+    )
+
+
+def scanned(draw, folder):
+    section, force = draw.logarithmic(3e-3, 2e-2), draw.logarithmic(100, 4000)
+    rocker = section * draw.logarithmic(1, 3e3)
+    e = modulus(ICE)
+    peak, area, approach = hertz(rocker, section, e, force)
+    long, short, _ = ellipse(rocker, section, e, force)
+    noise = approach * draw.logarithmic(1e-4, 3e-2)
+    x, y = np.linspace(-4 * long, 4 * long, 61), np.linspace(-4 * short, 4 * short, 61)
+    gx, gy = np.meshgrid(x, y, indexing="ij")
+    gz = gx**2 / (2 * rocker) + gy**2 / (2 * section) + noise * draw.random.standard_normal(gx.shape)
+    number = np.arange(gx.size).reshape(gx.shape) + 1
+    a, b, c, d = (v.ravel() for v in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    with (folder / "hull.obj").open("w") as out:
+        out.writelines(f"v {px:.9g} {py:.9g} {pz:.9g}\n" for px, py, pz in zip(gx.ravel(), gy.ravel(), gz.ravel()))
+        for f in (np.stack([a, c, b], -1), np.stack([a, d, c], -1)):
+            out.writelines(f"f {i} {j} {k}\n" for i, j, k in f)
+    truth = {"p_max_pa": peak, "area_m2": area, "approach_m": approach}
+    return case(f'hull = "hull.obj"\nnoise_m = {noise}', force), truth, 1e-4
+
+
+CLASSES = {"held at its top": held_at_top, "carried": carried, "meshed runner": meshed, "scanned hull": scanned}
+
+
+def main():
+    kufe, seed, count = pathlib.Path(sys.argv[1]).resolve(), int(sys.argv[2]), int(sys.argv[3])
+    table = ["| class | contacts | answered | reached | peak | area | approach | stated over true, peak |", "|---|---|---|---|---|---|---|---|"]
+    for kind in sys.argv[4:] or CLASSES:
+        draw, held, ratios, refused, reached = Draw(seed), {}, [], 0, 0
+        for _ in range(count):
+            with tempfile.TemporaryDirectory() as folder:
+                folder = pathlib.Path(folder)
+                text, truth, error = CLASSES[kind](draw, folder)
+                (folder / "case.toml").write_text(text)
+                done = subprocess.run([kufe, "press", "case.toml", "-o", "out", "--quiet"], cwd=folder, capture_output=True, text=True)
+                if done.returncode not in (0, 4) or not (folder / "out/result.json").exists():
+                    refused += 1
+                    print(f"{kind}: exit {done.returncode}: {done.stderr.strip()}")
+                    continue
+                result = json.loads((folder / "out/result.json").read_text())
+            reached += result["accuracy_reached"]
+            for key, true in truth.items():
+                name, unit = key.rsplit("_", 1)
+                off, stated = abs(result[key] / true - 1), result[f"{name}_error_{unit}"] / true
+                held.setdefault(name, []).append(off <= stated + error)
+                if name == "p_max":
+                    ratios.append(stated / max(off, 1e-12))
+                if off > stated + error:
+                    print(f"{kind}: {name} off by {100 * off:.2f} %, {100 * stated:.2f} % stated, {100 * error:.2f} % the truth's: {text.split(chr(10) + '[ice]')[0]} fz {truth}")
+        counts = [f"{sum(held[k])} of {len(held[k])}" if k in held else "" for k in ("p_max", "area", "approach")]
+        table.append(f"| {kind} | {count} | {count - refused} | {reached} | {' | '.join(counts)} | {np.median(ratios) if ratios else float('nan'):.1f} |")
+    print("\n".join(table))
+
+
+if __name__ == "__main__":
+    main()
