@@ -52,7 +52,7 @@ impl Campaign<'_> {
             .filter(|law| law.stands || of_claim(law))
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
-        let most = total(&best.first()?.gains);
+        let most = best.first().map_or(0.0, |law| total(&law.gains));
         // Of the forces, which are much alike, the one on which it explains most; each sensor by itself.
         let mut seen: Vec<(Option<usize>, &[usize])> = Vec::new();
         best.retain(|law| {
@@ -76,57 +76,100 @@ impl Campaign<'_> {
             let size = part.s[0] / part.m[(0, 0)];
             let candidate = self.told_law(&terms, &channels, &formula, size, at)?;
             // By full refits: a large effect bends the base that scores are taken at.
-            let misfit = match candidate.act.carrier {
-                Some(_) => f64::INFINITY,
-                None => self.misfit_with(at, &candidate, start(&candidate, size)),
+            let refit = match candidate.act.carrier {
+                Some(_) => None,
+                None => self.refitted(at.residual_model, &candidate, start(&candidate, size)),
             };
+            let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
             let left = misfit + rules.number * formula.term.shape.numbers() as f64;
-            Some((
-                formula,
-                sums,
-                LawFit {
-                    candidate,
-                    size,
-                    left,
-                },
-            ))
+            let fit = LawFit {
+                candidate,
+                refit,
+                size,
+                left,
+            };
+            Some((formula, sums, fit))
         };
-        let leaders = leaders.into_iter().filter_map(told);
-        let (mut formula, sums, mut shown) =
+        let leaders: Vec<_> = leaders.into_iter().filter_map(&told).collect();
+        let bent = match self.is_large(at, claim, most) {
+            true => self.bent(at, &terms, &channels, &told, options),
+            false => None,
+        };
+        let p_value = bent.as_ref().map_or(p_value, |(_, p)| p_value.min(*p));
+        let leaders = leaders.into_iter().chain(bent.map(|(law, _)| law));
+        let (mut formula, mut sums, mut shown) =
             leaders.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
+        let mut rivals = Vec::new();
         if shown.candidate.act.carrier.is_none() {
             let as_told =
                 |formula: &Formula, size: f64| self.told_law(&terms, &channels, formula, size, at);
-            (formula, shown) = self.polished(at, formula, shown, &terms, &as_told);
+            (formula, shown) = self.polished(formula, shown, &terms, &as_told);
+            // Speed and time go together: what drives a fault of a sensor shows in full refits, where each has its own numbers.
+            let others: Vec<&Smooth> = smooth
+                .iter()
+                .filter(|law| law.channel == formula.term.channel && law.columns != formula.columns)
+                .filter(|law| matches!(channels[law.channel], Channel::Sensor(_)))
+                .collect();
+            let without = self.refitted_alone(at.residual_model)?.misfit;
+            for law in others {
+                let Some(other) = self.simplest(&terms, &channels, law).and_then(told) else {
+                    continue;
+                };
+                let (other, its_sums, first) = other;
+                if without - first.left < self.rules().leads * (without - shown.left) {
+                    continue;
+                }
+                let (other, fitted) = self.polished(other, first, &terms, &as_told);
+                if fitted.left < shown.left {
+                    rivals.push((formula, shown));
+                    (formula, sums, shown) = (other, its_sums, fitted);
+                } else {
+                    rivals.push((other, fitted));
+                }
+            }
         }
-        let LawFit {
-            candidate: shown,
-            size,
-            left,
-        } = shown;
+        let left = shown.left;
         if let Some(named) = claim {
             if known.is_empty() {
                 return None;
             }
-            let none = DMatrix::zeros(1, 1);
-            let [of_law, of_name] = [0, 1].map(|k| sums.held_gains(&[k], &none, rules.folds));
-            let [more, error] = difference(&of_law, &of_name);
             // A column's own form gives way to a formula that does as well.
             let column = named.candidate.is_column();
             let least = if column { -rules.as_good } else { rules.beats };
-            if more <= least * error
-                || !column && self.misfit_with(at, &named.candidate, named.size) <= left
-            {
+            let refit = self.refitted(at.residual_model, &named.candidate, named.size);
+            let [more, error] = match (&shown.refit, &refit) {
+                (Some(law), Some(name)) => {
+                    let [law, name] = [law, name].map(|refit| self.misfit_by_run(refit));
+                    difference(&name, &law)
+                }
+                _ => {
+                    let none = DMatrix::zeros(1, 1);
+                    let gains = [0, 1].map(|k| sums.held_gains(&[k], &none, rules.folds));
+                    difference(&gains[0], &gains[1])
+                }
+            };
+            if more <= least * error || !column && refit.is_some_and(|refit| refit.misfit <= left) {
                 return None;
             }
         }
         let mut known = strongest.iter();
-        if shown.act.carrier.is_none()
+        if shown.candidate.act.carrier.is_none()
             && known.any(|(c, size)| self.misfit_with(at, c, *size) <= left)
         {
             return None;
         }
-        let class: Vec<String> = std::iter::once(shown.effect.clone())
+        let of_runs = |fit: &LawFit| fit.refit.as_ref().map(|refit| self.misfit_by_run(refit));
+        let own = of_runs(&shown);
+        let alike = |other: &LawFit| {
+            let both = own.as_ref().zip(of_runs(other));
+            both.is_some_and(|(own, other)| {
+                let [more, error] = difference(&other, own);
+                more <= rules.alike * error
+            })
+        };
+        let same_sensor = rivals.iter().filter(|(_, fit)| alike(fit));
+        let class: Vec<String> = std::iter::once(shown.candidate.effect.clone())
+            .chain(same_sensor.map(|(formula, _)| name(&formula.columns, &terms.names)))
             .chain(
                 smooth
                     .iter()
@@ -136,7 +179,10 @@ impl Campaign<'_> {
                         more <= rules.alike * error
                     })
                     .map(|law| name(&law.columns, &terms.names))
-                    .filter(|other| shown.effect != *other && !within(&shown.effect, other)),
+                    .filter(|other| {
+                        let of = &shown.candidate.effect;
+                        of != other && !within(of, other)
+                    }),
             )
             .fold(Vec::new(), |mut class, name| {
                 if !class.contains(&name) {
@@ -144,6 +190,11 @@ impl Campaign<'_> {
                 }
                 class
             });
+        let LawFit {
+            candidate: shown,
+            size,
+            ..
+        } = shown;
         let strongest = self.strongest_channel(at.residual_model, &shown, size);
         let fault = match channels[formula.term.channel] {
             Channel::Sensor(sensor) => Some(format!(

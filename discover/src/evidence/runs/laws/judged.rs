@@ -23,6 +23,15 @@ pub struct Smooth {
     pub stands: bool,
 }
 
+/// How much of a law of this column the catalogue knows: of a sensor its offset, and of what it says itself its scale.
+fn known(channel: Channel, column: usize) -> usize {
+    match channel {
+        Channel::Sensor(sensor) if column == said_by(sensor) => 2,
+        Channel::Sensor(_) => 1,
+        _ => 0,
+    }
+}
+
 impl Campaign<'_> {
     /// The channels that laws may act on.
     pub fn law_channels(&self) -> Vec<Channel> {
@@ -51,7 +60,11 @@ impl Campaign<'_> {
             list.extend(shapes.into_iter().map(|shape| Term { channel, shape }));
             groups.push(match list.len() - first {
                 1 => Group::single(first),
-                _ => Group::spline(first..list.len(), rules.smoothing),
+                _ => Group::spline(
+                    first..list.len(),
+                    rules.smoothing,
+                    known(channels[channel], columns[0]),
+                ),
             });
             laws.push((channel, columns));
         };

@@ -2,17 +2,20 @@
 
 use kufe_sled::effects::{Channel, Kind};
 
-use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::shapes::moved;
 use crate::evidence::runs::laws::terms::Terms;
+use crate::evidence::runs::screen::leaders::Refit;
 use crate::procedure::candidate::Candidate;
 
 /// A formula as an effect, fitted together with the base.
 pub struct LawFit {
     /// The effect.
     pub candidate: Candidate<Amplitude>,
+    /// The fit; nothing where no simulation knows its column.
+    pub refit: Option<Refit>,
     /// Its size.
     pub size: f64,
     /// What it leaves, its numbers counted.
@@ -31,7 +34,6 @@ impl Campaign<'_> {
     /// The formula of the same kind that leaves least: one number after the other is moved, by less and less. `told` makes it an effect.
     pub fn polished(
         &self,
-        at: &Current,
         formula: Formula,
         shown: LawFit,
         terms: &Terms,
@@ -42,12 +44,11 @@ impl Campaign<'_> {
         /// Share by which a number is moved at last: less than its error.
         const FINEST: f64 = 1e-3;
         let (mut formula, mut shown) = (formula, shown);
-        let first = start(&shown.candidate, shown.size);
-        let Some((misfit, size)) = self.refitted(at, &shown.candidate, first) else {
+        let Some(mut refit) = shown.refit.clone() else {
             return (formula, shown);
         };
-        let numbers = shown.left - misfit;
-        shown.size = size;
+        shown.size = refit.size;
+        let numbers = shown.left - refit.misfit;
         let span = formula.columns.first().map_or(0.0, |column| {
             let sorted = terms.sorted(*column);
             sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0)
@@ -59,28 +60,29 @@ impl Campaign<'_> {
                 break;
             }
             refits += near.len();
+            let beside = refit.beside();
             let each = near.into_iter().filter_map(|shape| {
                 let mut other = formula.clone();
                 other.term.shape = shape;
-                let candidate = told(&other, shown.size)?;
-                let (misfit, size) = self.refitted(at, &candidate, shown.size)?;
-                let left = misfit + numbers;
-                Some((
-                    other,
-                    LawFit {
-                        candidate,
-                        size,
-                        left,
-                    },
-                ))
+                let candidate = told(&other, refit.size)?;
+                let found = self.refitted(&beside, &candidate, refit.size)?;
+                Some((other, candidate, found))
             });
-            match each.min_by(|a, b| a.1.left.total_cmp(&b.1.left)) {
-                Some((other, better)) if better.left < shown.left => {
-                    (formula, shown) = (other, better);
+            match each.min_by(|a, b| a.2.misfit.total_cmp(&b.2.misfit)) {
+                Some((other, candidate, better)) if better.misfit < refit.misfit => {
+                    formula = other;
+                    shown = LawFit {
+                        candidate,
+                        size: better.size,
+                        left: better.misfit + numbers,
+                        refit: None,
+                    };
+                    refit = better;
                 }
                 _ => share *= 0.4,
             }
         }
+        shown.refit = Some(refit);
         (formula, shown)
     }
 }

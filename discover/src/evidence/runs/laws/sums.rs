@@ -79,7 +79,8 @@ impl LawSums {
         }
     }
 
-    /// The columns beyond a refit of the last ones, without these: with W = M_cb M_bb^-1, c' = c - W b.
+    /// The columns, and each run's residual, beyond a refit of the last columns, without these: with W = M_cb M_bb^-1 and
+    /// w = M_bb^-1 S_b, c' = c - W b and r' = r - b w.
     pub fn beyond(self, last: usize) -> Self {
         if last == 0 {
             return self;
@@ -87,20 +88,28 @@ impl LawSums {
         let columns = self.u.nrows();
         let first = columns - last;
         let all: Vec<usize> = (0..columns).collect();
-        let total = self.of(&all, 0..self.m.len()).m;
-        let own = total.view((first, first), (last, last)).into_owned();
-        let shares = total.view((0, first), (first, last)) * ridge_inverse(own);
+        let total = self.of(&all, 0..self.m.len());
+        let own = total.m.view((first, first), (last, last)).into_owned();
+        let inverse = ridge_inverse(own);
+        let shares = total.m.view((0, first), (first, last)) * &inverse;
+        let sizes = inverse * total.s.rows(first, last);
         let mut turn = DMatrix::identity(first, columns);
         turn.view_mut((0, first), (first, last)).copy_from(&-shares);
+        let mut u = &turn * &self.u;
+        let mut m = Vec::with_capacity(self.m.len());
+        for (i, run) in self.m.iter().enumerate() {
+            let turned = &turn * run;
+            let mut own = u.column_mut(i);
+            own -= turned.columns(first, last) * &sizes;
+            m.push(turned * turn.transpose());
+        }
+        let common = &turn * &self.common;
+        let moved = self.common.rows(first, last).tr_mul(&sizes);
         Self {
-            u: &turn * self.u,
-            m: self
-                .m
-                .iter()
-                .map(|m| &turn * m * turn.transpose())
-                .collect(),
-            shared: &turn * self.shared,
-            common: &turn * self.common,
+            u,
+            m,
+            shared: &turn * self.shared - &common * moved,
+            common,
         }
     }
 
@@ -257,11 +266,19 @@ mod tests {
             .map(|x| square(&DMatrix::from_fn(40, n, |i, k| x[(i, order(k))])))
             .collect();
         let plain: Vec<DMatrix<f64>> = rows.iter().map(square).collect();
-        let beyond = LawSums::new(&plain, levels, &Prior::none(base)).beyond(last);
-        let refitted = LawSums::new(&among, levels, &Prior::none(base + last));
-        let all: Vec<usize> = (0..q).collect();
-        let [a, b] = [&beyond, &refitted].map(|sums| sums.of(&all, 0..5));
-        assert!((a.m - b.m).abs().max() < 1e-9);
-        assert!((a.s - b.s).abs().max() < 1e-9);
+        let prior = |count: usize| {
+            let mut prior = Prior::none(count);
+            (prior.precision[2], prior.at[2]) = (1.0, 0.7);
+            prior
+        };
+        let beyond = LawSums::new(&plain, levels, &prior(base)).beyond(last);
+        let refitted = LawSums::new(&among, levels, &prior(base + last));
+        let near = |a: &DMatrix<f64>, b: &DMatrix<f64>| (a - b).abs().max() < 1e-8;
+        assert!(near(&beyond.u, &refitted.u));
+        for (a, b) in beyond.m.iter().zip(&refitted.m) {
+            assert!(near(a, b));
+        }
+        assert!((beyond.shared - refitted.shared).abs().max() < 1e-8);
+        assert!(near(&beyond.common, &refitted.common));
     }
 }
