@@ -196,14 +196,6 @@ impl Campaign<'_> {
             ..
         } = shown;
         let strongest = self.strongest_channel(at.residual_model, &shown, size);
-        let fault = match channels[formula.term.channel] {
-            Channel::Sensor(sensor) => Some(format!(
-                "{}: a fault of {}, which reads so much more than is true",
-                shown.effect,
-                sensor.name()
-            )),
-            _ => None,
-        };
         let smoother = smoothest.and_then(|smooth| {
             let [more, error] = difference(smooth, &formula.gains);
             (more > rules.alike * error).then(|| {
@@ -213,7 +205,6 @@ impl Campaign<'_> {
                 )
             })
         });
-        let remarks: Vec<String> = fault.into_iter().chain(smoother).collect();
         Some(Claim {
             place: self.place_of(&shown, at),
             channel: CHANNEL_NAMES[strongest],
@@ -222,7 +213,7 @@ impl Campaign<'_> {
             class,
             rivals: Vec::new(),
             p_value,
-            remark: (!remarks.is_empty()).then(|| remarks.join("; ")),
+            remark: smoother,
             parameters: Vec::new(),
             candidate: shown,
         })
