@@ -91,7 +91,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.finish_and_clear();
     staging.write("runs.csv", |mut file| file.write_all(&index))?;
     if let Some(fragment) = &fragment {
-        staging.text("model.import.toml", &fragment)?;
+        staging.text("model.import.toml", fragment)?;
     }
     let document = json!({
         "mapping": file,

@@ -11,8 +11,10 @@ pub struct Channels<'a> {
     /// Time between samples [s].
     sample_s: f64,
     /// Values and their derivatives, in the order of the sensors; a channel without derivatives has none.
-    values: [(Cow<'a, [f64]>, Option<Cow<'a, [f64]>>); Sensor::ALL.len()],
+    values: [Channel<'a>; Sensor::ALL.len()],
 }
+
+type Channel<'a> = (Cow<'a, [f64]>, Option<Cow<'a, [f64]>>);
 
 impl<'a> Channels<'a> {
     /// As recorded.
