@@ -9,6 +9,7 @@ use crate::accuracy::extrapolation::{
 };
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::order::Limit;
+use crate::accuracy::own_cells::own_cells;
 use crate::accuracy::scout::scout;
 use crate::accuracy::watched::{Limits, Place, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
@@ -56,6 +57,8 @@ pub(crate) struct Meshes<'a> {
     /// Cells over half the patch of the next mesh, and of the first one that it is similar to, before rounding.
     cells: f64,
     coarsest: f64,
+    /// Cells over half the patch whose error is that of the runner's own, where it has such: finer ice tells nothing of what these miss.
+    own_cells: Option<f64>,
     number: usize,
     solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
@@ -83,7 +86,8 @@ pub(crate) enum Verdict {
     Refine(Plan),
     /// The runner touches where contact was not looked for.
     Widen(Penetration),
-    /// Another mesh is needed and would have too many unknowns; what the meshes tend to, where that is known.
+    /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's own; what the meshes tend to, where
+    /// that is known.
     OutOfReach(Option<Limits>),
 }
 
@@ -101,8 +105,14 @@ impl<'a> Meshes<'a> {
         let material = check(problem, options)?;
         let gap = Gap::new(problem)?;
         let (patch, forces) = scout(problem, &gap, material, options)?;
+        let own_cells = own_cells(problem, &patch);
         let coarsest = options.cells.map_or_else(
-            || first_resolution(options.p_max_tolerance, patch.is_even()),
+            || {
+                let first = first_resolution(options.p_max_tolerance, patch.is_even());
+                // Three meshes, the last as fine as the runner's own.
+                let room = own_cells.map_or(f64::INFINITY, |own| own / REFINEMENT.powi(2));
+                first.min(room.max(FEWEST))
+            },
             |c| c as f64,
         );
         Ok(Meshes {
@@ -114,6 +124,7 @@ impl<'a> Meshes<'a> {
             forces,
             cells: coarsest.round(),
             coarsest,
+            own_cells,
             number: 0,
             solved: Watched::new(problem.ice.hardness),
             graded_anew: false,
@@ -257,11 +268,24 @@ impl<'a> Meshes<'a> {
         Ok(())
     }
 
+    /// What the meshes tend to; the runner's own hexahedra, which stay, leave of the last mesh's error what theirs is of it.
+    fn limits(&self, contact: &Contact) -> Option<Limits> {
+        let mut limits = self.solved.limits()?;
+        if let Some(own) = self.own_cells {
+            let peak = &mut limits.peak;
+            let left = (contact.pressure.figures.p_max - peak.value).abs();
+            let runner = left * (self.cells / own).powi(2);
+            peak.error += runner;
+            limits.relative += runner / peak.value;
+        }
+        Some(limits)
+    }
+
     fn judge_accuracy(&self, contact: &Contact) -> Verdict {
         if self.options.cells.is_some() {
             return Verdict::Reached(self.unjudged(contact));
         }
-        let limits = self.solved.limits();
+        let limits = self.limits(contact);
         let anew = self.regraded < REGRADINGS
             && contact.pressure.patch.wants_finer_than(&self.patch, COARSE);
         let tolerance = self.options.p_max_tolerance;
@@ -286,6 +310,11 @@ impl<'a> Meshes<'a> {
                 let planned = self.coarsest * REFINEMENT.powi(self.solved.similar() as i32);
                 planned.round().max(self.cells + 1.0)
             }
+        };
+        let cells = match self.own_cells.map(f64::floor) {
+            Some(own) if !anew && cells > own && own > self.cells => own,
+            Some(own) if !anew && cells > own => return Verdict::OutOfReach(limits),
+            _ => cells,
         };
         // A mesh that is graded anew may have some more than its cells say.
         let more = (cells / self.cells).powi(3).max(REFINEMENT);

@@ -4,6 +4,7 @@ pub(crate) mod extrapolation;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 pub(crate) mod order;
+pub(crate) mod own_cells;
 #[cfg(test)]
 mod rejection_tests;
 pub(crate) mod scout;

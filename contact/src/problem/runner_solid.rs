@@ -127,6 +127,27 @@ impl RunnerSolid {
         }
     }
 
+    /// Largest extents along x and y of the underside's faces with their middle between these ends of x and y [m]; zero where there are none.
+    pub(crate) fn largest_face(&self, x: [f64; 2], y: [f64; 2]) -> [f64; 2] {
+        let mut largest = [0.0f64; 2];
+        for face in &self.faces {
+            let ends = [0, 1].map(|axis| {
+                let at = face.map(|node| self.mesh().points[node][axis]);
+                at.iter()
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
+                        [low.min(x), high.max(x)]
+                    })
+            });
+            let middle = ends.map(|[low, high]| 0.5 * (low + high));
+            if (x[0]..=x[1]).contains(&middle[0]) && (y[0]..=y[1]).contains(&middle[1]) {
+                for (largest, [low, high]) in largest.iter_mut().zip(ends) {
+                    *largest = largest.max(high - low);
+                }
+            }
+        }
+        largest
+    }
+
     /// Vertical displacements of the underside's nodes, in the order of `surface`, under 1 N upwards on each of `nodes` [m/N].
     pub(crate) fn responses(&self, nodes: &[usize]) -> Vec<Vec<f64>> {
         let mut known = self

@@ -143,7 +143,7 @@ fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
     })
 }
 
-/// What the stated errors, which are of the ice's cells alone, do not hold: a runner's own hexahedra, a scanner's noise.
+/// What stated errors rest on or do not hold: a runner's own hexahedra, a scanner's noise.
 fn beyond_discretisation(
     loaded: &LoadedCase,
     hull: Option<&FittedHull>,
@@ -153,7 +153,8 @@ fn beyond_discretisation(
     let runner = &loaded.case.runner;
     if runner.mesh.is_some() {
         return Some(
-            "the stated errors do not hold what the runner's own hexahedra are off by: press it on a finer mesh to see that"
+            "the runner's own hexahedra stay as they are: the ice is meshed until its error is theirs by the runner's share of what gives, \
+             and the stated errors are those of the ice there; hexahedra that are finer under the contact lower them"
                 .into(),
         );
     }
