@@ -212,8 +212,8 @@ fn run(task: Task) -> Result<bool, String> {
             let options = how.options(0, 0).map_err(|error| error.to_string())?;
             let rows = constants::constants(&text, &only, &options, &|row| {
                 eprintln!(
-                    "{} {} {:e}: {} of {} in class",
-                    row.kind, row.key, row.value, row.in_class, row.hidden
+                    "{} {} {:e}: {} of {} in class, {} false claims",
+                    row.kind, row.key, row.value, row.in_class, row.hidden, row.false_claims
                 );
             })
             .map_err(|error| error.to_string())?;
