@@ -37,8 +37,7 @@ pub fn sentence(
                 String::new()
             };
             let law = match &step.law {
-                Some(law) if step.summary.is_empty() => format!(", {law}"),
-                Some(_) => format!(", {}", step.summary),
+                Some(law) => format!(", {law}"),
                 None => String::new(),
             };
             format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))

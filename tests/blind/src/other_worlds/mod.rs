@@ -24,7 +24,6 @@
 //! lognormal strengths, or each driver in a way of his own.
 
 mod build;
-mod effects;
 mod hidden;
 mod recorder;
 mod ride;
@@ -34,6 +33,5 @@ mod walls;
 mod wrong;
 
 pub use build::build;
-pub use effects::EFFECTS;
-pub use hidden::Effect;
+pub use hidden::{EFFECTS, Effect};
 pub use wrong::{WORLDS, World};
