@@ -33,7 +33,7 @@ pub fn sample(surface: &SurfaceField, bound: f64, like: &Map) -> Map {
         let q = |i: usize, j: usize| square[j * nx + i];
         let lower = (1.0 - a) * q(i, j) + a * q(i + 1, j);
         let upper = (1.0 - a) * q(i, j + 1) + a * q(i + 1, j + 1);
-        ((1.0 - b) * lower + b * upper).max(0.0).sqrt()
+        ((1.0 - b) * lower + b * upper).max(0.0).sqrt().min(bound)
     };
     let mut map = like.clone();
     let per_pixel = (POINTS.len() * POINTS.len()) as f64;
