@@ -8,9 +8,6 @@ use crate::options::Options;
 use crate::procedure::beside::Amount;
 use crate::procedure::evidence::Account;
 
-/// Standard errors of their difference within which sizes agree. Derived: three of their joint error.
-pub const AGREES: f64 = 3.0;
-
 /// The kind of data whose model is a case.
 pub const PRESSURES: &str = "pressures";
 
@@ -156,7 +153,7 @@ impl<'a> Joint<'a> {
             }
         }
         let worst = all.iter().map(|same| parted(same)).fold(0.0, f64::max);
-        if worst <= AGREES {
+        if worst <= self.options.rules.search.kinds_agree {
             said.together = all.iter().filter_map(|same| together(same)).collect();
         } else {
             let sizes = said.by_kind.iter().flat_map(|(k, amounts)| {

@@ -8,7 +8,7 @@
 use crate::error::Error;
 use crate::finding::report::Rival;
 use crate::joint::combine::{chance, gain, parted};
-use crate::joint::kinds::{AGREES, Joint, JointFit, Origin};
+use crate::joint::kinds::{Joint, JointFit, Origin};
 use crate::procedure::beside::Amount;
 use crate::procedure::evidence::{Account, Claim};
 
@@ -146,6 +146,7 @@ impl Joint<'_> {
     /// A claim that no kind makes alone.
     pub fn weak_together(&mut self, fit: &JointFit, account: &Account) -> Option<Claim<Origin>> {
         let alpha = self.alpha();
+        let agree = self.options.rules.search.kinds_agree;
         let weak = self.weak();
         let known = |weak: &Weak| {
             let effect = &weak.by_kind[0].1.effect;
@@ -154,7 +155,7 @@ impl Joint<'_> {
         let best = weak
             .iter()
             .filter(|w| w.by_kind.len() > 1 && w.p_value <= alpha && !known(w))
-            .filter(|w| parted(&amounts(w)) <= AGREES)
+            .filter(|w| parted(&amounts(w)) <= agree)
             .max_by(|a, b| a.gain.total_cmp(&b.gain))?;
         let surest = best
             .by_kind

@@ -37,7 +37,8 @@ pub fn sentence(
                 String::new()
             };
             let law = match &step.law {
-                Some(law) => format!(", {law}"),
+                Some(law) if step.summary.is_empty() => format!(", {law}"),
+                Some(_) => format!(", {}", step.summary),
                 None => String::new(),
             };
             format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))

@@ -190,7 +190,8 @@ impl Campaign<'_> {
         self.least_squares(&off, plain.owners)
     }
 
-    /// Fits base and effects alone, beside an installation as it stands.
+    /// Fits base and effects alone, beside an installation as it stands. Base parameters that run to a bound, as they do where what is
+    /// missing bends the base, stay as they are given: from a bound no later refit finds back.
     ///
     /// # Errors
     /// As [`fitted`](Self::fitted).
@@ -200,7 +201,16 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let held = residual_model.hold(true);
-        let (residual_model, whitener) = fit(&held, &self.training, &self.free, self.used)?;
+        let (mut residual_model, mut whitener) = fit(&held, &self.training, &self.free, self.used)?;
+        let free = self.free.iter().copied();
+        let inside: Vec<usize> = free.filter(|b| residual_model.within(*b)).collect();
+        if inside.len() < self.free.len() {
+            let again = ResidualModel {
+                base: self.given.base,
+                ..held
+            };
+            (residual_model, whitener) = fit(&again, &self.training, &inside, self.used)?;
+        }
         Ok(RunFit {
             settled: residual_model.clone(),
             residual_model,

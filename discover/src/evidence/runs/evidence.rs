@@ -362,6 +362,7 @@ impl Evidence for Campaign<'_> {
                     summary: i.summary.to_owned(),
                     decides: i.decides.to_owned(),
                 })
+                .chain(self.bent_sensors(last))
                 .collect(),
             words: Words {
                 nothing: self.too_few().filter(|_| self.least_p() > rules.alpha).map_or(

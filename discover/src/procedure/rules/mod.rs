@@ -47,6 +47,8 @@ pub struct SearchRules {
     pub beyond_scatter: f64,
     /// Share of the gap that repeats from run to run, on locked-away data, that a step must close to be worth saying. Chosen.
     pub material: f64,
+    /// Standard errors of their difference within which the sizes of several kinds of data are one. Derived: three of their joint error.
+    pub kinds_agree: f64,
     /// Standard deviations by which a size must exceed its critical value to be claimed nine times in ten. Derived: the
     /// normal law's 90 % quantile.
     pub nine_in_ten: f64,
@@ -62,6 +64,7 @@ impl Default for SearchRules {
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
             material: 0.05,
+            kinds_agree: 3.0,
             nine_in_ten: 1.28,
             interval: 1.96,
         }

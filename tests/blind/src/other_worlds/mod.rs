@@ -24,6 +24,7 @@
 //! lognormal strengths, or each driver in a way of his own.
 
 mod build;
+mod effects;
 mod hidden;
 mod recorder;
 mod ride;
@@ -33,5 +34,6 @@ mod walls;
 mod wrong;
 
 pub use build::build;
-pub use hidden::{EFFECTS, Effect};
+pub use effects::EFFECTS;
+pub use hidden::Effect;
 pub use wrong::{WORLDS, World};

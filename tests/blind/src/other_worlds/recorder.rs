@@ -32,18 +32,18 @@ pub fn record(
             bias += wrong.gyro_bias_radps[c - 3];
         }
         match fault {
-            Some((Fault::Bias(at), size)) if at == c => bias += size,
-            Some((Fault::Scale(at), size)) if at == c => scale += size,
             Some((Fault::Delay(at), size)) if at == c => delay += size,
             _ => {}
         }
+        let read = |x: f64, t: f64| fault.map_or(x, |(fault, size)| fault.read(c, size, x, t));
         let values: Vec<f64> = clean.iter().map(|row| row[c]).collect();
         let late = filtered(&later(&values, delay * RATE_HZ), wrong.filter_hz);
         let noise = noise(late.len(), NOISE[c], wrong, source);
         late.iter()
             .zip(&noise)
+            .enumerate()
             .step_by(stride)
-            .map(|(v, n)| scale * v + bias + n)
+            .map(|(k, (v, n))| read(scale * v + bias, k as f64 / RATE_HZ) + n)
             .collect()
     });
     (0..columns[0].len())
@@ -137,6 +137,20 @@ fn noise(count: usize, sd: f64, wrong: &Wrong, source: &mut Source) -> Vec<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn faults_of_a_channel_leave_the_others_and_bend_it_as_they_say() {
+        let saturating = Fault::Saturating(5);
+        assert_eq!(saturating.read(4, 0.7, 0.3, 1.0), 0.3);
+        // tanh x = x - x^3 / 3 + ...
+        let cubic = 0.1 - 0.1_f64.powi(3) / (3.0 * 0.7 * 0.7);
+        assert!((saturating.read(5, 0.7, 0.1, 1.0) - cubic).abs() < 1e-5);
+        let warm = Fault::Warming(7).read(7, 0.004, 0.001, 1e3);
+        assert!((warm - 0.005).abs() < 1e-12);
+        assert_eq!(Fault::Stepping(6).read(6, 0.8, 20.9, 0.0), 20.9);
+        assert_eq!(Fault::Stepping(6).read(6, 0.8, 22.0, 0.0), 22.8);
+        assert!((Fault::Bowed(8).read(8, 2.0, -0.05, 0.0) + 0.045).abs() < 1e-15);
+    }
 
     #[test]
     fn a_filtered_and_delayed_wave_is_late_and_weaker_as_the_textbook_says() {

@@ -68,6 +68,29 @@ pub enum Fault {
     Scale(usize),
     /// Is late by so much [s].
     Delay(usize),
+    /// Comes no further than this limit, softly: `limit tanh(x / limit)`.
+    Saturating(usize),
+    /// Comes to read so much too high as it warms up, within six seconds by a factor of e.
+    Warming(usize),
+    /// Reads so much too high from 21 on.
+    Stepping(usize),
+    /// Reads so much times its square too high.
+    Bowed(usize),
+}
+
+impl Fault {
+    /// What channel `c` says of the value `x` at time `t` [s], in time, `size` being the fault's.
+    pub fn read(self, c: usize, size: f64, x: f64, t: f64) -> f64 {
+        match self {
+            Fault::Bias(at) if at == c => x + size,
+            Fault::Scale(at) if at == c => (1.0 + size) * x,
+            Fault::Saturating(at) if at == c => size * (x / size).tanh(),
+            Fault::Warming(at) if at == c => x + size * (1.0 - (-t / 6.0).exp()),
+            Fault::Stepping(at) if at == c && x >= 21.0 => x + size,
+            Fault::Bowed(at) if at == c => x + size * x * x,
+            _ => x,
+        }
+    }
 }
 
 /// What is wrong, drawn for one campaign.

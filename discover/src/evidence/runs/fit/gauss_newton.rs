@@ -5,7 +5,9 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
-use crate::evidence::runs::model::residual_model::{BASE, CHANNELS, ChannelRows, ResidualModel};
+use crate::evidence::runs::model::residual_model::{
+    BASE, BOUNDS, CHANNELS, ChannelRows, ResidualModel,
+};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
@@ -167,7 +169,7 @@ pub fn stepped(
 ) -> ResidualModel {
     let mut trial = residual_model.clone();
     for (k, b) in free_base.iter().enumerate() {
-        trial.base[*b] = (residual_model.base[*b] + share * step[k]).clamp(0.02, 50.0);
+        trial.base[*b] = (residual_model.base[*b] + share * step[k]).clamp(BOUNDS[0], BOUNDS[1]);
     }
     for (k, (e, q)) in residual_model.free().into_iter().enumerate() {
         let scale = residual_model.scale(e, q);

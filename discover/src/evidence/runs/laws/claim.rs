@@ -7,10 +7,11 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::judged::Smooth;
-use crate::evidence::runs::laws::shape::unit;
+use crate::evidence::runs::laws::polished::{LawFit, start};
+use crate::evidence::runs::laws::shape::{unit, unit_of};
 use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
-use crate::evidence::runs::laws::term::COLUMNS;
+use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
@@ -51,11 +52,14 @@ impl Campaign<'_> {
             .filter(|law| law.stands || of_claim(law))
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
-        let most = total(&best.first()?.gains);
-        let mut seen: Vec<&[usize]> = Vec::new();
+        let most = best.first().map_or(0.0, |law| total(&law.gains));
+        // Of the forces, which are much alike, the one on which it explains most; each sensor by itself.
+        let mut seen: Vec<(Option<usize>, &[usize])> = Vec::new();
         best.retain(|law| {
-            let first = !seen.contains(&law.columns.as_slice());
-            seen.push(&law.columns);
+            let sensor = matches!(channels[law.channel], Channel::Sensor(_));
+            let kind = (sensor.then_some(law.channel), law.columns.as_slice());
+            let first = !seen.contains(&kind);
+            seen.push(kind);
             first
         });
         best.truncate(rules.tried);
@@ -68,48 +72,104 @@ impl Campaign<'_> {
         let told = |formula: Formula| {
             let sums = terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
             let sums = sums.into_iter().next()?;
-            let shown = self.told_law(&terms, &channels, &formula, &sums, at)?;
-            Some((formula, sums, shown))
-        };
-        let mut leaders: Vec<_> = leaders.into_iter().filter_map(told).collect();
-        let size_of = |sums: &LawSums| {
             let part = sums.of(&[0], 0..sums.m.len());
-            part.s[0] / part.m[(0, 0)]
-        };
-        let misfits: Vec<f64> = leaders
-            .iter()
-            .map(|(_, sums, shown)| match shown.act.carrier {
-                Some(_) => f64::INFINITY,
-                None => self.misfit_with(at, shown, size_of(sums)),
-            })
-            .collect();
-        // By full refits: a large effect bends the base that scores are taken at.
-        let worth = |k: usize| misfits[k] + rules.number * leaders[k].0.term.shape.numbers() as f64;
-        let chosen = (0..leaders.len()).min_by(|a, b| worth(*a).total_cmp(&worth(*b)))?;
-        let left = worth(chosen);
-        let (formula, sums, shown) = leaders.swap_remove(chosen);
-        if let Some(named) = claim {
-            let gains = match known.is_empty() {
-                true => return None,
-                false => sums.held_gains(&[1], &DMatrix::zeros(1, 1), rules.folds),
+            let size = part.s[0] / part.m[(0, 0)];
+            let candidate = self.told_law(&terms, &channels, &formula, size, at)?;
+            // By full refits: a large effect bends the base that scores are taken at.
+            let refit = match candidate.act.carrier {
+                Some(_) => None,
+                None => self.refitted(at.residual_model, &candidate, start(&candidate, size)),
             };
-            let [more, error] = difference(&formula.gains, &gains);
+            let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
+            let left = misfit + rules.number * formula.term.shape.numbers() as f64;
+            let fit = LawFit {
+                candidate,
+                refit,
+                size,
+                left,
+            };
+            Some((formula, sums, fit))
+        };
+        let leaders: Vec<_> = leaders.into_iter().filter_map(&told).collect();
+        let bent = match self.is_large(at, claim, most) {
+            true => self.bent(at, &terms, &channels, &told, options),
+            false => None,
+        };
+        let p_value = bent.as_ref().map_or(p_value, |(_, p)| p_value.min(*p));
+        let leaders = leaders.into_iter().chain(bent.map(|(law, _)| law));
+        let (mut formula, mut sums, mut shown) =
+            leaders.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
+        let mut rivals = Vec::new();
+        if shown.candidate.act.carrier.is_none() {
+            let as_told =
+                |formula: &Formula, size: f64| self.told_law(&terms, &channels, formula, size, at);
+            (formula, shown) = self.polished(formula, shown, &terms, &as_told);
+            // Speed and time go together: what drives a fault of a sensor shows in full refits, where each has its own numbers.
+            let others: Vec<&Smooth> = smooth
+                .iter()
+                .filter(|law| law.channel == formula.term.channel && law.columns != formula.columns)
+                .filter(|law| matches!(channels[law.channel], Channel::Sensor(_)))
+                .collect();
+            let without = self.refitted_alone(at.residual_model)?.misfit;
+            for law in others {
+                let Some(other) = self.simplest(&terms, &channels, law).and_then(told) else {
+                    continue;
+                };
+                let (other, its_sums, first) = other;
+                if without - first.left < self.rules().leads * (without - shown.left) {
+                    continue;
+                }
+                let (other, fitted) = self.polished(other, first, &terms, &as_told);
+                if fitted.left < shown.left {
+                    rivals.push((formula, shown));
+                    (formula, sums, shown) = (other, its_sums, fitted);
+                } else {
+                    rivals.push((other, fitted));
+                }
+            }
+        }
+        let left = shown.left;
+        if let Some(named) = claim {
+            if known.is_empty() {
+                return None;
+            }
             // A column's own form gives way to a formula that does as well.
             let column = named.candidate.is_column();
             let least = if column { -rules.as_good } else { rules.beats };
-            if more <= least * error
-                || !column && self.misfit_with(at, &named.candidate, named.size) <= left
-            {
+            let refit = self.refitted(at.residual_model, &named.candidate, named.size);
+            let [more, error] = match (&shown.refit, &refit) {
+                (Some(law), Some(name)) => {
+                    let [law, name] = [law, name].map(|refit| self.misfit_by_run(refit));
+                    difference(&name, &law)
+                }
+                _ => {
+                    let none = DMatrix::zeros(1, 1);
+                    let gains = [0, 1].map(|k| sums.held_gains(&[k], &none, rules.folds));
+                    difference(&gains[0], &gains[1])
+                }
+            };
+            if more <= least * error || !column && refit.is_some_and(|refit| refit.misfit <= left) {
                 return None;
             }
         }
         let mut known = strongest.iter();
-        if shown.act.carrier.is_none()
+        if shown.candidate.act.carrier.is_none()
             && known.any(|(c, size)| self.misfit_with(at, c, *size) <= left)
         {
             return None;
         }
-        let class: Vec<String> = std::iter::once(shown.effect.clone())
+        let of_runs = |fit: &LawFit| fit.refit.as_ref().map(|refit| self.misfit_by_run(refit));
+        let own = of_runs(&shown);
+        let alike = |other: &LawFit| {
+            let both = own.as_ref().zip(of_runs(other));
+            both.is_some_and(|(own, other)| {
+                let [more, error] = difference(&other, own);
+                more <= rules.alike * error
+            })
+        };
+        let same_sensor = rivals.iter().filter(|(_, fit)| alike(fit));
+        let class: Vec<String> = std::iter::once(shown.candidate.effect.clone())
+            .chain(same_sensor.map(|(formula, _)| name(&formula.columns, &terms.names)))
             .chain(
                 smooth
                     .iter()
@@ -119,7 +179,10 @@ impl Campaign<'_> {
                         more <= rules.alike * error
                     })
                     .map(|law| name(&law.columns, &terms.names))
-                    .filter(|other| shown.effect != *other && !within(&shown.effect, other)),
+                    .filter(|other| {
+                        let of = &shown.candidate.effect;
+                        of != other && !within(of, other)
+                    }),
             )
             .fold(Vec::new(), |mut class, name| {
                 if !class.contains(&name) {
@@ -127,9 +190,13 @@ impl Campaign<'_> {
                 }
                 class
             });
-        let size = size_of(&sums);
+        let LawFit {
+            candidate: shown,
+            size,
+            ..
+        } = shown;
         let strongest = self.strongest_channel(at.residual_model, &shown, size);
-        let remark = smoothest.and_then(|smooth| {
+        let smoother = smoothest.and_then(|smooth| {
             let [more, error] = difference(smooth, &formula.gains);
             (more > rules.alike * error).then(|| {
                 format!(
@@ -146,19 +213,19 @@ impl Campaign<'_> {
             class,
             rivals: Vec::new(),
             p_value,
-            remark,
+            remark: smoother,
             parameters: Vec::new(),
             candidate: shown,
         })
     }
 
-    /// The formula as an effect of one's own.
+    /// The formula as an effect of one's own; nothing where it has no size or the model has it already.
     fn told_law(
         &self,
         terms: &Terms,
         channels: &[Channel],
         formula: &Formula,
-        sums: &LawSums,
+        size: f64,
         at: &Current,
     ) -> Option<Candidate<Amplitude>> {
         let channel = channels[formula.term.channel];
@@ -166,7 +233,7 @@ impl Campaign<'_> {
         let text = shape.text(&terms.names);
         let columns = &formula.columns;
         let named = shape.columns();
-        let beyond = named.iter().find(|x| **x >= COLUMNS.len());
+        let beyond = named.iter().find(|x| **x >= KNOWN);
         let carrier = beyond.map(|x| terms.names[*x].clone());
         let custom = Custom::new(channel, &text, carrier.as_deref())?;
         let per: Vec<&str> = shape
@@ -177,11 +244,10 @@ impl Campaign<'_> {
         let own = match channel {
             Channel::Lateral | Channel::Longitudinal => "N",
             Channel::Yaw => "N m",
+            Channel::Sensor(sensor) => unit_of(sensor.name()),
             _ => "",
         };
         let unit = unit(own, &per);
-        let part = sums.of(&[0], 0..sums.m.len());
-        let size = part.s[0] / part.m[(0, 0)];
         if !size.is_finite() || size == 0.0 {
             return None;
         }

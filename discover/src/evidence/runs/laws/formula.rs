@@ -35,10 +35,17 @@ impl Campaign<'_> {
         let rules = &self.rules().laws;
         let judged = |list: Vec<Term>| -> Vec<Formula> {
             let parts: Vec<&[Term]> = list.chunks(32).collect();
-            let sums = &terms.sums_of_parts(&parts, &[1.0])[0];
+            let [sums, plain] = &terms.sums_of_parts(&parts, &[1.0, 0.0])[..] else {
+                return Vec::new();
+            };
             let none = DMatrix::zeros(1, 1);
+            // As in the screen: a direction that is mostly noise says nothing.
+            let [signal, all] =
+                [sums, plain].map(|sums| move |k: usize| sums.of(&[k], 0..sums.m.len()).m[(0, 0)]);
+            let least = self.rules().least_signal;
             list.into_iter()
                 .enumerate()
+                .filter(|(k, _)| signal(*k) > least * all(*k))
                 .map(|(k, term)| Formula {
                     term,
                     columns: law.columns.clone(),
@@ -47,11 +54,12 @@ impl Campaign<'_> {
                 .collect()
         };
         let mut shapes = match law.columns.as_slice() {
-            [column] => formulas(*column, &terms.sorted(*column)),
+            [column] => formulas(channels[law.channel], *column, &terms.sorted(*column)),
             [a, b] => vec![Shape::Product(*a, *b)],
             _ => Vec::new(),
         };
-        if !matches!(channels[law.channel], Channel::Grip | Channel::Friction) {
+        let forces = [Channel::Lateral, Channel::Longitudinal, Channel::Yaw];
+        if forces.contains(&channels[law.channel]) {
             shapes.push(Shape::One);
         }
         let on = |shape| Term {

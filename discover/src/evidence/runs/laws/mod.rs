@@ -1,8 +1,10 @@
 //! Laws beyond the catalogue: a smooth dependence on recorded columns, and the simplest formula that does as well.
 
+pub(crate) mod bent;
 pub(crate) mod claim;
 pub(crate) mod formula;
 pub(crate) mod judged;
+pub(crate) mod polished;
 pub(crate) mod shape;
 pub(crate) mod shapes;
 pub(crate) mod smooth;

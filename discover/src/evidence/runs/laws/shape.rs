@@ -15,6 +15,8 @@ pub enum Shape {
     Size(usize),
     /// Its size over a scale, to a power.
     Power(usize, f64, f64),
+    /// The same with the column's sign.
+    Odd(usize, f64, f64),
     /// `exp(x / scale)`.
     Exponential(usize, f64),
     /// 1 above a value, 0 below.
@@ -34,6 +36,9 @@ impl Shape {
             Shape::Line(x) => columns(x),
             Shape::Size(x) => columns(x).abs(),
             Shape::Power(x, scale, power) => (columns(x).abs() / scale).powf(power),
+            Shape::Odd(x, scale, power) => {
+                columns(x).signum() * (columns(x).abs() / scale).powf(power)
+            }
             Shape::Exponential(x, scale) => (columns(x) / scale).exp(),
             Shape::Step(x, from) => f64::from(u8::from(columns(x) > from)),
             Shape::Hump(x, middle, width) => (-((columns(x) - middle) / width).powi(2)).exp(),
@@ -50,6 +55,9 @@ impl Shape {
             Shape::Line(x) => name(x),
             Shape::Size(x) => format!("abs({})", name(x)),
             Shape::Power(x, scale, power) => format!("(abs({}) / {scale})^{power}", name(x)),
+            Shape::Odd(x, scale, power) => {
+                format!("sign({0}) * (abs({0}) / {scale})^{power}", name(x))
+            }
             Shape::Exponential(x, scale) => format!("exp({} / ({scale}))", name(x)),
             Shape::Step(x, from) => format!("step({} - ({from}))", name(x)),
             Shape::Hump(x, middle, width) => {
@@ -64,7 +72,11 @@ impl Shape {
         match self {
             Shape::One => 0,
             Shape::Line(_) | Shape::Size(_) => 1,
-            Shape::Product(..) | Shape::Power(..) | Shape::Exponential(..) | Shape::Step(..) => 2,
+            Shape::Product(..)
+            | Shape::Power(..)
+            | Shape::Odd(..)
+            | Shape::Exponential(..)
+            | Shape::Step(..) => 2,
             Shape::Hump(..) | Shape::Bump(..) => 3,
         }
     }
@@ -80,6 +92,7 @@ impl Shape {
             | Shape::Exponential(x, _)
             | Shape::Bump(x, ..)
             | Shape::Power(x, ..)
+            | Shape::Odd(x, ..)
             | Shape::Hump(x, ..) => vec![x],
         }
     }
@@ -106,19 +119,26 @@ fn cubic(t: f64) -> f64 {
 
 /// The formula of an amplitude's unit: that of the channel over those of the columns.
 pub fn unit(channel: &str, columns: &[&str]) -> String {
-    let per: Vec<&str> = columns.iter().map(|name| unit_of(name)).collect();
-    let per: Vec<&str> = per.into_iter().filter(|unit| !unit.is_empty()).collect();
-    let mut above: Vec<&str> = vec![channel];
-    let mut below = Vec::new();
-    for unit in per {
-        match unit.split_once('/') {
+    let (mut above, mut below) = match channel.split_once('/') {
+        Some((of, over)) => (vec![of], vec![over]),
+        None => (vec![channel], Vec::new()),
+    };
+    for name in columns {
+        match unit_of(name).split_once('/') {
             Some((of, over)) => {
                 below.push(of);
                 above.push(over);
             }
-            None => below.push(unit),
+            None => below.push(unit_of(name)),
         }
     }
+    below.retain(|unit| match above.iter().position(|u| u == unit) {
+        Some(same) => {
+            above.remove(same);
+            false
+        }
+        None => !unit.is_empty(),
+    });
     above.retain(|unit| !unit.is_empty());
     let above = match above.is_empty() {
         true => "1".to_owned(),
@@ -133,7 +153,7 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
 }
 
 /// The unit that a column's name ends in.
-fn unit_of(name: &str) -> &'static str {
+pub fn unit_of(name: &str) -> &'static str {
     const ENDINGS: [(&str, &str); 12] = [
         ("_radps2", "rad/s2"),
         ("_radps", "rad/s"),
@@ -176,6 +196,7 @@ mod tests {
             Shape::Line(0),
             Shape::Size(0),
             Shape::Power(0, 2.5, 1.5),
+            Shape::Odd(0, 2.5, 1.5),
             Shape::Exponential(0, -3.0),
             Shape::Step(0, -2.0),
             Shape::Hump(0, -1.0, 0.5),
@@ -199,5 +220,7 @@ mod tests {
         assert_eq!(unit("N m", &[]), "N m");
         assert_eq!(unit("", &[]), "");
         assert_eq!(unit("", &["fz_n"]), "1/N");
+        assert_eq!(unit("rad/s", &["v_mps"]), "rad/m");
+        assert_eq!(unit("rad", &["t_s"]), "rad/s");
     }
 }

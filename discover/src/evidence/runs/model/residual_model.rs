@@ -27,6 +27,8 @@ pub const CHANNEL_NAMES: [(&str, &str); CHANNELS] = [
 ];
 /// Number of base parameters.
 pub const BASE: usize = 5;
+/// Least and largest multiplier of a base parameter.
+pub const BOUNDS: [f64; 2] = [0.02, 50.0];
 /// Multipliers of the base model: what they multiply.
 pub const BASE_NAMES: [&str; BASE] = [
     "longitudinal mu",
@@ -59,6 +61,11 @@ pub struct ResidualModel {
 pub type ChannelRows = [Vec<f64>; CHANNELS];
 
 impl ResidualModel {
+    /// Whether a base parameter stands between its bounds.
+    pub fn within(&self, parameter: usize) -> bool {
+        !BOUNDS.contains(&self.base[parameter])
+    }
+
     /// The same with one more effect.
     pub fn with(&self, effect: Active) -> Self {
         let mut residual_model = self.clone();
@@ -147,6 +154,13 @@ pub struct Instant {
     balance: Balance,
     laws: LawForces,
     signals: Signals,
+}
+
+impl Instant {
+    /// What the sensors say, corrected by the active effects.
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
 }
 
 /// A model on one run: the vehicle with the effects that act there, and the weather.

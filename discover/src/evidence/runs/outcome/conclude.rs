@@ -1,7 +1,8 @@
 //! The end of a search over runs: parameters, what is closed, what stands out.
 
+use kufe_plot::number4;
 use kufe_sled::Model;
-use kufe_sled::effects::{Active, Kind};
+use kufe_sled::effects::{Active, Channel, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -13,6 +14,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
 use crate::finding::report::{Bin, Fitted, Interval, Step};
 use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Meaning;
 use crate::procedure::rules::RunRules;
 
 impl Campaign<'_> {
@@ -65,6 +67,32 @@ impl Campaign<'_> {
             }
         }
         laws
+    }
+
+    /// What each law on a sensor means.
+    pub fn bent_sensors(&self, last: &RunFit) -> Vec<Meaning> {
+        let own = last.settled.effects.active[last.already()..].iter();
+        own.filter_map(|active| {
+            let Kind::Custom(custom) = &active.kind else {
+                return None;
+            };
+            let Channel::Sensor(sensor) = custom.channel else {
+                return None;
+            };
+            let (value, sensor) = (active.values[0], sensor.name());
+            let sign = if value < 0.0 { '-' } else { '+' };
+            let size = format!("{} {}", number4(value.abs()), custom.unit);
+            Some(Meaning {
+                name: active.effect_name().to_owned(),
+                summary: format!(
+                    "a fault of the sensor: it reads {sensor} {sign} {} * {}",
+                    size.trim_end(),
+                    custom.text
+                ),
+                decides: format!("runs with a second sensor of {sensor} beside it"),
+            })
+        })
+        .collect()
     }
 
     /// Base parameters with their intervals.

@@ -2,31 +2,91 @@
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::fit;
+use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::screen::residual_screen::RunScreen;
 use crate::procedure::candidate::Candidate;
 
 /// Most leaders that are refitted.
 const MOST: usize = 3;
 
+/// Base and effect fitted together.
+#[derive(Clone)]
+pub struct Refit {
+    /// What they leave.
+    pub misfit: f64,
+    /// The effect's size.
+    pub size: f64,
+    /// The model, the effect last.
+    pub model: ResidualModel,
+    /// Its rows' whitening.
+    pub whitener: Whitener,
+}
+
+impl Refit {
+    /// The base, and the effects before, as they stand beside the effect.
+    pub fn beside(&self) -> ResidualModel {
+        let mut model = self.model.clone();
+        model.effects.active.pop();
+        model
+    }
+}
+
 impl Campaign<'_> {
     /// What base and effect leave when they are fitted together, the effect in its exact form and the installation as it is stated, which
     /// without the effect may have been bent to stand for it: `sum_c n_c ln(rms_c)` over the channels of the training runs;
     /// infinite where they cannot be fitted.
     pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-        let with = at.residual_model.with(candidate.active(size));
+        let refitted = self.refitted(at.residual_model, candidate, size);
+        refitted.map_or(f64::INFINITY, |refit| refit.misfit)
+    }
+
+    /// The same with the model that leaves least, `model` without the effect and `from` being first guesses; nothing where they cannot be
+    /// fitted.
+    pub fn refitted(
+        &self,
+        model: &ResidualModel,
+        candidate: &Candidate<Amplitude>,
+        from: f64,
+    ) -> Option<Refit> {
+        let mut refit = self.refitted_alone(&model.with(candidate.active(from)))?;
+        refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
+        Some(refit)
+    }
+
+    /// A model as it is, fitted without what the installation may be off by; its size is 0.
+    pub fn refitted_alone(&self, model: &ResidualModel) -> Option<Refit> {
         let exact = ResidualModel {
             installation: Installation::default(),
-            ..with
+            ..model.clone()
         };
-        let Ok((_, whitener)) = fit(&exact, &self.training, &self.free, self.used) else {
-            return f64::INFINITY;
-        };
+        let (model, whitener) = fit(&exact, &self.training, &self.free, self.used).ok()?;
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
         let channels = (0..3).filter(|c| self.used[*c]);
-        rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>()
+        let misfit = rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>();
+        Some(Refit {
+            misfit,
+            size: 0.0,
+            model,
+            whitener,
+        })
+    }
+
+    /// The misfit by run, but for a constant.
+    pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
+        let of_run = |rows: &ChannelRows| {
+            let channels = (0..3).filter(|c| self.used[*c]);
+            let each = channels.map(|c| {
+                let sd = refit.whitener.sd[c];
+                let squares: f64 = rows[c].iter().map(|x| (x / sd).powi(2)).sum();
+                0.5 * squares + rows[c].len() as f64 * sd.ln()
+            });
+            each.sum()
+        };
+        let all = residuals(&refit.model, &self.training);
+        all.iter().map(of_run).collect()
     }
 
     /// Of the effects that explain nearly as much as the named one, that which leaves least after a full refit; the named one
