@@ -201,21 +201,20 @@ impl Custom {
         for _ in 0..30 {
             let f1 = off(x1, signals);
             let slope = (f1 - f0) / (x1 - x0);
-            if f1 == 0.0 || !slope.is_finite() || slope == 0.0 {
+            // Nearer than this the difference of two roundings is no slope.
+            let near = f1.abs() <= 4.0 * f64::EPSILON * (x1.abs() + read.abs());
+            if near || !slope.is_finite() || slope == 0.0 {
                 break;
             }
             (x0, f0) = (x1, f1);
             x1 -= f1 / slope;
-            if (x1 - x0).abs() <= 1e-15 * x1.abs() {
-                break;
-            }
         }
         signals.value[place] = x1;
         // The reading's rate is that of the truth but for what is added, which is linear in that rate.
         signals.rate[place] = 0.0;
-        let [_, without] = self.added(at, signals);
+        let without = self.rate(at, signals);
         signals.rate[place] = 1.0;
-        let [_, with] = self.added(at, signals);
+        let with = self.rate(at, signals);
         let slope = 1.0 + amplitude * (with - without);
         signals.rate[place] = (read_rate - amplitude * without) / slope;
     }
@@ -236,8 +235,13 @@ impl Custom {
             .evaluate(|name| self.places[name].of_sensors(seen))
     }
 
-    /// The expression and its derivative by time [1/s], along the rates of the signals.
+    /// The expression and its derivative by time [1/s].
     fn added(&self, at: &Conditions, signals: &Signals) -> [f64; 2] {
+        [self.at_signals(at, signals), self.rate(at, signals)]
+    }
+
+    /// The expression's derivative by time [1/s], along the rates of the signals.
+    fn rate(&self, at: &Conditions, signals: &Signals) -> f64 {
         let moved = |by: f64| {
             let (mut then, mut there) = (*signals, *at);
             there.t += by;
@@ -247,7 +251,6 @@ impl Custom {
             }
             self.at_signals(&there, &then)
         };
-        let rate = (moved(MOMENT_S) - moved(-MOMENT_S)) / (2.0 * MOMENT_S);
-        [self.at_signals(at, signals), rate]
+        (moved(MOMENT_S) - moved(-MOMENT_S)) / (2.0 * MOMENT_S)
     }
 }

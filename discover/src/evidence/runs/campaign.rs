@@ -8,7 +8,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
-use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
+use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::clocks::spread_of_delays;
 use crate::evidence::runs::model::design::{Design, Products};
@@ -201,7 +201,8 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let held = residual_model.hold(true);
-        let (mut residual_model, mut whitener) = fit(&held, &self.training, &self.free, self.used)?;
+        let (mut residual_model, mut whitener) =
+            fit(&held, &self.training, &self.free, self.used, Effort::FULL)?;
         let free = self.free.iter().copied();
         let inside: Vec<usize> = free.filter(|b| residual_model.within(*b)).collect();
         if inside.len() < self.free.len() {
@@ -209,7 +210,8 @@ impl Campaign<'_> {
                 base: self.given.base,
                 ..held
             };
-            (residual_model, whitener) = fit(&again, &self.training, &inside, self.used)?;
+            (residual_model, whitener) =
+                fit(&again, &self.training, &inside, self.used, Effort::FULL)?;
         }
         Ok(RunFit {
             settled: residual_model.clone(),

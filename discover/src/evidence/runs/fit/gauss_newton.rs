@@ -59,6 +59,33 @@ pub fn free_base(
     free
 }
 
+/// How far a fit goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Steps at most.
+    rounds: usize,
+    /// A change of the criterion below which it ends.
+    enough: f64,
+}
+
+impl Effort {
+    /// To a change far inside the noise.
+    pub const FULL: Self = Self {
+        rounds: 14,
+        enough: 1e-3,
+    };
+    /// For comparisons, in which nothing below some units counts.
+    pub const COMPARED: Self = Self {
+        rounds: 14,
+        enough: 0.1,
+    };
+    /// A first look, after which what leads is fitted on.
+    pub const LOOK: Self = Self {
+        rounds: 5,
+        enough: 0.1,
+    };
+}
+
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
 /// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
@@ -71,10 +98,8 @@ pub fn fit(
     frames: &[Frame],
     free_base: &[usize],
     used: [bool; CHANNELS],
+    effort: Effort,
 ) -> Result<(ResidualModel, Whitener), Error> {
-    const ROUNDS: usize = 14;
-    /// Changes of the criterion below this are far inside the noise.
-    const ENOUGH: f64 = 1e-3;
     let plain = Whitener {
         sd: [1.0; CHANNELS],
         used,
@@ -82,7 +107,7 @@ pub fn fit(
     let mut best: Option<(f64, ResidualModel, Whitener, DVector<f64>)> = None;
     let mut trial = residual_model.clone();
     let mut share = 1.0;
-    for _ in 0..ROUNDS {
+    for _ in 0..effort.rounds {
         let design = Design {
             residual_model: &trial,
             whitener: &plain,
@@ -127,7 +152,7 @@ pub fn fit(
             let step = joint_step(&total, p);
             best = Some((criterion, trial.clone(), whitener, step));
             share = 1.0;
-            if gained < ENOUGH {
+            if gained < effort.enough {
                 break;
             }
         } else {

@@ -4,44 +4,37 @@ use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
-use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::polished::LawFit;
 use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::laws::sums::{LawSums, total};
 use crate::evidence::runs::laws::term::{Term, said_by};
 use crate::evidence::runs::laws::terms::Terms;
+use crate::evidence::runs::screen::leaders::Refit;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::null::sign_flips::MaxT;
-use crate::procedure::evidence::Claim;
 
 /// A formula with its sums and its fit.
 pub type ToldLaw = (Formula, LawSums, LawFit);
 
 impl Campaign<'_> {
-    /// Whether what stands out is large: the claim by a full refit, or else the laws by what they explain.
-    pub fn is_large(&self, at: &Current, claim: Option<&Claim<Amplitude>>, most: f64) -> bool {
+    /// Whether what stands out is large by what it explains.
+    pub fn is_large(&self, at: &Current, most: f64) -> bool {
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        let large = self.rules().large * (rows * at.whitener.count()) as f64;
-        let of_claim = || {
-            let claim = claim.filter(|c| c.candidate.act.carrier.is_none())?;
-            let without = self.refitted_alone(at.residual_model)?;
-            Some(2.0 * (without.misfit - self.misfit_with(at, &claim.candidate, claim.size)))
-        };
-        most >= large || of_claim().is_some_and(|gain| gain >= large)
+        most >= self.rules().large * (rows * at.whitener.count()) as f64
     }
 
     /// The sensor which, bent in second or in third order of what it says, leaves least, where that stands out run by run; with its
-    /// p-value among all of them. `told` fits a formula.
+    /// p-value among all of them. `without` is the base alone; `told` fits a formula.
     pub fn bent(
         &self,
-        at: &Current,
+        without: &Refit,
         terms: &Terms,
         channels: &[Channel],
         told: &dyn Fn(Formula) -> Option<ToldLaw>,
         options: &ScreenOptions,
     ) -> Option<(ToldLaw, f64)> {
-        let without = self.misfit_by_run(&self.refitted_alone(at.residual_model)?);
+        let without = self.misfit_by_run(without);
         let mut tried = Vec::new();
         for (channel, kind) in channels.iter().enumerate() {
             let Channel::Sensor(sensor) = kind else {
@@ -68,6 +61,9 @@ impl Campaign<'_> {
                 formula.gains = both.map(|(without, with)| 2.0 * (without - with)).collect();
                 tried.push((formula, sums, fit));
             }
+        }
+        if tried.is_empty() {
+            return None;
         }
         let gains = DMatrix::from_fn(tried.len(), without.len(), |c, i| tried[c].0.gains[i]);
         let null = MaxT::by_sign_flips(&gains, options.flips, options.seed);

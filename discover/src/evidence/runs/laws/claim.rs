@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::polished::{LawFit, start};
@@ -15,6 +16,7 @@ use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
+use crate::evidence::runs::screen::leaders::Refit;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
@@ -38,6 +40,9 @@ impl Campaign<'_> {
             .map(|c| c.candidate.clone())
             .into_iter()
             .collect();
+        if claim.is_some() && known.is_empty() {
+            return None;
+        }
         let channels = self.law_channels();
         let extra = further_columns(&self.training);
         let design = at.design(&known);
@@ -78,7 +83,10 @@ impl Campaign<'_> {
             // By full refits: a large effect bends the base that scores are taken at.
             let refit = match candidate.act.carrier {
                 Some(_) => None,
-                None => self.refitted(at.residual_model, &candidate, start(&candidate, size)),
+                None => {
+                    let from = start(&candidate, size);
+                    self.refitted(at.residual_model, &candidate, from, Effort::LOOK)
+                }
             };
             let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
             let left = misfit + rules.number * formula.term.shape.numbers() as f64;
@@ -91,16 +99,46 @@ impl Campaign<'_> {
             Some((formula, sums, fit))
         };
         let leaders: Vec<_> = leaders.into_iter().filter_map(&told).collect();
-        let bent = match self.is_large(at, claim, most) {
-            true => self.bent(at, &terms, &channels, &told, options),
+        if leaders.is_empty() && claim.is_none() && !self.is_large(at, most) {
+            return None;
+        }
+        let without = self.refitted_alone(at.residual_model)?;
+        let of_claim = known.first().zip(claim).and_then(|(known, claim)| {
+            self.refitted(at.residual_model, known, claim.size, Effort::COMPARED)
+        });
+        let gain = |refit: &Refit| 2.0 * (without.misfit - refit.misfit);
+        let most = most.max(of_claim.as_ref().map_or(0.0, gain));
+        let bent = match self.is_large(at, most) {
+            true => self.bent(&without, &terms, &channels, &told, options),
             false => None,
         };
+        let without = without.misfit;
         let p_value = bent.as_ref().map_or(p_value, |(_, p)| p_value.min(*p));
         let leaders = leaders.into_iter().chain(bent.map(|(law, _)| law));
         let (mut formula, mut sums, mut shown) =
             leaders.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
+        // What the claim and the catalogue's strongest leave.
+        let mut least = f64::INFINITY;
         let mut rivals = Vec::new();
         if shown.candidate.act.carrier.is_none() {
+            let named = of_claim.as_ref().filter(|_| column.is_none());
+            least = named.map_or(least, |refit| refit.misfit);
+            let is_named = |c: &Candidate<Amplitude>| {
+                known.iter().any(|named| {
+                    (&named.effect, &named.act.track, named.act.parameter)
+                        == (&c.effect, &c.act.track, c.act.parameter)
+                })
+            };
+            let others = strongest
+                .iter()
+                .filter(|(c, _)| named.is_none() || !is_named(c));
+            for (candidate, size) in others {
+                least = least.min(self.misfit_with(at, candidate, *size));
+            }
+            // Nearer numbers do not double what a formula explains.
+            if without - shown.left < self.rules().leads * (without - least) {
+                return None;
+            }
             let as_told =
                 |formula: &Formula, size: f64| self.told_law(&terms, &channels, formula, size, at);
             (formula, shown) = self.polished(formula, shown, &terms, &as_told);
@@ -110,7 +148,6 @@ impl Campaign<'_> {
                 .filter(|law| law.channel == formula.term.channel && law.columns != formula.columns)
                 .filter(|law| matches!(channels[law.channel], Channel::Sensor(_)))
                 .collect();
-            let without = self.refitted_alone(at.residual_model)?.misfit;
             for law in others {
                 let Some(other) = self.simplest(&terms, &channels, law).and_then(told) else {
                     continue;
@@ -130,14 +167,12 @@ impl Campaign<'_> {
         }
         let left = shown.left;
         if let Some(named) = claim {
-            if known.is_empty() {
-                return None;
-            }
             // A column's own form gives way to a formula that does as well.
-            let column = named.candidate.is_column();
-            let least = if column { -rules.as_good } else { rules.beats };
-            let refit = self.refitted(at.residual_model, &named.candidate, named.size);
-            let [more, error] = match (&shown.refit, &refit) {
+            let beyond = match named.candidate.is_column() {
+                true => -rules.as_good,
+                false => rules.beats,
+            };
+            let [more, error] = match (&shown.refit, &of_claim) {
                 (Some(law), Some(name)) => {
                     let [law, name] = [law, name].map(|refit| self.misfit_by_run(refit));
                     difference(&name, &law)
@@ -148,14 +183,11 @@ impl Campaign<'_> {
                     difference(&gains[0], &gains[1])
                 }
             };
-            if more <= least * error || !column && refit.is_some_and(|refit| refit.misfit <= left) {
+            if more <= beyond * error {
                 return None;
             }
         }
-        let mut known = strongest.iter();
-        if shown.candidate.act.carrier.is_none()
-            && known.any(|(c, size)| self.misfit_with(at, c, *size) <= left)
-        {
+        if least <= left {
             return None;
         }
         let of_runs = |fit: &LawFit| fit.refit.as_ref().map(|refit| self.misfit_by_run(refit));

@@ -33,7 +33,7 @@ fn known(channel: Channel, column: usize) -> usize {
 }
 
 impl Campaign<'_> {
-    /// The channels that laws may act on.
+    /// The channels that laws may act on. One recording alone, cut into segments, cannot tell a sensor that bends from forces that do.
     pub fn law_channels(&self) -> Vec<Channel> {
         let mut channels = Vec::new();
         if self.used[1] {
@@ -42,7 +42,9 @@ impl Campaign<'_> {
         if self.used[0] {
             channels.push(Channel::Friction);
         }
-        channels.extend(Sensor::ALL.map(Channel::Sensor));
+        if !self.data.segmented {
+            channels.extend(Sensor::ALL.map(Channel::Sensor));
+        }
         channels
     }
 

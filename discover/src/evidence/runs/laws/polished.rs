@@ -4,9 +4,11 @@ use kufe_sled::effects::{Channel, Kind};
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::shapes::moved;
 use crate::evidence::runs::laws::terms::Terms;
+use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::screen::leaders::Refit;
 use crate::procedure::candidate::Candidate;
 
@@ -44,11 +46,15 @@ impl Campaign<'_> {
         /// Share by which a number is moved at last: less than its error.
         const FINEST: f64 = 1e-3;
         let (mut formula, mut shown) = (formula, shown);
-        let Some(mut refit) = shown.refit.clone() else {
+        let Some(first) = shown.refit.clone() else {
             return (formula, shown);
         };
-        shown.size = refit.size;
-        let numbers = shown.left - refit.misfit;
+        let numbers = shown.left - first.misfit;
+        let on = |model: &ResidualModel, candidate: &Candidate<Amplitude>, size: f64| {
+            self.refitted(model, candidate, size, Effort::COMPARED)
+        };
+        let mut refit = on(&first.beside(), &shown.candidate, first.size).unwrap_or(first);
+        (shown.size, shown.left) = (refit.size, refit.misfit + numbers);
         let span = formula.columns.first().map_or(0.0, |column| {
             let sorted = terms.sorted(*column);
             sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0)
@@ -65,7 +71,7 @@ impl Campaign<'_> {
                 let mut other = formula.clone();
                 other.term.shape = shape;
                 let candidate = told(&other, refit.size)?;
-                let found = self.refitted(&beside, &candidate, refit.size)?;
+                let found = on(&beside, &candidate, refit.size)?;
                 Some((other, candidate, found))
             });
             match each.min_by(|a, b| a.2.misfit.total_cmp(&b.2.misfit)) {

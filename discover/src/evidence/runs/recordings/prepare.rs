@@ -8,7 +8,9 @@ use kufe_sled::{Model, Noise, Run, TakingPart, Track, gaps_line};
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::sensor_noise::{Learned, doubted, estimate, quieter};
+use crate::evidence::runs::recordings::sensor_noise::{
+    Learned, doubted, estimate, estimate_below, louder, quieter,
+};
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
 use crate::procedure::lock::{LockRules, Locked, Place};
@@ -126,7 +128,11 @@ pub fn prepare(
     let learned = learned(runs, &frames, segmented, &locked);
     let seen = estimate(&learned);
     let (noise, noise_estimated) = match model.noise {
-        Some(stated) => (quieter(&stated, &seen, &mut remarks), false),
+        Some(stated) => {
+            let below = estimate_below(&learned, recordings.signal_cutoff_hz);
+            let shown = louder(&seen, &below);
+            (quieter(&stated, &shown, &mut remarks), false)
+        }
         None => (seen, true),
     };
     let noise_doubted = model

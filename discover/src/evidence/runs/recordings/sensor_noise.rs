@@ -20,7 +20,7 @@ impl Learned<'_> {
     }
 }
 
-/// What is stated, where the recordings are not quieter still: white noise shows in full in third differences.
+/// What is stated, where the recordings are not quieter still.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
     let mut lowered = Vec::new();
     let mut least = |name: &str, stated: f64, seen: f64| {
@@ -43,11 +43,23 @@ pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise
     };
     if !lowered.is_empty() {
         remarks.push(format!(
-            "sensors quieter from sample to sample than [noise] states are taken as they are: {}",
+            "sensors quieter than [noise] states are taken as they are: {}",
             lowered.join("; ")
         ));
     }
     noise
+}
+
+/// The larger of two noises, sensor by sensor: what is quiet from sample to sample may be filtered, and what is quiet below a corner white.
+pub fn louder(a: &Noise, b: &Noise) -> Noise {
+    Noise {
+        accel_mps2: a.accel_mps2.max(b.accel_mps2),
+        rate_radps: a.rate_radps.max(b.rate_radps),
+        speed_mps: a.speed_mps.max(b.speed_mps),
+        slip_rad: a.slip_rad.max(b.slip_rad),
+        steer_rad: a.steer_rad.max(b.steer_rad),
+        roll_split_rad: a.roll_split_rad.max(b.roll_split_rad),
+    }
 }
 
 /// Whether a sensor that forces are computed from is noisier or quieter from sample to sample than stated: its noise is not
@@ -66,16 +78,32 @@ pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
 
 /// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.
 pub fn estimate(learned: &[Learned]) -> Noise {
+    by_third_differences(learned, &|_| 1)
+}
+
+/// White noise with the power that the recordings hold between the motion and this corner \[Hz\], the median over runs: third
+/// differences of means over a quarter of the corner's period, `var = m mean(d3^2)/20` for means over m samples.
+pub fn estimate_below(learned: &[Learned], corner_hz: f64) -> Noise {
+    let samples = |piece: &Learned| (0.5 / (corner_hz * piece.run.dt_s)).round().max(1.0) as usize;
+    by_third_differences(learned, &samples)
+}
+
+fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize) -> Noise {
     let sd = |name: &str| -> f64 {
         let mut each: Vec<f64> = learned
             .iter()
-            .filter_map(|piece| piece.column(name))
-            .map(|x| {
+            .filter_map(|piece| Some((piece.column(name)?, samples(piece))))
+            .map(|(x, m)| {
+                let mean = |part: &[f64]| part.iter().sum::<f64>() / m as f64;
+                let means: Vec<f64> = x.chunks_exact(m).map(mean).collect();
                 let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2);
                 // Across a gap there is no difference.
-                let squares = x.windows(4).map(third).filter(|square| square.is_finite());
+                let squares = means
+                    .windows(4)
+                    .map(third)
+                    .filter(|square| square.is_finite());
                 let (sum, count) = squares.fold((0.0, 0_usize), |(s, n), x| (s + x, n + 1));
-                (sum / (20.0 * count.max(1) as f64)).sqrt()
+                (m as f64 * sum / (20.0 * count.max(1) as f64)).sqrt()
             })
             .collect();
         each.sort_by(f64::total_cmp);

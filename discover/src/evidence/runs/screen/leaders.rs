@@ -2,7 +2,7 @@
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
+use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -39,7 +39,7 @@ impl Campaign<'_> {
     /// without the effect may have been bent to stand for it: `sum_c n_c ln(rms_c)` over the channels of the training runs;
     /// infinite where they cannot be fitted.
     pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-        let refitted = self.refitted(at.residual_model, candidate, size);
+        let refitted = self.refitted(at.residual_model, candidate, size, Effort::COMPARED);
         refitted.map_or(f64::INFINITY, |refit| refit.misfit)
     }
 
@@ -50,19 +50,24 @@ impl Campaign<'_> {
         model: &ResidualModel,
         candidate: &Candidate<Amplitude>,
         from: f64,
+        effort: Effort,
     ) -> Option<Refit> {
-        let mut refit = self.refitted_alone(&model.with(candidate.active(from)))?;
+        let mut refit = self.refitted_as_it_is(&model.with(candidate.active(from)), effort)?;
         refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
         Some(refit)
     }
 
     /// A model as it is, fitted without what the installation may be off by; its size is 0.
     pub fn refitted_alone(&self, model: &ResidualModel) -> Option<Refit> {
+        self.refitted_as_it_is(model, Effort::COMPARED)
+    }
+
+    fn refitted_as_it_is(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
         let exact = ResidualModel {
             installation: Installation::default(),
             ..model.clone()
         };
-        let (model, whitener) = fit(&exact, &self.training, &self.free, self.used).ok()?;
+        let (model, whitener) = fit(&exact, &self.training, &self.free, self.used, effort).ok()?;
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
         let channels = (0..3).filter(|c| self.used[*c]);
         let misfit = rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>();
