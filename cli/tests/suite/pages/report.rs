@@ -133,6 +133,7 @@ fn a_contacts_page_turns_and_its_cursor_reads_the_map() {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
     let Some(program) = chromium() else { return };
     let bench = Bench::new();

@@ -87,6 +87,7 @@ fn friction(bench: &Bench, text: String, speed: &str, ice: &str) -> Vec<f64> {
 
 /// Whole runs to either side, whose meshes differ: what they scatter by, some 3e-3 of mu, over the step is the tolerance.
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn friction_follows_as_differences_of_whole_runs_say() {
     let bench = Bench::new();
     for law in ["", ANCHOR] {

@@ -114,6 +114,7 @@ fn nineteen_of_twenty_damaged_records_are_named_and_nothing_is_said_of_clean_one
 /// The second generator's sled, recorder and worlds share nothing with the sample runs; their gyros are off by 1 %, their filters and
 /// noise are those of its world, and they last 20 s.
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn damage_to_runs_of_another_generator_is_named() {
     let (mut named, mut of) = (0, 0);
     for world in ["clean-null/none", "gyros-null/none", "filters-null/none"] {

@@ -114,8 +114,8 @@ fn material(folder: &Path) -> Material {
     all
 }
 
-/// As they are no clean run is refused and nineteen in twenty damages are named; with KUFE_WRITE_DOCS the table of
-/// docs/verification.md is printed besides, some minutes of work.
+/// As they are no clean run is refused and nineteen in twenty damages are named; with KUFE_WRITE_DOCS the figures of
+/// docs/verification.md are printed besides, some minutes of work.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn thresholds_at_half_and_twice_refuse_clean_runs_or_miss_damaged_ones() {
