@@ -11,3 +11,4 @@ pub(crate) mod smooth;
 pub(crate) mod sums;
 pub(crate) mod term;
 pub(crate) mod terms;
+pub(crate) mod told;

@@ -1,0 +1,152 @@
+//! A formula of a law as an effect of one's own, fitted together with the base.
+
+use kufe_sled::effects::{Channel, Custom, Kind, Level};
+
+use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::Effort;
+use crate::evidence::runs::laws::formula::Formula;
+use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::shape::{unit, unit_of};
+use crate::evidence::runs::laws::shapes::rounded;
+use crate::evidence::runs::laws::sums::LawSums;
+use crate::evidence::runs::laws::term::KNOWN;
+use crate::evidence::runs::laws::terms::Terms;
+use crate::evidence::runs::screen::leaders::Refit;
+use crate::procedure::candidate::Candidate;
+
+/// What formulas are told on: a model of a campaign, with terms of laws on its channels.
+pub struct Teller<'a> {
+    /// The campaign.
+    pub campaign: &'a Campaign<'a>,
+    /// The model so far.
+    pub at: &'a Current<'a>,
+    /// Terms on all training runs.
+    pub terms: &'a Terms<'a>,
+    /// Channels that laws may act on.
+    pub channels: &'a [Channel],
+}
+
+/// A formula as an effect, fitted together with the base.
+pub struct ToldLaw {
+    /// The formula.
+    pub formula: Formula,
+    /// Its sums.
+    pub sums: LawSums,
+    /// The effect.
+    pub candidate: Candidate<Amplitude>,
+    /// The fit; nothing where no simulation knows its column.
+    pub refit: Option<Refit>,
+    /// Its size.
+    pub size: f64,
+    /// What it leaves, its numbers counted.
+    pub left: f64,
+}
+
+impl Teller<'_> {
+    /// The simplest formula of a smooth law, told.
+    pub fn simplest(&self, law: &Smooth) -> Option<ToldLaw> {
+        let formula = self.campaign.simplest(self.terms, self.channels, law)?;
+        self.told(formula)
+    }
+
+    /// A formula with a first look at its fit: a large effect bends the base that scores are taken at.
+    pub fn told(&self, formula: Formula) -> Option<ToldLaw> {
+        let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
+        let sums = sums.into_iter().next()?;
+        let part = sums.of(&[0], 0..sums.m.len());
+        let size = part.s[0] / part.m[(0, 0)];
+        let candidate = self.effect(&formula, size)?;
+        let refit = match candidate.act.carrier {
+            Some(_) => None,
+            None => {
+                let (model, from) = (self.at.residual_model, start(&candidate, size));
+                self.campaign
+                    .refitted(model, &candidate, from, Effort::LOOK)
+            }
+        };
+        let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
+        let numbers = formula.term.shape.numbers() as f64;
+        Some(ToldLaw {
+            left: misfit + self.campaign.rules().laws.number * numbers,
+            formula,
+            sums,
+            candidate,
+            refit,
+            size,
+        })
+    }
+
+    /// The formula as an effect of one's own; nothing where it has no size or the model has it already.
+    pub fn effect(&self, formula: &Formula, size: f64) -> Option<Candidate<Amplitude>> {
+        let channel = self.channels[formula.term.channel];
+        let shape = &formula.term.shape;
+        let text = shape.text(&self.terms.names);
+        let columns = &formula.columns;
+        let named = shape.columns();
+        let beyond = named.iter().find(|x| **x >= KNOWN);
+        let carrier = beyond.map(|x| self.terms.names[*x].clone());
+        let custom = Custom::new(channel, &text, carrier.as_deref())?;
+        let per: Vec<&str> = shape
+            .per()
+            .iter()
+            .map(|x| self.terms.names[*x].as_str())
+            .collect();
+        let own = match channel {
+            Channel::Lateral | Channel::Longitudinal => "N",
+            Channel::Yaw => "N m",
+            Channel::Sensor(sensor) => unit_of(sensor.name()),
+            _ => "",
+        };
+        let unit = unit(own, &per);
+        if !size.is_finite() || size == 0.0 {
+            return None;
+        }
+        let limit = rounded(100.0 * size.abs(), 1);
+        let known = self.at.residual_model.effects.active.iter();
+        let already = known
+            .filter_map(|e| match &e.kind {
+                Kind::Custom(own) => Some(&own.text),
+                Kind::Catalogue(_) => None,
+            })
+            .any(|known| *known == text);
+        (!already).then(|| Candidate {
+            effect: name(columns, &self.terms.names),
+            key: "value".to_owned(),
+            unit: unit.clone(),
+            low: -limit,
+            high: limit,
+            typical: size.abs(),
+            decides: format!(
+                "runs in which {} is varied by itself",
+                columns
+                    .iter()
+                    .map(|x| self.terms.names[*x].as_str())
+                    .collect::<Vec<_>>()
+                    .join(" times ")
+            ),
+            act: Amplitude {
+                kind: Kind::Custom(custom.bounded(&unit, -limit, limit)),
+                parameter: 0,
+                level: Level::Sample,
+                values: vec![0.0],
+                track: None,
+                carrier,
+            },
+        })
+    }
+}
+
+/// Where a refit starts: a sensor's law of a size that is found to first order may have no inverse.
+fn start(candidate: &Candidate<Amplitude>, size: f64) -> f64 {
+    match &candidate.act.kind {
+        Kind::Custom(own) if matches!(own.channel, Channel::Sensor(_)) => 0.3 * size,
+        _ => size,
+    }
+}
+
+/// The name of a law over these columns.
+pub fn name(columns: &[usize], names: &[String]) -> String {
+    let of: Vec<&str> = columns.iter().map(|x| names[*x].as_str()).collect();
+    format!("unknown:{}", of.join("*"))
+}
