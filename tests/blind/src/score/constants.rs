@@ -23,6 +23,13 @@ const RUNS: [&str; 8] = [
     "twin/slope~accelerometer-tilt@0.02",
     "clean-effect/wall-contact-by-run",
 ];
+/// Laws beyond the catalogue: nothing, of a column that the model has no name for, of a product, of a sensor.
+const LAWS: [&str; 4] = [
+    "clean-null/none",
+    "beyond/pitch_rate@0.06",
+    "beyond/v_mps*gamma_rad@0.06",
+    "clean-effect/yaw-rate-saturates",
+];
 const EXPERIMENTS: [&str; 6] = [
     "null/seven-points",
     "null/experiments",
@@ -35,7 +42,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 47] = [
+const RUN_KEYS: [&str; 43] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
@@ -79,10 +86,16 @@ const RUN_KEYS: [&str; 47] = [
     "runs.contacts.over",
     "runs.large",
     "runs.leads",
+];
+const LAW_KEYS: [&str; 8] = [
+    "runs.laws.bumps",
     "runs.laws.smoothing",
+    "runs.laws.folds",
+    "runs.laws.number",
     "runs.laws.beats",
     "runs.laws.as_good",
     "runs.laws.tried",
+    "runs.laws.rivals",
 ];
 const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.alpha",
@@ -147,6 +160,7 @@ pub fn constants(
     let mut rows = Vec::new();
     for (kind, cases, keys) in [
         ("runs", &RUNS[..], &RUN_KEYS[..]),
+        ("laws", &LAWS, &LAW_KEYS),
         ("experiments", &EXPERIMENTS, &EXPERIMENT_KEYS),
         ("maps", &MAPS, &MAP_KEYS),
     ] {
