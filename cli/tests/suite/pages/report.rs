@@ -67,6 +67,7 @@ fn numbers(readout: &str) -> Vec<f64> {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn a_contacts_page_turns_and_its_cursor_reads_the_map() {
     let Some(program) = chromium() else { return };
     let bench = Bench::new();
