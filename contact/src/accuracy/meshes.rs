@@ -17,7 +17,7 @@ use crate::bodies::elastic_body::ElasticBody;
 use crate::green::matrix::Stored;
 use crate::grid::assembled::assemble;
 use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::discretise::{Discretisation, MeshPlan, Reach, expected};
 use crate::grid::patch::Patch;
 use crate::grid::zones::Resolution;
 use crate::problem::check::check;
@@ -66,8 +66,8 @@ pub(crate) struct Meshes<'a> {
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     graded_anew: bool,
     regraded: usize,
-    /// How often places were added to where contact is looked for.
-    widened: usize,
+    /// The patches with places that were found late, each solved at least once.
+    widened: Vec<Patch>,
     history: Vec<Iterate>,
 }
 
@@ -132,7 +132,7 @@ impl<'a> Meshes<'a> {
             solved: Watched::new(problem.ice.hardness, own),
             graded_anew: false,
             regraded: 0,
-            widened: 0,
+            widened: Vec::new(),
             history: Vec::new(),
         })
     }
@@ -237,9 +237,15 @@ impl<'a> Meshes<'a> {
         if matches!(verdict, Verdict::Refine(_)) && !early {
             return verdict;
         }
-        match self.on(contact).elsewhere() {
-            none if none.is_empty() => verdict,
-            found => Verdict::Widen(found),
+        let mut found = self.on(contact).elsewhere();
+        // What was looked for late and stayed open is no place of contact, whatever a mesh says that no longer looks there.
+        found.retain(|place| {
+            let [x, y] = place.at;
+            !self.widened.iter().any(|patch| expected(patch, x, y))
+        });
+        match found.is_empty() {
+            true => verdict,
+            false => Verdict::Widen(found),
         }
     }
 
@@ -259,17 +265,17 @@ impl<'a> Meshes<'a> {
     /// [`Error::TouchesElsewhere`] where it was widened often enough.
     pub fn widen(&mut self, contact: &Contact, found: &[Penetration]) -> Result<(), Error> {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
-        if let Some(deepest) = deepest.filter(|_| self.widened == WIDENINGS) {
+        if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
             return Err(Error::TouchesElsewhere {
                 x: deepest.at[0],
                 y: deepest.at[1],
                 depth: deepest.depth,
             });
         }
-        self.widened += 1;
         // Meshes without that place say nothing of this contact.
         self.solved = Watched::new(self.problem.ice.hardness, self.own);
         self.patch = self.on(contact).patch_with(found);
+        self.widened.push(self.patch.clone());
         self.graded_anew = true;
         self.cells = self.first;
         self.coarsest = self.first;
