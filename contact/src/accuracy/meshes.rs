@@ -11,7 +11,7 @@ use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::order::Limit;
 use crate::accuracy::own_cells::OwnCells;
 use crate::accuracy::scout::scout;
-use crate::accuracy::watched::{Limits, Place, Watched};
+use crate::accuracy::watched::{Left, Limits, Place, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::green::matrix::Stored;
@@ -129,7 +129,7 @@ impl<'a> Meshes<'a> {
             coarsest,
             own,
             number: 0,
-            solved: Watched::new(problem.ice.hardness, own),
+            solved: Watched::new(problem.ice.hardness, left(own)),
             graded_anew: false,
             regraded: 0,
             widened: Vec::new(),
@@ -273,7 +273,7 @@ impl<'a> Meshes<'a> {
             });
         }
         // Meshes without that place say nothing of this contact.
-        self.solved = Watched::new(self.problem.ice.hardness, self.own);
+        self.solved = Watched::new(self.problem.ice.hardness, left(self.own));
         self.patch = self.on(contact).patch_with(found);
         self.widened.push(self.patch.clone());
         self.graded_anew = true;
@@ -389,6 +389,10 @@ impl<'a> Meshes<'a> {
             relative: f64::INFINITY,
         }
     }
+}
+
+fn left(own: Option<OwnCells>) -> Left {
+    own.map_or_else(Left::default, OwnCells::left)
 }
 
 fn dofs(mesh: &Discretisation) -> usize {

@@ -1,6 +1,7 @@
 //! What a runner's own hexahedra leave of errors, and how fine ice under them has to be.
 
 use crate::Problem;
+use crate::accuracy::watched::Left;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 
@@ -51,18 +52,18 @@ impl OwnCells {
         (self.cells / self.share.sqrt()).max(FEWEST)
     }
 
-    /// What faces that cannot follow the runner's own give leave of a peak, relative: C w / (1 - w) / n^2.
+    /// What faces that cannot follow the runner's own give leave, relative: of a peak C w / (1 - w) / n^2.
     ///
     /// Of a contact's curvature 1 / R the runner takes the part w, and n cells over half the patch a miss it by w h^2 / (4 R), h = a / n. The ice alone
     /// has to press that out, with E_i = E* / (1 - w): a wave as long as the patch, cos(2 x / a), takes pressures of E_i / a times its
-    /// height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C, [`LARGEST`], holds the shorter waves too.
-    pub fn peak_error(self) -> f64 {
-        LARGEST * self.share / (1.0 - self.share) / (self.cells * self.cells)
-    }
-
-    /// The same of the approach, which sagittas of either sign do not move: the runner's part w of it, C w / n^2.
-    pub fn approach_error(self) -> f64 {
-        LARGEST * self.share / (self.cells * self.cells)
+    /// height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C, [`LARGEST`], holds the shorter waves too. The approach, which waves of either
+    /// sign do not move, has C w / n^2.
+    pub fn left(self) -> Left {
+        let runner = LARGEST * self.share / (self.cells * self.cells);
+        Left {
+            peak: runner / (1.0 - self.share),
+            approach: runner,
+        }
     }
 }
 
@@ -113,8 +114,8 @@ mod tests {
             // As stiff as the ice: half of what gives.
             assert!((found.share - 0.5).abs() < 1e-12, "{found:?}");
             let error = LARGEST / (cells * cells);
-            assert!((found.peak_error() / error - 1.0).abs() < 1e-9);
-            assert!((found.approach_error() / error - 0.5).abs() < 1e-9);
+            assert!((found.left().peak / error - 1.0).abs() < 1e-9);
+            assert!((found.left().approach / error - 0.5).abs() < 1e-9);
         }
         // Three meshes of ice at the least, and more cells under steel.
         assert_eq!(of([3e-3, 2e-3, 1e-3], 9e9)?.ice_cells(), FEWEST);

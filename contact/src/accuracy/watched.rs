@@ -2,7 +2,6 @@
 
 use crate::accuracy::extrapolation::Sequence;
 use crate::accuracy::order::{Limit, Raw};
-use crate::accuracy::own_cells::OwnCells;
 use crate::result::measure::Figures;
 
 /// What the meshes solved so far say of every figure.
@@ -17,8 +16,16 @@ pub(crate) struct Watched {
     last: Option<Figures>,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
-    /// The runner's own hexahedra, which stay as they are on all meshes.
-    own: Option<OwnCells>,
+    left: Left,
+}
+
+/// Relative errors that stay on all meshes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Left {
+    /// Of the peak, and of the area, which goes with the same power of what gives; half of it is of lengths.
+    pub peak: f64,
+    /// Of the approach.
+    pub approach: f64,
 }
 
 /// How much smaller than its own the area's error counts where it is watched instead of a peak: it is of first order and scatters
@@ -61,7 +68,7 @@ pub(crate) struct Beside {
 }
 
 impl Watched {
-    pub fn new(hardness: Option<f64>, own: Option<OwnCells>) -> Self {
+    pub fn new(hardness: Option<f64>, left: Left) -> Self {
         Watched {
             peak: Sequence::alternating(),
             approach: Sequence::default(),
@@ -71,7 +78,7 @@ impl Watched {
             tilt: [Sequence::default(), Sequence::default()],
             last: None,
             hardness: hardness.unwrap_or(f64::INFINITY),
-            own,
+            left,
         }
     }
 
@@ -113,10 +120,9 @@ impl Watched {
         Beside {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
             width_error: self.extent_error(&self.width, self.off()[2]),
-            approach_error: self.with_own(
+            approach_error: with(
                 self.approach.last().error,
-                OwnCells::approach_error,
-                self.approach.value(),
+                self.left.approach * self.approach.value(),
             ),
         }
     }
@@ -150,29 +156,20 @@ impl Watched {
             false => 0.0,
         };
         let found = rims_error(extent, off).max(cell);
-        // Half lengths go with the third root of what gives, the peak with its square.
-        self.with_own(found, |own| 0.5 * own.peak_error(), extent.value())
-    }
-
-    /// The error of `value` that meshes of ice tell, and beside it, independent of that, the part that the runner's own hexahedra leave.
-    fn with_own(&self, error: f64, part: impl Fn(OwnCells) -> f64, value: f64) -> f64 {
-        match self.own {
-            Some(own) => error.hypot(part(own) * value.abs()),
-            None => error,
-        }
+        with(found, 0.5 * self.left.peak * extent.value())
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
         let [area_off, length_off, _] = last.off;
         let area_error = rims_error(&self.area, area_off).max(self.scatter() * last.area);
-        let area_error = self.with_own(area_error, OwnCells::peak_error, last.area);
+        let area_error = with(area_error, self.left.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, BESIDE * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
-            let error = self.with_own(peak.error, OwnCells::peak_error, value);
+            let error = with(peak.error, self.left.peak * value);
             (value, error, error / value)
         };
         Some(Limits {
@@ -183,6 +180,11 @@ impl Watched {
             relative,
         })
     }
+}
+
+/// An error that meshes tell with one, independent of it, that stays on all of them.
+fn with(error: f64, left: f64) -> f64 {
+    error.hypot(left)
 }
 
 /// The error of the last mesh's area, length or width: by their limit, and at least their range and what two ways to find a rim
@@ -216,7 +218,7 @@ mod tests {
 
     #[test]
     fn where_hardness_fixes_the_peak_the_area_is_watched() {
-        let mut watched = Watched::new(Some(20e6), None);
+        let mut watched = Watched::new(Some(20e6), Left::default());
         pushed(&mut watched, 3.0, [0.5, 0.5, -1.0]);
         assert!(watched.limits().is_none());
         assert_eq!(watched.last().map(|l| l.relative), Some(f64::INFINITY));
@@ -233,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_peak_below_the_hardness_is_watched_itself_and_never_extrapolated_beyond() {
-        let mut watched = Watched::new(Some(30.001e6), None);
+        let mut watched = Watched::new(Some(30.001e6), Left::default());
         pushed(&mut watched, 3.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 4.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 6.0, [-0.45, 0.5, -1.0]);
@@ -244,7 +246,7 @@ mod tests {
 
     #[test]
     fn meshes_graded_anew_have_their_spread_until_three_are_similar() {
-        let mut watched = Watched::new(None, None);
+        let mut watched = Watched::new(None, Left::default());
         let add = |watched: &mut Watched, cells: f64, p_max: f64, anew: bool| {
             let figures = Figures {
                 p_max,
