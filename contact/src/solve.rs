@@ -31,7 +31,7 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
                     return answered(problem, held(solution, options)?);
                 }
                 Verdict::Refine(plan) => meshes.refine(contact, plan),
-                Verdict::Widen(found) => meshes.widen(&contact, found)?,
+                Verdict::Widen(found) => meshes.widen(&contact, &found)?,
                 Verdict::OutOfReach(limits) => {
                     let (best, estimate) = meshes.out_of_reach(contact, limits);
                     return Err(Error::AccuracyNotReached {

@@ -9,15 +9,15 @@ use crate::accuracy::extrapolation::{
 };
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::order::Limit;
-use crate::accuracy::own_cells::own_cells;
+use crate::accuracy::own_cells::OwnCells;
 use crate::accuracy::scout::scout;
-use crate::accuracy::watched::{Limits, Place, Watched};
+use crate::accuracy::watched::{Left, Limits, Place, Watched};
 use crate::active_set::progress::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::green::matrix::Stored;
 use crate::grid::assembled::assemble;
 use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::discretise::{Discretisation, MeshPlan, Reach, expected};
 use crate::grid::patch::Patch;
 use crate::grid::zones::Resolution;
 use crate::problem::check::check;
@@ -34,7 +34,7 @@ const COARSE: f64 = 0.6;
 /// How often a mesh is graded anew; each time its cells may become three times smaller.
 const REGRADINGS: usize = 6;
 
-/// How many places of contact may be found late.
+/// How often places of contact may be found late; each time all that are seen.
 const WIDENINGS: usize = 4;
 
 /// Fewest cells over half the patch where the limit of unknowns leaves no more.
@@ -57,15 +57,17 @@ pub(crate) struct Meshes<'a> {
     /// Cells over half the patch of the next mesh, and of the first one that it is similar to, before rounding.
     cells: f64,
     coarsest: f64,
-    /// Cells over half the patch whose error is that of the runner's own, where it has such: finer ice tells nothing of what these miss.
-    own_cells: Option<f64>,
+    /// Cells over half the patch that a patch begins with.
+    first: f64,
+    /// The runner's own hexahedra, where it has such.
+    own: Option<OwnCells>,
     number: usize,
     solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     graded_anew: bool,
     regraded: usize,
-    /// How often places were added to where contact is looked for.
-    widened: usize,
+    /// The patches with places that were found late, each solved at least once.
+    widened: Vec<Patch>,
     history: Vec<Iterate>,
 }
 
@@ -85,7 +87,7 @@ pub(crate) enum Verdict {
     /// Another mesh is needed.
     Refine(Plan),
     /// The runner touches where contact was not looked for.
-    Widen(Penetration),
+    Widen(Vec<Penetration>),
     /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's own; what the meshes tend to, where
     /// that is known.
     OutOfReach(Option<Limits>),
@@ -105,12 +107,12 @@ impl<'a> Meshes<'a> {
         let material = check(problem, options)?;
         let gap = Gap::new(problem)?;
         let (patch, forces) = scout(problem, &gap, material, options)?;
-        let own_cells = own_cells(problem, &patch);
+        let own = OwnCells::new(problem, &patch);
         let coarsest = options.cells.map_or_else(
             || {
                 let first = first_resolution(options.p_max_tolerance, patch.is_even());
                 // Three meshes, the last as fine as the runner's own.
-                let room = own_cells.map_or(f64::INFINITY, |own| own / REFINEMENT.powi(2));
+                let room = own.map_or(f64::INFINITY, |own| own.ice_cells() / REFINEMENT.powi(2));
                 first.min(room.max(FEWEST))
             },
             |c| c as f64,
@@ -123,13 +125,14 @@ impl<'a> Meshes<'a> {
             patch,
             forces,
             cells: coarsest.round(),
+            first: coarsest.round(),
             coarsest,
-            own_cells,
+            own,
             number: 0,
-            solved: Watched::new(problem.ice.hardness),
+            solved: Watched::new(problem.ice.hardness, left(own)),
             graded_anew: false,
             regraded: 0,
-            widened: 0,
+            widened: Vec::new(),
             history: Vec::new(),
         })
     }
@@ -203,7 +206,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// The next mesh; the first one so that the limit of unknowns leaves room for two more, to tell an error by.
+    /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two more, to tell an error by.
     fn next_mesh(&mut self) -> Result<Discretisation, Error> {
         loop {
             let mesh = MeshPlan {
@@ -216,7 +219,7 @@ impl<'a> Meshes<'a> {
             }
             .mesh()?;
             let room = self.options.max_dofs as f64 / (dofs(&mesh) as f64 * REFINEMENT.powi(6));
-            let first = self.number == 0 && self.options.cells.is_none();
+            let first = self.solved.similar() == 0 && self.options.cells.is_none();
             if !first || room >= 1.0 || self.cells <= FEWEST {
                 return Ok(mesh);
             }
@@ -228,12 +231,21 @@ impl<'a> Meshes<'a> {
 
     /// Whether the meshes solved so far are enough, and else what comes next.
     pub fn judge(&self, contact: &Contact) -> Verdict {
-        match self.judge_accuracy(contact) {
-            Verdict::Refine(plan) => Verdict::Refine(plan),
-            end => {
-                let elsewhere = self.on(contact).elsewhere();
-                elsewhere.map_or(end, Verdict::Widen)
-            }
+        let verdict = self.judge_accuracy(contact);
+        // Uneven ice touches at many places: none is waited for until the others are solved finely.
+        let early = self.solved.similar() <= 1 && self.problem.ice_surface.is_some();
+        if matches!(verdict, Verdict::Refine(_)) && !early {
+            return verdict;
+        }
+        let mut found = self.on(contact).elsewhere();
+        // What was looked for late and stayed open is no place of contact, whatever a mesh says that no longer looks there.
+        found.retain(|place| {
+            let [x, y] = place.at;
+            !self.widened.iter().any(|patch| expected(patch, x, y))
+        });
+        match found.is_empty() {
+            true => verdict,
+            false => Verdict::Widen(found),
         }
     }
 
@@ -247,45 +259,34 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// Looks for contact at one place more, with as many cells.
+    /// Looks for contact at these places too, from the first mesh's cells on.
     ///
     /// # Errors
     /// [`Error::TouchesElsewhere`] where it was widened often enough.
-    pub fn widen(&mut self, contact: &Contact, found: Penetration) -> Result<(), Error> {
-        if self.widened == WIDENINGS {
+    pub fn widen(&mut self, contact: &Contact, found: &[Penetration]) -> Result<(), Error> {
+        let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+        if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
             return Err(Error::TouchesElsewhere {
-                x: found.at[0],
-                y: found.at[1],
-                depth: found.depth,
+                x: deepest.at[0],
+                y: deepest.at[1],
+                depth: deepest.depth,
             });
         }
-        self.widened += 1;
         // Meshes without that place say nothing of this contact.
-        self.solved = Watched::new(self.problem.ice.hardness);
+        self.solved = Watched::new(self.problem.ice.hardness, left(self.own));
         self.patch = self.on(contact).patch_with(found);
+        self.widened.push(self.patch.clone());
         self.graded_anew = true;
-        self.coarsest = self.cells;
+        self.cells = self.first;
+        self.coarsest = self.first;
         Ok(())
-    }
-
-    /// What the meshes tend to; the runner's own hexahedra, which stay, leave of the last mesh's error what theirs is of it.
-    fn limits(&self, contact: &Contact) -> Option<Limits> {
-        let mut limits = self.solved.limits()?;
-        if let Some(own) = self.own_cells {
-            let peak = &mut limits.peak;
-            let left = (contact.pressure.figures.p_max - peak.value).abs();
-            let runner = left * (self.cells / own).powi(2);
-            peak.error += runner;
-            limits.relative += runner / peak.value;
-        }
-        Some(limits)
     }
 
     fn judge_accuracy(&self, contact: &Contact) -> Verdict {
         if self.options.cells.is_some() {
             return Verdict::Reached(self.unjudged(contact));
         }
-        let limits = self.limits(contact);
+        let limits = self.solved.limits();
         let anew = self.regraded < REGRADINGS
             && contact.pressure.patch.wants_finer_than(&self.patch, COARSE);
         let tolerance = self.options.p_max_tolerance;
@@ -311,7 +312,7 @@ impl<'a> Meshes<'a> {
                 planned.round().max(self.cells + 1.0)
             }
         };
-        let cells = match self.own_cells.map(f64::floor) {
+        let cells = match self.own.map(|own| own.ice_cells().floor()) {
             Some(own) if !anew && cells > own && own > self.cells => own,
             Some(own) if !anew && cells > own => return Verdict::OutOfReach(limits),
             _ => cells,
@@ -388,6 +389,10 @@ impl<'a> Meshes<'a> {
             relative: f64::INFINITY,
         }
     }
+}
+
+fn left(own: Option<OwnCells>) -> Left {
+    own.map_or_else(Left::default, OwnCells::left)
 }
 
 fn dofs(mesh: &Discretisation) -> usize {

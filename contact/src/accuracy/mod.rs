@@ -3,6 +3,8 @@
 pub(crate) mod extrapolation;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
+#[cfg(test)]
+pub(crate) mod one_mesh;
 pub(crate) mod order;
 pub(crate) mod own_cells;
 #[cfg(test)]

@@ -5,17 +5,13 @@ use std::sync::Arc;
 
 use kufe_mesh::Paraboloid;
 
-use crate::accuracy::scout::scout;
+use crate::accuracy::one_mesh::OneMesh;
 use crate::active_set::constrained_cg::OneSet;
 use crate::active_set::plane_problem::PlaneState;
 use crate::active_set::progress::{Control, Counts, SetUpdate};
 use crate::active_set::sets::Sets;
 use crate::green::matrix::Stored;
 use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{MeshPlan, Reach};
-use crate::grid::zones::Resolution;
-use crate::problem::check::check;
-use crate::problem::gap::Gap;
 use crate::{Foundation, Ice, Load, Options, Problem, Runner, Tilt};
 
 /// Share of the touching nodes that the bad acceleration keeps.
@@ -31,22 +27,7 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
     };
     let problem = Problem::new(runner, ice, Load::central(1000.0, Tilt::Free));
     let options = Options::default();
-    let material = check(&problem, &options)?;
-    let gap = Gap::new(&problem)?;
-    let (patch, _) = scout(&problem, &gap, material, &options)?;
-    let cells = 5.0;
-    let mesh = MeshPlan {
-        problem: &problem,
-        gap: &gap,
-        material,
-        patch: &patch,
-        resolution: Resolution {
-            cells,
-            growth: 3.0 / cells,
-        },
-        reach: Reach::Patch,
-    }
-    .mesh()?;
+    let OneMesh { mesh, patch, .. } = OneMesh::new(problem, 5.0)?;
     let contact = &mesh.contact;
     let greens = contact.greens(Stored::USUAL);
     // Energies and sweeps as they are told, after every update of the set; and those of the bad acceleration beside the one before it.

@@ -16,6 +16,16 @@ pub(crate) struct Watched {
     last: Option<Figures>,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
+    left: Left,
+}
+
+/// Relative errors that stay on all meshes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Left {
+    /// Of the peak, and of the area, which goes with the same power of what gives; half of it is of lengths.
+    pub peak: f64,
+    /// Of the approach.
+    pub approach: f64,
 }
 
 /// How much smaller than its own the area's error counts where it is watched instead of a peak: it is of first order and scatters
@@ -58,7 +68,7 @@ pub(crate) struct Beside {
 }
 
 impl Watched {
-    pub fn new(hardness: Option<f64>) -> Self {
+    pub fn new(hardness: Option<f64>, left: Left) -> Self {
         Watched {
             peak: Sequence::alternating(),
             approach: Sequence::default(),
@@ -68,6 +78,7 @@ impl Watched {
             tilt: [Sequence::default(), Sequence::default()],
             last: None,
             hardness: hardness.unwrap_or(f64::INFINITY),
+            left,
         }
     }
 
@@ -109,7 +120,10 @@ impl Watched {
         Beside {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
             width_error: self.extent_error(&self.width, self.off()[2]),
-            approach_error: self.approach.last().error,
+            approach_error: with(
+                self.approach.last().error,
+                self.left.approach * self.approach.value(),
+            ),
         }
     }
 
@@ -141,19 +155,22 @@ impl Watched {
             true => 0.5 * extent.value() / extent.cells(),
             false => 0.0,
         };
-        rims_error(extent, off).max(cell)
+        let found = rims_error(extent, off).max(cell);
+        with(found, 0.5 * self.left.peak * extent.value())
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
         let [area_off, length_off, _] = last.off;
         let area_error = rims_error(&self.area, area_off).max(self.scatter() * last.area);
+        let area_error = with(area_error, self.left.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, BESIDE * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
-            (value, peak.error, peak.error / value)
+            let error = with(peak.error, self.left.peak * value);
+            (value, error, error / value)
         };
         Some(Limits {
             peak: Limit { value, error },
@@ -163,6 +180,11 @@ impl Watched {
             relative,
         })
     }
+}
+
+/// An error that meshes tell with one, independent of it, that stays on all of them.
+fn with(error: f64, left: f64) -> f64 {
+    error.hypot(left)
 }
 
 /// The error of the last mesh's area, length or width: by their limit, and at least their range and what two ways to find a rim
@@ -196,7 +218,7 @@ mod tests {
 
     #[test]
     fn where_hardness_fixes_the_peak_the_area_is_watched() {
-        let mut watched = Watched::new(Some(20e6));
+        let mut watched = Watched::new(Some(20e6), Left::default());
         pushed(&mut watched, 3.0, [0.5, 0.5, -1.0]);
         assert!(watched.limits().is_none());
         assert_eq!(watched.last().map(|l| l.relative), Some(f64::INFINITY));
@@ -213,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_peak_below_the_hardness_is_watched_itself_and_never_extrapolated_beyond() {
-        let mut watched = Watched::new(Some(30.001e6));
+        let mut watched = Watched::new(Some(30.001e6), Left::default());
         pushed(&mut watched, 3.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 4.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 6.0, [-0.45, 0.5, -1.0]);
@@ -224,7 +246,7 @@ mod tests {
 
     #[test]
     fn meshes_graded_anew_have_their_spread_until_three_are_similar() {
-        let mut watched = Watched::new(None);
+        let mut watched = Watched::new(None, Left::default());
         let add = |watched: &mut Watched, cells: f64, p_max: f64, anew: bool| {
             let figures = Figures {
                 p_max,

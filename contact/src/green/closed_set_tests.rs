@@ -5,13 +5,9 @@ use std::sync::Arc;
 use kufe_mesh::Paraboloid;
 
 use super::*;
-use crate::accuracy::scout::scout;
+use crate::accuracy::one_mesh::OneMesh;
 use crate::green::matrix::{Green, Stored};
-use crate::grid::discretise::{MeshPlan, Reach};
-use crate::grid::zones::Resolution;
-use crate::problem::check::check;
-use crate::problem::gap::Gap;
-use crate::{Ice, Load, Options, Problem, Runner, Tilt};
+use crate::{Ice, Load, Problem, Runner, Tilt};
 
 /// Four times the nodes and four times again: the same few dozen iterations are enough.
 #[test]
@@ -20,23 +16,8 @@ fn sets_are_closed_in_iterations_that_hardly_grow_with_the_mesh()
     let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
     let load = Load::central(1000.0, Tilt::Free);
     let problem = Problem::new(runner, Ice::half_space(9e9, 0.33), load);
-    let options = Options::default();
-    let material = check(&problem, &options)?;
-    let at = Gap::new(&problem)?;
-    let (patch, _) = scout(&problem, &at, material, &options)?;
     for cells in [5.0, 10.0, 20.0] {
-        let plan = MeshPlan {
-            problem: &problem,
-            gap: &at,
-            material,
-            patch: &patch,
-            resolution: Resolution {
-                cells,
-                growth: 3.0 / cells,
-            },
-            reach: Reach::Patch,
-        };
-        let mesh = plan.mesh()?;
+        let OneMesh { mesh, patch, .. } = OneMesh::new(problem.clone(), cells)?;
         let contact = &mesh.contact;
         let [Green::Modal(green), _] = contact.greens(Stored {
             faces: 0,

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use kufe_fem::{
-    BlockMatrix, Body, Constraints, DofMap, ElementKind, Factor, Material, assemble, boundary_faces,
+    BlockMatrix, Body, Constraints, DofMap, ElementKind, Factor, Material, NodeCells, assemble,
+    boundary_faces,
 };
 use kufe_mesh::{HexMesh, Hull};
 
@@ -20,6 +21,8 @@ pub struct RunnerSolid {
     pub(crate) factor: Factor,
     /// Faces of the underside, nodes counter-clockwise seen from below.
     pub(crate) faces: Vec<[usize; 4]>,
+    /// Heights of the hexahedra on these faces [m].
+    heights: Vec<f64>,
     /// Nodes of the underside.
     pub(crate) surface: Vec<usize>,
     /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were asked for [m/N].
@@ -70,6 +73,7 @@ impl RunnerSolid {
         if clamped.is_empty() {
             return Err(bad("its mount holds no node of its mesh".into()));
         }
+        let heights = heights(&mesh, &faces);
         let body = Body::uniform(mesh, material, ElementKind::Hex8Incompatible).map_err(said)?;
         let mut constraints = Constraints::new(body.node_count());
         constraints.clamp(clamped).map_err(said)?;
@@ -85,6 +89,7 @@ impl RunnerSolid {
             map,
             factor,
             faces,
+            heights,
             surface,
             responses: Mutex::default(),
         })
@@ -127,10 +132,11 @@ impl RunnerSolid {
         }
     }
 
-    /// Largest extents along x and y of the underside's faces with their middle between these ends of x and y [m]; zero where there are none.
-    pub(crate) fn largest_face(&self, x: [f64; 2], y: [f64; 2]) -> [f64; 2] {
-        let mut largest = [0.0f64; 2];
-        for face in &self.faces {
+    /// Largest extents along x, y and z of the hexahedra on the underside's faces with their middle between these ends of x and y [m];
+    /// zero where there are none.
+    pub(crate) fn largest_cell(&self, x: [f64; 2], y: [f64; 2]) -> [f64; 3] {
+        let mut largest = [0.0f64; 3];
+        for (face, &height) in self.faces.iter().zip(&self.heights) {
             let ends = [0, 1].map(|axis| {
                 let at = face.map(|node| self.mesh().points[node][axis]);
                 at.iter()
@@ -140,8 +146,9 @@ impl RunnerSolid {
             });
             let middle = ends.map(|[low, high]| 0.5 * (low + high));
             if (x[0]..=x[1]).contains(&middle[0]) && (y[0]..=y[1]).contains(&middle[1]) {
-                for (largest, [low, high]) in largest.iter_mut().zip(ends) {
-                    *largest = largest.max(high - low);
+                let [dx, dy] = ends.map(|[low, high]| high - low);
+                for (largest, size) in largest.iter_mut().zip([dx, dy, height]) {
+                    *largest = largest.max(size);
                 }
             }
         }
@@ -224,4 +231,21 @@ fn underside(mesh: &HexMesh) -> Vec<[usize; 4]> {
         .zip(reached)
         .filter_map(|(face, reached)| reached.then_some(face))
         .collect()
+}
+
+/// Heights of the hexahedra on these faces, in the mean of their four edges that leave the face [m].
+fn heights(mesh: &HexMesh, faces: &[[usize; 4]]) -> Vec<f64> {
+    let cells = NodeCells::new(mesh);
+    let height = |face: &[usize; 4]| {
+        let around = cells.of(face[0]).map(|(cell, _)| &mesh.cells[cell]);
+        let edge = |node: &usize| {
+            let sign = if face.contains(node) { -0.25 } else { 0.25 };
+            sign * mesh.points[*node][2]
+        };
+        around
+            .filter(|cell| face.iter().all(|node| cell.contains(node)))
+            .map(|cell| cell.iter().map(edge).sum::<f64>())
+            .fold(0.0, f64::max)
+    };
+    faces.iter().map(height).collect()
 }

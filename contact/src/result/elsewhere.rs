@@ -39,11 +39,11 @@ pub(crate) struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// The deepest place outside of where contact was looked for, on a hull with ends; `None` where there is none.
-    pub fn elsewhere(&self) -> Option<Penetration> {
+    /// Places outside of where contact was looked for, on a hull with ends: the deepest of each valley along it, in order.
+    pub fn elsewhere(&self) -> Vec<Penetration> {
         let extent = self.problem.runner.underside.extent();
         if extent.iter().any(|end| !end.is_finite()) {
-            return None;
+            return Vec::new();
         }
         let surface = Surface::new(self);
         let [low, high, right, left] = extent;
@@ -73,6 +73,7 @@ impl Solved<'_> {
             let mut beside = next.filter_map(|k| line.get(k));
             line[*i][1].is_finite() && beside.all(|other| other[1] >= line[*i][1])
         };
+        let depth = self.mesh.contact.depth(self.state);
         let found = (0..=STATIONS).filter(valley).map(|i| {
             let mut at = [station(i), line[i][0]];
             for _ in 0..2 {
@@ -84,23 +85,29 @@ impl Solved<'_> {
                 depth: -height(at[0], at[1]),
             }
         });
-        let deepest = found.max_by(|a, b| a.depth.total_cmp(&b.depth))?;
-        let depth = self.mesh.contact.depth(self.state);
-        (deepest.depth > LEAST * depth).then_some(deepest)
+        found.filter(|at| at.depth > LEAST * depth).collect()
     }
 
-    /// The patch with a place of contact more.
-    pub fn patch_with(&self, found: Penetration) -> Patch {
+    /// The patch with these places of contact more.
+    pub fn patch_with(&self, found: &[Penetration]) -> Patch {
+        let surface = Surface::new(self);
+        let mut patch = self.patch.clone();
+        for place in found {
+            self.add(place, &surface, &mut patch);
+        }
+        patch.x.sort_by(|a, b| a.low.total_cmp(&b.low));
+        patch
+    }
+
+    fn add(&self, found: &Penetration, surface: &Surface, patch: &mut Patch) {
         let mirrored = self.mesh.symmetry;
         // Of two places that a mirror plane makes one the positive one is meshed.
         let [x, y] = [0, 1].map(|axis| match mirrored[axis] {
             true => found.at[axis].abs(),
             false => found.at[axis],
         });
-        let mut patch = self.patch.clone();
         patch.y.low = patch.y.low.min(if mirrored[1] { -y } else { y });
         patch.y.high = patch.y.high.max(y);
-        let surface = Surface::new(self);
         let [low, high, ..] = self.problem.runner.underside.extent();
         let end = |sign: f64, limit: f64| {
             let mut step = 1e-6 * (high - low);
@@ -117,8 +124,6 @@ impl Solved<'_> {
             }
             None => patch.x.push(new),
         }
-        patch.x.sort_by(|a, b| a.low.total_cmp(&b.low));
-        patch
     }
 }
 

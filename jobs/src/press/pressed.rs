@@ -153,8 +153,8 @@ fn beyond_discretisation(
     let runner = &loaded.case.runner;
     if runner.mesh.is_some() {
         return Some(
-            "the runner's own hexahedra stay as they are: the ice is meshed until its error is theirs by the runner's share of what gives, \
-             and the stated errors are those of the ice there; hexahedra that are finer under the contact lower them"
+            "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
+             finer ones there lower them"
                 .into(),
         );
     }

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use kufe_contact::{
-    ElasticRunner, Foundation, Ice, Load, Mount, Options, Problem, Runner, RunnerSolid, Solution,
-    Tilt, solve,
+    ElasticRunner, Error, Foundation, Ice, Load, Mount, Options, Problem, Runner, RunnerSolid,
+    Solution, Tilt, solve,
 };
 use kufe_mesh::{
     BobRunner, FittedUnderside, HexMesh, Underside, graded_levels, mapped_runner_mesh,
+    mesh_over_heights,
 };
 use kufe_tests::contact::{Formula, ICE_E, ICE_NU};
 use kufe_tests::meshes::block;
@@ -182,6 +183,92 @@ fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
     assert!((own.approach / on_columns.approach - 1.0).abs() < 0.02);
     assert!(own.iterations <= 45, "{}", own.iterations);
     assert!((own.fz / 600.0 - 1.0).abs() < 1e-8);
+}
+
+/// Nodes from -`end` to `end`: even ones of `size` up to `even` from the middle, an edge or a cell's middle at 0, and growing by a third from there.
+fn line(size: f64, even: f64, end: f64, edge: bool) -> Vec<f64> {
+    let mut half = vec![if edge { 0.0 } else { 0.5 * size }];
+    let mut step = size;
+    while half[half.len() - 1] < end {
+        let last = half[half.len() - 1];
+        if last >= even {
+            step *= 4.0 / 3.0;
+        }
+        half.push(last + step);
+    }
+    let below = half.iter().rev().map(|x| -x);
+    let below: Vec<f64> = below.filter(|x| *x < 0.0).collect();
+    [below, half].concat()
+}
+
+/// What no mesh of the ice sees: faces of a third to half of the contact's radius on runners softer and stiffer than the ice. Peaks by Hankel transforms,
+/// `python tests/data/layered.py`, of a paraboloid of 2 m, 20 mm high and held at its top, under 1000 N.
+#[test]
+fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
+    const RADIUS: f64 = 2.0;
+    const HEIGHT: f64 = 0.02;
+    let mut stated = Vec::new();
+    // Young's modulus, contact radius, peak; cells over the radius; whether an edge is at the lowest place.
+    for (young, a, peak, cells, edge) in [
+        (6e9, 7.187e-3, 9.247_650e6, 2.0, true),
+        (6e9, 7.187e-3, 9.247_650e6, 3.0, true),
+        (6e9, 7.187e-3, 9.247_650e6, 3.0, false),
+        (21e9, 5.969e-3, 13.401_187e6, 3.0, false),
+        (75e9, 5.502e-3, 15.774_308e6, 2.0, true),
+    ] {
+        let size = a / cells;
+        let x = line(size, 1.5 * a, 3.0 * (a + HEIGHT), edge);
+        let up: Vec<f64> = line(size, 0.5 * a, HEIGHT, true)
+            .into_iter()
+            .filter(|z| *z >= 0.0)
+            .collect();
+        let levels: Vec<f64> = up.iter().map(|z| z / up[up.len() - 1]).collect();
+        let height = |x: f64, y: f64| (x * x + y * y) / (2.0 * RADIUS);
+        let heights: Vec<f64> = x
+            .iter()
+            .flat_map(|y| x.iter().map(|x| height(*x, *y)))
+            .collect();
+        let mesh = mesh_over_heights(&x, &x, &heights, HEIGHT, &levels).unwrap();
+        let runner = solid(mesh, (young, 0.3), HEIGHT);
+        let surface = FittedUnderside::new(&runner.underside(), 0.0).unwrap();
+        let mut problem = pressed(
+            Arc::new(surface),
+            runner,
+            (ICE_E, ICE_NU),
+            1.0,
+            held_level(1000.0),
+        );
+        problem.ice.foundation = Foundation::HalfSpace;
+        if let Some(elastic) = &mut problem.runner.elastic {
+            elastic.youngs_modulus = young;
+        }
+        let options = Options {
+            p_max_tolerance: 0.02,
+            ..Options::default()
+        };
+        let s = match solve(&problem, &options) {
+            Ok(solution) => solution,
+            Err(Error::AccuracyNotReached { best, .. }) => *best,
+            Err(error) => panic!("{error}"),
+        };
+        let (off, error) = (s.p_max / peak - 1.0, s.p_max_error / peak);
+        println!(
+            "{young:e} {cells} {edge}: {:.2} % off, {:.2} % stated",
+            100.0 * off,
+            100.0 * error
+        );
+        // By the height's change over the contact the truth is off by a^2 / (2 R H).
+        assert!(
+            off.abs() < error + a * a / (2.0 * RADIUS * HEIGHT),
+            "{off} {error}"
+        );
+        stated.push(error);
+    }
+    // Coarse faces of soft runners are told to be worse than fine ones, and those of stiff runners to matter less.
+    assert!(
+        stated[0] > stated[1] && stated[4] < 0.5 * stated[0],
+        "{stated:?}"
+    );
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn the_meshes_of_a_hull_are_written_too() {
 }
 
 /// What `kufe mesh` writes is half a runner or a quarter, as coarse as its columns are far from the patch: given back as a runner's own
-/// mesh it is refused, and so is one with 5 um of noise and one in millimetres that is read in metres.
+/// mesh it is refused, and so is one in millimetres that is read in metres.
 #[test]
 fn meshes_that_are_no_runner_for_their_load_are_refused_with_one_reason() {
     let bench = Bench::new();

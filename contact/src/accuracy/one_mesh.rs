@@ -1,0 +1,66 @@
+//! One mesh of a problem, for claims on what is done with it.
+
+use kufe_fem::Material;
+
+use crate::accuracy::mesh_solve::{Forces, MeshSolve};
+use crate::accuracy::scout::scout;
+use crate::active_set::progress::Progress;
+use crate::green::matrix::Stored;
+use crate::grid::contact_mesh::State;
+use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::patch::Patch;
+use crate::grid::zones::Resolution;
+use crate::problem::check::check;
+use crate::problem::gap::Gap;
+use crate::{Error, Options, Problem};
+
+/// A mesh of a problem's scouted patch, and what it is solved from.
+pub(crate) struct OneMesh {
+    pub problem: Problem,
+    pub material: Material,
+    pub patch: Patch,
+    pub forces: Forces,
+    pub mesh: Discretisation,
+}
+
+impl OneMesh {
+    /// With so many cells over half the patch.
+    pub fn new(problem: Problem, cells: f64) -> Result<Self, Error> {
+        let options = Options::default();
+        let material = check(&problem, &options)?;
+        let gap = Gap::new(&problem)?;
+        let (patch, forces) = scout(&problem, &gap, material, &options)?;
+        let mesh = MeshPlan {
+            problem: &problem,
+            gap: &gap,
+            material,
+            patch: &patch,
+            resolution: Resolution {
+                cells,
+                growth: 3.0 / cells,
+            },
+            reach: Reach::Patch,
+        }
+        .mesh()?;
+        Ok(OneMesh {
+            problem,
+            material,
+            patch,
+            forces,
+            mesh,
+        })
+    }
+
+    /// Solved with Green's matrices of so many nodes stored.
+    pub fn solve(&self, stored: Stored) -> Result<(State, Progress), Error> {
+        MeshSolve {
+            problem: &self.problem,
+            material: self.material,
+            mesh: &self.mesh,
+            options: &Options::default(),
+            stored,
+            tell: &|_, _| {},
+        }
+        .solve(self.patch.motion, &self.forces)
+    }
+}
