@@ -105,16 +105,9 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(toldOf(data.case), fitOf(data.result.hull_fit)));
+    caseTable.replaceChildren(caseOf(data.case, fitOf(data.result.hull_fit)));
   }
   return { show };
-}
-
-/** A case without the steel's constants where it is rigid: nothing comes of them. */
-function toldOf(tables) {
-  if (!tables?.runner || tables.runner.elastic) return tables;
-  const { youngs_modulus_pa, poissons_ratio, ...runner } = tables.runner;
-  return { ...tables, runner };
 }
 
 /** How far the surface fitted through a hull's vertices stays from them. */
