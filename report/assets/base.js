@@ -132,20 +132,29 @@ function viridis(t) {
 function table(head, rows) {
   const cell = (name) => (value) => {
     const number = typeof value === "number";
-    return el(name, { class: number || (typeof value === "string" && /^[-\d.]/.test(value)) ? "n" : null }, number ? figure(value) : value ?? "");
+    return el(name, { class: number || (typeof value === "string" && /^([-\d.]|inf$)/.test(value)) ? "n" : null }, number ? figure(value) : value ?? "");
   };
-  const numeric = head.map((_, k) => rows.length > 0 && rows.every((row) => typeof row[k] === "number" || /^[-\d.]/.test(row[k] ?? "")));
+  const numeric = head.map((_, k) => rows.length > 0 && rows.every((row) => typeof row[k] === "number" || /^([-\d.]|inf$)/.test(row[k] ?? "")));
   return el("div", { class: "scroll" }, el("table", {},
     el("thead", {}, el("tr", {}, head.map((text, k) => el("th", { class: numeric[k] ? "n" : null }, text)))),
     el("tbody", {}, rows.map((row) => el("tr", {}, row.map(cell("td")))))));
 }
 
+/** A case without the steel's constants where it is rigid: nothing comes of them. */
+function toldOf(tables) {
+  if (!tables?.runner || tables.runner.elastic) return tables;
+  const { youngs_modulus_pa, poissons_ratio, ...runner } = tables.runner;
+  return { ...tables, runner };
+}
+
 /** A table of a case's keys, as [name, value] pairs of what is nested in `tables`, and `more` of them. */
 function caseOf(tables, more = []) {
+  const said = (value) => (typeof value === "number" ? plain(value) : Array.isArray(value) ? value.map(said).join("; ")
+    : value !== null && typeof value === "object" ? Object.entries(value).map(([key, inner]) => `${key} ${said(inner)}`).join(", ") : String(value));
   const flat = (value, name) => (value !== null && typeof value === "object" && !Array.isArray(value)
     ? Object.entries(value).flatMap(([key, inner]) => flat(inner, name ? `${name}.${key}` : key)) : [[name, value]]);
-  const row = ([name, value]) => el("tr", {}, el("th", {}, name), el("td", { class: "text" }, typeof value === "number" ? plain(value) : String(value)));
-  return el("div", { class: "scroll" }, el("table", {}, el("tbody", {}, [...flat(tables ?? {}, ""), ...more].map(row))));
+  const row = ([name, value]) => el("tr", {}, el("th", {}, name), el("td", { class: "text" }, said(value)));
+  return el("div", { class: "scroll" }, el("table", {}, el("tbody", {}, [...flat(toldOf(tables) ?? {}, ""), ...more].map(row))));
 }
 
 /** A titled box of the page. */

@@ -105,10 +105,13 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(data.case));
+    caseTable.replaceChildren(caseOf(data.case, fitOf(data.result.hull_fit)));
   }
   return { show };
 }
+
+/** How far the surface fitted through a hull's vertices stays from them. */
+const fitOf = (fit) => (fit ? [["hull's fit", `${metres(fit.residual_rms_m)} from its vertices`]] : []);
 
 function headlineOf(result) {
   const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));

@@ -34,6 +34,8 @@ function seriesPage(main, data) {
   const option = (text, value) => el("option", { value }, text);
   const figureOf = el("select", { id: "figure", onchange: () => draw() }, there.map(([, title], k) => option(title, k)));
   const over = el("select", { id: "over", onchange: () => draw() }, data.keys.map((key) => option(VARIED[key]?.[0] ?? key, key)));
+  const varied = (key) => new Set(solved.map((row) => row[key])).size;
+  over.value = data.keys.reduce((most, key) => (varied(key) > varied(most) ? key : most));
   const shown = chart(), note = el("p", { class: "soft" });
   const peaks = solved.map((row) => row.p_max_pa), seconds = solved.reduce((sum, row) => sum + (row.seconds ?? 0), 0);
   main.replaceChildren(
@@ -65,7 +67,7 @@ function seriesPage(main, data) {
         return {
           x: sorted.map((row) => place(row[along])), y: sorted.map((row) => (row[key] === null ? NaN : times * row[key])),
           errors: sorted.map((row) => times * (row[error] ?? 0)), points: true, name: label,
-          colour: lines.length === 1 ? "var(--accent)" : `rgb(${viridis(0.9 * k / (lines.length - 1)).join(" ")})`,
+          colour: lines.length === 1 ? "var(--accent)" : `rgb(${viridis(0.2 + 0.65 * k / (lines.length - 1)).join(" ")})`,
         };
       }),
     });

@@ -248,7 +248,7 @@ pub enum Error {
 }
 
 fn needs(by: Option<&str>) -> String {
-    by.map_or_else(String::new, |by| format!(", which {by} needs"))
+    by.map_or_else(String::new, |by| format!(", which is needed for {by}"))
 }
 
 fn more_faults(more: usize) -> String {

@@ -31,8 +31,8 @@ const EXAMPLES: [(&str, &str); 21] = [
     (
         "hull check",
         "Examples:
-  kufe hull check scan.stl                     unit, axes, radii, spacing, noise, and the loads that it resolves
-  kufe hull check scan.stl --fz-n 800 -o case.toml    and the case that reads it so",
+  kufe hull check scan.stl                            unit, axes, radii, spacing, noise, and the loads that it resolves
+  kufe hull check scan.stl --fz-n 800 -o case.toml    and the case that reads it so, at this load",
     ),
     (
         "mesh",

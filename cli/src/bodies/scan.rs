@@ -45,6 +45,8 @@ struct Found {
     vertices: usize,
     triangles: usize,
     sampling: Sampling,
+    /// Where the load goes, along and across, where the file's origin lies beyond the hull [m].
+    beyond: Option<[f64; 2]>,
     /// Loads, or why no smooth underside could be fitted.
     judged: Result<Vec<Judged>, String>,
 }
@@ -63,7 +65,10 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     if let Some(out) = &check.out {
         apart(std::slice::from_ref(&check.file), std::slice::from_ref(out))?;
         if out.exists() {
-            let text = format!("{}: exists already", out.display());
+            let text = format!(
+                "{}: exists already: expected a name that is free",
+                out.display()
+            );
             return Err(Failure::BadInput(text));
         }
     }
@@ -72,7 +77,7 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
         told("no side of it is rounded along and across, as the underside of a runner is (rocker and section)")
     })?;
     if let Some(out) = &check.out {
-        let text = case(&check.file, out, &found)?;
+        let text = case(check, out, &found)?;
         write_whole(out, |writer| writer.write_all(text.as_bytes()))?;
     }
     if global.json {
@@ -114,10 +119,38 @@ fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
         judged: FittedUnderside::new(&hull, noise)
             .map(judge)
             .map_err(|error| error.to_string()),
+        beyond: middle_if_beyond(hull.bounds()),
         standing,
         report,
         sampling,
     }))
+}
+
+/// The middle of a hull, along and across, that does not reach over or under its origin [m].
+fn middle_if_beyond([low, high]: [[f64; 3]; 2]) -> Option<[f64; 2]> {
+    let beyond = (0..2).any(|axis| low[axis] >= 0.0 || high[axis] <= 0.0);
+    beyond.then(|| [0, 1].map(|axis| 0.5 * (low[axis] + high[axis])))
+}
+
+/// The load of the case: of those that were judged, and are resolved where some are, the one nearest to 1 kN [N].
+fn load(check: &Check, found: &Found) -> f64 {
+    let resolved = found
+        .judged
+        .iter()
+        .flatten()
+        .filter(|one| one.coarse.is_none());
+    let resolved: Vec<f64> = resolved.map(|one| one.fz).collect();
+    let among = if resolved.is_empty() {
+        &check.fz_n
+    } else {
+        &resolved
+    };
+    let far = |fz: &f64| (fz - 1000.0).abs();
+    let nearest = among
+        .iter()
+        .copied()
+        .min_by(|a, b| far(a).total_cmp(&far(b)));
+    nearest.unwrap_or(1000.0)
 }
 
 /// Noise beyond that of a hull that a computer made [m].
@@ -149,7 +182,8 @@ fn backward(forward: Axis) -> Axis {
 }
 
 /// The case that reads the hull so, with ice, track and load to edit.
-fn case(file: &Path, out: &Path, found: &Found) -> Result<String, Failure> {
+fn case(check: &Check, out: &Path, found: &Found) -> Result<String, Failure> {
+    let file = &check.file;
     let folder = out.parent().unwrap_or(Path::new(""));
     let hull = match file.strip_prefix(folder) {
         Ok(inside) => inside.to_path_buf(),
@@ -168,8 +202,15 @@ fn case(file: &Path, out: &Path, found: &Found) -> Result<String, Failure> {
     if let Some(noise) = stated(&found.sampling) {
         let _ = writeln!(text, "noise_m = {noise:.2e}");
     }
-    text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n\n\
-             [load]\nfz_n = 1000.0\n\n[accuracy]\np_max = 0.01\n";
+    text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n";
+    let _ = writeln!(text, "\n[load]\nfz_n = {:?}", load(check, found));
+    if let Some([x, y]) = found.beyond {
+        let _ = writeln!(
+            text,
+            "offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies beyond it\noffset_y_m = {y:.4}"
+        );
+    }
+    text += "\n[accuracy]\np_max = 0.01\n";
     Ok(text)
 }
 
@@ -196,6 +237,7 @@ fn document(check: &Check, found: &Found) -> Value {
         "rocker_radius_m": found.standing.rocker_radius,
         "section_radius_m": found.standing.section_radius,
         "vertices": found.vertices, "triangles": found.triangles,
+        "beyond_origin_m": found.beyond,
         "open_edges": found.report.open_edges,
         "spacing_m": found.sampling.spacing,
         "noise_m": stated(&found.sampling).unwrap_or(0.0),
@@ -232,6 +274,12 @@ fn text(check: &Check, found: &Found) -> String {
         1e3 * found.sampling.spacing,
         stated(&found.sampling).map_or("none".to_owned(), |n| format!("{:.2} um", 1e6 * n))
     );
+    if let Some([x, y]) = found.beyond {
+        let _ = writeln!(
+            text,
+            "  the file's origin lies beyond the hull; its middle: load.offset_x_m = {x:.4}, load.offset_y_m = {y:.4}"
+        );
+    }
     for warning in &found.report.warnings {
         let _ = writeln!(text, "  {warning}");
     }

@@ -213,7 +213,16 @@ fn in_words(answer: &Map<String, Value>, table: &Table) -> String {
     let judged = shown(table.judged()).0;
     text += &format!("in brackets: interpolation, and the solver's error too for the {judged}\n");
     if answer["out_of_range"] == json!(true) {
-        text += "outside the table: clipped to its nearest value\n";
+        let fz = table.axes().fz();
+        let at = answer["fz_n"].as_f64().unwrap_or(fz[0]);
+        let [low, high] = table
+            .axes()
+            .curvature_range(at.clamp(fz[0], fz[fz.len() - 1]));
+        text += &format!(
+            "outside the table ({} to {} N; curvature {low:.4} to {high:.4} 1/m): clipped to its nearest value, whose errors these are\n",
+            fz[0],
+            fz[fz.len() - 1]
+        );
     }
     text
 }

@@ -71,7 +71,7 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         ("approach", format!("{:.3} um", solution.approach * 1e6)),
         (
             "pitch, roll",
-            format!("{:.3e} rad, {:.3e} rad", solution.pitch, solution.roll),
+            format!("{}, {}", angle(solution.pitch), angle(solution.roll)),
         ),
         ("normal force", force(solution.fz)),
         (
@@ -227,6 +227,13 @@ pub fn series(rows: &[Row], kept: usize, out: &Path) -> String {
         out.display()
     ));
     text
+}
+
+fn angle(radians: f64) -> String {
+    match radians {
+        0.0 => "0 rad".into(),
+        _ => format!("{radians:.3e} rad"),
+    }
 }
 
 fn length(metres: f64) -> String {

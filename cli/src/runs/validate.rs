@@ -122,7 +122,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
                 .collect();
             if !places.is_empty() {
                 text += &format!(
-                    "{}: largest disagreements at {}\n",
+                    "{}: largest disagreements, root mean square over half a second, at {}\n",
                     run.run,
                     places.join(", ")
                 );

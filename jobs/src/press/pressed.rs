@@ -99,7 +99,10 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     let scan = scanned(&loaded, hull.as_ref());
     let moved = scan
         .filter(|_| sliding.is_none())
-        .and_then(|(hull, noise)| in_peak(&problem, hull, noise));
+        .and_then(|(hull, noise)| {
+            watch.progress("scans made up, to see how far noise moves the peak");
+            in_peak(&problem, hull, noise)
+        });
     let remarks = [
         beyond_ice(&problem, &solution),
         beyond_discretisation(&loaded, hull.as_ref(), &solution, moved),

@@ -76,6 +76,7 @@ struct Map {
     /// Rows of constant force; one more than cells each way.
     values: Vec<f64>,
     range: (f64, f64),
+    quantity: Quantity,
     unit: &'static str,
 }
 
@@ -116,6 +117,7 @@ impl Map {
             curvature,
             values,
             range: (low, if high > low { high } else { low + 1.0 }),
+            quantity,
             unit,
         }
     }
@@ -174,7 +176,7 @@ where
     DB::ErrorType: 'static,
 {
     let title = format!(
-        "{} [{}]{}: {} x {} nodes, {} checks",
+        "{} [{}]{}: {} x {} nodes (dots), {} checks (crosses)",
         title(quantity),
         map.unit,
         slice.in_words(),
@@ -189,7 +191,9 @@ where
         .y_label_area_size(74)
         .build_cartesian_2d(
             map.curvature.0..map.curvature.1,
-            (map.fz.0..map.fz.1).log_scale(),
+            (map.fz.0..map.fz.1)
+                .log_scale()
+                .with_key_points(decades(map.fz)),
         )?;
     chart.draw_series((0..CELLS).flat_map(|i| {
         (0..CELLS).map(move |j| {
@@ -229,8 +233,8 @@ where
     chart.draw_series(table.checks().iter().map(|check| {
         Cross::new(
             (check.point.curvature, check.point.fz),
-            2,
-            WHITE.mix(0.45).stroke_width(1),
+            4,
+            WHITE.stroke_width(1),
         )
     }))?;
     let nodes = table.axes().points().into_iter();
@@ -263,9 +267,9 @@ where
     let mut chart = ChartBuilder::on(area)
         .margin_top(44)
         .margin_bottom(66)
-        .margin_right(50)
+        .margin_right(6)
         .margin_left(10)
-        .y_label_area_size(70)
+        .right_y_label_area_size(84)
         .build_cartesian_2d(0.0..1.0, low..high)?;
     let steps = 128;
     chart.draw_series((0..steps).map(|n| {
@@ -279,7 +283,7 @@ where
         .configure_mesh()
         .disable_mesh()
         .disable_x_axis()
-        .y_desc(map.unit)
+        .y_desc(format!("{} [{}]", title(map.quantity), map.unit))
         .label_style(("sans-serif", 15))
         .y_label_formatter(&|value| short(*value))
         .draw()?;
@@ -302,6 +306,17 @@ pub(crate) fn title(quantity: Quantity) -> &'static str {
     }
 }
 
+/// Once, twice and five times the powers of ten between two positive numbers, the ends themselves where none lies between.
+fn decades((low, high): (f64, f64)) -> Vec<f64> {
+    let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|times| times * 10f64.powi(power)));
+    let between: Vec<f64> = all.filter(|at| (low..=high).contains(at)).collect();
+    match between.len() {
+        0 | 1 => vec![low, high],
+        _ => between,
+    }
+}
+
 /// Four significant figures, without trailing zeros.
 fn short(value: f64) -> String {
     if value == 0.0 {
@@ -312,5 +327,26 @@ fn short(value: f64) -> String {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').into(),
         false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_decade_of_forces_has_ticks() {
+        let near = |range, expected: &[f64]| {
+            let found = decades(range);
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            let close = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
+            assert!(found.iter().zip(expected).all(close), "{found:?}");
+        };
+        near((500.0, 2000.0), &[500.0, 1000.0, 2000.0]);
+        near(
+            (90.0, 8000.0),
+            &[100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0],
+        );
+        near((600.0, 900.0), &[600.0, 900.0]);
     }
 }

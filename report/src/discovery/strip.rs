@@ -96,9 +96,9 @@ impl Scale {
         let _ = writeln!(
             svg,
             "<rect x=\"{LEFT}\" y=\"{top}\" width=\"{:.1}\" height=\"{HIGH}\" fill=\"none\" stroke=\"currentColor\" opacity=\"0.4\"/>\
-<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-weight=\"bold\">{name}</text>",
+<text x=\"{:.1}\" y=\"{:.1}\" font-weight=\"bold\">{name}</text>",
             RIGHT - LEFT,
-            RIGHT - 6.0,
+            LEFT + 6.0,
             top + 16.0
         );
         for tick in axis_ticks(-self.most, self.most, 4) {

@@ -1,5 +1,6 @@
 //! A model made ready to drive: friction laws with their tables opened.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use kufe_effect::{Column, Effects};
@@ -183,19 +184,27 @@ impl Vehicle {
         vehicle
     }
 
-    /// Effects that act on one track only, which is none of these: each in a line.
+    /// Effects that act on one track only, which is none of these: a line a track.
     pub fn effects_elsewhere(&self, tracks: &[&str]) -> Vec<String> {
-        let elsewhere = self.effects.active.iter().filter_map(|effect| {
-            let only = effect.track.as_deref()?;
-            (!tracks.contains(&only)).then(|| {
-                format!(
-                    "[effects.{}] track = {only:?}: there is no such track here and the effect does nothing; expected one of {}",
-                    effect.name,
-                    tracks.join(", ")
-                )
-            })
-        });
-        elsewhere.collect()
+        let mut elsewhere: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        for effect in &self.effects.active {
+            if let Some(only) = effect
+                .track
+                .as_deref()
+                .filter(|only| !tracks.contains(only))
+            {
+                let name = format!("[effects.{}]", effect.name);
+                elsewhere.entry(only).or_default().push(name);
+            }
+        }
+        let line = |(only, names): (&str, Vec<String>)| {
+            format!(
+                "{} track = {only:?}: there is no such track here and the effect does nothing; expected one of {}",
+                names.join(", "),
+                tracks.join(", ")
+            )
+        };
+        elsewhere.into_iter().map(line).collect()
     }
 
     /// The tables that are asked, front and rear: those of the law, or those of groove and film where an effect switches them on.

@@ -5,6 +5,9 @@ use plotters::prelude::*;
 
 use crate::evaluate::bootstrap::quantile;
 
+/// Values of which quartiles are drawn; fewer are drawn by themselves.
+const FEWEST: usize = 5;
+
 /// Five quantiles of a distribution, and its points where they are few.
 #[derive(Clone, Debug, Default)]
 pub struct Spread {
@@ -32,6 +35,11 @@ impl Spread {
         }
     }
 
+    /// Whether there are values, and too few of them for quartiles.
+    fn is_few(&self) -> bool {
+        (1..FEWEST).contains(&self.points.len())
+    }
+
     fn reach(&self) -> (f64, f64) {
         let (mut low, mut high) = (self.quantiles[0], self.quantiles[4]);
         for point in &self.points {
@@ -41,7 +49,8 @@ impl Spread {
     }
 }
 
-/// One panel of boxes: categories along x, quartiles as a box, 5 to 95 % as whiskers, points beside.
+/// One panel of boxes: categories along x, quartiles as a box, 5 to 95 % as whiskers, points beside; of fewer than
+/// [`FEWEST`] values the points alone.
 pub(super) fn draw_boxes(
     root: &PngRoot,
     title: &str,
@@ -87,6 +96,11 @@ pub(super) fn draw_boxes(
         let [q5, q25, q50, q75, q95] = spread.quantiles;
         let middle = place as f64 + 0.5;
         let (left, right) = (middle - 0.24, middle + 0.24);
+        if spread.is_few() {
+            let own = |point: &f64| Circle::new((middle, *point), 4, colour.filled());
+            chart.draw_series(spread.points.iter().map(own))?;
+            continue;
+        }
         let line = |points: Vec<(f64, f64)>, width: u32| {
             PathElement::new(points, colour.stroke_width(width))
         };
@@ -119,4 +133,16 @@ pub(super) fn draw_boxes(
         )?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_are_drawn_of_five_values_and_of_hundreds_but_not_of_two() {
+        let few = |count: u32| Spread::of((0..count).map(f64::from)).is_few();
+        assert_eq!([0, 1, 2, 4].map(few), [false, true, true, true]);
+        assert_eq!([5, 100, 101, 1000].map(few), [false; 4]);
+    }
 }

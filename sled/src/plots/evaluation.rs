@@ -28,7 +28,10 @@ pub fn energy_picture(
         ("total", |run| run.increase_total),
     ];
     kufe_plot::png(path, 1500, 560, &|root| {
-        let root = root.margin(10, 0, 0, 0).titled(title, ("sans-serif", 26))?;
+        let title = format!("{title} (boxes: quartiles, whiskers: 5 to 95 %, dots: runs)");
+        let root = root
+            .margin(10, 0, 0, 0)
+            .titled(&title, ("sans-serif", 26))?;
         for ((name, pick), area) in panels.iter().zip(root.split_evenly((1, 4))) {
             let boxes: Vec<(String, Spread)> = distinct(runs, by)
                 .into_iter()

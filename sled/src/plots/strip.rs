@@ -109,11 +109,61 @@ pub(super) fn draw_strip(
     if lines.len() > 1 {
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::LowerRight)
+            .position(least_covered(
+                lines,
+                [x_low, x_high],
+                [y_low - margin, y_high + top],
+            ))
             .background_style(WHITE.mix(0.8))
             .border_style(BLACK.mix(0.2))
             .label_font(("sans-serif", 16))
             .draw()?;
     }
     Ok(())
+}
+
+/// The corner in which a legend covers the fewest points of these lines.
+fn least_covered(lines: &[Line], x: [f64; 2], y: [f64; 2]) -> SeriesLabelPosition {
+    // Shares of the panel that a legend of three short names takes.
+    const WIDE: f64 = 0.12;
+    const HIGH: f64 = 0.35;
+    let corners = [
+        (SeriesLabelPosition::LowerRight, [true, false]),
+        (SeriesLabelPosition::UpperRight, [true, true]),
+        (SeriesLabelPosition::UpperLeft, [false, true]),
+        (SeriesLabelPosition::LowerLeft, [false, false]),
+    ];
+    let far = |value: f64, [low, high]: [f64; 2], end: bool| {
+        let share = (value - low) / (high - low);
+        if end { 1.0 - share } else { share }
+    };
+    let covered = |[right, top]: [bool; 2]| {
+        let points = lines.iter().flat_map(|line| line.points.iter());
+        points
+            .filter(|point| far(point.0, x, right) < WIDE && far(point.1, y, top) < HIGH)
+            .count()
+    };
+    let fewest = corners
+        .into_iter()
+        .min_by_key(|(_, corner)| covered(*corner));
+    fewest.map_or(SeriesLabelPosition::LowerRight, |(position, _)| position)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_legend_goes_where_no_line_is() {
+        let line = |rises: bool| Line {
+            name: "a line",
+            colour: 0,
+            points: (0..100)
+                .map(|k| (f64::from(k), f64::from(if rises { k } else { 99 - k })))
+                .collect(),
+        };
+        let at = |rises| least_covered(&[line(rises)], [0.0, 99.0], [0.0, 99.0]);
+        assert!(matches!(at(true), SeriesLabelPosition::LowerRight));
+        assert!(matches!(at(false), SeriesLabelPosition::UpperRight));
+    }
 }

@@ -1,6 +1,8 @@
 //! Several solves in one command, each in a folder of its own.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use kufe_case::TiltWord;
 use kufe_contact::Options;
@@ -106,6 +108,19 @@ fn solve_steps(
     rows: &mut Vec<Row>,
 ) -> Result<(usize, Option<String>), Failure> {
     let (mut kept, mut short) = (0, None);
+    let said = Mutex::new(BTreeMap::new());
+    let once = |text: &str| {
+        let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
+        let times: &mut usize = said.entry(without_numbers(text)).or_default();
+        *times += 1;
+        if *times == 1 {
+            watch.warn(text);
+        }
+    };
+    let quieter = Watch {
+        warn: Some(&once),
+        ..*watch
+    };
     for (k, step) in steps.iter().enumerate() {
         let row = |result: Option<Value>, error: Option<String>| Row {
             step: k + 1,
@@ -125,7 +140,7 @@ fn solve_steps(
             continue;
         }
         watch.progress(&format!("step {} of {}", k + 1, steps.len()));
-        match press_with(step.loaded.clone(), watch, options.clone()) {
+        match press_with(step.loaded.clone(), &quieter, options.clone()) {
             Ok(pressed) => {
                 let written = write_step(&folder, &pressed, asked)?;
                 let told = pressed.short.map(|why| format!("{}: {why}", step.folder));
@@ -144,7 +159,19 @@ fn solve_steps(
             Err(other) => return Err(other.within(&step.folder)),
         }
     }
+    let said = said.lock().unwrap_or_else(PoisonError::into_inner);
+    for (_, times) in said.iter().filter(|(_, times)| **times > 1) {
+        watch.warn(&format!(
+            "one like it of {} steps more: `warnings` of their result.json",
+            times - 1
+        ));
+    }
     Ok((kept, short))
+}
+
+/// A warning as the same one of another step has it.
+fn without_numbers(text: &str) -> String {
+    text.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 
 /// The cases of all combinations, each checked before anything is solved.

@@ -321,3 +321,30 @@ fn what_cannot_be_reported_on_is_refused_by_name() {
 
 /// Two drivers on two tracks, as `kufe evaluate` writes it.
 const EVALUATION: &str = include_str!("../../data/evaluation.json");
+
+#[test]
+fn a_cases_lists_are_written_out_and_steel_only_where_it_gives() {
+    let Some(program) = chromium() else { return };
+    let bench = Bench::new();
+    bench.write("rigid.toml", CASE);
+    let elastic = "[runner]\nelastic = true\nshape = { kind = \"bob\", length_m = 0.3, rocker_radius_m = 30.0, section_radius_m = 0.005, width_m = 0.010, height_m = 0.020 }\n\
+                   mount = { held = [{ x_m = -0.1, length_m = 0.02 }, { x_m = 0.1, length_m = 0.02 }] }\n\
+                   [ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n[load]\nfz_n = 500.0\n[accuracy]\np_max = 0.1\n";
+    bench.write("elastic.toml", elastic);
+    let mut browser = Browser::start(&program, &WEBGL);
+    for (name, places, steel) in [("rigid", false, false), ("elastic", true, true)] {
+        bench.succeeds(&["press", &format!("{name}.toml"), "-o", name]);
+        bench.succeeds(&["report", name]);
+        browser.open(&address(&bench.path(&format!("{name}/report.html"))), DESK);
+        let page = browser.text("body");
+        assert!(!page.contains("[object"), "{name}: {page}");
+        let has = |text| page.contains(text);
+        assert_eq!(
+            has("x_m -0.1") && has("x_m 0.1") && has("length_m 0.02"),
+            places,
+            "{name}: {page}"
+        );
+        assert_eq!(has("runner.youngs_modulus_pa"), steel, "{name}: {page}");
+        assert!(has("ice.youngs_modulus_pa"), "{name}: {page}");
+    }
+}

@@ -49,7 +49,10 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
     bench.succeeds(&["hull", "bob", "--length-m", "0.5", "-o", "bob.obj"]);
     let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
     // Millimetres, x forward -> y, z up -> -x: a right-handed turn takes y left to -z.
-    let turned = scanned(&obj, 0.0, |[x, y, z]| [-1e3 * z, 1e3 * x, -1e3 * y]);
+    // It lies off the file's origin, as scans do.
+    let turned = scanned(&obj, 0.0, |[x, y, z]| {
+        [12.0 - 1e3 * z, 345.0 + 1e3 * x, 67.0 - 1e3 * y]
+    });
     bench.write("turned.obj", &turned);
     let found = checked(&bench, "turned.obj");
     assert_eq!([&found["up"], &found["forward"]], ["-x", "y"], "{found:#}");
@@ -68,6 +71,24 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
         "{found:#}"
     );
 
+    let middle = [0, 1].map(|axis| found["beyond_origin_m"][axis].as_f64().expect("a place"));
+    assert!(
+        (middle[0] - 0.345).abs() < 1e-3 && (middle[1] + 0.067).abs() < 1e-3,
+        "{middle:?}"
+    );
+
+    // The case has the load that was asked of, and where several were the one nearest to 1 kN.
+    bench.succeeds(&[
+        "hull",
+        "check",
+        "turned.obj",
+        "--fz-n",
+        "2000",
+        "-o",
+        "heavy.toml",
+    ]);
+    let heavy = std::fs::read_to_string(bench.path("heavy.toml")).expect("a case");
+    assert!(heavy.contains("\nfz_n = 2000.0\n"), "{heavy}");
     bench.succeeds(&["hull", "check", "turned.obj", "-o", "turned.toml"]);
     bench.succeeds(&["press", "turned.toml", "-o", "out"]);
     let text = std::fs::read_to_string(bench.path("out/result.json")).expect("a result");

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::record::check::gaps::{Gaps, LEAST_SPEED, OnGaps};
+use crate::record::check::needs::Needs;
 use crate::record::check::profile::Profile;
 use crate::record::check::relations::delay::delays;
 use crate::record::check::relations::fault::Fault;
@@ -222,6 +223,17 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
             weight,
         });
     };
+    // Only those that nothing computes without: what else is absent an error names.
+    let absent = |name: &&&str| !run.columns.contains_key(**name);
+    for name in Needs::FORCES.columns.iter().filter(absent) {
+        let advice = "record it, or leave the run out (--leave-out-bad-runs) where forces on the runners are asked for";
+        note(
+            name,
+            "not recorded, and forces on the runners need it".into(),
+            advice,
+            1.0,
+        );
+    }
     let gone = 1.0 - used_s / length_s;
     if gone > 0.0 {
         let gaps = &run.gaps;

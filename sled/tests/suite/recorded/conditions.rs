@@ -89,6 +89,15 @@ fn effects_that_give_no_number_or_stand_on_no_track_are_named() {
         assert!(told[0].contains(part), "{told:?}");
     }
     assert!(elsewhere.effects_elsewhere(&["igls"]).is_empty());
+    // Two effects of one track are told of in one line.
+    let both = "\n[effects.temperature]\nslope_per_k = 0.02\ntrack = \"igls\"\n[effects.speed]\nexponent = 0.5\ntrack = \"igls\"\n";
+    let both = Vehicle::with_effects(&model(both)).unwrap();
+    let told = both.effects_elsewhere(&["east"]);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(
+        told[0].contains("[effects.temperature]") && told[0].contains("[effects.speed]"),
+        "{told:?}"
+    );
 }
 
 #[test]

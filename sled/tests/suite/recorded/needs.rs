@@ -4,9 +4,9 @@ use std::path::Path;
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Error, FitOptions, IceAlong, Model, Needs, OnGaps, PrepareOptions, Prepared, Run,
-    RunFormat, SimulateOptions, TrackShape, Vehicle, fit, prepare, prepare_all, read_index,
-    read_runs, record, simulate, simulated_entry, write_index, write_run,
+    Driver, Error, Examination, FitOptions, IceAlong, Model, Needs, OnGaps, PrepareOptions,
+    Prepared, Run, RunFormat, SimulateOptions, TrackShape, Vehicle, examine, fit, prepare,
+    prepare_all, read_index, read_runs, record, simulate, simulated_entry, write_index, write_run,
 };
 
 /// Two runs in a folder without the columns named, and the index with this text before their rows' names.
@@ -72,9 +72,19 @@ fn what_a_computation_lacks_is_named_with_the_computation() {
     let error = read_runs(&index, &Needs::FORCES, OnGaps::LeaveOut).unwrap_err();
     let said = error.to_string();
     assert!(
-        said.contains("1.csv: column gamma_rad is missing, which the forces on the runners needs"),
+        said.contains(
+            "1.csv: column gamma_rad is missing, which is needed for the forces on the runners"
+        ),
         "{said}"
     );
+    // Whoever checks the runs first learns of it there, though nothing in the run is wrong.
+    let examined = examine(&index).unwrap();
+    let noted = |run: &Examination| {
+        run.notes
+            .iter()
+            .any(|note| note.column == "gamma_rad" && note.what.contains("not recorded"))
+    };
+    assert!(!examined[0].is_wrong() && noted(&examined[0]));
     // A place along the track asks for no roll split, and for no weather.
     let runs = read_runs(&index, &Needs::PLACE, OnGaps::LeaveOut).unwrap();
     let options = PrepareOptions {
