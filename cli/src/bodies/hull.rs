@@ -6,6 +6,7 @@ use clap::Subcommand;
 use kufe_jobs::{Failure, write_whole};
 use kufe_mesh::{
     BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
+    tessellate_turning,
 };
 use serde_json::json;
 
@@ -90,22 +91,25 @@ struct File {
     edge_length_m: f64,
 }
 
+/// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact [rad].
+const EDGE_TURN: f64 = 0.02;
+
 /// Writes the hull, or looks at one.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let (name, swept, file) = match &args.kind {
+    let (name, swept, file, turn) = match &args.kind {
         Kind::Bob(bob) => {
             apart(
                 bob.rocker_points.as_slice(),
                 std::slice::from_ref(&bob.file.out),
             )?;
-            ("bob", bob.swept(bob.rocker()?), &bob.file)
+            ("bob", bob.swept(bob.rocker()?), &bob.file, None)
         }
         Kind::Luge(luge) => {
             apart(&[], std::slice::from_ref(&luge.file.out))?;
-            ("luge", luge.swept(), &luge.file)
+            ("luge", luge.swept(), &luge.file, Some(EDGE_TURN))
         }
         Kind::Check(check) => return scan::run(check, global),
     };
@@ -113,7 +117,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let told = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
     let format =
         HullFormat::of(&file.out).map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
-    let hull = tessellate(&swept.map_err(told)?, file.edge_length_m).map_err(told)?;
+    let swept = swept.map_err(told)?;
+    let hull = match turn {
+        Some(turn) => tessellate_turning(&swept, file.edge_length_m, turn),
+        None => tessellate(&swept, file.edge_length_m),
+    };
+    let hull = hull.map_err(told)?;
     write_whole(&file.out, |writer| format.write(&hull, writer))?;
     let (vertices, triangles) = (hull.positions.len(), hull.triangles.len());
     if global.json {

@@ -43,7 +43,12 @@ pub fn write(
     line: Option<&CentreLine>,
     mat: bool,
 ) -> Result<(), Failure> {
-    let mut names = fields(staging, pressed, line.is_some())?;
+    let (mut names, p_max_map) = fields(staging, pressed, line.is_some())?;
+    if let Value::Object(document) = document {
+        let place = document.keys().position(|key| key == "p_max_mesh_pa");
+        let place = place.map_or(0, |place| place + 1);
+        document.shift_insert(place, "p_max_map_pa".into(), json!(p_max_map));
+    }
     if let Some(line) = line {
         staging.write("subsurface.csv", |mut file| {
             subsurface::write_csv(&mut file, line)
@@ -67,21 +72,27 @@ pub fn write(
     staging.text("result.json", &text)
 }
 
-/// Writes maps, fields and the hull, side by side; returns their names.
-fn fields(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
+/// Writes maps, fields and the hull, side by side; returns their names, and the largest pressure of the map [Pa].
+fn fields(
+    staging: &Staging,
+    pressed: &Pressed,
+    shear: bool,
+) -> Result<(Vec<&'static str>, f64), Failure> {
     let (maps, bodies) = rayon::join(
         || maps(staging, pressed),
         || bodies(staging, pressed, shear),
     );
-    Ok([maps?, bodies?].concat())
+    let (maps, largest) = maps?;
+    Ok(([maps, bodies?].concat(), largest))
 }
 
-/// Writes what is a picture of the contact plane.
-fn maps(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
+/// Writes what is a picture of the contact plane; returns names and the largest pressure [Pa].
+fn maps(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64), Failure> {
     let solution = &pressed.solution;
     let parts = pressure_maps(solution);
     let whole = (parts.len() > 1).then(|| PressureMap::of(solution));
     let map = whole.as_ref().unwrap_or(&parts[0]);
+    let largest = map.pressure.iter().copied().fold(0.0, f64::max);
     let mut names = vec!["pressure.exr", "pressure.png"];
     let numbers = || {
         staging.write("pressure.exr", |mut file| {
@@ -91,6 +102,7 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failu
                 ("p_max_pa", solution.p_max),
                 ("p_max_error_pa", solution.p_max_error),
                 ("p_max_mesh_pa", solution.p_max_mesh),
+                ("p_max_map_pa", largest),
             ];
             write_exr::write(&mut file, map, curvature, &figures)
         })
@@ -106,7 +118,7 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failu
         sliding::write(staging, pressed, map, slid)?;
         names.extend(["groove.exr", "groove.png", "film.csv"]);
     }
-    Ok(names)
+    Ok((names, largest))
 }
 
 /// Writes what ParaView and viewers of hulls open.

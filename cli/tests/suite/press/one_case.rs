@@ -309,6 +309,7 @@ fn scipy_reads_figures_errors_and_the_map_from_result_mat() {
         assert m['history'][-1]['dofs'] == r['history'][-1]['dofs']\n\
         p, x, y = m['pressure_pa'], m['x_m'], m['y_m']\n\
         assert p.shape == (len(y), len(x)) == m['map_gap_m'].shape\n\
+        assert abs(p.max() / r['p_max_map_pa'] - 1) < 1e-6\n\
         force = p.sum() * (x[1] - x[0]) * (y[1] - y[0])\n\
         print(force / r['fz_n'], p.max() / r['p_max_mesh_pa'], np.ptp(x) / np.ptp(y))\n";
     let Some(interpreter) = kufe_outside::python("scipy") else {
