@@ -253,6 +253,7 @@ fn a_solve_answers_as_press_does_and_a_newer_form_overtakes_it() {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn sliders_solve_again_in_a_browser() {
     let Some(program) = chromium() else { return };
     let bench = Bench::new();
