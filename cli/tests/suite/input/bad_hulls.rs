@@ -79,6 +79,21 @@ fn a_tessellated_hull_gives_the_parametric_peak() {
     }
 }
 
+/// A steel on an edge of 0.3 mm, which facets must turn by little to follow.
+#[test]
+fn a_luge_hull_of_the_defaults_gives_the_parametric_peak() {
+    let bench = Bench::new();
+    bench.succeeds(&["hull", "luge", "-o", "luge.obj"]);
+    let shape = "shape = { kind = \"luge\", length_m = 0.6, rocker_radius_m = 25.0, edge_radius_m = 3e-4, tilt_rad = 0.02, \
+                 width_m = 0.02, height_m = 0.008 }";
+    let parametric = p_max(&press(&bench, shape));
+    let read = p_max(&press(&bench, "hull = \"luge.obj\""));
+    assert!(
+        (read / parametric - 1.0).abs() < 0.02,
+        "{read} against {parametric}"
+    );
+}
+
 #[test]
 fn an_inverted_hull_is_refused_with_the_fix() {
     let (bench, text) = bench_with_hull();
