@@ -11,6 +11,8 @@ pub struct Lowered {
     pub error: f64,
     /// What repeats from run to run of the first model's sum of squares; 0 where it is not known.
     pub repeats: f64,
+    /// Sum of squares that one standard deviation of everything the installation may be off by amounts to; 0 for none.
+    pub tolerated: f64,
 }
 
 impl Lowered {
@@ -23,12 +25,23 @@ impl Lowered {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
             repeats,
+            tolerated: 0.0,
         })
     }
 
-    /// Whether the gap falls beyond its scatter and by a share of what repeats.
+    /// The same, of data that leave so much more that repeats with the first model of all.
+    pub fn of_all(self, all: &Lowered) -> Self {
+        Self {
+            repeats: self.repeats.max(all.repeats),
+            ..self
+        }
+    }
+
+    /// Whether the gap falls beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated.
     pub fn holds(&self, rules: &SearchRules) -> bool {
-        self.by > rules.beyond_scatter * self.error && self.by >= rules.material * self.repeats
+        self.by > rules.beyond_scatter * self.error
+            && self.by >= rules.material * self.repeats
+            && self.by >= rules.trace * self.tolerated
     }
 
     /// How clearly it falls: in standard errors.
@@ -38,10 +51,14 @@ impl Lowered {
 
     /// The same in words.
     pub fn told(&self) -> String {
-        format!(
+        let told = format!(
             "by {:.1} +- {:.1} units of the noise's variance, of {:.1} that repeat",
             self.by, self.error, self.repeats
-        )
+        );
+        match self.by < 0.01 * self.tolerated {
+            true => format!("{told}; tolerances amount to {:.1}", self.tolerated),
+            false => told,
+        }
     }
 }
 
@@ -52,9 +69,22 @@ mod tests {
     #[test]
     fn a_fall_within_its_scatter_or_too_small_to_matter_does_not_hold() {
         let rules = SearchRules::default();
-        let of = |by, error, repeats| Lowered { by, error, repeats }.holds(&rules);
+        let lowered = |by, error, repeats| Lowered {
+            by,
+            error,
+            repeats,
+            tolerated: 0.0,
+        };
+        let of = |by, error, repeats| lowered(by, error, repeats).holds(&rules);
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
+        let leftover = lowered(6.0, 0.1, 100.0).of_all(&lowered(900.0, 1.0, 1000.0));
+        assert!(!leftover.holds(&rules));
+        let tolerated = |tolerated| Lowered {
+            tolerated,
+            ..lowered(6.0, 0.1, 100.0)
+        };
+        assert!(tolerated(1e3).holds(&rules) && !tolerated(1e5).holds(&rules));
     }
 }

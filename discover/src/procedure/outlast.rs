@@ -21,6 +21,10 @@ pub fn outlast<E: Evidence>(
 ) -> Result<E::Fit, Error> {
     let mut last = last;
     let mut tried = Vec::new();
+    let all = match account.steps.is_empty() {
+        true => None,
+        false => evidence.lowered(base, &last)?,
+    };
     while account.steps.len() > 1 {
         let mut weakest: Option<(usize, Lowered, E::Fit)> = None;
         for step in 0..account.steps.len() {
@@ -28,6 +32,7 @@ pub fn outlast<E: Evidence>(
             let Some(lowered) = evidence.lowered(&without, &last)? else {
                 continue;
             };
+            let lowered = all.as_ref().map_or(lowered, |all| lowered.of_all(all));
             let weaker = weakest
                 .as_ref()
                 .is_none_or(|(_, w, _)| lowered.strength() < w.strength());

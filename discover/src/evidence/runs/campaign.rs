@@ -292,32 +292,38 @@ impl Campaign<'_> {
         installation: Installation,
     ) -> Result<(RunFit, DMatrix<f64>), Error> {
         const LEAST: f64 = 1.0;
-        let parts = installation.fitted();
         let all = ResidualModel {
             installation,
             ..fit.residual_model.clone()
         };
-        let design = Design {
-            residual_model: &all,
-            whitener: &fit.whitener,
-            free_base: &self.free,
-            candidates: &[],
-            local: &[],
-            windows: &[],
-        };
-        let grams: Vec<Gram> = design
-            .products(&self.training)
-            .iter()
-            .map(Products::plain)
-            .collect();
-        let base = Prior::none(design.fitted() - parts);
-        // The installation's columns stand where those of candidates would.
-        let beyond = cross_information(&grams, &base);
+        let beyond = self.installation_beyond_base(&all, &fit.whitener, &self.training);
         let start = ResidualModel {
             installation: all.installation.told_apart(&beyond, LEAST),
             ..all
         };
         Ok((self.fitted(&start, fit.owners.clone())?, beyond))
+    }
+
+    /// Products of one standard deviation of every part of a model's installation, beyond the base, over the rows of these runs.
+    pub fn installation_beyond_base(
+        &self,
+        model: &ResidualModel,
+        whitener: &Whitener,
+        frames: &[Frame],
+    ) -> DMatrix<f64> {
+        let design = Design {
+            residual_model: model,
+            whitener,
+            free_base: &self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        };
+        let products = design.products(frames);
+        let grams: Vec<Gram> = products.iter().map(Products::plain).collect();
+        let base = Prior::none(design.fitted() - model.installation.fitted());
+        // The installation's columns stand where those of candidates would.
+        cross_information(&grams, &base)
     }
 
     /// Candidates that are not already part of the model.

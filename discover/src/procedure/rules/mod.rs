@@ -45,8 +45,10 @@ pub struct SearchRules {
     /// Standard errors by which the gap on locked-away data must fall for a step, and for the whole answer, to be named. Chosen:
     /// it is asked once more of what has stood out already.
     pub beyond_scatter: f64,
-    /// Share of the gap that repeats from run to run, on locked-away data, that a step must close to be worth saying. Chosen.
+    /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.
     pub material: f64,
+    /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a thirtieth in size.
+    pub trace: f64,
     /// Standard errors of their difference within which the sizes of several kinds of data are one. Derived: three of their joint error.
     pub kinds_agree: f64,
     /// Standard deviations by which a size must exceed its critical value to be claimed nine times in ten. Derived: the
@@ -64,6 +66,7 @@ impl Default for SearchRules {
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
             material: 0.05,
+            trace: 1e-3,
             kinds_agree: 3.0,
             nine_in_ten: 1.28,
             interval: 1.96,

@@ -3,7 +3,7 @@
 use crate::cases::answer::{Case, CaseError};
 use crate::cases::label::Label;
 use crate::cases::{campaign_case, experiments, pressure_case, run_case};
-use crate::other_worlds::{self, EFFECTS, WORLDS};
+use crate::other_worlds::{self, EFFECTS, LEVELS, WORLDS, World};
 use crate::world::hidden::{ENTRIES, Kind};
 
 /// Shares of the residual's noise variance for effects in runs.
@@ -202,6 +202,15 @@ pub fn all() -> Vec<Spec> {
                 None,
                 Recipe::World(world, Some(*effect)),
             );
+        }
+    }
+    for level in LEVELS {
+        let (world, share) = (World::Noise(level), Some(f64::from(level) / 1e3));
+        let [null, effects] = world.families();
+        add(null, "none", share, Recipe::World(world, None));
+        for law in EFFECTS.iter().filter(|e| e.name.starts_with("unknown:")) {
+            let recipe = Recipe::World(world, Some(*law));
+            add(effects, law.case, share, recipe);
         }
     }
     for cause in experiments::CAUSES {

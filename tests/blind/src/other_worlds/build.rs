@@ -96,7 +96,7 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
         answer: Answer {
             family: label.family.to_owned(),
             name: label.name.clone(),
-            wanted_share: None,
+            wanted_share: label.share,
             seed,
             data: "runs.csv".to_owned(),
             model: Some("model.toml".to_owned()),
@@ -304,10 +304,14 @@ fn model_file(sled: &Sled, wrong: &Wrong, source: &mut Source) -> String {
             off(stiffness)
         );
     }
+    text.push_str("[survey]\nslope_sd_rad = 0.0008\n");
+    if wrong.noise.is_some() {
+        return text;
+    }
     let said = |channel: usize| NOISE[channel] * wrong.stated;
     let _ = write!(
         text,
-        "[survey]\nslope_sd_rad = 0.0008\n\n[noise]\naccel_mps2 = {:?}\nrate_radps = {:?}\nspeed_mps = {:?}\n\
+        "\n[noise]\naccel_mps2 = {:?}\nrate_radps = {:?}\nspeed_mps = {:?}\n\
          slip_rad = {:?}\nsteer_rad = {:?}\nroll_split_rad = {:?}\n",
         said(0),
         said(3),

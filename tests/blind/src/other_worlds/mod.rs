@@ -20,6 +20,8 @@
 //! | `walls` | some runs hit a wall somewhere, harder or softer |
 //! | `uphill` | the track tables count slope uphill |
 //!
+//! In the worlds of `recovery` noise is 0, 0.1, 1 and 10 % of what each channel spreads in a run, and nobody states it.
+//!
 //! Hidden in any world may be `wall-contact-by-run` and `wall-contact-by-driver`: one to six places that 20 to 80 % of the runs hit, with
 //! lognormal strengths, or each driver in a way of his own.
 
@@ -36,4 +38,4 @@ mod wrong;
 pub use build::build;
 pub use effects::EFFECTS;
 pub use hidden::Effect;
-pub use wrong::{WORLDS, World};
+pub use wrong::{LEVELS, WORLDS, World};

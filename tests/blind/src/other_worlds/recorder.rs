@@ -38,7 +38,8 @@ pub fn record(
         let read = |x: f64, t: f64| fault.map_or(x, |(fault, size)| fault.read(c, size, x, t));
         let values: Vec<f64> = clean.iter().map(|row| row[c]).collect();
         let late = filtered(&later(&values, delay * RATE_HZ), wrong.filter_hz);
-        let noise = noise(late.len(), NOISE[c], wrong, source);
+        let sd = wrong.noise.map_or(NOISE[c], |share| share * spread(&late));
+        let noise = noise(late.len(), sd, wrong, source);
         late.iter()
             .zip(&noise)
             .enumerate()
@@ -49,6 +50,13 @@ pub fn record(
     (0..columns[0].len())
         .map(|k| std::array::from_fn(|c| columns[c][k]))
         .collect()
+}
+
+/// Standard deviation of a series.
+fn spread(values: &[f64]) -> f64 {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
 /// What perfect sensors read at their places: `f = f_c + dw/dt x l + w x (w x l)`.
@@ -136,6 +144,7 @@ fn noise(count: usize, sd: f64, wrong: &Wrong, source: &mut Source) -> Vec<f64> 
 
 #[cfg(test)]
 mod tests {
+    use super::super::wrong::World;
     use super::*;
 
     #[test]
@@ -150,6 +159,26 @@ mod tests {
         assert_eq!(Fault::Stepping(6).read(6, 0.8, 20.9, 0.0), 20.9);
         assert_eq!(Fault::Stepping(6).read(6, 0.8, 22.0, 0.0), 22.8);
         assert!((Fault::Bowed(8).read(8, 2.0, -0.05, 0.0) + 0.045).abs() < 1e-15);
+    }
+
+    #[test]
+    fn noise_of_a_share_is_that_share_of_what_a_channel_spreads() {
+        let source = &mut Source::new(4, "noise");
+        let mut wrong = Wrong::draw(World::Noise(100), source);
+        let wave = |k: usize| (2.0 * PI * k as f64 / 500.0).sin();
+        let truths: Vec<Truth> = (0..20_000)
+            .map(|k| Truth {
+                v: 20.0 + 3.0 * wave(k),
+                ..Truth::default()
+            })
+            .collect();
+        let noisy = record(&Sled::published(), &truths, &wrong, None, source);
+        wrong.noise = Some(0.0);
+        let still = record(&Sled::published(), &truths, &wrong, None, source);
+        let off: Vec<f64> = noisy.iter().zip(&still).map(|(a, b)| a[6] - b[6]).collect();
+        assert!((still[30][6] - truths[300].v).abs() < 1e-12);
+        // A tenth of 3 / sqrt 2, to what 2000 samples tell of a spread.
+        assert!((spread(&off) / (0.3 / SQRT_2) - 1.0).abs() < 0.06);
     }
 
     #[test]

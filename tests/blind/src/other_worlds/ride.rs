@@ -277,28 +277,12 @@ mod tests {
     use super::super::runners::Sled;
     use super::*;
 
-    fn sled() -> Sled {
-        Sled {
-            mass_kg: 390.0,
-            inertia_kgm2: [145.0, 150.0],
-            axle_m: [0.82, 0.88],
-            accel_m: [-0.35, 0.0, 0.12],
-            slip_m: -0.60,
-            drag: [0.28, 0.0694],
-            mu: 0.004,
-            grip: [
-                [2.577, 0.024, 0.99, 10_522.0],
-                [3.288, 0.076, 0.99, 49_776.0],
-            ],
-        }
-    }
-
     #[test]
     fn speed_comes_from_height_and_from_what_is_felt() {
         let source = &mut Source::new(5, "ride");
         let road = Road::draw("birke", source);
         let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
-        let truths = ride(&sled(), &road, &plan, None, 15.0);
+        let truths = ride(&Sled::published(), &road, &plan, None, 15.0);
         let h = 1.0 / RATE_HZ;
         let (mut height, mut work, mut s) = (0.0, 0.0, 0.0);
         for truth in &truths[..truths.len() - 1] {
@@ -327,17 +311,17 @@ mod tests {
             air: 1.2,
             ..Now::default()
         };
-        let push = push(&sled(), &now, [1.0; 2], None);
+        let push = push(&Sled::published(), &now, [1.0; 2], None);
         assert!(push.y > 0.0 && push.x < 0.0);
         let front = Now {
             slip: [0.01, 0.0],
             steer: 0.01,
             ..now
         };
-        assert!(super::push(&sled(), &front, [1.0; 2], None).turn > 0.0);
+        assert!(super::push(&Sled::published(), &front, [1.0; 2], None).turn > 0.0);
         let road = Road::draw("birke", source);
         let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
-        let truths = ride(&sled(), &road, &plan, None, 10.0);
+        let truths = ride(&Sled::published(), &road, &plan, None, 10.0);
         // Where the road turns left the sled does.
         let turns = |truth: &Truth, place: f64| truth.rate[2] * road.at(place).turn[2];
         let mut s = 0.0;

@@ -23,6 +23,26 @@ pub struct Sled {
     pub grip: [[f64; 4]; 2],
 }
 
+#[cfg(test)]
+impl Sled {
+    /// The published sled.
+    pub fn published() -> Sled {
+        Sled {
+            mass_kg: 390.0,
+            inertia_kgm2: [145.0, 150.0],
+            axle_m: [0.82, 0.88],
+            accel_m: [-0.35, 0.0, 0.12],
+            slip_m: -0.60,
+            drag: [0.28, 0.0694],
+            mu: 0.004,
+            grip: [
+                [2.577, 0.024, 0.99, 10_522.0],
+                [3.288, 0.076, 0.99, 49_776.0],
+            ],
+        }
+    }
+}
+
 /// One instant as ice and air see it.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Now {

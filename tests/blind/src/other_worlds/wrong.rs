@@ -34,7 +34,12 @@ pub enum World {
     Few,
     Walls,
     Uphill,
+    /// Noise of so many thousandths of what each channel spreads over a run, which nobody states.
+    Noise(u32),
 }
+
+/// Noise for the recovery of laws, in thousandths of what each channel spreads.
+pub const LEVELS: [u32; 4] = [0, 1, 10, 100];
 
 impl World {
     /// Families of its cases without and with a hidden effect.
@@ -52,6 +57,7 @@ impl World {
             World::Few => ["few-null", "few-effect"],
             World::Walls => ["walls-null", "walls-effect"],
             World::Uphill => ["uphill-null", "uphill-effect"],
+            World::Noise(_) => ["recovery-null", "recovery"],
         }
     }
 }
@@ -112,6 +118,8 @@ pub struct Wrong {
     pub line_m: f64,
     /// Relative scatter of friction and grip from session to session.
     pub session: f64,
+    /// Noise over what a channel spreads in a run; none where sensors have their usual one.
+    pub noise: Option<f64>,
     /// Correlation of the noise from one millisecond to the next.
     pub colour: f64,
     /// Corner of the anti-alias filters [Hz]; none where infinite.
@@ -140,6 +148,7 @@ impl Wrong {
             curvature: 1.0,
             line_m: 0.0,
             session: 0.0,
+            noise: None,
             colour: 0.0,
             filter_hz: f64::INFINITY,
             stated: 1.0,
@@ -150,6 +159,7 @@ impl Wrong {
         };
         match world {
             World::Clean => {}
+            World::Noise(thousandths) => wrong.noise = Some(f64::from(thousandths) / 1e3),
             World::Delays => wrong.delay_s = [(); CHANNELS].map(|()| source.uniform(0.0, 0.02)),
             World::Gyros => {
                 wrong.gyro_scale = [(); 3].map(|()| 0.01 * source.normal());

@@ -78,7 +78,10 @@ impl Campaign<'_> {
                 return None;
             }
         }
-        if claim.is_some_and(|claim| !self.gives_way(claim, named.as_ref(), &shown)) {
+        let explained = named
+            .as_ref()
+            .map_or(0.0, |named| without.misfit - named.misfit);
+        if claim.is_some_and(|claim| !self.gives_way(claim, named.as_ref(), explained, &shown)) {
             return None;
         }
         let class = teller.class(&shown, &beside, &smooth);
@@ -125,13 +128,19 @@ impl Campaign<'_> {
             )
     }
 
-    /// Whether a claim, refitted as `named`, gives way to a law: one of the catalogue to a law that explains more, a column's own form to
-    /// a formula that does as well.
-    fn gives_way(&self, claim: &Claim<Amplitude>, named: Option<&Refit>, law: &ToldLaw) -> bool {
+    /// Whether a claim, refitted as `named`, gives way to a law: one of the catalogue to a law that explains more, beyond its scatter and
+    /// by a share that matters of what the claim has `explained`; a column's own form to a formula that does as well.
+    fn gives_way(
+        &self,
+        claim: &Claim<Amplitude>,
+        named: Option<&Refit>,
+        explained: f64,
+        law: &ToldLaw,
+    ) -> bool {
         let rules = &self.rules().laws;
-        let beyond = match claim.candidate.is_column() {
-            true => -rules.as_good,
-            false => rules.beats,
+        let (beyond, least) = match claim.candidate.is_column() {
+            true => (-rules.as_good, f64::NEG_INFINITY),
+            false => (rules.beats, self.options.rules.search.material * explained),
         };
         let [more, error] = match law.refit.as_ref().zip(named) {
             Some((law, named)) => {
@@ -144,7 +153,7 @@ impl Campaign<'_> {
                 difference(&gains[0], &gains[1])
             }
         };
-        more > beyond * error
+        more > beyond * error && more > least
     }
 
     /// What is said where a smooth curve explains more than the formula.

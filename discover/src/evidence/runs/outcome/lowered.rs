@@ -15,6 +15,7 @@ use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
 use crate::evidence::runs::contacts::own::rows_beneath;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -34,7 +35,25 @@ impl Campaign<'_> {
             true => fit.settled.clone(),
             false => fit.residual_model.clone(),
         };
-        self.lowered_between(&model(from), &model(to), to.told.as_ref())
+        let lowered = self.lowered_between(&model(from), &model(to), to.told.as_ref())?;
+        Some(Lowered {
+            tolerated: self.tolerated(&model(from)),
+            ..lowered
+        })
+    }
+
+    /// What one standard deviation of each of the installation's tolerances leaves on the locked-away runs beyond a refit of the base, summed.
+    fn tolerated(&self, before: &ResidualModel) -> f64 {
+        let model = ResidualModel {
+            installation: Installation::new(&self.model.tolerances.unwrap_or_default()),
+            ..before.clone()
+        };
+        if model.installation.fitted() == 0 {
+            return 0.0;
+        }
+        let whitener = Whitener::estimate(&residuals(before, &self.training), self.used);
+        self.installation_beyond_base(&model, &whitener, &self.held)
+            .trace()
     }
 
     /// The same for two models, the second with an effect beside it that no simulation knows.
