@@ -55,7 +55,7 @@ impl Lowered {
             "by {:.1} +- {:.1} units of the noise's variance, of {:.1} that repeat",
             self.by, self.error, self.repeats
         );
-        match self.by < 0.01 * self.tolerated {
+        match self.by < 1e-3 * self.tolerated {
             true => format!("{told}; tolerances amount to {:.1}", self.tolerated),
             false => told,
         }
@@ -85,6 +85,6 @@ mod tests {
             tolerated,
             ..lowered(6.0, 0.1, 100.0)
         };
-        assert!(tolerated(1e3).holds(&rules) && !tolerated(1e5).holds(&rules));
+        assert!(tolerated(1e4).holds(&rules) && !tolerated(1e6).holds(&rules));
     }
 }

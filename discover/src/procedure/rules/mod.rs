@@ -47,7 +47,7 @@ pub struct SearchRules {
     pub beyond_scatter: f64,
     /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.
     pub material: f64,
-    /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a thirtieth in size.
+    /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a hundredth in size.
     pub trace: f64,
     /// Standard errors of their difference within which the sizes of several kinds of data are one. Derived: three of their joint error.
     pub kinds_agree: f64,
@@ -66,7 +66,7 @@ impl Default for SearchRules {
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
             material: 0.05,
-            trace: 1e-3,
+            trace: 1e-4,
             kinds_agree: 3.0,
             nine_in_ten: 1.28,
             interval: 1.96,

@@ -42,10 +42,11 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 43] = [
+const RUN_KEYS: [&str; 44] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
+    "search.trace",
     "runs.alpha",
     "runs.alpha_window",
     "runs.alpha_sessions",

@@ -77,12 +77,45 @@ pub fn judge(report: &Value, answer: &Answer, outcome: &mut Outcome) {
             effect: hides.effect.clone(),
             exact: exact.is_some(),
             in_class: at.is_some(),
+            installed: installed(report, hides),
             class_size: claim.map(|claim| claim.class.len()),
             closed: claim.and_then(|claim| claim.closed),
             parameter_inside: exact.and_then(|k| parameter_inside(&steps[k], hides)),
             overlap: at.and_then(|k| overlap(&steps[k], hides)),
         });
     }
+}
+
+/// Effects that an installation may be off by as well, with what reports call it.
+const INSTALLED: [(&str, &str); 15] = [
+    ("mass", "mass, relative"),
+    ("yaw-inertia", "yaw inertia, relative"),
+    ("cg-place", "place of the centre of gravity, x"),
+    ("roll-rate-scale", "scale of roll_rate_radps"),
+    ("pitch-rate-scale", "scale of pitch_rate_radps"),
+    ("yaw-rate-scale", "scale of yaw_rate_radps"),
+    ("yaw-rate-bias", "bias of yaw_rate_radps"),
+    ("accelerometer-scale", "scale of ay_mps2"),
+    ("accelerometer-bias", "bias of ay_mps2"),
+    ("steer-scale", "scale of delta_rad"),
+    ("yaw-rate-lag", "delay of yaw_rate_radps"),
+    ("slip-lag", "delay of alpha_rad"),
+    ("steer-lag", "delay of delta_rad"),
+    ("speed-lag", "delay of v_mps"),
+    ("roll-split-lag", "delay of gamma_rad"),
+];
+
+/// Whether the report tells the effect, or one of its class, as an error of the installation: under `within_tolerance`, or in a remark
+/// as beyond it.
+fn installed(report: &Value, hides: &Hides) -> bool {
+    let list = |key: &str| report[key].as_array().cloned().unwrap_or_default();
+    let (within, remarks) = (list("within_tolerance"), list("remarks"));
+    INSTALLED.iter().any(|(name, what)| {
+        let meant = hides.effect == *name || hides.class.iter().any(|c| c == name);
+        let begins = format!("{what}: ");
+        let remark = |r: &Value| r.as_str().is_some_and(|r| r.starts_with(&begins));
+        meant && (within.iter().any(|w| w["what"] == *what) || remarks.iter().any(remark))
+    })
 }
 
 /// Whether the interval of the parameter with the answer's key holds the truth.
@@ -175,4 +208,35 @@ pub fn base_errors(text: &str, answer: &Answer) -> Vec<(String, f64)> {
             Some((key.clone(), value / truth - 1.0))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn an_effect_that_is_told_as_an_error_of_the_installation_is_installed_and_no_other() {
+        let hides = |effect: &str, class: &[&str]| Hides {
+            effect: effect.to_owned(),
+            class: class.iter().map(|c| (*c).to_owned()).collect(),
+            key: "factor".to_owned(),
+            size: 0.1,
+            unit: String::new(),
+            share: 0.0,
+            places: Vec::new(),
+        };
+        let within = json!({"within_tolerance": [{"what": "yaw inertia, relative", "size": 0.1, "unit": ""}]});
+        assert!(installed(&within, &hides("yaw-inertia", &[])));
+        assert!(installed(
+            &within,
+            &hides("yaw-rate-scale", &["yaw-inertia"])
+        ));
+        assert!(!installed(&within, &hides("mass", &[])));
+        let beyond =
+            json!({"remarks": ["mass, relative: 4.0e-2  +- 1.0e-2, beyond its tolerance of 0.01"]});
+        assert!(installed(&beyond, &hides("mass", &[])));
+        assert!(!installed(&beyond, &hides("speed-scale", &[])));
+    }
 }

@@ -22,6 +22,9 @@ pub struct Found {
     pub exact: bool,
     /// Named, or in the class of a named one.
     pub in_class: bool,
+    /// Told as an error of the installation, within its tolerance or beyond it.
+    #[serde(default)]
+    pub installed: bool,
     /// Size of that class.
     pub class_size: Option<usize>,
     /// Explainable gap closed by that step: value, low, high.
