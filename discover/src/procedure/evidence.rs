@@ -99,13 +99,23 @@ pub struct Account {
 }
 
 impl Account {
-    /// Takes back a claim that later ones have made superfluous.
+    /// Takes back a claim that later ones have made superfluous, or that does not stand out of its own error.
     pub fn leave_out(&mut self, step: usize) {
         let gone = self.steps.remove(step);
-        self.remarks.push(format!(
-            "{} became superfluous once the others were there and was removed",
-            gone.effect
-        ));
+        let told = match self.steps.is_empty() {
+            false => format!(
+                "{} became superfluous once the others were there and was removed",
+                gone.effect
+            ),
+            true => format!(
+                "{} stood out where it was learned (p = {:.1e}), but its size not from its own error: neither named nor written",
+                gone.effect, gone.p_value
+            ),
+        };
+        if self.steps.is_empty() {
+            self.unexplained.get_or_insert(told.clone());
+        }
+        self.remarks.push(told);
     }
 }
 

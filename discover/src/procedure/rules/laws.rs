@@ -15,6 +15,9 @@ pub struct LawRules {
     /// What each number of a formula must lower the rows' log-likelihood by in a full refit. Derived: Schwarz's half of the logarithm of
     /// some thousands of rows.
     pub number: f64,
+    /// Standard errors, with everything else free, that a number of a law must be. Derived: the normal law at the largest p-value of a column beyond the
+    /// catalogue.
+    pub stands_t: f64,
     /// Standard errors over runs by which a law must explain more than a named effect of the catalogue to stand in its place. Chosen.
     pub beats: f64,
     /// Standard errors over runs within which a simpler formula does as well as a better one. Chosen.
@@ -34,6 +37,7 @@ impl Default for LawRules {
             smoothing: 0.02,
             folds: 5,
             number: 4.5,
+            stands_t: 3.3,
             beats: 3.0,
             as_good: 1.0,
             alike: 2.0,

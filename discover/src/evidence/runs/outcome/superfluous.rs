@@ -1,4 +1,4 @@
-//! Which claims the others have made superfluous.
+//! Which claims the others have made superfluous, and which laws do not stand out of their own error.
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
@@ -8,18 +8,23 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::report::Step;
 
 impl Campaign<'_> {
-    /// The first step whose every amplitude has become weak beside the others.
+    /// The first step whose every amplitude has become weak: beside the others, or, of a law beyond the catalogue, beside what its
+    /// numbers are known by with everything else free.
     pub fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
         let residual_model = &fit.residual_model.hold(false);
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
-        if steps.len() < 2 {
+        let law = |step: &Step| step.effect.starts_with("unknown:");
+        if steps.len() < 2 && !steps.iter().any(law) {
             return None;
         }
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let (estimates, _) = self.estimates(residual_model, &whitener);
         let amplitudes = &estimates[self.free.len()..];
-        let least = self.options.rules.search.superfluous_t;
         let weak = |step: usize| {
+            let least = match law(&steps[step]) {
+                true => self.rules().laws.stands_t,
+                false => self.options.rules.search.superfluous_t,
+            };
             residual_model
                 .free()
                 .iter()
