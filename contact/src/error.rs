@@ -47,7 +47,8 @@ pub enum Error {
     LoadsNeedFreeTilt,
     /// The runner cannot rest on the track under this load.
     #[error(
-        "the load's line of action at x = {x} m, y = {y} m misses the hull, which spans x {x_min} to {x_max} m and y {y_min} to {y_max} m"
+        "the load's line of action at x = {} m, y = {} m misses the hull, which spans x {} to {} m and y {} to {} m",
+        short(*x), short(*y), short(*x_min), short(*x_max), short(*y_min), short(*y_max)
     )]
     LoadMissesHull {
         /// Line of action along the runner [m].
@@ -256,4 +257,9 @@ pub enum Error {
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Device(#[from] kufe_fem::Error),
+}
+
+/// A length of four digits, without zeros at its end [m].
+fn short(length: f64) -> f64 {
+    format!("{length:.3e}").parse().unwrap_or(length)
 }

@@ -6,6 +6,7 @@
 //! | [`Options`] | accuracy and limits |
 //! | [`solve`] | problem in, solution out |
 //! | [`Solution`] | pressure field, figures, history |
+//! | [`runner_loads()`], [`RunnerLoads`] | what an elastic runner bears, and what it pushes its mounts with |
 //! | [`slide`], [`SlidingSolution`], [`Groove`] | a runner that slides on ice that yields: groove, ploughing force |
 //! | [`boundary_elements()`], [`BoundaryElements`] | a second answer by another method, where it applies |
 //! | [`hertz`], [`rigid_plastic`] | closed forms for smooth point contacts, and for grooves in ice that does not spring back |
@@ -92,6 +93,7 @@ pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use reference::rigid_plastic::{RigidPlastic, rigid_plastic};
 pub use result::centre_line::{CentreLine, LargestShear, centre_line};
+pub use result::runner_loads::{MountForce, RunnerLoads, runner_loads};
 pub use result::solution::{
     AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,
 };

@@ -29,7 +29,7 @@ mod scan;
 mod shapes;
 
 pub use error::MeshError;
-pub use fit::{Coarse, FitQuality, FittedUnderside};
+pub use fit::{Coarse, FitQuality, FittedUnderside, Scans};
 pub use hexahedra::{
     HexMesh, Quality, TensorGrid, VtuField, graded_levels, limit_slope, mapped_runner_mesh,
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,

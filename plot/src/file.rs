@@ -83,6 +83,10 @@ pub fn png(
         encoder.set_depth(::png::BitDepth::Eight);
         encoder.set_adaptive_filter(::png::AdaptiveFilterType::Adaptive);
         encoder.set_compression(::png::Compression::Fast);
+        encoder.add_text_chunk(
+            "Software".into(),
+            concat!("kufe ", env!("CARGO_PKG_VERSION")).into(),
+        )?;
         let mut image = encoder.write_header()?;
         image.write_image_data(&pixels)?;
         Ok(image.finish()?)

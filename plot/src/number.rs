@@ -31,7 +31,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
 
 /// The unit that a column's name ends in; empty for a pure number.
 pub fn unit_of(column: &str) -> &'static str {
-    const UNITS: [(&str, &str); 18] = [
+    const UNITS: [(&str, &str); 22] = [
         ("_1pm", "1/m"),
         ("_pa", "Pa"),
         ("_kgm2", "kg m2"),
@@ -41,9 +41,13 @@ pub fn unit_of(column: &str) -> &'static str {
         ("_rad", "rad"),
         ("_mps2", "m/s2"),
         ("_mps", "m/s"),
+        ("_m3", "m3"),
         ("_m2", "m2"),
         ("_m", "m"),
+        ("_nm", "N m"),
         ("_n", "N"),
+        ("_j", "J"),
+        ("_bytes", "bytes"),
         ("_s", "s"),
         ("_c", "deg C"),
         ("_pct", "%"),

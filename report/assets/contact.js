@@ -105,13 +105,27 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(data.case, fitOf(data.result.hull_fit)));
+    caseTable.replaceChildren(caseOf(data.case, [...fitOf(data.result.hull_fit), ...mountsOf(data.result.mounts)]));
   }
   return { show };
 }
 
 /** How far the surface fitted through a hull's vertices stays from them. */
 const fitOf = (fit) => (fit ? [["hull's fit", `${metres(fit.residual_rms_m)} from its vertices`]] : []);
+
+/** What each part of a mount bears. */
+function mountsOf(mounts) {
+  const three = (values) => values.map((value) => figure(Math.abs(value) < 1e-6 ? 0 : value, 4)).join(", ");
+  return (mounts ?? []).map((mount) => [`mount at x = ${figure(1e3 * mount.at_m[0], 4)} mm`,
+    `force ${three(mount.force_n)} N, moment ${three(mount.moment_nm)} N m about its middle, largest von Mises stress there ${figure(1e-6 * mount.von_mises_max_pa)} MPa`]);
+}
+
+/** What an elastic runner adds to the headline. */
+function steelOf(result) {
+  if (!Number.isFinite(result.runner_von_mises_max_pa)) return [];
+  const [x, , z] = result.runner_von_mises_at_m;
+  return [[`${figure(1e-6 * result.runner_von_mises_max_pa)} MPa`, `largest von Mises stress of the runner, at x = ${figure(1e3 * x, 3)} mm, ${metres(z)} above its lowest point`]];
+}
 
 function headlineOf(result) {
   const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
@@ -124,6 +138,7 @@ function headlineOf(result) {
     [metres(result.approach_m, 4), `approach${within(1e6 * result.approach_error_m, "\u00b5m")}`],
     [`${figure(result.fz_n)} N`, "normal force"],
     [`${angle(result.pitch_rad)}, ${angle(result.roll_rad)} mrad`, "pitch, roll"],
+    ...steelOf(result),
     ...slidingOf(result),
     [`${figure(result.seconds, 3)} s`, `${result.dofs} unknowns, ${result.iterations} iterations`],
   ];

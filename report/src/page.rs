@@ -49,17 +49,19 @@ impl Kind {
     }
 }
 
+/// What made a page, as its head says.
+const VERSION: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
+
 /// The whole page: one HTML file with its data, style and scripts.
 ///
 /// The data of each kind are documented at the head of its script in `assets`.
 pub fn page(kind: Kind, title: &str, data: &Value) -> String {
-    let version = concat!("kufe ", env!("CARGO_PKG_VERSION"));
     let scripts = kind.scripts().concat();
     // The data come last: a text in them that looks like a slot is not filled.
     let slots = [
         ("{{policy}}", POLICY),
         ("{{title}}", &escape(title)),
-        ("{{version}}", version),
+        ("{{version}}", VERSION),
         ("{{style}}", STYLE),
         ("{{scripts}}", &scripts),
         ("{{data}}", &embedded(data)),
@@ -82,7 +84,7 @@ pub fn page(kind: Kind, title: &str, data: &Value) -> String {
 pub fn plain_page(title: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-<title>{}</title><style>{PLAIN}</style></head><body>\n{body}</body></html>\n",
+<meta name=\"generator\" content=\"{VERSION}\"><title>{}</title><style>{PLAIN}</style></head><body>\n{body}</body></html>\n",
         escape(title)
     )
 }

@@ -46,11 +46,7 @@ pub fn results_page(
 
 /// What is single in a table of its own, what is nested after it, folded.
 fn object(out: &mut String, fields: &Map<String, Value>) {
-    let nested = |value: &Value| match value {
-        Value::Object(_) => true,
-        Value::Array(rows) => rows.iter().any(|row| row.is_object()),
-        _ => false,
-    };
+    let nested = |value: &Value| value.is_object() || is_table(value);
     let (tables, single): (Vec<_>, Vec<_>) = fields.iter().partition(|(_, value)| nested(value));
     if !single.is_empty() {
         out.push_str("<div class=\"wide\"><table>\n");
@@ -66,19 +62,31 @@ fn object(out: &mut String, fields: &Map<String, Value>) {
         out.push_str("</table></div>\n");
     }
     for (key, value) in tables {
-        let short = value.as_array().is_some_and(|rows| rows.len() <= OPEN_ROWS);
-        let open = if short { " open" } else { "" };
-        let _ = writeln!(out, "<details{open}><summary>{}</summary>", escape(key));
-        match value {
-            Value::Object(fields) => object(out, fields),
-            Value::Array(rows) => list(out, rows),
-            _ => {}
-        }
-        out.push_str("</details>\n");
+        folded(out, key, value);
     }
 }
 
-/// Objects as rows of one table, whose columns are all their keys.
+/// What is nested under its name, open where it is short.
+fn folded(out: &mut String, name: &str, value: &Value) {
+    let length = value.as_array().map(Vec::len);
+    let length = length.or(value.as_object().map(Map::len)).unwrap_or(0);
+    let open = if length <= OPEN_ROWS { " open" } else { "" };
+    let _ = writeln!(out, "<details{open}><summary>{}</summary>", escape(name));
+    match value {
+        Value::Object(fields) => object(out, fields),
+        Value::Array(rows) => list(out, rows),
+        _ => {}
+    }
+    out.push_str("</details>\n");
+}
+
+/// Whether a value is rows of a table.
+fn is_table(value: &Value) -> bool {
+    let rows = value.as_array();
+    rows.is_some_and(|rows| rows.iter().any(Value::is_object))
+}
+
+/// Objects as rows of one table, whose columns are all their keys; tables within a row follow, under its first word.
 fn list(out: &mut String, rows: &[Value]) {
     let mut columns: Vec<&String> = Vec::new();
     for key in rows.iter().filter_map(Value::as_object).flat_map(Map::keys) {
@@ -86,6 +94,8 @@ fn list(out: &mut String, rows: &[Value]) {
             columns.push(key);
         }
     }
+    let in_rows = |column: &&String| rows.iter().any(|row| is_table(&row[column.as_str()]));
+    let (within, columns): (Vec<&String>, Vec<&String>) = columns.into_iter().partition(in_rows);
     out.push_str("<div class=\"wide\"><table><tr>");
     for column in &columns {
         let _ = write!(out, "<th>{}", escape(column));
@@ -106,6 +116,17 @@ fn list(out: &mut String, rows: &[Value]) {
             "<p><small>The first {MOST_ROWS} of {}.</small></p>",
             rows.len()
         );
+    }
+    for row in rows.iter().take(MOST_ROWS) {
+        let words = row.as_object().into_iter().flatten();
+        let first = words.filter_map(|(_, value)| value.as_str()).next();
+        for column in within
+            .iter()
+            .filter(|column| is_table(&row[column.as_str()]))
+        {
+            let name = first.map_or((*column).clone(), |first| format!("{first}: {column}"));
+            folded(out, &name, &row[column.as_str()]);
+        }
     }
 }
 
@@ -148,12 +169,14 @@ mod tests {
         let document = json!({
             "mu": 0.00412345, "runs": 12, "of": { "driver": "<A>" },
             "points": [{ "v_mps": 5.0, "mu": 4.1e-3 }, { "v_mps": 10.0, "note": "x & y" }],
+            "tracks": [{ "track": "east", "runs": [{ "run": "A1" }] }],
         });
         let page = results_page("a <b>", &[], &[("friction.json".into(), document)]);
         assert!(page.contains("<title>a &lt;b&gt;</title>"));
         assert!(page.contains("<tr><th>v_mps<th>mu<th>note\n"));
         assert!(page.contains("<tr><td class=n>5<td class=n>0.004100<td>\n"));
         assert!(page.contains("<tr><td class=n>10<td><td>x &amp; y\n"));
+        assert!(page.contains("<summary>east: runs</summary>") && page.contains("<tr><td>A1\n"));
         assert!(
             page.contains("<td>runs<td class=n>12") && page.contains("<td>driver<td>&lt;A&gt;")
         );

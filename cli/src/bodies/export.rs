@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use kufe_case::StatedProblem;
-use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, solve};
-use kufe_jobs::{Failure, case_file::LoadedCase};
-use serde_json::json;
+use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, runner_loads, solve};
+use kufe_jobs::{Failure, case_file::LoadedCase, runner_keys};
+use serde_json::{Value, json};
 
 use crate::bodies::calculix::{Deck, write_deck};
 use crate::bodies::stiffness::write_stiffness;
@@ -96,7 +96,7 @@ fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
     staging.remove_on_interrupt();
     staging.write(&name.to_string_lossy(), |file| write_deck(&deck, file))?;
     staging.commit()?;
-    let facts = json!({
+    let mut facts = json!({
         "deck": args.out.display().to_string(),
         "p_max_pa": solution.p_max,
         "p_max_error_pa": solution.p_max_error.is_finite().then_some(solution.p_max_error),
@@ -106,6 +106,10 @@ fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
         "dofs": solution.dofs,
         "iterations": solution.iterations,
     });
+    let loads = runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?;
+    if let (Some(loads), Value::Object(facts)) = (&loads, &mut facts) {
+        facts.extend(runner_keys(loads));
+    }
     if global.json {
         say(&format!("{facts:#}\n"));
     } else if !global.quiet {

@@ -3,18 +3,35 @@
 use std::path::Path;
 
 use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Mode, Quantity, Table};
+use kufe_lut::{Mode, Quantity, Table, read_fmu};
 use serde_json::{Map, Value, json};
 
 /// Axes, quantities with their ranges and interpolation errors, the solver's error, case and version.
 pub fn describe(path: &Path) -> Result<Value, Failure> {
-    let table = read_table(path)?;
+    facts(&read_table(path)?, path)
+}
+
+/// The table in an FMU, and the platforms that it has libraries for.
+pub fn describe_fmu(path: &Path) -> Result<Value, Failure> {
+    let told =
+        |reason: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let file = kufe_files::open_regular(path)
+        .map_err(|error| told(&format!("cannot be read: {error}")))?;
+    let unit = read_fmu(std::io::BufReader::new(file)).map_err(|error| told(&error))?;
+    let mut facts = facts(&unit.table, path)?;
+    facts["kind"] = json!("a lookup table as an FMU (FMI 3.0)");
+    facts["written_by"] = json!("kufe lut --fmu");
+    facts["platforms"] = json!(unit.platforms.join(", "));
+    Ok(facts)
+}
+
+fn facts(table: &Table, path: &Path) -> Result<Value, Failure> {
     let told = |error| Failure::BadInput(format!("{}: {error}", path.display()));
     let mut quantities = Map::new();
     for &quantity in table.quantities() {
         quantities.insert(
             quantity.key().into(),
-            figures(&table, quantity).map_err(told)?,
+            figures(table, quantity).map_err(told)?,
         );
     }
     let mut axes = Map::new();
@@ -31,6 +48,7 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
     let solver = format!("solver_error_{}", table.judged().name());
     Ok(json!({
         "kind": "lookup table",
+        "written_by": "kufe lut",
         "axes": axes,
         "quantities": quantities,
         "nodes": table.nodes().len(),

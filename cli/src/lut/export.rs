@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, table::read_table, write_whole};
-use kufe_lut::Table;
+use kufe_lut::{Table, simulink_files};
 
 use crate::output::apart::apart;
 use crate::output::global::Global;
@@ -21,10 +21,13 @@ pub struct Forms {
     /// Write a C99 header with arrays and functions
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub header: Option<Option<PathBuf>>,
+    /// Write a block for Simulink, beside the table: a C header, an S-function and the MATLAB script that builds both into a library
+    #[arg(long)]
+    pub simulink: bool,
     /// Write an FMU (FMI 3.0, co-simulation and model exchange)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub fmu: Option<Option<PathBuf>>,
-    /// Rocker radius for --header and --fmu, where the table has that axis [m]
+    /// Rocker radius for --header, --simulink and --fmu, where the table has that axis [m]
     #[arg(long, value_name = "METRES")]
     pub rocker: Option<f64>,
 }
@@ -45,7 +48,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.forms.none() {
         return Err(Failure::Usage(
-            "nothing to export: give --csv, --mat, --header or --fmu".into(),
+            "nothing to export: give --csv, --mat, --header, --simulink or --fmu".into(),
         ));
     }
     apart(
@@ -70,9 +73,10 @@ impl Forms {
         [&self.csv, &self.mat, &self.header, &self.fmu]
             .iter()
             .all(|form| form.is_none())
+            && !self.simulink
     }
 
-    /// Where the forms asked for go, with their endings: beside the table where they name no file.
+    /// Where the forms asked for go, each with what tells it: beside the table where they name no file.
     fn places(&self, beside: &Path) -> Vec<(&'static str, PathBuf)> {
         let forms = [
             (&self.csv, "csv"),
@@ -87,7 +91,20 @@ impl Forms {
                 named.unwrap_or_else(|| beside.with_extension(ending)),
             ))
         });
-        asked.collect()
+        let mut places: Vec<(&'static str, PathBuf)> = asked.collect();
+        if self.simulink {
+            let folder = beside.parent().unwrap_or(Path::new(""));
+            for (form, name) in ["h", "sfun", "m"]
+                .into_iter()
+                .zip(simulink_files(&stem(beside)))
+            {
+                let path = folder.join(name);
+                if places.iter().all(|(_, known)| *known != path) {
+                    places.push((form, path));
+                }
+            }
+        }
+        places
     }
 
     /// Where the forms asked for go.
@@ -101,13 +118,13 @@ impl Forms {
     /// # Errors
     /// [`Failure::BadInput`] where a form cannot be made of this table or a file not be written.
     pub fn write(&self, table: &Table, beside: &Path) -> Result<Vec<PathBuf>, Failure> {
-        let stem = beside
-            .file_stem()
-            .map_or("table".into(), |stem| stem.to_string_lossy().into_owned());
+        let stem = stem(beside);
         let form = |ending: &str, bytes: &mut Vec<u8>| match ending {
             "csv" => table.write_csv(bytes),
             "mat" => table.write_mat(bytes),
             "h" => table.write_header(&stem, self.rocker, bytes),
+            "sfun" => table.write_s_function(&stem, self.rocker, bytes),
+            "m" => table.write_simulink_script(&stem, bytes),
             _ => table.write_fmu(&stem, self.rocker, bytes),
         };
         let mut written = Vec::new();
@@ -120,6 +137,12 @@ impl Forms {
         }
         Ok(written)
     }
+}
+
+/// The table's name.
+fn stem(table: &Path) -> String {
+    let stem = table.file_stem();
+    stem.map_or("table".into(), |stem| stem.to_string_lossy().into_owned())
 }
 
 /// Writes the table itself.

@@ -63,7 +63,7 @@ pub enum ModeWord {
 /// Looks every quantity up and prints it.
 ///
 /// # Errors
-/// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table.
+/// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a force that presses nothing.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let curvature = match (args.curvature, args.radius, args.pitch_rate, args.v) {
         (Some(curvature), ..) => curvature,
@@ -88,6 +88,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
                 "{name} {value}: expected a finite number"
             )));
         }
+    }
+    if args.fz <= 0.0 {
+        return Err(Failure::BadInput(format!(
+            "--fz {}: expected a force above 0 N: without one there is no contact",
+            args.fz
+        )));
     }
     let told =
         |error: kufe_lut::Error| Failure::BadInput(format!("{}: {error}", args.table.display()));

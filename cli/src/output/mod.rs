@@ -1,6 +1,7 @@
 //! What every command shares: global options, progress, what it says, and files that are whole or absent.
 
 pub mod apart;
+pub mod documents;
 pub mod global;
 pub mod mat;
 mod progress;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_contact::{Iterate, Measure, Solution};
+use kufe_contact::{Iterate, Measure, RunnerLoads, Solution};
 use kufe_jobs::Pressed;
 use kufe_jobs::slide::Slid;
 
@@ -92,6 +92,10 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         );
         rows.insert(rows.len() - 2, ("hull's fit", fit));
     }
+    if let Some(loads) = &pressed.runner {
+        let place = rows.len() - 2;
+        rows.splice(place..place, steel(loads));
+    }
     if let Some(check) = &pressed.check {
         let second = match &check.found {
             Ok(found) => format!(
@@ -113,6 +117,27 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         text.push_str(&format!("  {name:<15} {value}\n"));
     }
     text
+}
+
+/// What an elastic runner adds.
+fn steel(loads: &RunnerLoads) -> Vec<(&'static str, String)> {
+    let at =
+        |[x, y, z]: [f64; 3]| format!("x {:.1}, y {:.2}, z {:.2} mm", 1e3 * x, 1e3 * y, 1e3 * z);
+    let stress = format!(
+        "{:.1} MPa (von Mises) at most, at {}",
+        1e-6 * loads.von_mises,
+        at(loads.at)
+    );
+    let mut rows = vec![("runner's stress", stress)];
+    for mount in &loads.mounts {
+        let ([fx, fy, fz], [mx, my, mz]) = (mount.force, mount.moment);
+        let said = format!(
+            "{fz:.1} N upwards, {fx:.1} and {fy:.1} along x and y, moments {mx:.2}, {my:.2}, {mz:.2} N m, at {}",
+            at(mount.at)
+        );
+        rows.push(("mount bears", said));
+    }
+    rows
 }
 
 /// What sliding adds.

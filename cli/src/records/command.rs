@@ -3,12 +3,13 @@
 use kufe_jobs::Failure;
 
 use crate::output::global::Global;
-use crate::records::{align, check, import, init};
+use crate::records::{align, check, gather, import, init};
 
 const EXAMPLES: &str = "\
 Examples:
   kufe runs init raw/monday_01.csv -o mapping.toml     guess what the channels are
   kufe runs import mapping.toml -o runs/               bring them into kufe's form
+  kufe runs gather monday/ tuesday/ -o runs.csv        bring the runs of several folders into one index
   kufe runs check runs/runs.csv -o check/              say what is wrong with them
   kufe runs align runs/runs.csv --model model.toml -o aligned/   bring them to one distance along the track";
 
@@ -26,6 +27,8 @@ enum Command {
     Init(init::Args),
     /// Bring recordings of other programs into kufe's form
     Import(import::Args),
+    /// Bring the runs of several folders into one index
+    Gather(gather::Args),
     /// Say what is wrong and what is odd in runs, and what mends it
     Check(check::Args),
     /// Bring runs to one distance along their track, or estimate the track from them
@@ -40,6 +43,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.command {
         Command::Init(args) => init::run(args, global),
         Command::Import(args) => import::run(args, global),
+        Command::Gather(args) => gather::run(args, global),
         Command::Check(args) => check::run(args, global),
         Command::Align(args) => align::run(args, global),
     }

@@ -3,6 +3,8 @@
 mod align;
 mod check;
 mod command;
+mod gather;
+mod gathered;
 mod import;
 mod init;
 

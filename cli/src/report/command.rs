@@ -17,6 +17,7 @@ Examples:
   kufe report front.lut -o front.html          a lookup table
   kufe report evaluation/ -o drivers.html      what drivers lose
   kufe report finding/ -o finding.html         what kufe discover found
+  kufe report check/                           what kufe runs check found
 
 The page is one file that needs no network: open it in a browser, or send it to someone.";
 
@@ -55,7 +56,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// What is read: a table, or the files of a folder; the page of a finding is read and given back.
 fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
-    const FILES: [&str; 6] = [
+    const FILES: [&str; 7] = [
+        "check.json",
         "result.json",
         "pressure.exr",
         "hull.glb",
@@ -95,23 +97,59 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
     } else if result.join("evaluation.json").is_file() {
         Ok(("evaluation", default, evaluation::page(result)?))
     } else if result.join("report.json").is_file() {
-        Ok(("discovery", default, finding(result)?))
+        Ok(("discovery", default, written(&result.join("report.html"))?))
+    } else if result.join("check.json").is_file() {
+        Ok(("check", default, written(&result.join("check.html"))?))
     } else if results::DOCUMENTS
         .iter()
         .any(|name| result.join(name).is_file())
     {
         Ok(("results", default, results::page(result)?))
     } else {
-        Err(told(
+        Err(told(&without_page(result).unwrap_or_else(|| {
             "nothing to report on: expected what a command of kufe has written, as result.json or table.json (kufe press), \
-             evaluation.json (kufe evaluate) or report.json (kufe discover)",
-        ))
+             evaluation.json (kufe evaluate) or report.json (kufe discover)"
+                .into()
+        })))
     }
 }
 
-/// The page that `kufe discover` has written itself.
-fn finding(folder: &Path) -> Result<String, Failure> {
-    let path = folder.join("report.html");
-    kufe_files::text_of_regular(&path, 1 << 30)
+/// What a folder without figures holds, and the command that shows it.
+fn without_page(folder: &Path) -> Option<String> {
+    let shown = |name: &str| folder.join(name).display().to_string();
+    if folder.join("plan.json").is_file() {
+        return Some(format!(
+            "the plan of a table: solve its shards, then kufe lut merge {} -o table.lut makes the table, which kufe report shows",
+            folder.display()
+        ));
+    }
+    if folder.join("runs.csv").is_file() {
+        return Some(format!(
+            "runs without figures: kufe runs check {} makes their page",
+            shown("runs.csv")
+        ));
+    }
+    if folder.join("glides.csv").is_file() {
+        return Some(format!(
+            "glides without figures: kufe icehouse {} makes them",
+            shown("glides.csv")
+        ));
+    }
+    let entries = std::fs::read_dir(folder).ok()?;
+    let mut tables: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "lut"))
+        .collect();
+    tables.sort();
+    let first = tables.first()?;
+    Some(format!(
+        "lookup tables, which have a page each: kufe report {}",
+        first.display()
+    ))
+}
+
+/// The page that a command has written itself.
+fn written(path: &Path) -> Result<String, Failure> {
+    kufe_files::text_of_regular(path, 1 << 30)
         .map_err(|error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display())))
 }

@@ -9,12 +9,16 @@ use kufe_report::results_page;
 use crate::report::read_json::read_json;
 
 /// Figures of a command, the ones of most to say first.
-pub const DOCUMENTS: [&str; 5] = [
+pub const DOCUMENTS: [&str; 9] = [
     "friction.json",
     "fit.json",
     "validation.json",
     "simulation.json",
     "icehouse.json",
+    "align.json",
+    "import.json",
+    "truth.json",
+    "quality.json",
 ];
 
 /// Figures hold some hundreds of bytes a run; what is longer than this is something else [bytes].

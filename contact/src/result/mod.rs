@@ -6,4 +6,5 @@ pub(crate) mod chords;
 pub(crate) mod elsewhere;
 pub(crate) mod measure;
 pub(crate) mod pressure;
+pub(crate) mod runner_loads;
 pub(crate) mod solution;

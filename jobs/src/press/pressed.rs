@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use kufe_case::{FittedHull, StatedProblem};
-use kufe_contact::{Error, Options, Problem, Solution, Watcher, solve};
+use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher, runner_loads, solve};
 
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
@@ -25,6 +25,8 @@ pub struct Pressed {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
+    /// What an elastic runner bears.
+    pub runner: Option<RunnerLoads>,
     /// What a scanner's noise moves the peak by in 95 of 100 scans [Pa], where the case states a noise and it is known.
     pub p_max_noise: Option<f64>,
     /// What boundary elements say of it; nothing where the runner slides.
@@ -121,6 +123,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         warnings.push(warning);
     }
     Ok(Pressed {
+        runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
         loaded,
         problem,
         hull,

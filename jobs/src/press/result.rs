@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::case_json::case_json;
 use crate::press::pressed::Pressed;
+use crate::press::runner::runner_keys;
 
 impl Pressed {
     /// The figures of a solve, the case that they belong to, and how they came about.
@@ -62,6 +63,15 @@ impl Pressed {
                 .position(|key| key == "p_mean_pa")
                 .unwrap_or(0);
             for (shift, (key, value)) in check.keys().into_iter().enumerate() {
+                document.shift_insert(place + shift, key, value);
+            }
+        }
+        if let (Some(loads), Value::Object(document)) = (&self.runner, &mut document) {
+            let place = document
+                .keys()
+                .position(|key| key == "fz_n")
+                .map_or(0, |place| place + 1);
+            for (shift, (key, value)) in runner_keys(loads).into_iter().enumerate() {
                 document.shift_insert(place + shift, key, value);
             }
         }

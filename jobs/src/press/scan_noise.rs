@@ -16,7 +16,7 @@ const HOLDS: f64 = 2.179;
 /// What noise of standard deviation `noise` [m] on the hull's vertices moves the peak by in 95 of 100 scans, over the peak.
 ///
 /// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the Bootstrap, 1993, 6.5): it is scanned again,
-/// vertex by vertex with new noise, fitted as the scan was, and pressed by boundary elements. None where the hull is no scan, or where
+/// vertex by vertex with new noise, fitted on the scan's knots, and pressed by boundary elements. None where the hull is no scan, or where
 /// boundary elements do not answer.
 pub(super) fn in_peak(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<f64> {
     let scan = hull.scan.as_ref()?;
@@ -32,11 +32,12 @@ pub(super) fn in_peak(problem: &Problem, hull: &FittedHull, noise: f64) -> Optio
         Some(boundary_elements(&pressed).ok()?.p_max)
     };
     let expected = peak(problem.runner.underside.clone())?;
+    let scans = hull.underside.scans(scan, noise).ok()?;
     let squares: Option<Vec<f64>> = (0..SCANS)
         .into_par_iter()
         .map(|seed| {
-            let again = hull.underside.scanned_again(scan, noise, seed).ok()?;
-            Some((peak(Arc::new(again))? / expected - 1.0).powi(2))
+            let again = scans.fit(seed).ok()?;
+            Some((peak(again)? / expected - 1.0).powi(2))
         })
         .collect();
     Some(HOLDS * (squares?.iter().sum::<f64>() / SCANS as f64).sqrt())

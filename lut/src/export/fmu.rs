@@ -3,11 +3,11 @@
 //! The library inside is the same for every table: it was compiled with this crate and reads the table from the
 //! unit's resources. So an FMU is written without a compiler.
 
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read, Seek, Write};
 
 use sha2::{Digest, Sha256};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::error::Error;
 use crate::export::header::{EVALUATION, layers, rocker_on_axis};
@@ -26,6 +26,37 @@ const DESCRIPTION: &str = include_str!("../../c/modelDescription.xml");
 const BUILD_DESCRIPTION: &str = include_str!("../../c/buildDescription.xml");
 const SOURCE: &str = include_str!("../../c/fmu.c");
 const INTERFACE: &str = include_str!("../../c/fmi3.h");
+
+/// What an FMU that [`Table::write_fmu`] wrote holds.
+#[derive(Clone, Debug)]
+pub struct Fmu {
+    /// Its table.
+    pub table: Table,
+    /// The platforms that it has a library for, as FMI names them.
+    pub platforms: Vec<String>,
+}
+
+/// Reads the table of an FMU back.
+///
+/// # Errors
+/// [`Error::Zip`] where it is no archive or has no table in its resources; those of [`Table::read`].
+pub fn read_fmu(reader: impl Read + Seek) -> Result<Fmu, Error> {
+    let mut archive = ZipArchive::new(reader)?;
+    let platform = |name: &str| {
+        Some(
+            name.strip_prefix("binaries/")?
+                .split_once('/')?
+                .0
+                .to_owned(),
+        )
+    };
+    let names: Result<Vec<_>, _> = archive.file_names().collect();
+    let mut platforms: Vec<String> = names?.iter().filter_map(|name| platform(name)).collect();
+    platforms.sort();
+    platforms.dedup();
+    let table = Table::read(&mut archive.by_name("resources/table.lut")?)?;
+    Ok(Fmu { table, platforms })
+}
 
 impl Table {
     /// Writes an FMU whose inputs are `fz`, `v`, `pitch_rate` and `curvature` and whose outputs are `pressure`

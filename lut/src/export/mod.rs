@@ -1,4 +1,4 @@
-//! The forms that other programs read: CSV, MAT, C headers, FMUs and pictures.
+//! The forms that other programs read: CSV, MAT, C headers, blocks for Simulink, FMUs and pictures.
 
 pub(crate) mod csv;
 pub(crate) mod fmu;
@@ -6,6 +6,9 @@ pub(crate) mod header;
 pub(crate) mod mat;
 pub(crate) mod mat_file;
 pub(crate) mod picture;
+pub(crate) mod simulink;
 
+pub use fmu::{Fmu, read_fmu};
 pub use mat_file::{MatValue, write_mat_file};
 pub use picture::{Slice, draw};
+pub use simulink::simulink_files;

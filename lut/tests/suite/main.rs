@@ -9,6 +9,7 @@ mod picture;
 mod python;
 mod python_reads;
 mod shards;
+mod simulink;
 mod sliding;
 mod sweep;
 mod tables;

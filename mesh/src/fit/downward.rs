@@ -7,6 +7,8 @@ use crate::hull::triangles::Hull;
 
 /// Facets whose normal is closer to level than this are flanks (cosine to straight down).
 const FLANK: f64 = 0.02;
+/// Vertices with a flank steeper than this take no part in a fit (cosine of the angle to the ice).
+pub(crate) const STEEPEST: f64 = 0.1;
 /// Stations along the hull at which its outline is kept.
 const STATIONS: usize = 1024;
 
@@ -14,6 +16,8 @@ const STATIONS: usize = 1024;
 pub(crate) struct Downward {
     /// Vertices (x, y, z) [m].
     pub points: Vec<[f64; 3]>,
+    /// Their numbers in the hull.
+    pub vertices: Vec<u32>,
     /// Cosine between each vertex' normal and straight down.
     pub cosines: Vec<f64>,
     /// Facets' corners among the points.
@@ -64,6 +68,7 @@ impl Downward {
 
         let mut part = Self {
             points: Vec::new(),
+            vertices: Vec::new(),
             cosines: Vec::new(),
             facets: Vec::new(),
         };
@@ -77,6 +82,7 @@ impl Downward {
             let facet = corners.map(|c| {
                 *number.entry(c).or_insert_with(|| {
                     part.points.push(hull.positions[c as usize]);
+                    part.vertices.push(c);
                     normals.push([0.0; 3]);
                     normals.len() - 1
                 })
@@ -106,6 +112,11 @@ impl Downward {
             }),
             _ => Ok(()),
         }
+    }
+
+    /// The points that a fit goes through: those that are not too steep.
+    pub fn gentle(&self) -> impl Iterator<Item = usize> {
+        (0..self.points.len()).filter(|&n| self.cosines[n] > STEEPEST)
     }
 
     /// Smallest and largest value of coordinate `axis` [m].

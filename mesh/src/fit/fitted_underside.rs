@@ -1,23 +1,17 @@
 //! A smooth underside fitted to the vertices of a tessellated hull.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-
 use crate::error::MeshError;
 use crate::fit::arc_length::arc_length;
 use crate::fit::bicubic::{Bicubic, Sample};
 use crate::fit::break_places::break_places;
-use crate::fit::downward::Downward;
+use crate::fit::downward::{Downward, STEEPEST};
 use crate::fit::judgement::{Coarse, FitQuality, Judgement};
 use crate::fit::least_squares::fit;
 use crate::fit::refinement::refined_fit;
+use crate::fit::scans::{Scans, moves, put_on};
 use crate::fit::surface::Surface;
 use crate::hull::triangles::Hull;
 use crate::shapes::underside::Underside;
-
-/// Vertices with a flank steeper than this are left out (cosine of the angle to the ice).
-const STEEPEST: f64 = 0.1;
 
 /// A smooth height field through the vertices of a hull's downward-facing part.
 ///
@@ -48,7 +42,7 @@ impl FittedUnderside {
             });
         }
         let part = Downward::of(hull)?;
-        let usable = part.cosines.iter().filter(|&&c| c > STEEPEST).count();
+        let usable = part.gentle().count();
         if usable < 16 {
             let name = "vertices of the hull's underside";
             return Err(MeshError::TooFewPoints {
@@ -71,14 +65,11 @@ impl FittedUnderside {
         let arc_length = arc_length(&part, [y0, y1], mirrored[1]);
         let at = |p: &[f64; 3]| [p[0], arc_length.value(p[1])];
         let samples: Vec<Sample> = part
-            .points
-            .iter()
-            .zip(&part.cosines)
-            .filter(|(_, cosine)| **cosine > STEEPEST)
-            .map(|(p, &weight)| Sample {
-                at: at(p),
-                height: p[2],
-                weight,
+            .gentle()
+            .map(|n| Sample {
+                at: at(&part.points[n]),
+                height: part.points[n][2],
+                weight: part.cosines[n],
             })
             .collect();
         let ends = [[x0, x1], [arc_length.value(y0), arc_length.value(y1)]];
@@ -115,25 +106,20 @@ impl FittedUnderside {
     ///
     /// Vertices farther off than six of it are of other parts of the hull, and keep their places but for the noise.
     pub fn scanned(&self, hull: &Hull, noise: f64, seed: u64) -> Hull {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut scanned = hull.clone();
-        for [x, y, z] in &mut scanned.positions {
-            let on = self.surface.spline_height(*x, *y);
-            if (on - *z).abs() <= 6.0 * noise {
-                *z = on;
-            }
-            let drawn: f64 = StandardNormal.sample(&mut random);
-            *z += noise * drawn;
+        let moves = moves(noise, seed);
+        for ([x, y, z], moved) in scanned.positions.iter_mut().zip(moves) {
+            *z = put_on(&self.surface, [*x, *y, *z], noise) + moved;
         }
         scanned
     }
 
-    /// What is fitted to [`FittedUnderside::scanned`].
+    /// [`FittedUnderside::scanned`] seed by seed, each fitted on the knots of this fit.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
-    pub fn scanned_again(&self, hull: &Hull, noise: f64, seed: u64) -> Result<Self, MeshError> {
-        FittedUnderside::new(&self.scanned(hull, noise, seed), noise)
+    pub fn scans(&self, hull: &Hull, noise: f64) -> Result<Scans<'_>, MeshError> {
+        Scans::new(&self.surface, hull, noise)
     }
 
     /// How well the surface follows the hull.
@@ -162,11 +148,11 @@ impl Underside for FittedUnderside {
     }
 
     fn extent(&self) -> [f64; 4] {
-        self.surface.extent
+        self.surface.extent()
     }
 
     fn mirror_symmetric(&self) -> [bool; 2] {
-        self.surface.symmetric
+        self.surface.mirror_symmetric()
     }
 }
 

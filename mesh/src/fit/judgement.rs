@@ -2,6 +2,7 @@
 
 use crate::fit::bicubic::{Bicubic, Sample};
 use crate::fit::surface::Surface;
+use crate::shapes::underside::Underside;
 
 /// Heights over the keel within which the fit is judged [m].
 const JUDGED_HEIGHT: f64 = 50e-6;

@@ -2,7 +2,7 @@
 
 use crate::fit::b_spline::BSpline;
 use crate::fit::bicubic::{Bicubic, Sample};
-use crate::fit::normal_equations::NormalEquations;
+use crate::fit::normal_equations::{Factored, NormalEquations};
 
 /// Weight of the bending energy, as a length in units of a cell's.
 const STIFFNESS: f64 = 0.03;
@@ -12,6 +12,45 @@ const STIFFNESS: f64 = 0.03;
 /// c = 0.03, hx and hy the cell's sides. The energy settles what no height decides.
 pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic> {
     let axes = [BSpline::new(&breaks[0]), BSpline::new(&breaks[1])];
+    Some(Bicubic {
+        coefficients: equations(samples, &axes).solve()?,
+        axes,
+    })
+}
+
+/// A fit whose breaks, places and weights stay as they are: other heights cost a right-hand side each.
+pub(crate) struct KeptFit {
+    axes: [BSpline; 2],
+    factored: Factored,
+}
+
+impl KeptFit {
+    /// The equations of these samples on the axes of a fit, factorised; none where they determine nothing.
+    pub fn new(samples: &[Sample], axes: [BSpline; 2]) -> Option<Self> {
+        let factored = equations(samples, &axes).factored()?;
+        Some(KeptFit { axes, factored })
+    }
+
+    /// The fit of these samples, which differ from the first ones in their heights alone.
+    pub fn fit(&self, samples: impl Iterator<Item = Sample>) -> Option<Bicubic> {
+        let mut right = vec![0.0; self.factored.size()];
+        for sample in samples {
+            let (i, a) = self.axes[0].values(sample.at[0]);
+            let (j, b) = self.axes[1].values(sample.at[1]);
+            let weighted = sample.weight * sample.weight * sample.height;
+            self.factored
+                .add_right(&mut right, [i, j], [&a, &b], weighted);
+        }
+        Some(Bicubic {
+            coefficients: self.factored.solve(right)?,
+            axes: self.axes.clone(),
+        })
+    }
+}
+
+/// What [`fit`] solves.
+fn equations(samples: &[Sample], axes: &[BSpline; 2]) -> NormalEquations {
+    let breaks = [0, 1].map(|k| axes[k].breaks());
     let mut equations = NormalEquations::new(axes[0].count(), axes[1].count());
     for sample in samples {
         let (i, a) = axes[0].values(sample.at[0]);
@@ -19,7 +58,7 @@ pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic>
         let weight = sample.weight * sample.weight;
         equations.add([i, j], [&a, &b], weight, sample.height);
     }
-    let lengths = [0, 1].map(|k| breaks[k][breaks[k].len() - 1] - breaks[k][0]);
+    let lengths = breaks.map(|breaks| breaks[breaks.len() - 1] - breaks[0]);
     let density = samples.len() as f64 / (lengths[0] * lengths[1]);
     let gauss = 0.5 / 3f64.sqrt();
     for x in breaks[0].windows(2) {
@@ -47,8 +86,5 @@ pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic>
             }
         }
     }
-    Some(Bicubic {
-        coefficients: equations.solve()?,
-        axes,
-    })
+    equations
 }

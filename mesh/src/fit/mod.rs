@@ -10,7 +10,9 @@ pub(crate) mod judgement;
 pub(crate) mod least_squares;
 pub(crate) mod normal_equations;
 pub(crate) mod refinement;
+pub(crate) mod scans;
 pub(crate) mod surface;
 
 pub use fitted_underside::FittedUnderside;
 pub use judgement::{Coarse, FitQuality};
+pub use scans::Scans;

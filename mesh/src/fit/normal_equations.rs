@@ -3,7 +3,8 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
@@ -81,8 +82,8 @@ impl NormalEquations {
         }
     }
 
-    /// The coefficients; none where they are not determined.
-    pub fn solve(mut self) -> Option<Vec<f64>> {
+    /// Factorises the matrix; none where it determines no coefficients.
+    pub fn factored(self) -> Option<Factored> {
         let size = self.right.len();
         let lower =
             SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
@@ -107,15 +108,65 @@ impl NormalEquations {
                 Default::default(),
             )
             .ok()?;
-        let request = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        LltRef::new(&symbolic, &factor).solve_in_place_with_conj(
+        Some(Factored {
+            columns: self.columns,
+            symbolic,
+            factor,
+            right: self.right,
+        })
+    }
+
+    /// The coefficients; none where they are not determined.
+    pub fn solve(self) -> Option<Vec<f64>> {
+        let mut factored = self.factored()?;
+        let right = std::mem::take(&mut factored.right);
+        factored.solve(right)
+    }
+}
+
+/// Equations whose matrix is factorised: they are solved again for other heights at the same places.
+pub(crate) struct Factored {
+    columns: usize,
+    symbolic: SymbolicCholesky<u32>,
+    factor: Vec<f64>,
+    /// The right-hand side that they came with.
+    right: Vec<f64>,
+}
+
+impl Factored {
+    /// Number of coefficients.
+    pub fn size(&self) -> usize {
+        self.right.len()
+    }
+
+    /// Adds to a right-hand side what [`NormalEquations::add`] adds to its own.
+    pub fn add_right(
+        &self,
+        right: &mut [f64],
+        [i, j]: [usize; 2],
+        [along, across]: [&[f64; 4]; 2],
+        weighted: f64,
+    ) {
+        for (k, a) in along.iter().enumerate() {
+            let row = &mut right[(i + k) * self.columns + j..][..4];
+            for (entry, b) in row.iter_mut().zip(across) {
+                *entry += weighted * a * b;
+            }
+        }
+    }
+
+    /// The coefficients of a right-hand side; none where they are not determined.
+    pub fn solve(&self, mut right: Vec<f64>) -> Option<Vec<f64>> {
+        let size = right.len();
+        let request = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
-            MatMut::from_column_major_slice_mut(&mut self.right, size, 1),
+            MatMut::from_column_major_slice_mut(&mut right, size, 1),
             Par::Seq,
             MemStack::new(&mut MemBuffer::try_new(request).ok()?),
         );
-        let determined = self.right.iter().all(|value| value.is_finite());
-        determined.then_some(self.right)
+        let determined = right.iter().all(|value| value.is_finite());
+        determined.then_some(right)
     }
 }
 

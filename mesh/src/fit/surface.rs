@@ -3,6 +3,7 @@
 use crate::fit::bicubic::Bicubic;
 use crate::fit::downward::Outline;
 use crate::shapes::profile::Profile;
+use crate::shapes::underside::Underside;
 
 /// The heights z = s(x, t(y)) - level within an outline.
 #[derive(Clone, Debug)]
@@ -21,15 +22,25 @@ pub(crate) struct Surface {
     pub symmetric: [bool; 2],
 }
 
-impl Surface {
-    /// Height over the level at (`x`, `y`) [m]; infinite where there is no hull.
-    pub fn height(&self, x: f64, y: f64) -> f64 {
+impl Underside for Surface {
+    /// Over the level; infinite where there is no hull.
+    fn height(&self, x: f64, y: f64) -> f64 {
         match self.outline.sides(x) {
             Some([from, to]) if (from..=to).contains(&y) => self.spline_height(x, y) - self.level,
             _ => f64::INFINITY,
         }
     }
 
+    fn extent(&self) -> [f64; 4] {
+        self.extent
+    }
+
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        self.symmetric
+    }
+}
+
+impl Surface {
     /// Height of the spline [m], hull or not.
     pub fn spline_height(&self, x: f64, y: f64) -> f64 {
         let x = if self.symmetric[0] { x.abs() } else { x };

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use kufe_contact::{LargestShear, Options, centre_line, hertz, solve};
-use kufe_fem::maximum_shear;
+use kufe_contact::{ElasticRunner, LargestShear, Options, centre_line, hertz, runner_loads, solve};
+use kufe_fem::{maximum_shear, von_mises};
 use kufe_mesh::Paraboloid;
 use kufe_tests::contact::{ICE_NU, contact_modulus, on_half_space};
 
@@ -108,4 +108,42 @@ fn the_largest_shear_under_elliptic_contacts_is_hertzs_within_two_per_cent() {
             "{first} {exact}"
         );
     }
+}
+
+/// Two half-spaces bear one pressure, each with the stresses of its own Poisson's ratio: what steel bears over a contact with ice.
+#[test]
+fn the_largest_von_mises_stress_of_an_elastic_runner_is_hertzs_within_three_per_cent() {
+    let (steel, ratio) = (210e9, 0.3);
+    let hull = Paraboloid::new(0.5, 0.05).expect("a paraboloid");
+    let mut problem = on_half_space(hull, 1000.0);
+    problem.runner.elastic = Some(ElasticRunner::held_at_top(steel, ratio, f64::INFINITY));
+    let solution = solve(&problem, &Options::default()).expect("a solution");
+    let loads = runner_loads(&problem, &solution)
+        .expect("a body")
+        .expect("an elastic runner");
+    let both = 1.0 / contact_modulus() + (1.0 - ratio * ratio) / steel;
+    let exact = hertz(0.5, 0.05, 1.0 / both, 1000.0);
+    let at = |z: f64| {
+        let [xx, yy, zz] = hertz_stress(exact.a, exact.b, ratio, z);
+        exact.p_max * von_mises([xx, yy, zz, 0.0, 0.0, 0.0])
+    };
+    let depths = (10..=60).map(|i| 0.02 * exact.b * f64::from(i));
+    let (depth, most) = depths
+        .map(|z| (z, at(z)))
+        .max_by(|p, q| p.1.total_cmp(&q.1))
+        .expect("depths");
+    println!(
+        "{:.4e} at {:?} beside {most:.4e} at {depth:.3e}",
+        loads.von_mises, loads.at
+    );
+    assert!(
+        (loads.von_mises / most - 1.0).abs() < 0.03,
+        "{loads:?} {most}"
+    );
+    let [x, y, z] = loads.at;
+    assert!(
+        x.hypot(y) < 0.2 * exact.b && (z / depth - 1.0).abs() < 0.3,
+        "{loads:?}"
+    );
+    assert!(loads.mounts.is_empty());
 }

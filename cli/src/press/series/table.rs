@@ -39,8 +39,9 @@ pub const FIGURES: [&str; 16] = [
     "seconds",
 ];
 
-/// What some results have besides: a second method's answer, and what a runner that slides has.
-const FURTHER: [&str; 11] = [
+/// What some results have besides: what an elastic runner bears, a second method's answer, and what a runner that slides has.
+const FURTHER: [&str; 12] = [
+    "runner_von_mises_max_pa",
     "check_p_max_pa",
     "check_p_max_error_pa",
     "mu",

@@ -6,3 +6,4 @@ mod habits;
 mod info;
 mod licences;
 mod schema;
+mod written;

@@ -123,11 +123,11 @@ fn a_case_that_is_no_text_is_refused() {
 #[test]
 fn a_load_beside_the_hull_is_refused_with_both_places() {
     let bench = Bench::new();
-    let text = changed("fz_n = 1000.0", "fz_n = 1000.0\noffset_x_m = 0.8");
+    let text = changed("fz_n = 1000.0", "fz_n = 1000.0\noffset_x_m = 0.812345678");
     refused(
         &bench,
         &text,
-        &["case.toml: ", "x = 0.8", "misses the hull"],
+        &["case.toml: ", "x = 0.8123 m, y = 0 m misses the hull"],
     );
 }
 

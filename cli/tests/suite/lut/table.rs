@@ -286,6 +286,14 @@ fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
     let table = json(&std::fs::read_to_string(bench.path("t.lut")).unwrap());
     let error = table["accuracy"]["solver_p_max"].as_f64().unwrap();
     assert!(error > 1e-5 && error < 1e-3, "{error}");
+    for fz in ["-5", "0"] {
+        let (code, said) = fails(
+            &bench,
+            &["lut", "query", "t.lut", "--fz", fz, "--radius", "inf"],
+        );
+        let expected = format!("--fz {fz}: expected a force above 0 N");
+        assert!(code == 3 && said.contains(&expected), "{code} {said}");
+    }
     let looked = json(&bench.succeeds(&[
         "lut", "query", "t.lut", "--fz", "1000", "--radius", "inf", "--json",
     ]));

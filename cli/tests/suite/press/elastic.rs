@@ -33,21 +33,30 @@ fn the_peak_falls_from_a_held_top_over_two_places_to_none() {
         "mount = {{ carries = [{}] }}",
         places.replace('}', ", share = 0.5 }")
     );
-    let peaks = [("", "fixed"), (&held, "fixed"), (&carried, "free")].map(|(mount, tilt)| {
-        let bench = Bench::new();
-        bench.write("case.toml", case(mount, tilt));
-        bench.succeeds(&["press", "case.toml"]);
-        let result = result(&bench);
-        assert!(
-            (number(&result, "fz_n") / 500.0 - 1.0).abs() < 1e-6,
-            "{mount}"
-        );
-        assert!(number(&result, "iterations") <= 45.0, "{mount}");
-        let file = std::fs::read(bench.path("out/runner.vtu")).expect("runner.vtu");
-        let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
-        assert!(mesh.cells.len() > 1000, "{} cells", mesh.cells.len());
-        number(&result, "p_max_pa")
-    });
+    let peaks =
+        [("", "fixed"), (&held, "fixed"), (&carried, "free")].map(|(mount, tilt)| {
+            let bench = Bench::new();
+            bench.write("case.toml", case(mount, tilt));
+            bench.succeeds(&["press", "case.toml"]);
+            let result = result(&bench);
+            assert!(
+                (number(&result, "fz_n") / 500.0 - 1.0).abs() < 1e-6,
+                "{mount}"
+            );
+            assert!(number(&result, "iterations") <= 45.0, "{mount}");
+            // What the mount bears is the load.
+            let mounts = result["mounts"].as_array().expect("mounts");
+            let borne: f64 = mounts.iter().filter_map(|m| m["force_n"][2].as_f64()).sum();
+            assert!((borne / 500.0 - 1.0).abs() < 1e-6, "{mount}: {mounts:?}");
+            assert_eq!(mounts.len(), if mount.is_empty() { 1 } else { 2 });
+            assert!(mounts.iter().all(
+                |m| number(m, "von_mises_max_pa") <= number(&result, "runner_von_mises_max_pa")
+            ));
+            let file = std::fs::read(bench.path("out/runner.vtu")).expect("runner.vtu");
+            let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
+            assert!(mesh.cells.len() > 1000, "{} cells", mesh.cells.len());
+            number(&result, "p_max_pa")
+        });
     println!("{peaks:?}");
     assert!(peaks[0] > peaks[1] && peaks[1] > peaks[2], "{peaks:?}");
 }

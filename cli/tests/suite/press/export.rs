@@ -110,6 +110,13 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
     let Some(mut ccx) = program("ccx") else {
         return;
     };
+    // The force on each of the mount's nodes and the steel's stress at the nodes, too.
+    let more = text.replace(
+        "*NODE FILE\n",
+        "*NODE PRINT, NSET=MOUNT\nRF\n*EL FILE\nS\n*NODE FILE\n",
+    );
+    assert_ne!(more, text);
+    std::fs::write(bench.path("deck.inp"), more).expect("the deck");
     let ccx = ccx
         .arg("deck")
         .current_dir(bench.folder.path())
@@ -124,6 +131,92 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
     println!("{force} N in CalculiX, {} N here", facts["fz_n"]);
     assert!((force / 400.0 - 1.0).abs() < 0.08, "{force}");
     assert!((total(&dat, "MOUNT") / total(&dat, "BED") + 1.0).abs() < 1e-3);
+
+    // What one bridge bears: force, and moment about its middle, in N and N mm; the other one is its mirror image.
+    let mount = &facts["mounts"][1];
+    let triple = |key: &str| -> [f64; 3] {
+        let read = serde_json::from_value(mount[key].clone());
+        read.expect("three numbers")
+    };
+    let at = triple("at_m").map(|x| 1e3 * x);
+    let (mut force, mut moment) = ([0.0; 3], 0.0);
+    for (node, [fx, fy, fz]) in reactions(&dat) {
+        let place = &nodes[node - 1];
+        let [x, z] = [place[1] - at[0], place[3] - at[2]];
+        for (sum, f) in force.iter_mut().zip([fx, fy, fz]) {
+            *sum -= f;
+        }
+        moment -= z * fx - x * fz;
+    }
+    let (own, own_moment) = (triple("force_n"), 1e3 * triple("moment_nm")[1]);
+    println!("{force:?} N and {moment} N mm in CalculiX, {own:?} and {own_moment} here");
+    assert!((own[2] - 200.0).abs() < 1e-4, "{own:?}");
+    assert!((force[2] / own[2] - 1.0).abs() < 0.08, "{force:?}");
+    // Over the force, which the two were not pressed to alike, they agree far closer.
+    let lever = moment / force[2] / (own_moment / own[2]);
+    assert!((lever - 1.0).abs() < 0.02, "{moment} {own_moment}");
+    // The largest stress of the steel, from its nodes in CalculiX.
+    let frd = std::fs::read_to_string(bench.path("deck.frd")).expect("CalculiX's fields");
+    let steel: std::collections::BTreeSet<usize> = lines(&deck, "ELSET=RUNNER")
+        .iter()
+        .flat_map(|cell| cell[1..].iter().map(|&node| node as usize))
+        .collect();
+    let stresses = stresses(&frd)
+        .into_iter()
+        .filter(|(node, _)| steel.contains(node));
+    let (node, largest) = stresses
+        .map(|(node, [xx, yy, zz, xy, yz, zx])| {
+            (node, kufe_fem::von_mises([xx, yy, zz, yz, zx, xy]))
+        })
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .expect("stresses");
+    let own = 1e-6 * facts["runner_von_mises_max_pa"].as_f64().expect("a stress");
+    let place = &nodes[node - 1][1..];
+    println!(
+        "{largest} MPa at {place:?} mm in CalculiX, {own} at {} m here",
+        facts["runner_von_mises_at_m"]
+    );
+    assert!((largest / own - 1.0).abs() < 0.1, "{largest} {own}");
+}
+
+/// Forces on nodes from CalculiX's table of them [N].
+fn reactions(dat: &str) -> Vec<(usize, [f64; 3])> {
+    let table = dat
+        .lines()
+        .skip_while(|line| {
+            !line
+                .trim_start()
+                .starts_with("forces (fx,fy,fz) for set MOUNT")
+        })
+        .skip(2);
+    let row = |line: &str| {
+        let numbers: Option<Vec<f64>> = line.split_whitespace().map(|w| w.parse().ok()).collect();
+        match numbers?.as_slice() {
+            &[node, x, y, z] => Some((node as usize, [x, y, z])),
+            _ => None,
+        }
+    };
+    table.map_while(row).collect()
+}
+
+/// Stresses (xx, yy, zz, xy, yz, zx) at nodes, from the block STRESS of CalculiX's fields: 12 columns a number [MPa].
+fn stresses(frd: &str) -> Vec<(usize, [f64; 6])> {
+    let block = frd
+        .lines()
+        .skip_while(|line| !line.starts_with(" -4  STRESS"));
+    let rows = block
+        .take_while(|line| !line.starts_with(" -3"))
+        .filter(|line| line.starts_with(" -1"));
+    let row = |line: &str| {
+        let node = line.get(3..13)?.trim().parse().ok()?;
+        let number = |k: usize| line.get(13 + 12 * k..25 + 12 * k)?.trim().parse().ok();
+        let mut stress = [0.0; 6];
+        for (k, value) in stress.iter_mut().enumerate() {
+            *value = number(k)?;
+        }
+        Some((node, stress))
+    };
+    rows.filter_map(row).collect()
 }
 
 #[test]

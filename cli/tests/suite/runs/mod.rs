@@ -5,6 +5,7 @@ mod corpus;
 mod damaged;
 mod friction;
 mod gaps;
+mod gather;
 mod imported;
 mod replay;
 mod sled;
