@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kufe_files::read_regular;
 use kufe_mesh::{
-    Axis, BobRunner, FittedUnderside, Hull, HullOptions, HullReport, LugeSteel, MeshError,
+    Axis, BobRunner, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, LugeSteel, MeshError,
     Paraboloid, Rocker, Section, Underside, check_hull, load_hull, read_gmsh, read_vtu,
     size_warnings,
 };
@@ -34,7 +34,9 @@ pub struct FittedHull {
     pub underside: Arc<FittedUnderside>,
     /// Size, holes and warnings.
     pub report: HullReport,
-    /// Its triangles, where the case states a noise of their vertices.
+    /// Standard deviation of its vertices that the fit was made with, stated of a hull and found in a mesh [m].
+    pub noise: f64,
+    /// Its triangles, where there is noise.
     pub scan: Option<Arc<Hull>>,
 }
 
@@ -130,7 +132,11 @@ impl Case {
         // An underside alone is open; its size is that of the whole mesh.
         report.warnings = size_warnings(extent);
         report.extent = extent;
-        let underside = FittedUnderside::new(&part, 0.0).map_err(|error| named(&error))?;
+        let noise = solid.noise().unwrap_or(0.0);
+        if noise > 0.0 {
+            report.warnings.push(HullWarning::Noisy { noise });
+        }
+        let underside = FittedUnderside::new(&part, noise).map_err(|error| named(&error))?;
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
             ..ElasticRunner::held_at_top(modulus, ratio, top)
@@ -138,7 +144,8 @@ impl Case {
         let hull = FittedHull {
             underside: Arc::new(underside),
             report,
-            scan: None,
+            noise,
+            scan: (noise > 0.0).then(|| Arc::new(part)),
         };
         Ok((hull, elastic))
     }
@@ -211,6 +218,7 @@ fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshErro
     Ok(FittedHull {
         underside: Arc::new(underside),
         report,
+        noise,
         scan: (noise > 0.0).then(|| Arc::new(hull)),
     })
 }

@@ -25,7 +25,8 @@ pub struct Pressed {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
-    /// What a scanner's noise moves the peak by in 95 of 100 scans [Pa], where the case states a noise and it is known.
+    /// What noise of the hull's vertices or the mesh's nodes moves the peak by in 95 of 100 scans [Pa], where there is some and it is
+    /// known.
     pub p_max_noise: Option<f64>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
@@ -96,16 +97,17 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     };
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
-    let scan = scanned(&loaded, hull.as_ref());
-    let moved = scan
-        .filter(|_| sliding.is_none())
-        .and_then(|(hull, noise)| {
-            watch.progress("scans made up, to see how far noise moves the peak");
-            in_peak(&problem, hull, noise)
-        });
+    let noisy = hull.as_ref().filter(|hull| hull.noise > 0.0);
+    let moved = noisy.filter(|_| sliding.is_none()).and_then(|hull| {
+        watch.progress("scans made up, to see how far noise moves the peak");
+        in_peak(&problem, hull, found_noise(hull))
+    });
+    let untold = noisy.is_some_and(|_| loaded.case.runner.mesh.is_some() && moved.is_none());
+    let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
     let remarks = [
         beyond_ice(&problem, &solution),
-        beyond_discretisation(&loaded, hull.as_ref(), &solution, moved),
+        own_hexahedra(&loaded),
+        noisy.map(|hull| beyond_discretisation(hull, &solution, moved)),
     ];
     for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
@@ -146,22 +148,17 @@ fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
     })
 }
 
-/// What stated errors rest on or do not hold: a runner's own hexahedra, a scanner's noise.
-fn beyond_discretisation(
-    loaded: &LoadedCase,
-    hull: Option<&FittedHull>,
-    solution: &Solution,
-    moved: Option<f64>,
-) -> Option<String> {
-    let runner = &loaded.case.runner;
-    if runner.mesh.is_some() {
-        return Some(
-            "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
-             finer ones there lower them"
-                .into(),
-        );
-    }
-    let (noise, hull) = (runner.noise_m.filter(|noise| *noise > 0.0)?, hull?);
+/// What stated errors of a runner's own hexahedra rest on.
+fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
+    loaded.case.runner.mesh.is_some().then(|| {
+        "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
+         finer ones there lower them"
+            .into()
+    })
+}
+
+/// What stated errors do not hold: the noise of vertices or nodes.
+fn beyond_discretisation(hull: &FittedHull, solution: &Solution, moved: Option<f64>) -> String {
     let left = hull.underside.quality().residual_rms;
     let moved = moved.map_or(String::new(), |share| {
         format!(
@@ -169,17 +166,15 @@ fn beyond_discretisation(
             100.0 * share
         )
     });
-    Some(format!(
-        "the stated errors do not hold what noise leaves in the hull: {:.3} um stated and {:.3} um found, {:.2} % of the approach{moved}",
-        1e6 * noise,
+    format!(
+        "the stated errors do not hold what noise leaves in the hull: {:.3} um taken and {:.3} um found, {:.2} % of the approach{moved}",
+        1e6 * hull.noise,
         1e6 * left,
         100.0 * left / solution.approach
-    ))
+    )
 }
 
-/// A hull whose case states a noise, with the larger of that and what its fit has found [m].
-fn scanned<'a>(loaded: &LoadedCase, hull: Option<&'a FittedHull>) -> Option<(&'a FittedHull, f64)> {
-    let noise = loaded.case.runner.noise_m.filter(|noise| *noise > 0.0)?;
-    let hull = hull?;
-    Some((hull, noise.max(hull.underside.quality().residual_rms)))
+/// The larger of a hull's noise and what its fit has found [m].
+fn found_noise(hull: &FittedHull) -> f64 {
+    hull.noise.max(hull.underside.quality().residual_rms)
 }

@@ -19,6 +19,7 @@ impl Pressed {
                 "resolution_error_m": quality.resolution_error,
                 "residual_over_approach": quality.residual_rms / solution.approach,
                 "vertices": quality.vertices,
+                "noise_m": hull.noise,
             })
         });
         let mut document = json!({

@@ -11,7 +11,7 @@ fn random(state: &mut u64) -> f64 {
 }
 
 /// A standard normal deviate: twelve uniform ones less six.
-fn normal(state: &mut u64) -> f64 {
+pub(super) fn normal(state: &mut u64) -> f64 {
     (0..12).map(|_| random(state)).sum::<f64>() - 6.0
 }
 
