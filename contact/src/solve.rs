@@ -220,6 +220,19 @@ mod tests {
         // Hertz's peak of this contact.
         let off = (best.p_max / 138.52e6 - 1.0).abs();
         assert!(off < estimate && estimate < 0.02, "{off} {estimate}");
+        // An error as small as asked is not told alone: the gate that it did not pass is.
+        let coarse = Error::AccuracyNotReached {
+            dofs,
+            estimate: 0.5e-4,
+            tolerance: 1e-4,
+            finest: 0.25,
+            best,
+        };
+        let told = coarse.to_string();
+        assert!(
+            told.contains("cells of 0.25 of those there, 0.6 is the least"),
+            "{told}"
+        );
         Ok(())
     }
 

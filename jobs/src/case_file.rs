@@ -190,11 +190,11 @@ impl LoadedCase {
         }
     }
 
-    /// Why the error of a mesh's peak is not known: noise whose effect could not be told.
+    /// Why the error of a peak is not known: noise that nobody stated, whose effect could not be told.
     pub(crate) fn noise_untold(&self) -> Failure {
         Failure::NotConverged(format!(
-            "{}: {}: what the noise of its nodes moves the peak by could not be told by boundary elements: expected nodes on a smooth \
-             surface, or a contact that is wider than its cells",
+            "{}: {}: its vertices scatter, and what that moves the peak by could not be told by boundary elements: expected vertices on a \
+             smooth surface, or runner.noise_m",
             self.name,
             self.hull_key()
         ))

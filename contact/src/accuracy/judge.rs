@@ -59,8 +59,8 @@ impl Meshes<'_> {
             return Verdict::Reached(self.unjudged(contact));
         }
         let limits = self.solved.limits();
-        let anew = self.regraded < REGRADINGS
-            && contact.pressure.patch.finest_over(&self.patch) < COARSE;
+        let anew =
+            self.regraded < REGRADINGS && contact.pressure.patch.finest_over(&self.patch) < COARSE;
         let tolerance = self.options.p_max_tolerance;
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;

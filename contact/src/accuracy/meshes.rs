@@ -281,7 +281,6 @@ impl<'a> Meshes<'a> {
             ..solution
         }
     }
-
 }
 
 fn left(own: Option<OwnCells>) -> Left {

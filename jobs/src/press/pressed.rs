@@ -8,7 +8,7 @@ use kufe_contact::{Error, Options, Problem, Solution, Watcher, solve};
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
 use crate::press::check::Check;
-use crate::press::scan_noise::in_peak;
+use crate::press::scan_noise::{Moved, moved};
 use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
@@ -25,9 +25,8 @@ pub struct Pressed {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
-    /// What noise of the hull's vertices or the mesh's nodes moves the peak by in 95 of 100 scans [Pa], where there is some and it is
-    /// known.
-    pub p_max_noise: Option<f64>,
+    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
+    pub moved: Option<Moved>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
@@ -98,16 +97,17 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
     let noisy = hull.as_ref().filter(|hull| hull.noise > 0.0);
-    let moved = noisy.filter(|_| sliding.is_none()).and_then(|hull| {
+    let moved_by = noisy.filter(|_| sliding.is_none()).and_then(|hull| {
         watch.progress("scans made up, to see how far noise moves the peak");
-        in_peak(&problem, hull, found_noise(hull))
+        moved(&problem, hull, found_noise(hull))
     });
-    let untold = noisy.is_some_and(|_| loaded.case.runner.mesh.is_some() && moved.is_none());
+    let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
+    let untold = unstated && sliding.is_none() && moved_by.is_none();
     let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
     let remarks = [
         beyond_ice(&problem, &solution),
         own_hexahedra(&loaded),
-        noisy.map(|hull| beyond_discretisation(hull, &solution, moved)),
+        noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
     ];
     for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
@@ -126,7 +126,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         loaded,
         problem,
         hull,
-        p_max_noise: moved.map(|share| share * solution.p_max),
+        moved: moved_by,
         solution,
         check,
         sliding,
@@ -158,12 +158,14 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
 }
 
 /// What stated errors do not hold: the noise of vertices or nodes.
-fn beyond_discretisation(hull: &FittedHull, solution: &Solution, moved: Option<f64>) -> String {
+fn beyond_discretisation(hull: &FittedHull, solution: &Solution, moved: Option<Moved>) -> String {
     let left = hull.underside.quality().residual_rms;
     let moved = moved.map_or(String::new(), |share| {
         format!(
-            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa)",
-            100.0 * share
+            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
+             (approach_noise_m)",
+            100.0 * share.p_max,
+            100.0 * share.approach
         )
     });
     format!(

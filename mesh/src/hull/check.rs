@@ -53,7 +53,7 @@ pub enum HullWarning {
         /// How many.
         bodies: usize,
     },
-    /// The nodes of a mesh scatter about a smooth surface.
+    /// The vertices of the underside scatter about a smooth surface.
     Noisy {
         /// Their standard deviation [m].
         noise: f64,
@@ -98,7 +98,7 @@ impl fmt::Display for HullWarning {
             }
             Self::Noisy { noise } => write!(
                 f,
-                "the underside's nodes scatter by {:.3} um about a smooth surface: taken for noise, and smoothed",
+                "the underside's vertices scatter by {:.3} um about a smooth surface: taken for noise and smoothed; noise_m states another",
                 1e6 * noise
             ),
             Self::Flipped { edges } => {

@@ -192,7 +192,10 @@ fn noise_that_nobody_stated_is_in_the_error_or_refused() {
             let said = errors(&output);
             if output.status.code() == Some(3) {
                 assert!(said.contains("too coarse for its load"), "{said}");
-                assert!(said.contains("noise of") && said.contains("would do"), "{said}");
+                assert!(
+                    said.contains("noise of") && said.contains("would do"),
+                    "{said}"
+                );
                 continue;
             }
             assert_eq!(output.status.code(), Some(0), "{noise}: {said}");
@@ -208,6 +211,9 @@ fn noise_that_nobody_stated_is_in_the_error_or_refused() {
             assert_eq!(said.contains("scatter by"), noise > 0.0, "{said}");
             answered.push(noise);
         }
-        assert!(answered.len() >= 3 && !answered.contains(&5e-6), "{answered:?}");
+        assert!(
+            answered.len() >= 3 && !answered.contains(&5e-6),
+            "{answered:?}"
+        );
     }
 }
