@@ -152,7 +152,7 @@ fn line(size: f64, even: f64, end: f64) -> Vec<f64> {
 /// A runner of 75 GPa, 20 mm high, under a ball's side of 2 m: nodes `size` apart under the contact, those of its underside off by `noise` [m].
 fn ball(size: f64, noise: f64, random: &mut u64) -> Vec<u8> {
     const HEIGHT: f64 = 0.02;
-    let x = line(size, 0.009, 0.08);
+    let x = line(size, 0.009, 0.05);
     let levels: Vec<f64> = line(size, 0.003, HEIGHT)
         .into_iter()
         .filter(|z| *z >= 0.0)
