@@ -1,6 +1,6 @@
 //! From a problem to a pressure field of the accuracy asked.
 
-use crate::accuracy::judge::{Short, Verdict};
+use crate::accuracy::judge::{Estimate, Verdict};
 use crate::accuracy::meshes::Meshes;
 use crate::accuracy::scout::capacity;
 use crate::problem::check::{MOST_TILT, check};
@@ -34,10 +34,11 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
                 Verdict::Refine(plan) => meshes.refine(contact, plan),
                 Verdict::Widen(found) => meshes.widen(&contact, &found)?,
                 Verdict::OutOfReach(limits) => {
-                    let (best, Short { estimate, finest }) = meshes.out_of_reach(contact, limits);
+                    let (best, Estimate { relative, finest }) =
+                        meshes.out_of_reach(contact, limits);
                     return Err(Error::AccuracyNotReached {
                         dofs: best.dofs,
-                        estimate,
+                        estimate: relative,
                         tolerance: options.p_max_tolerance,
                         finest,
                         best: Box::new(answered(problem, held(best, options)?)?),

@@ -26,9 +26,9 @@ pub(crate) enum Verdict {
 }
 
 /// How far the best solution is from what was asked.
-pub(crate) struct Short {
+pub(crate) struct Estimate {
     /// Its relative error.
-    pub estimate: f64,
+    pub relative: f64,
     /// Smallest cells that its pressure asks for somewhere, over those there.
     pub finest: f64,
 }
@@ -104,15 +104,15 @@ impl Meshes<'_> {
     }
 
     /// The best solution there is, and how far it is from what was asked.
-    pub fn out_of_reach(self, contact: Contact, limits: Option<Limits>) -> (Solution, Short) {
+    pub fn out_of_reach(self, contact: Contact, limits: Option<Limits>) -> (Solution, Estimate) {
         let best = limits
             .or_else(|| self.solved.last())
             .unwrap_or_else(|| self.unjudged(&contact));
-        let short = Short {
-            estimate: best.relative,
+        let estimate = Estimate {
+            relative: best.relative,
             finest: contact.pressure.patch.finest_over(&self.patch),
         };
-        (self.solution(contact, best), short)
+        (self.solution(contact, best), estimate)
     }
 
     /// One mesh, nothing to tell its errors by.

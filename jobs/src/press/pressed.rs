@@ -8,7 +8,7 @@ use kufe_contact::{Error, Options, Problem, Solution, Watcher, solve};
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
 use crate::press::check::Check;
-use crate::press::scan_noise::{Moved, moved};
+use crate::press::scan_noise::{NoiseError, moved};
 use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
@@ -26,7 +26,7 @@ pub struct Pressed {
     /// Its solution.
     pub solution: Solution,
     /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
-    pub moved: Option<Moved>,
+    pub moved: Option<NoiseError>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
@@ -158,7 +158,11 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
 }
 
 /// What stated errors do not hold: the noise of vertices or nodes.
-fn beyond_discretisation(hull: &FittedHull, solution: &Solution, moved: Option<Moved>) -> String {
+fn beyond_discretisation(
+    hull: &FittedHull,
+    solution: &Solution,
+    moved: Option<NoiseError>,
+) -> String {
     let left = hull.underside.quality().residual_rms;
     let moved = moved.map_or(String::new(), |share| {
         format!(

@@ -15,7 +15,7 @@ const HOLDS: f64 = 2.179;
 
 /// What noise moves figures by in 95 of 100 scans, over the figures.
 #[derive(Clone, Copy, Debug)]
-pub struct Moved {
+pub struct NoiseError {
     /// The peak pressure.
     pub p_max: f64,
     /// The approach.
@@ -27,7 +27,7 @@ pub struct Moved {
 /// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the Bootstrap, 1993, 6.5): it is scanned again,
 /// vertex by vertex with new noise, fitted as the scan was, and pressed by boundary elements, rigid, on ice that gives for a steel too.
 /// None where the hull has no noise, or where boundary elements do not answer.
-pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<Moved> {
+pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<NoiseError> {
     let scan = hull.scan.as_ref()?;
     let mut problem = problem.clone();
     if let Some(elastic) = problem.runner.elastic.take() {
@@ -63,7 +63,7 @@ pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<
         let mean = squares.iter().map(|both| both[k]).sum::<f64>() / SCANS as f64;
         HOLDS * mean.sqrt()
     });
-    Some(Moved { p_max, approach })
+    Some(NoiseError { p_max, approach })
 }
 
 #[cfg(test)]
