@@ -198,7 +198,12 @@ fn noise_that_nobody_stated_is_in_the_error_or_refused() {
                 );
                 continue;
             }
-            assert_eq!(output.status.code(), Some(0), "{noise}: {said}");
+            // Beyond the accuracy asked (4) the best answer has its error too; a clean mesh does.
+            let code = output.status.code();
+            assert!(
+                code == Some(0) || code == Some(4) && noise > 0.0,
+                "{noise}: {said}"
+            );
             let result = result(&bench);
             let moved = result["p_max_noise_pa"].as_f64();
             let [off, told] = [
