@@ -172,15 +172,14 @@ fn ball(size: f64, noise: f64, random: &mut u64) -> Vec<u8> {
     file
 }
 
-/// Two meshes under a load whose peak Hankel transforms know (15.774 MPa, `tests/data/layered.py`; by the height's change over the contact to
+/// Meshes under a load whose peak Hankel transforms know (15.774 MPa, `tests/data/layered.py`; by the height's change over the contact to
 /// 0.04 %): noise that nobody stated is in the error that is told, or the mesh is refused with the noise that would do. A clean mesh has none.
-#[test]
-fn noise_that_nobody_stated_is_in_the_error_or_refused() {
+fn hold_their_noise(meshes: &[f64], noises: &[f64]) {
     const PEAK: f64 = 15.774_308e6;
     let mut random = 20_261_140;
-    for cells in [3.0, 4.5] {
+    for &cells in meshes {
         let mut answered = Vec::new();
-        for noise in [0.0, 5e-8, 2e-7, 1e-6, 5e-6] {
+        for &noise in noises {
             let bench = Bench::new();
             bench.write("runner.vtu", ball(5.502e-3 / cells, noise, &mut random));
             bench.write(
@@ -198,7 +197,7 @@ fn noise_that_nobody_stated_is_in_the_error_or_refused() {
                 );
                 continue;
             }
-            // Beyond the accuracy asked (4) the best answer has its error too; a clean mesh does.
+            // Beyond the accuracy asked (4) the best answer has its error too; a clean mesh reaches it.
             let code = output.status.code();
             assert!(
                 code == Some(0) || code == Some(4) && noise > 0.0,
@@ -216,9 +215,19 @@ fn noise_that_nobody_stated_is_in_the_error_or_refused() {
             assert_eq!(said.contains("scatter by"), noise > 0.0, "{said}");
             answered.push(noise);
         }
-        assert!(
-            answered.len() >= 3 && !answered.contains(&5e-6),
-            "{answered:?}"
-        );
+        // A third of the approach is too much, a fifteenth is not.
+        let expected: Vec<f64> = noises.iter().copied().filter(|n| *n < 5e-6).collect();
+        assert_eq!(answered, expected);
     }
+}
+
+#[test]
+fn noise_that_nobody_stated_is_in_the_error() {
+    hold_their_noise(&[3.0], &[0.0, 2e-7]);
+}
+
+#[test]
+#[ignore = "slow study: .ci/slow"]
+fn noise_that_nobody_stated_is_in_the_error_or_refused() {
+    hold_their_noise(&[3.0, 4.5], &[0.0, 5e-8, 2e-7, 1e-6, 5e-6]);
 }
