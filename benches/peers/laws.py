@@ -101,7 +101,7 @@ def operon(case):
     x, z, spread = factor(case)
     found = SymbolicRegressor(
         allowed_symbols="add,sub,mul,div,exp,square,abs,constant,variable", max_length=20, generations=300,
-        population_size=1000, max_time=60, optimizer_iterations=5, n_threads=2, random_state=1,
+        population_size=1000, max_time=30, optimizer_iterations=5, n_threads=2, random_state=1,
     ).fit(x, z)
     text = found.get_model_string(found.model_, precision=4)
     used = {COLUMNS[int(k) - 1] for k in re.findall(r"X(\d+)", text)}
@@ -115,7 +115,7 @@ def genetic(case):
     x, z, spread = factor(case, 2000)
     bell = make_function(function=lambda a: np.exp(-np.square(np.clip(a, -20, 20))), name="bell", arity=1)
     found = SymbolicRegressor(
-        population_size=1000, generations=30, function_set=("add", "sub", "mul", "div", "abs", bell),
+        population_size=1000, generations=20, function_set=("add", "sub", "mul", "div", "abs", bell),
         parsimony_coefficient=1e-4 * z.std(), stopping_criteria=0.0, random_state=1,
     ).fit(x, z)
     text = str(found._program)

@@ -25,13 +25,15 @@ mod case;
 mod check;
 pub mod effects;
 mod error;
+mod fitted_hull;
 mod problem;
 mod table;
 
 pub use case::{Case, GROOVE_FILE};
 pub use check::range::{RANGES, Range};
 pub use error::CaseError;
-pub use problem::{FittedHull, StatedProblem};
+pub use fitted_hull::FittedHull;
+pub use problem::StatedProblem;
 pub use table::{
     AccuracyTable, BedTable, CarriesTable, FileAxis, Hardness, HardnessTable, HeldTable, IceTable,
     LoadTable, MountTable, RunnerTable, SectionTable, Shape, SlidingTable, SolverTable,

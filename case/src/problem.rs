@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use kufe_files::read_regular;
 use kufe_mesh::{
-    Axis, BobRunner, FittedUnderside, Hull, HullOptions, HullReport, LugeSteel, MeshError,
-    Paraboloid, Rocker, Section, Underside, check_hull, load_hull, read_gmsh, read_vtu,
-    size_warnings,
+    BobRunner, FittedUnderside, LugeSteel, Paraboloid, Rocker, Section, Underside, check_hull,
+    read_gmsh, read_vtu, size_warnings,
 };
 
 use crate::check::range::combination;
-use crate::table::{FileAxis, RunnerTable, SectionTable, Shape, mesh_error};
+use crate::fitted_hull::{FittedHull, fitted_hull};
+use crate::table::{RunnerTable, SectionTable, Shape, mesh_error};
 use crate::{Case, CaseError};
 use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 
@@ -25,17 +25,6 @@ pub struct StatedProblem {
     pub problem: Problem,
     /// The hull or mesh, where the case names one.
     pub hull: Option<FittedHull>,
-}
-
-/// The fitted underside of a hull, or of a mesh, and what that is like.
-#[derive(Clone)]
-pub struct FittedHull {
-    /// The smooth surface that is pressed on the ice.
-    pub underside: Arc<FittedUnderside>,
-    /// Size, holes and warnings.
-    pub report: HullReport,
-    /// Its triangles, where the case states a noise of their vertices.
-    pub scan: Option<Arc<Hull>>,
 }
 
 impl Case {
@@ -130,7 +119,8 @@ impl Case {
         // An underside alone is open; its size is that of the whole mesh.
         report.warnings = size_warnings(extent);
         report.extent = extent;
-        let underside = FittedUnderside::new(&part, 0.0).map_err(|error| named(&error))?;
+        let noise = self.runner.noise(&mut report, || solid.noise());
+        let underside = FittedUnderside::new(&part, noise).map_err(|error| named(&error))?;
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
             ..ElasticRunner::held_at_top(modulus, ratio, top)
@@ -138,7 +128,8 @@ impl Case {
         let hull = FittedHull {
             underside: Arc::new(underside),
             report,
-            scan: None,
+            noise,
+            scan: (noise > 0.0).then(|| Arc::new(part)),
         };
         Ok((hull, elastic))
     }
@@ -199,36 +190,6 @@ fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
     }
 }
 
-fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshError> {
-    let options = HullOptions {
-        scale: runner.scale.unwrap_or(1.0),
-        up: runner.up.map(FileAxis::axis),
-        forward: runner.forward.map_or(Axis::X, FileAxis::axis),
-    };
-    let (hull, report) = load_hull(path, &options)?;
-    let noise = runner.noise_m.unwrap_or(0.0);
-    let underside = FittedUnderside::new(&hull, noise)?;
-    Ok(FittedHull {
-        underside: Arc::new(underside),
-        report,
-        scan: (noise > 0.0).then(|| Arc::new(hull)),
-    })
-}
-
-impl FileAxis {
-    fn axis(self) -> Axis {
-        let (index, negative) = match self {
-            FileAxis::X => (0, false),
-            FileAxis::MinusX => (0, true),
-            FileAxis::Y => (1, false),
-            FileAxis::MinusY => (1, true),
-            FileAxis::Z => (2, false),
-            FileAxis::MinusZ => (2, true),
-        };
-        Axis { index, negative }
-    }
-}
-
 /// The shape's underside, with the measured or worn section where one is stated.
 fn shape_underside(
     shape: &Shape,
@@ -285,6 +246,7 @@ fn shape_underside(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::FileAxis;
     use kufe_contact::{Foundation, Load, Tilt};
 
     fn case(shape: &str, rest: &str) -> Case {

@@ -1,6 +1,7 @@
 //! What can go wrong in a contact solve.
 
 use crate::accuracy::watched::BESIDE;
+use crate::grid::patch::COARSE;
 use crate::{Method, Solution};
 
 /// A number in no more digits than it needs.
@@ -18,6 +19,25 @@ fn watched(best: &Solution) -> (&'static str, f64) {
             ("the area (the peak is the ice's hardness)", 1.0 / BESIDE)
         }
         _ => ("the peak pressure", 1.0),
+    }
+}
+
+/// The size of cells that cannot be.
+fn size(spacing: f64) -> String {
+    match spacing > 0.0 {
+        true => format!("{spacing:.3e} m or less"),
+        false => "no size".into(),
+    }
+}
+
+/// Why an error as small as asked does not do.
+fn coarse(reached: bool, finest: f64) -> String {
+    match reached {
+        true => format!(
+            ", but the pressure asks somewhere for cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
+             too many unknowns"
+        ),
+        false => String::new(),
     }
 }
 
@@ -111,15 +131,16 @@ pub enum Error {
     },
     /// The contact asks for cells that cannot be.
     #[error(
-        "the contact from {from:.3e} to {to:.3e} m asks for cells of {spacing:.3e} m: expected lengths (ice, runner, waves, mount) \
-         that are nearer to one another"
+        "the contact from {from:.3e} to {to:.3e} m asks for cells of {}: expected lengths (ice, runner, waves, mount) that are nearer \
+         to one another",
+        size(*spacing)
     )]
     TooFine {
         /// Start of the line [m].
         from: f64,
         /// Its end [m].
         to: f64,
-        /// Spacing that was asked for [m].
+        /// Spacing that was asked for, or the least that rounding tells there [m].
         spacing: f64,
     },
     /// The coarsest mesh of the contact is larger than memory takes.
@@ -203,8 +224,9 @@ pub enum Error {
     },
     /// The accuracy asked was not reached within the largest mesh allowed.
     #[error(
-        "estimated error of {} {:.2e} (relative) with {dofs} unknowns, asked {:.2e}",
-        watched(best).0, watched(best).1 * estimate, watched(best).1 * tolerance
+        "estimated error of {} {:.2e} (relative) with {dofs} unknowns, asked {:.2e}{}",
+        watched(best).0, watched(best).1 * estimate, watched(best).1 * tolerance,
+        coarse(*estimate <= *tolerance, *finest)
     )]
     AccuracyNotReached {
         /// Unknowns of the finest solve.
@@ -213,6 +235,8 @@ pub enum Error {
         estimate: f64,
         /// Relative error asked.
         tolerance: f64,
+        /// Smallest cells that the pressure asks for somewhere, over those there.
+        finest: f64,
         /// The solution of the finest mesh, with that error.
         best: Box<Solution>,
     },

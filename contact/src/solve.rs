@@ -1,6 +1,7 @@
 //! From a problem to a pressure field of the accuracy asked.
 
-use crate::accuracy::meshes::{Meshes, Verdict};
+use crate::accuracy::judge::{Estimate, Verdict};
+use crate::accuracy::meshes::Meshes;
 use crate::accuracy::scout::capacity;
 use crate::problem::check::{MOST_TILT, check};
 use crate::problem::gap::Gap;
@@ -33,11 +34,13 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
                 Verdict::Refine(plan) => meshes.refine(contact, plan),
                 Verdict::Widen(found) => meshes.widen(&contact, &found)?,
                 Verdict::OutOfReach(limits) => {
-                    let (best, estimate) = meshes.out_of_reach(contact, limits);
+                    let (best, Estimate { relative, finest }) =
+                        meshes.out_of_reach(contact, limits);
                     return Err(Error::AccuracyNotReached {
                         dofs: best.dofs,
-                        estimate,
+                        estimate: relative,
                         tolerance: options.p_max_tolerance,
+                        finest,
                         best: Box::new(answered(problem, held(best, options)?)?),
                     });
                 }
@@ -218,6 +221,19 @@ mod tests {
         // Hertz's peak of this contact.
         let off = (best.p_max / 138.52e6 - 1.0).abs();
         assert!(off < estimate && estimate < 0.02, "{off} {estimate}");
+        // An error as small as asked is not told alone: the gate that it did not pass is.
+        let coarse = Error::AccuracyNotReached {
+            dofs,
+            estimate: 0.5e-4,
+            tolerance: 1e-4,
+            finest: 0.25,
+            best,
+        };
+        let told = coarse.to_string();
+        assert!(
+            told.contains("cells of 0.25 of those there, 0.6 is the least"),
+            "{told}"
+        );
         Ok(())
     }
 

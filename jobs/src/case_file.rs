@@ -167,16 +167,37 @@ impl LoadedCase {
         let patch = patch(&solution.surface);
         match hull.underside.coarse_within(solution.approach, patch) {
             None => Ok(()),
-            Some(coarse) => Err(Failure::BadInput(format!(
-                "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
-                 the approach is {:.3} um; expected at most {:.3} um: give it a finer or less noisy surface",
-                self.name,
-                self.hull_key(),
-                1e6 * coarse.error,
-                1e6 * coarse.approach,
-                1e6 * coarse.allowed
-            ))),
+            Some(coarse) => {
+                let would_do = match hull.noise > 0.0 {
+                    true => format!(
+                        "noise of {:.3} um where there is {:.3} um, or vertices {:.1} times closer both ways, would do",
+                        1e6 * hull.noise * coarse.noise_share(),
+                        1e6 * hull.noise,
+                        1.0 / coarse.noise_share()
+                    ),
+                    false => "give it a finer surface".into(),
+                };
+                Err(Failure::BadInput(format!(
+                    "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
+                     the approach is {:.3} um; expected at most {:.3} um: {would_do}",
+                    self.name,
+                    self.hull_key(),
+                    1e6 * coarse.error,
+                    1e6 * coarse.approach,
+                    1e6 * coarse.allowed
+                )))
+            }
         }
+    }
+
+    /// Why the error of a peak is not known: noise that nobody stated, whose effect could not be told.
+    pub(crate) fn noise_untold(&self) -> Failure {
+        Failure::NotConverged(format!(
+            "{}: {}: its vertices scatter, and what that moves the peak by could not be told by boundary elements: expected vertices on a \
+             smooth surface, or runner.noise_m",
+            self.name,
+            self.hull_key()
+        ))
     }
 
     /// A solver's error as the command's.

@@ -57,15 +57,17 @@ def paraboloid(radius, force, *bodies):
     both = [sum(compliance(np.exp(n), layers) for layers in bodies) for n in nodes]
     ratio = CubicSpline(nodes, both * np.exp(nodes) / own)
     table = ratio(np.log(k)) * own / k
-    powers = np.arange(6) + 0.5
+    # Ten: six leave 0.01 % of the peak and 0.1 % of the radius on a layer a tenth of the patch thick, twelve change no more than 5e-5.
+    powers = np.arange(10) + 0.5
 
     def solved(a):
-        r = a * np.linspace(0.0, 0.98, 40)
+        r = a * np.linspace(0.0, 0.99, 100)
         ka = k * a
+        waves = j0(np.outer(r, k))
         columns = []
         for mu in powers:
             transform = a * a * 2**mu * gamma(mu + 1) * jv(mu + 1, ka) / ka ** (mu + 1)
-            columns.append(j0(np.outer(r, k)) @ (table * k * transform * w))
+            columns.append(waves @ (table * k * transform * w))
         # sum of pressures' displacements - approach = - r^2 / 2R
         scale = columns[0][0]
         system = np.column_stack([c / scale for c in columns] + [-np.ones_like(r)])

@@ -8,10 +8,13 @@ Draws COUNT contacts of each class, writes each as a case with its files, presse
 - *carried*: a bar that two places press down: Hertz with the rocker's curvature less the bar's own, M / (E I). Within its height of the load a
   bar is no beam, so M is known to half the height over the distance of the places: the truth's error.
 - *meshed runner*: the first class on hexahedra of this file's own, 2 to 5 cells over half the patch.
+- *noisy mesh*: the same with normal noise on the nodes of its underside, of 1e-3 to 0.1 of the approach.
 - *scanned hull*: a paraboloid's triangles with normal noise on their vertices, of 1e-4 to 3e-2 of the approach: Hertz without the noise.
+- *unstated scan*: the same, the noise not in the case.
 """
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -104,7 +107,11 @@ def graded(fine, even, end):
     return np.array(nodes) * end / nodes[-1] if nodes[-1] > end * 1.2 else np.append(nodes[:-1], end)
 
 
-def meshed(draw, folder):
+def noisy(draw, folder):
+    return meshed(draw, folder, draw.logarithmic(1e-3, 0.1))
+
+
+def meshed(draw, folder, noise=0.0):
     radius, force = draw.logarithmic(0.5, 6), draw.logarithmic(300, 3000)
     material = draw.logarithmic(5e9, 210e9), 0.30
     a = (0.75 * force * radius / modulus(ICE, material)) ** (1 / 3)
@@ -113,14 +120,17 @@ def meshed(draw, folder):
     line, up = np.concatenate([-half[:0:-1], half]), graded(a / cells, 0.5 * a, height) / height
     n, m = len(line), len(up)
     x, y, t = np.meshgrid(line, line, up, indexing="ij")
+    truth = layered_truth(radius, force, material, height)
     low = (x**2 + y**2) / (2 * radius)
+    if noise:
+        low = low + noise * truth["approach_m"] * draw.random.standard_normal((n, n, 1))
     points = np.stack([x, y, low + t * (height - low)], axis=-1).reshape(-1, 3)
     number = np.arange(n * n * m).reshape(n, n, m)
     corner = [number[i : n - 1 + i, j : n - 1 + j, k : m - 1 + k].ravel() for i, j, k in
               ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))]
     write_vtu(folder / "runner.vtu", points, np.stack(corner, axis=-1))
     runner = f'mesh = "runner.vtu"\nelastic = true\nyoungs_modulus_pa = {material[0]}\npoissons_ratio = {material[1]}'
-    return case(runner, force), layered_truth(radius, force, material, height), a * a / (2 * radius * height)
+    return case(runner, force), truth, a * a / (2 * radius * height)
 
 
 def write_vtu(path, points, cells):
@@ -138,6 +148,11 @@ def write_vtu(path, points, cells):
         + array("UInt8", "types", np.full(len(cells), 12))
         + "</Cells></Piece></UnstructuredGrid></VTKFile>"
     )
+
+
+def unstated(draw, folder):
+    text, *truth = scanned(draw, folder)
+    return re.sub("\nnoise_m = .*", "", text), *truth
 
 
 def scanned(draw, folder):
@@ -160,7 +175,7 @@ def scanned(draw, folder):
     return case(f'hull = "hull.obj"\nnoise_m = {noise}', force), truth, 1e-4
 
 
-CLASSES = {"held at its top": held_at_top, "carried": carried, "meshed runner": meshed, "scanned hull": scanned}
+CLASSES = {"held at its top": held_at_top, "carried": carried, "meshed runner": meshed, "noisy mesh": noisy, "scanned hull": scanned, "unstated scan": unstated}
 
 
 def main():

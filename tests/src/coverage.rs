@@ -26,7 +26,14 @@ pub struct Row {
 
 /// The rows of `tests/data/coverage.csv`.
 pub fn rows() -> Vec<Row> {
-    let table = include_str!("../data/coverage.csv");
+    rows_of(include_str!("../data/coverage.csv"))
+}
+
+/// The rows of a table that `tests/data/coverage.py` wrote.
+///
+/// # Panics
+/// Where it is none.
+pub fn rows_of(table: &str) -> Vec<Row> {
     let row = |line: &str| {
         let (class, numbers) = line.split_once(',').expect("a class and numbers");
         let numbers: Vec<f64> = numbers

@@ -72,11 +72,19 @@ impl RunnerTable {
         let only_a_hulls = [
             ("runner.up", self.up.is_some()),
             ("runner.forward", self.forward.is_some()),
-            ("runner.noise_m", self.noise_m.is_some()),
         ];
         match only_a_hulls.iter().find(|(_, given)| *given) {
             Some((key, _)) => Err(combination(key, "belongs to a hull, not to a mesh")),
-            None => self.scale.map_or(Ok(()), |s| in_range("runner.scale", s)),
+            None => {
+                let ranged = [
+                    ("runner.scale", self.scale),
+                    ("runner.noise_m", self.noise_m),
+                ];
+                let mut stated = ranged
+                    .into_iter()
+                    .filter_map(|(key, value)| Some((key, value?)));
+                stated.try_for_each(|(key, value)| in_range(key, value))
+            }
         }
     }
 }

@@ -26,7 +26,7 @@ pub struct RunnerTable {
     /// The hull's forward axis; x where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forward: Option<FileAxis>,
-    /// Standard deviation of a scanned hull's vertices; 0 where absent [m].
+    /// Standard deviation of the vertices of a hull or a mesh; found where absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 0.001))]
     pub noise_m: Option<f64>,

@@ -158,19 +158,18 @@ fn stated(sampling: &Sampling) -> Option<f64> {
     sampling.noise.filter(|noise| *noise > NO_NOISE)
 }
 
-/// Noise at this spacing, and spacing at this noise, with which a load would do [m].
-///
-/// The error of a smooth surface fitted to n vertices with noise goes as (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2
-/// (C.J. Stone, Ann. Statist. 10, 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5). Without noise it
-/// goes as the fourth power of the spacing.
+/// Noise at this spacing, and spacing at this noise, with which a load would do [m]. Without noise the error goes as the fourth power of the
+/// spacing.
 fn would_do(coarse: &Coarse, sampling: &Sampling) -> (Option<f64>, f64) {
-    let share = coarse.allowed / coarse.error;
     match stated(sampling) {
         Some(noise) => {
-            let share = share.powf(1.25);
+            let share = coarse.noise_share();
             (Some(share * noise), share * sampling.spacing)
         }
-        None => (None, share.powf(0.25) * sampling.spacing),
+        None => {
+            let share = (coarse.allowed / coarse.error).powf(0.25);
+            (None, share * sampling.spacing)
+        }
     }
 }
 

@@ -4,11 +4,8 @@ use std::cell::RefCell;
 
 use kufe_fem::Material;
 
-use crate::accuracy::extrapolation::{
-    LEAST_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
-};
+use crate::accuracy::extrapolation::{REFINEMENT, first_resolution};
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
-use crate::accuracy::order::Limit;
 use crate::accuracy::own_cells::OwnCells;
 use crate::accuracy::scout::scout;
 use crate::accuracy::watched::{Left, Limits, Place, Watched};
@@ -17,7 +14,7 @@ use crate::bodies::elastic_body::ElasticBody;
 use crate::green::matrix::Stored;
 use crate::grid::assembled::assemble;
 use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{Discretisation, MeshPlan, Reach, expected};
+use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
 use crate::grid::patch::Patch;
 use crate::grid::zones::Resolution;
 use crate::problem::check::check;
@@ -27,18 +24,11 @@ use crate::result::elsewhere::{Penetration, Solved};
 use crate::result::pressure::{Field, Pressure};
 use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
-/// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew, with as many cells: two
-/// meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
-const COARSE: f64 = 0.6;
-
-/// How often a mesh is graded anew; each time its cells may become three times smaller.
-const REGRADINGS: usize = 6;
-
 /// How often places of contact may be found late; each time all that are seen.
 const WIDENINGS: usize = 4;
 
 /// Fewest cells over half the patch where the limit of unknowns leaves no more.
-const FEWEST: f64 = 2.0;
+pub(super) const FEWEST: f64 = 2.0;
 
 /// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
 fn growth(cells: f64) -> f64 {
@@ -47,58 +37,45 @@ fn growth(cells: f64) -> f64 {
 
 /// What is known of a problem, mesh by mesh.
 pub(crate) struct Meshes<'a> {
-    problem: &'a Problem,
-    options: &'a Options,
+    pub(super) problem: &'a Problem,
+    pub(super) options: &'a Options,
     gap: Gap<'a>,
     material: Material,
     /// Where contact is expected, and the forces found last.
-    patch: Patch,
+    pub(super) patch: Patch,
     forces: Forces,
     /// Cells over half the patch of the next mesh, and of the first one that it is similar to, before rounding.
-    cells: f64,
-    coarsest: f64,
+    pub(super) cells: f64,
+    pub(super) coarsest: f64,
     /// Cells over half the patch that a patch begins with.
     first: f64,
     /// The runner's own hexahedra, where it has such.
-    own: Option<OwnCells>,
+    pub(super) own: Option<OwnCells>,
     number: usize,
-    solved: Watched,
+    pub(super) solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
-    graded_anew: bool,
-    regraded: usize,
+    pub(super) graded_anew: bool,
+    pub(super) regraded: usize,
     /// The patches with places that were found late, each solved at least once.
-    widened: Vec<Patch>,
+    pub(super) widened: Vec<Patch>,
     history: Vec<Iterate>,
 }
 
 /// The contact on one mesh.
 pub(crate) struct Contact {
-    mesh: Discretisation,
-    state: State,
+    pub(super) mesh: Discretisation,
+    pub(super) state: State,
     progress: Progress,
-    pressure: Pressure,
-    dofs: usize,
-}
-
-/// What is to be done after a mesh.
-pub(crate) enum Verdict {
-    /// The accuracy asked is reached, with this limit of fine meshes.
-    Reached(Limits),
-    /// Another mesh is needed.
-    Refine(Plan),
-    /// The runner touches where contact was not looked for.
-    Widen(Vec<Penetration>),
-    /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's own; what the meshes tend to, where
-    /// that is known.
-    OutOfReach(Option<Limits>),
+    pub(super) pressure: Pressure,
+    pub(super) dofs: usize,
 }
 
 /// The next mesh.
 pub(crate) struct Plan {
-    /// Graded anew with as many cells, or in the same proportions with more.
-    anew: bool,
+    /// Graded anew, or in the same proportions with more cells.
+    pub(super) anew: bool,
     /// Cells over half the patch.
-    cells: f64,
+    pub(super) cells: f64,
 }
 
 impl<'a> Meshes<'a> {
@@ -229,27 +206,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// Whether the meshes solved so far are enough, and else what comes next.
-    pub fn judge(&self, contact: &Contact) -> Verdict {
-        let verdict = self.judge_accuracy(contact);
-        // Uneven ice touches at many places: none is waited for until the others are solved finely.
-        let early = self.solved.similar() <= 1 && self.problem.ice_surface.is_some();
-        if matches!(verdict, Verdict::Refine(_)) && !early {
-            return verdict;
-        }
-        let mut found = self.on(contact).elsewhere();
-        // What was looked for late and stayed open is no place of contact, whatever a mesh says that no longer looks there.
-        found.retain(|place| {
-            let [x, y] = place.at;
-            !self.widened.iter().any(|patch| expected(patch, x, y))
-        });
-        match found.is_empty() {
-            true => verdict,
-            false => Verdict::Widen(found),
-        }
-    }
-
-    fn on<'b>(&'b self, contact: &'b Contact) -> Solved<'b> {
+    pub(super) fn on<'b>(&'b self, contact: &'b Contact) -> Solved<'b> {
         Solved {
             problem: self.problem,
             gap: &self.gap,
@@ -280,49 +237,6 @@ impl<'a> Meshes<'a> {
         self.cells = self.first;
         self.coarsest = self.first;
         Ok(())
-    }
-
-    fn judge_accuracy(&self, contact: &Contact) -> Verdict {
-        if self.options.cells.is_some() {
-            return Verdict::Reached(self.unjudged(contact));
-        }
-        let limits = self.solved.limits();
-        let anew = self.regraded < REGRADINGS
-            && contact.pressure.patch.wants_finer_than(&self.patch, COARSE);
-        let tolerance = self.options.p_max_tolerance;
-        // That a finer grading changes nothing is as good as that no finer one is wanted.
-        let graded = !anew || self.graded_anew;
-        if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
-            return Verdict::Reached(limits);
-        }
-        let cells = match limits {
-            _ if anew => self.cells,
-            Some(limits) if self.solved.similar() >= 3 => {
-                let room = (self.options.max_dofs as f64 / contact.dofs as f64).cbrt();
-                let wished = next_refinement(limits.relative / tolerance);
-                // Where that would have too many unknowns, what they allow.
-                let finer = match wished <= room {
-                    true => (self.cells * wished).round(),
-                    false => (self.cells * room.max(LEAST_REFINEMENT)).floor(),
-                };
-                finer.max(self.cells + 1.0)
-            }
-            _ => {
-                let planned = self.coarsest * REFINEMENT.powi(self.solved.similar() as i32);
-                planned.round().max(self.cells + 1.0)
-            }
-        };
-        let cells = match self.own.map(|own| own.ice_cells().floor()) {
-            Some(own) if !anew && cells > own && own > self.cells => own,
-            Some(own) if !anew && cells > own => return Verdict::OutOfReach(limits),
-            _ => cells,
-        };
-        // A mesh that is graded anew may have some more than its cells say.
-        let more = (cells / self.cells).powi(3).max(REFINEMENT);
-        if contact.dofs as f64 * more > self.options.max_dofs as f64 {
-            return Verdict::OutOfReach(limits);
-        }
-        Verdict::Refine(Plan { anew, cells })
     }
 
     /// Prepares the mesh that a verdict asks for.
@@ -365,28 +279,6 @@ impl<'a> Meshes<'a> {
             pitch_error,
             roll_error,
             ..solution
-        }
-    }
-
-    /// The best solution there is, and how far it is from what was asked: its relative error.
-    pub fn out_of_reach(self, contact: Contact, limits: Option<Limits>) -> (Solution, f64) {
-        let best = limits
-            .or_else(|| self.solved.last())
-            .unwrap_or_else(|| self.unjudged(&contact));
-        (self.solution(contact, best), best.relative)
-    }
-
-    /// One mesh, nothing to tell its errors by.
-    fn unjudged(&self, contact: &Contact) -> Limits {
-        Limits {
-            peak: Limit {
-                value: contact.pressure.figures.p_max,
-                error: f64::INFINITY,
-            },
-            approach: contact.mesh.contact.depth(&contact.state),
-            area_error: f64::INFINITY,
-            length_error: f64::INFINITY,
-            relative: f64::INFINITY,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Finer and finer meshes, until the pressure is as exact as was asked.
 
 pub(crate) mod extrapolation;
+pub(crate) mod judge;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 #[cfg(test)]

@@ -6,16 +6,19 @@ use crate::Error;
 pub(crate) const MOST_ON_A_LINE: usize = 100_000;
 /// Most nodes of the ice: 12 million unknowns, some 4 GB.
 const MOST_NODES: usize = 4_000_000;
+/// Least distance of neighbours over the sum of their places.
+const APART: f64 = 1e-12;
 
 /// Passes a line on whose nodes increase, each by more than rounding.
 pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
-    let apart = |w: &[f64]| w[1] - w[0] > 1e-12 * (w[0].abs() + w[1].abs());
+    let least = |w: &[f64]| APART * (w[0].abs() + w[1].abs());
+    let apart = |w: &&[f64]| w[1] - w[0] > least(w);
     match nodes.windows(2).find(|w| !apart(w)) {
         None if nodes.len() > 1 => Ok(nodes),
         found => Err(Error::TooFine {
             from: nodes.first().copied().unwrap_or(f64::NAN),
             to: nodes.last().copied().unwrap_or(f64::NAN),
-            spacing: found.map_or(f64::NAN, |w| w[1] - w[0]),
+            spacing: found.map_or(0.0, least),
         }),
     }
 }
@@ -47,6 +50,21 @@ mod tests {
         ] {
             assert!(increasing(nodes).is_err());
         }
+    }
+
+    #[test]
+    fn what_is_refused_says_the_size_that_rounding_still_tells()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let told = |nodes| increasing(nodes).map_err(|error| error.to_string());
+        let Err(text) = told(vec![0.0, 1.0, 1.0]) else {
+            return Err("equal nodes pass".into());
+        };
+        assert!(text.contains("cells of 2.000e-12 m or less"), "{text}");
+        let Err(text) = told(vec![0.0, 0.0]) else {
+            return Err("nodes at one place pass".into());
+        };
+        assert!(text.contains("cells of no size"), "{text}");
+        Ok(())
     }
 
     #[test]

@@ -20,6 +20,10 @@ pub(crate) struct Patch {
 /// pressure's peak there is as wide as the contact.
 const AT_CORNERS: f64 = 2.0;
 
+/// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew: two meshes that both miss the
+/// peaks at a runner's ends would agree on a wrong pressure.
+pub(crate) const COARSE: f64 = 0.6;
+
 impl Patch {
     /// This patch, resolved like `other` where both have the same stretches: their meshes are similar.
     pub fn with_sizes_of(mut self, other: &Patch) -> Self {
@@ -58,17 +62,18 @@ impl Patch {
         self
     }
 
-    /// Whether somewhere this patch asks for cells below `part` of those that `other` has there.
-    pub fn wants_finer_than(&self, other: &Patch, part: f64) -> bool {
-        let wants = |mine: &Stretch, theirs: &Stretch| {
+    /// Smallest spacing that this patch asks for over the one that `other` has there; 1 where it asks for none.
+    pub fn finest_over(&self, other: &Patch) -> f64 {
+        let over = |mine: &Stretch, theirs: &Stretch| {
             mine.spacings()
-                .any(|[x, spacing]| spacing < part * theirs.half() * theirs.size(x))
+                .map(|[x, spacing]| spacing / (theirs.half() * theirs.size(x)))
+                .fold(1.0, f64::min)
         };
-        let along = self.x.iter().any(|mine| {
+        let along = self.x.iter().map(|mine| {
             let under = other.x.iter().find(|theirs| theirs.meets(mine));
-            under.is_some_and(|theirs| wants(mine, theirs))
+            under.map_or(1.0, |theirs| over(mine, theirs))
         });
-        along || wants(&self.y, &other.y)
+        along.fold(over(&self.y, &other.y), f64::min)
     }
 
     /// Smallest wanted spacing over the even one.

@@ -7,7 +7,7 @@ use kufe_fem::{
     BlockMatrix, Body, Constraints, DofMap, ElementKind, Factor, Material, NodeCells, assemble,
     boundary_faces,
 };
-use kufe_mesh::{HexMesh, Hull};
+use kufe_mesh::{HexMesh, Hull, noise_of_faces};
 
 use crate::Error;
 
@@ -130,6 +130,11 @@ impl RunnerSolid {
                 .collect(),
             triangles: triangles.collect(),
         }
+    }
+
+    /// Standard deviation of the underside's nodes about a smooth surface [m], as [`noise_of_faces`] tells it.
+    pub fn noise(&self) -> Option<f64> {
+        noise_of_faces(&self.mesh().points, &self.faces)
     }
 
     /// Largest extents along x, y and z of the hexahedra on the underside's faces with their middle between these ends of x and y [m];

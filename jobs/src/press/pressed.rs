@@ -8,7 +8,7 @@ use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher, runn
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
 use crate::press::check::Check;
-use crate::press::scan_noise::in_peak;
+use crate::press::scan_noise::{NoiseError, moved};
 use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
@@ -27,8 +27,8 @@ pub struct Pressed {
     pub solution: Solution,
     /// What an elastic runner bears.
     pub runner: Option<RunnerLoads>,
-    /// What a scanner's noise moves the peak by in 95 of 100 scans [Pa], where the case states a noise and it is known.
-    pub p_max_noise: Option<f64>,
+    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
+    pub moved: Option<NoiseError>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
@@ -98,16 +98,18 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     };
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
-    let scan = scanned(&loaded, hull.as_ref());
-    let moved = scan
-        .filter(|_| sliding.is_none())
-        .and_then(|(hull, noise)| {
-            watch.progress("scans made up, to see how far noise moves the peak");
-            in_peak(&problem, hull, noise)
-        });
+    let noisy = hull.as_ref().filter(|hull| hull.noise > 0.0);
+    let moved_by = noisy.filter(|_| sliding.is_none()).and_then(|hull| {
+        watch.progress("scans made up, to see how far noise moves the peak");
+        moved(&problem, hull, found_noise(hull))
+    });
+    let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
+    let untold = unstated && sliding.is_none() && moved_by.is_none();
+    let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
     let remarks = [
         beyond_ice(&problem, &solution),
-        beyond_discretisation(&loaded, hull.as_ref(), &solution, moved),
+        own_hexahedra(&loaded),
+        noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
     ];
     for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
@@ -127,7 +129,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         loaded,
         problem,
         hull,
-        p_max_noise: moved.map(|share| share * solution.p_max),
+        moved: moved_by,
         solution,
         check,
         sliding,
@@ -149,40 +151,39 @@ fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
     })
 }
 
-/// What stated errors rest on or do not hold: a runner's own hexahedra, a scanner's noise.
+/// What stated errors of a runner's own hexahedra rest on.
+fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
+    loaded.case.runner.mesh.is_some().then(|| {
+        "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
+         finer ones there lower them"
+            .into()
+    })
+}
+
+/// What stated errors do not hold: the noise of vertices or nodes.
 fn beyond_discretisation(
-    loaded: &LoadedCase,
-    hull: Option<&FittedHull>,
+    hull: &FittedHull,
     solution: &Solution,
-    moved: Option<f64>,
-) -> Option<String> {
-    let runner = &loaded.case.runner;
-    if runner.mesh.is_some() {
-        return Some(
-            "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
-             finer ones there lower them"
-                .into(),
-        );
-    }
-    let (noise, hull) = (runner.noise_m.filter(|noise| *noise > 0.0)?, hull?);
+    moved: Option<NoiseError>,
+) -> String {
     let left = hull.underside.quality().residual_rms;
     let moved = moved.map_or(String::new(), |share| {
         format!(
-            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa)",
-            100.0 * share
+            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
+             (approach_noise_m)",
+            100.0 * share.p_max,
+            100.0 * share.approach
         )
     });
-    Some(format!(
-        "the stated errors do not hold what noise leaves in the hull: {:.3} um stated and {:.3} um found, {:.2} % of the approach{moved}",
-        1e6 * noise,
+    format!(
+        "the stated errors do not hold what noise leaves in the hull: {:.3} um taken and {:.3} um found, {:.2} % of the approach{moved}",
+        1e6 * hull.noise,
         1e6 * left,
         100.0 * left / solution.approach
-    ))
+    )
 }
 
-/// A hull whose case states a noise, with the larger of that and what its fit has found [m].
-fn scanned<'a>(loaded: &LoadedCase, hull: Option<&'a FittedHull>) -> Option<(&'a FittedHull, f64)> {
-    let noise = loaded.case.runner.noise_m.filter(|noise| *noise > 0.0)?;
-    let hull = hull?;
-    Some((hull, noise.max(hull.underside.quality().residual_rms)))
+/// The larger of a hull's noise and what its fit has found [m].
+fn found_noise(hull: &FittedHull) -> f64 {
+    hull.noise.max(hull.underside.quality().residual_rms)
 }

@@ -20,6 +20,7 @@ impl Pressed {
                 "resolution_error_m": quality.resolution_error,
                 "residual_over_approach": quality.residual_rms / solution.approach,
                 "vertices": quality.vertices,
+                "noise_m": hull.noise,
             })
         });
         let mut document = json!({
@@ -75,8 +76,19 @@ impl Pressed {
                 document.shift_insert(place + shift, key, value);
             }
         }
-        if let (Some(noise), Value::Object(document)) = (self.p_max_noise, &mut document) {
-            document.shift_insert(2, "p_max_noise_pa".into(), json!(noise));
+        if let (Some(moved), Value::Object(document)) = (self.moved, &mut document) {
+            let approach = document.keys().position(|key| key == "approach_error_m");
+            for (place, key, value) in [
+                (
+                    approach,
+                    "approach_noise_m",
+                    moved.approach * solution.approach,
+                ),
+                (Some(1), "p_max_noise_pa", moved.p_max * solution.p_max),
+            ] {
+                let place = place.map_or(0, |place| place + 1);
+                document.shift_insert(place, key.into(), json!(value));
+            }
         }
         if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
             document.extend(slid.keys());

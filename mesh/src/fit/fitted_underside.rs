@@ -74,8 +74,7 @@ impl FittedUnderside {
             .collect();
         let ends = [[x0, x1], [arc_length.value(y0), arc_length.value(y1)]];
         let candidates = break_places(&part, &samples, ends, mirrored, at);
-        // Single precision of the heights, and of the places on a slope, is noise too.
-        let floor = 1e-9 + 6e-8 * (z1 - z0);
+        let floor = rounding(z1 - z0);
         let mut surface = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
             .ok_or(MeshError::NoFit)?;
         let halved = [0, 1].map(|axis| {
@@ -154,6 +153,11 @@ impl Underside for FittedUnderside {
     fn mirror_symmetric(&self) -> [bool; 2] {
         self.surface.mirror_symmetric()
     }
+}
+
+/// What single precision leaves in heights that differ by `range`, and in the places on a slope: noise, too [m].
+pub(crate) fn rounding(range: f64) -> f64 {
+    1e-9 + 6e-8 * range
 }
 
 /// Makes the spline even along every axis of `mirrored` along which it is so to three times what the fit misses and

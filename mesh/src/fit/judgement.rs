@@ -35,6 +35,16 @@ pub struct Coarse {
     pub allowed: f64,
 }
 
+impl Coarse {
+    /// By how much noise times spacing is to shrink where it is noise that leaves the error.
+    ///
+    /// The error of a smooth surface fitted to n vertices with noise goes as (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2
+    /// (C.J. Stone, Ann. Statist. 10, 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5).
+    pub fn noise_share(&self) -> f64 {
+        (self.allowed / self.error).powf(1.25)
+    }
+}
+
 /// The fit's estimated error at a place on the keel.
 #[derive(Clone, Copy, Debug)]
 struct Check {

@@ -53,6 +53,11 @@ pub enum HullWarning {
         /// How many.
         bodies: usize,
     },
+    /// The vertices of the underside scatter about a smooth surface.
+    Noisy {
+        /// Their standard deviation [m].
+        noise: f64,
+    },
     /// Neighbouring triangles disagree about the outside.
     Flipped {
         /// Edges where they do.
@@ -91,6 +96,11 @@ impl fmt::Display for HullWarning {
                     "the file holds {bodies} bodies apart: the one with the lowest vertex is the runner, the others take no part"
                 )
             }
+            Self::Noisy { noise } => write!(
+                f,
+                "the underside's vertices scatter by {:.3} um about a smooth surface: taken for noise and smoothed; noise_m states another",
+                1e6 * noise
+            ),
             Self::Flipped { edges } => {
                 write!(
                     f,

@@ -79,7 +79,8 @@ impl Sampling {
     }
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+/// The middle one of some values.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::kufe::{Bench, refused};
+use crate::kufe::{Bench, CASE, json, refused};
 
 /// A number in [0, 1) from a counter (D. Lehmer's generator modulo 2^31 - 1).
 fn random(state: &mut u64) -> f64 {
@@ -11,7 +11,7 @@ fn random(state: &mut u64) -> f64 {
 }
 
 /// A standard normal deviate: twelve uniform ones less six.
-fn normal(state: &mut u64) -> f64 {
+pub(super) fn normal(state: &mut u64) -> f64 {
     (0..12).map(|_| random(state)).sum::<f64>() - 6.0
 }
 
@@ -128,6 +128,46 @@ fn noise_is_measured_and_the_noise_that_would_do_does() {
     // The error's estimate itself scatters: two thirds of the noise named.
     let quieter = noisy(0.67 * enough);
     assert_eq!(quieter["loads"][2]["resolved"], true, "{quieter:#}");
+}
+
+/// Beside the clean hull, whose answer has no noise.
+#[test]
+fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
+    let bench = Bench::new();
+    let size = ["--length-m", "0.3", "--edge-length-m", "0.0005"];
+    bench.succeeds(&[&["hull", "bob", "-o", "bob.obj"][..], &size].concat());
+    let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+    let case = CASE.replace(CASE.lines().nth(1).expect("a shape"), "hull = \"bob.obj\"");
+    bench.write("case.toml", case);
+    let pressed = |noise: f64| {
+        bench.write("bob.obj", scanned(&obj, noise, |p| p));
+        let out = format!("{noise:e}");
+        bench.succeeds(&["press", "case.toml", "-o", &out]);
+        json(&bench.path(&out).join("result.json"))
+    };
+    let clean = pressed(0.0);
+    assert!(clean["p_max_noise_pa"].is_null() && clean["approach_noise_m"].is_null());
+    assert_eq!(number(&clean["hull_fit"], "noise_m"), 0.0);
+    for noise in [1e-7, 3e-7] {
+        let noisy = pressed(noise);
+        let found = number(&noisy["hull_fit"], "noise_m") / noise;
+        assert!((found - 1.0).abs() < 0.2, "{found}");
+        for (figure, unit) in [("p_max", "pa"), ("approach", "m")] {
+            let [value, error, moved] = ["", "_error", "_noise"]
+                .map(|part| number(&noisy, &format!("{figure}{part}_{unit}")));
+            let truth = number(&clean, &format!("{figure}_{unit}"));
+            let slack = number(&clean, &format!("{figure}_error_{unit}"));
+            println!(
+                "{noise:e} {figure}: {:.4} off, {:.4} told",
+                value / truth - 1.0,
+                (error + moved) / truth
+            );
+            assert!(
+                (value - truth).abs() < error + moved + slack,
+                "{noise} {figure}"
+            );
+        }
+    }
 }
 
 #[test]
