@@ -93,51 +93,6 @@ impl Campaign<'_> {
         })
     }
 
-    /// Marks where something pushed a single run, at a place that no other run meets, and where no contacts can be claimed up to half of the
-    /// runs of a track: what they say there is no evidence of anything that repeats. The runs' names with the place; empty where there are none.
-    pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
-        let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
-        else {
-            return Vec::new();
-        };
-        let claimable = self.contacts_beside(model).is_some();
-        let left = left_without(model, self.whole());
-        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
-        let mut frames = self.whole().to_vec();
-        let mut told = Vec::new();
-        let rules = self.options.rules.runs.contacts;
-        for stretch in stretches(&frames, &side, &rules) {
-            let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
-            let place = [at_place(effect, &stretch.track, values)];
-            let own: Vec<_> = frames
-                .par_iter()
-                .zip(&side)
-                .map(|(frame, y)| own_contacts(frame, y, &place))
-                .collect();
-            let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
-            let runs = frames.iter().filter(|f| f.track == stretch.track).count();
-            let most = if claimable {
-                rules.fewest_hits - 1
-            } else {
-                runs / 2
-            };
-            for run in hit.iter().copied().filter(|_| hit.len() <= most) {
-                let frame = &mut frames[run];
-                frame.pushed.push([stretch.from_m, stretch.to_m]);
-                let force = own[run][0].contact.force_n;
-                told.push(format!(
-                    "{} ({force:.0} N, s {:.0}-{:.0} m)",
-                    frame.name, stretch.from_m, stretch.to_m
-                ));
-            }
-        }
-        if !told.is_empty() {
-            self.training = frames.iter().map(without_contacts).collect();
-            self.whole = frames;
-        }
-        told
-    }
-
     /// The training runs with all that they say.
     pub fn whole(&self) -> &[Frame] {
         match self.whole.is_empty() {

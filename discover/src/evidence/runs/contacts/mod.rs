@@ -7,4 +7,5 @@ pub(crate) mod levers;
 pub(crate) mod model;
 pub(crate) mod of_run;
 pub(crate) mod own;
+mod pushes;
 pub(crate) mod told;

@@ -1,5 +1,7 @@
 //! Each run's own contacts, set by its side balance alone; what the runs say beneath them is no evidence of anything else.
 
+use std::borrow::Cow;
+
 use kufe_sled::effects::Active;
 use kufe_sled::{contact_within, scatter, stretch_of};
 use rayon::prelude::*;
@@ -65,13 +67,27 @@ pub fn rows_beneath(frame: &Frame) -> Vec<bool> {
 
 /// The run without what it says beneath its contacts and where something pushed it alone: as beside a gap, no row is made of it.
 pub fn without_contacts(frame: &Frame) -> Frame {
+    without(frame, |s| pushed(frame, s) || beneath(frame, s))
+}
+
+/// The run without what it says where something pushed it alone.
+pub fn without_pushes(frame: &Frame) -> Cow<'_, Frame> {
+    match frame.pushed.is_empty() {
+        true => Cow::Borrowed(frame),
+        false => Cow::Owned(without(frame, |s| pushed(frame, s))),
+    }
+}
+
+fn pushed(frame: &Frame, s: f64) -> bool {
+    let mut stretches = frame.pushed.iter();
+    stretches.any(|[from, to]| (*from..=*to).contains(&s))
+}
+
+/// The run without the places that are out.
+fn without(frame: &Frame, out: impl Fn(f64) -> bool) -> Frame {
     let mut left = frame.clone();
     for (part, s) in left.taking_part.iter_mut().zip(&frame.s) {
-        let pushed = frame
-            .pushed
-            .iter()
-            .any(|[from, to]| (*from..=*to).contains(s));
-        *part &= !pushed && !beneath(frame, *s);
+        *part &= !out(*s);
     }
     left.centres = left.sieve.clear_centres(&left.taking_part);
     left

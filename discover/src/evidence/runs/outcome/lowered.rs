@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
-use crate::evidence::runs::contacts::own::rows_beneath;
+use crate::evidence::runs::contacts::own::{rows_beneath, without_pushes};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
@@ -71,6 +71,7 @@ impl Campaign<'_> {
             .held
             .par_iter()
             .map(|frame| {
+                let frame = &*without_pushes(frame);
                 let mut rows = whitened(&before.residuals(frame), &whitener);
                 let mut left = whitened(&after.residuals(frame), &whitener);
                 if let Some(Told {

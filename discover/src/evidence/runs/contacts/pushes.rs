@@ -1,0 +1,98 @@
+//! Where something pushed a single run, at a place that others pass: no evidence of anything that repeats.
+
+use kufe_sled::effects::Effect;
+use rayon::prelude::*;
+
+use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::contacts::find::{Stretch, stretches};
+use crate::evidence::runs::contacts::model::{at_place, wall};
+use crate::evidence::runs::contacts::own::{left_without, own_contacts, without_contacts};
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// A push of one run.
+struct Push {
+    /// Which of the runs.
+    run: usize,
+    stretch: Stretch,
+    force_n: f64,
+}
+
+impl Campaign<'_> {
+    /// Marks where something pushed a single run that no other run meets, and where no contacts can be claimed up to half of the runs of a
+    /// track. What training runs say there is left out; their names with the place are returned. Of the locked-away runs, seen beside
+    /// these, nothing there judges a model.
+    pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
+        let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
+        else {
+            return Vec::new();
+        };
+        let claimable = self.contacts_beside(model).is_some();
+        let mut frames = self.whole().to_vec();
+        let learned = frames.len();
+        let pushes = self.pushes(model, effect, &frames, claimable);
+        let all: Vec<Frame> = frames.iter().chain(&self.held).cloned().collect();
+        for push in self.pushes(model, effect, &all, claimable) {
+            if let Some(held) = push.run.checked_sub(learned) {
+                let Stretch { from_m, to_m, .. } = push.stretch;
+                self.held[held].pushed.push([from_m, to_m]);
+            }
+        }
+        let mut told = Vec::new();
+        for Push {
+            run,
+            stretch: Stretch { from_m, to_m, .. },
+            force_n,
+        } in pushes
+        {
+            let frame = &mut frames[run];
+            frame.pushed.push([from_m, to_m]);
+            told.push(format!(
+                "{} ({force_n:.0} N, s {from_m:.0}-{to_m:.0} m)",
+                frame.name
+            ));
+        }
+        if !told.is_empty() {
+            self.training = frames.iter().map(without_contacts).collect();
+            self.whole = frames;
+        }
+        told
+    }
+
+    /// The pushes of single runs among these.
+    fn pushes(
+        &self,
+        model: &ResidualModel,
+        effect: &'static Effect,
+        frames: &[Frame],
+        claimable: bool,
+    ) -> Vec<Push> {
+        let left = left_without(model, frames);
+        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
+        let rules = self.options.rules.runs.contacts;
+        let mut pushes = Vec::new();
+        for stretch in stretches(frames, &side, &rules) {
+            let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
+            let place = [at_place(effect, &stretch.track, values)];
+            let own: Vec<_> = frames
+                .par_iter()
+                .zip(&side)
+                .map(|(frame, y)| own_contacts(frame, y, &place))
+                .collect();
+            let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
+            let runs = frames.iter().filter(|f| f.track == stretch.track).count();
+            let most = if claimable {
+                rules.fewest_hits - 1
+            } else {
+                runs / 2
+            };
+            let single = hit.iter().copied().filter(|_| hit.len() <= most);
+            pushes.extend(single.map(|run| Push {
+                run,
+                stretch: stretch.clone(),
+                force_n: own[run][0].contact.force_n,
+            }));
+        }
+        pushes
+    }
+}
