@@ -187,7 +187,11 @@ impl Campaign<'_> {
         // By corrected scores: least squares would shrink what scales the residual's own noise.
         let at = &plain.residual_model.hold(false);
         let off = self.newton(at, &plain.whitener, &[2], true).1;
-        self.least_squares(&off, plain.owners)
+        // Of a base that runs away the installation is none of this sled's.
+        match self.free.iter().all(|b| off.within(*b)) {
+            true => self.least_squares(&off, plain.owners),
+            false => Ok(plain),
+        }
     }
 
     /// Fits base and effects alone, beside an installation as it stands. Base parameters that run to a bound, as they do where what is
