@@ -84,6 +84,7 @@ fn is_in_the_class_that_is_named(effect: &str, text: &str) {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn a_hidden_drag_area_is_in_the_class_that_is_named() {
     is_in_the_class_that_is_named("drag-area", "[effects.drag-area]\ncda_m2 = 0.05");
 }

@@ -70,6 +70,7 @@ fn written() -> Bench {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn info_tells_every_file_that_a_command_has_written_and_report_shows_every_folder() {
     let bench = written();
     let files = files(bench.folder.path());

@@ -27,6 +27,7 @@ fn pressed(bench: &Bench, text: String) -> Value {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn the_hardness_is_that_of_the_law_which_result_json_names() {
     let bench = Bench::new();
     let at = |ice: &str, sliding: &str| {
