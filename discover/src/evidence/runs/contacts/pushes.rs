@@ -28,16 +28,19 @@ impl Campaign<'_> {
             return Vec::new();
         };
         let claimable = self.contacts_beside(model).is_some();
-        let mut frames = self.whole().to_vec();
-        let learned = frames.len();
-        let pushes = self.pushes(model, effect, &frames, claimable);
-        let all: Vec<Frame> = frames.iter().chain(&self.held).cloned().collect();
-        for push in self.pushes(model, effect, &all, claimable) {
+        let learned = self.whole().len();
+        let all: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
+        let left = left_without(model, &all);
+        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
+        let pushes = self.pushes(effect, &all[..learned], &side[..learned], claimable);
+        for push in self.pushes(effect, &all, &side, claimable) {
             if let Some(held) = push.run.checked_sub(learned) {
                 let Stretch { from_m, to_m, .. } = push.stretch;
                 self.held[held].pushed.push([from_m, to_m]);
             }
         }
+        let mut frames = all;
+        frames.truncate(learned);
         let mut told = Vec::new();
         for Push {
             run,
@@ -59,24 +62,22 @@ impl Campaign<'_> {
         told
     }
 
-    /// The pushes of single runs among these.
+    /// The pushes of single runs among these, `side` being what the side balance leaves of each at every kept sample.
     fn pushes(
         &self,
-        model: &ResidualModel,
         effect: &'static Effect,
         frames: &[Frame],
+        side: &[Vec<f64>],
         claimable: bool,
     ) -> Vec<Push> {
-        let left = left_without(model, frames);
-        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
         let rules = self.options.rules.runs.contacts;
         let mut pushes = Vec::new();
-        for stretch in stretches(frames, &side, &rules) {
+        for stretch in stretches(frames, side, &rules) {
             let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
             let place = [at_place(effect, &stretch.track, values)];
             let own: Vec<_> = frames
                 .par_iter()
-                .zip(&side)
+                .zip(side)
                 .map(|(frame, y)| own_contacts(frame, y, &place))
                 .collect();
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
