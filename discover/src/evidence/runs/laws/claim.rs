@@ -169,15 +169,21 @@ impl Campaign<'_> {
 }
 
 impl Teller<'_> {
-    /// The smooth laws whose formulas are tried, the one that explains most first: those that stand out, and that of a claimed column.
+    /// The smooth laws whose formulas are tried, the one that explains most first: those that stand out, that of a claimed column, and those
+    /// that explain more than it.
     fn best<'l>(&self, smooth: &'l [Smooth], claim: Option<&Claim<Amplitude>>) -> Vec<&'l Smooth> {
         let column = claim.filter(|c| c.candidate.is_column());
         let of_claim = |law: &Smooth| {
             column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
         };
+        let claimed = smooth.iter().filter(|law| of_claim(law));
+        let enough = claimed
+            .map(|law| total(&law.gains))
+            .fold(f64::INFINITY, f64::min)
+            .max(0.0);
         let mut best: Vec<&Smooth> = smooth
             .iter()
-            .filter(|law| law.stands || of_claim(law))
+            .filter(|law| law.stands || of_claim(law) || total(&law.gains) > enough)
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));
@@ -235,9 +241,12 @@ impl Teller<'_> {
             let both = left.as_ref().zip(other.refit.as_ref().map(of_runs));
             both.is_some_and(|(own, other)| alike(difference(&other, own)))
         });
+        // Where none stands out by itself, as where noise is not known, those that explain as much are as good.
+        let any = !smooth.iter().any(|other| other.stands);
         let single = smooth
             .iter()
-            .filter(|other| other.stands && other.columns.len() == 1)
+            .filter(|other| (other.stands || any) && other.columns.len() == 1)
+            .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
         let named = |columns: &Vec<usize>| name(columns, &self.terms.names);

@@ -7,7 +7,9 @@ use kufe_friction::MagicFormula;
 use kufe_sled::effects::{
     self, Active, Conditions, Constants, Effects, Forces, Kind, Sensor, Signals,
 };
-use kufe_sled::{Balance, BaseParameter, LawForces, State, Vehicle, aero, from_sensors};
+use kufe_sled::{
+    Balance, BaseParameter, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
+};
 
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::model::channels::Channels;
@@ -214,7 +216,11 @@ impl<'a> ModelOnRun<'a> {
 
     /// The signals of a sample, corrected by the active effects.
     pub fn measured(&self, i: usize) -> Signals {
-        let mut signals = self.channels.signals(i, self.constants);
+        self.corrected(i, self.channels.signals(i, self.constants))
+    }
+
+    /// What the sensors said of a sample, corrected by the active effects.
+    fn corrected(&self, i: usize, mut signals: Signals) -> Signals {
         let effects = &self.vehicle.effects;
         if !effects.is_empty() {
             let v = self.channels.value(Sensor::Speed)[i];
@@ -244,6 +250,18 @@ impl<'a> ModelOnRun<'a> {
 
     /// The balance of a sample, from its corrected signals.
     fn balance(&self, i: usize, signals: &Signals) -> Balance {
+        let (sled, state, motion) = self.motion(i, signals);
+        Balance::new(&sled, &state, &motion)
+    }
+
+    /// The same beside that of a motion close by.
+    fn balance_near(&self, i: usize, signals: &Signals, known: &Balance) -> Balance {
+        let (sled, state, motion) = self.motion(i, signals);
+        Balance::near(&sled, &state, &motion, known)
+    }
+
+    /// Sled, state and motion of a sample, from its corrected signals.
+    fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let mut sled = self.vehicle.sled;
         sled.set_constants(&signals.sled);
         // A slip angle needs a speed.
@@ -251,7 +269,7 @@ impl<'a> ModelOnRun<'a> {
         moving[Sensor::Speed] = signals[Sensor::Speed].max(0.5);
         let at = self.conditions(i, moving[Sensor::Speed]);
         let (state, motion) = from_sensors(&sled, &moving, &at);
-        Balance::new(&sled, &state, &motion)
+        (sled, state, motion)
     }
 
     /// The state of a sample, as friction sees it.
@@ -273,7 +291,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// The same from the laws of a motion close by, to first order.
     fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
-        let balance = self.balance(i, signals);
+        let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant {
             seen: balance.seen(&self.vehicle, laws.load_n),
@@ -285,7 +303,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// Balances of a sample from the laws of a motion close by, as of [`instant_near`](Self::instant_near).
     pub fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
-        let balance = self.balance(i, signals);
+        let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         let mut forces = laws.forces;
         if !self.vehicle.effects.is_empty() {
@@ -338,6 +356,26 @@ impl<'a> ModelOnRun<'a> {
         let at = self.instant(i, &self.measured(i));
         let [along, side, yaw] = self.balances(&at, &self.forces(&at));
         [along, side, yaw, self.track(i, &at)]
+    }
+
+    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes.
+    pub fn gains(&self, i: usize) -> [f64; BALANCES] {
+        const STEP: f64 = 1e-3;
+        let read = self.channels.signals(i, self.constants);
+        let left = |signals: Signals| {
+            let at = self.instant(i, &self.corrected(i, signals));
+            self.balances(&at, &self.forces(&at))
+        };
+        let own = left(read);
+        const OF: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
+        std::array::from_fn(|c| {
+            let mut more = read;
+            match OF[c] {
+                Sensor::YawRate => more.rate[Sensor::YawRate as usize] += STEP,
+                sensor => more[sensor] += STEP,
+            }
+            (left(more)[c] - own[c]) / (STEP * self.channels.scale(OF[c]))
+        })
     }
 
     /// Balances of a sample by this model, `at` being the sample by one with the same base laws.

@@ -35,9 +35,11 @@ impl Refit {
 }
 
 impl Campaign<'_> {
-    /// What base and effect leave when they are fitted together, the effect in its exact form and the installation as it is stated, which
-    /// without the effect may have been bent to stand for it: `sum_c n_c ln(rms_c)` over the channels of the training runs;
-    /// infinite where they cannot be fitted.
+    /// What base and effect leave when they are fitted together, the effect in its exact form: the criterion of [`fit`] over the training
+    /// runs, with what the installation costs; infinite where they cannot be fitted.
+    ///
+    /// The installation is as it was found, or as it is stated, whichever leaves less: where it is off no model fits without it, and
+    /// without the effect it may have been bent to stand for it.
     pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
         let refitted = self.refitted(at.residual_model, candidate, size, Effort::COMPARED);
         refitted.map_or(f64::INFINITY, |refit| refit.misfit)
@@ -52,30 +54,39 @@ impl Campaign<'_> {
         from: f64,
         effort: Effort,
     ) -> Option<Refit> {
-        let mut refit = self.refitted_as_it_is(&model.with(candidate.active(from)), effort)?;
-        refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
-        Some(refit)
+        let with = model.with(candidate.active(from));
+        let sized = |mut refit: Refit| {
+            refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
+            Some(refit)
+        };
+        self.beside_either(&with, effort).and_then(sized)
     }
 
-    /// A model as it is, fitted without what the installation may be off by; its size is 0.
+    /// A model as it is, fitted; its size is 0.
     pub fn refitted_alone(&self, model: &ResidualModel) -> Option<Refit> {
-        self.refitted_as_it_is(model, Effort::COMPARED)
+        self.beside_either(model, Effort::COMPARED)
     }
 
-    fn refitted_as_it_is(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
-        let exact = ResidualModel {
+    /// A model fitted beside its own installation, and beside the stated one: whichever leaves less.
+    fn beside_either(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
+        let stated = ResidualModel {
             installation: Installation::default(),
             ..model.clone()
         };
-        let (model, whitener) = fit(&exact, &self.training, &self.free, self.used, effort).ok()?;
-        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        let channels = (0..3).filter(|c| self.used[*c]);
-        let misfit = rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>();
+        let own = (model.installation.cost() > 0.0).then(|| model.hold(true));
+        let tried = own.into_iter().chain([stated]);
+        tried
+            .filter_map(|model| self.fitted_as_it_is(&model, effort))
+            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))
+    }
+
+    fn fitted_as_it_is(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
+        let found = fit(model, &self.training, &self.free, self.used, effort).ok()?;
         Some(Refit {
-            misfit,
+            misfit: found.criterion + found.model.installation.cost(),
             size: 0.0,
-            model,
-            whitener,
+            model: found.model,
+            whitener: found.whitener,
         })
     }
 
