@@ -11,7 +11,8 @@ use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remark
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ModelOnRun, ResidualModel};
+use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;

@@ -9,7 +9,8 @@
 
 use rayon::prelude::*;
 
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ModelOnRun, ResidualModel};
+use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Means over the runs of `ln |dr/da|`, by channel in use.
