@@ -4,4 +4,5 @@ pub(crate) mod estimate;
 pub(crate) mod gains;
 pub(crate) mod gauss_newton;
 pub(crate) mod noise_products;
+pub(crate) mod refits;
 pub(crate) mod simulated_runs;

@@ -3,23 +3,14 @@
 use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 
-use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::laws::term::{Term, said_by};
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
-use crate::evidence::runs::screen::leaders::Refit;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::null::sign_flips::MaxT;
-
-impl Campaign<'_> {
-    /// Whether what stands out is large by what it explains.
-    pub fn is_large(&self, at: &Current, most: f64) -> bool {
-        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        most >= self.rules().large * (rows * at.whitener.count()) as f64
-    }
-}
 
 impl Teller<'_> {
     /// The sensor which, bent in second or in third order of what it says, leaves least, where that stands out run by run; with its

@@ -1,146 +1,164 @@
-//! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at.
+//! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at, and
+//! with it what they say of it.
+
+use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
-use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
-use crate::evidence::runs::model::whiten::Whitener;
-use crate::evidence::runs::screen::residual_screen::RunScreen;
+use crate::evidence::runs::fit::gauss_newton::Effort;
+use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::laws::sums::{difference, total};
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
+use crate::finding::report::Rival;
+use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Claim;
 
-/// Most leaders that are refitted.
-const MOST: usize = 3;
+/// Most effects of the catalogue that are refitted.
+const MOST: usize = 6;
 
-/// Base and effect fitted together.
-#[derive(Clone)]
-pub struct Refit {
-    /// What they leave.
-    pub misfit: f64,
-    /// The effect's size.
-    pub size: f64,
-    /// The model, the effect last.
-    pub model: ResidualModel,
-    /// Its rows' whitening.
-    pub whitener: Whitener,
+/// A candidate with what its full refit explains.
+struct Leader<'a> {
+    candidate: &'a Candidate<Amplitude>,
+    /// Its place in the screen.
+    at: usize,
+    refit: Refit,
+    /// By run.
+    gains: Vec<f64>,
 }
 
-impl Refit {
-    /// The base, and the effects before, as they stand beside the effect.
-    pub fn beside(&self) -> ResidualModel {
-        let mut model = self.model.clone();
-        model.effects.active.pop();
-        model
-    }
+/// A claim by full refits, with what it explains, in units of the noise's variance.
+pub struct Leading {
+    /// The claim.
+    pub claim: Claim<Amplitude>,
+    /// What it explains.
+    pub gain: f64,
 }
 
 impl Campaign<'_> {
-    /// What base and effect leave when they are fitted together, the effect in its exact form: the criterion of [`fit`] over the training
-    /// runs, with what the installation costs; infinite where they cannot be fitted.
-    ///
-    /// The installation is as it was found, or as it is stated, whichever leaves less: where it is off no model fits without it, and
-    /// without the effect it may have been bent to stand for it.
-    pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-        let refitted = self.refitted(at.residual_model, candidate, size, Effort::COMPARED);
-        refitted.map_or(f64::INFINITY, |refit| refit.misfit)
+    /// Whether what stands out is large by what it explains.
+    pub fn is_large(&self, at: &Current, most: f64) -> bool {
+        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
+        most >= self.rules().large * (rows * at.whitener.count()) as f64
     }
 
-    /// The same with the model that leaves least, `model` without the effect and `from` being first guesses; nothing where they cannot be
-    /// fitted.
-    pub fn refitted(
-        &self,
-        model: &ResidualModel,
-        candidate: &Candidate<Amplitude>,
-        from: f64,
-        effort: Effort,
-    ) -> Option<Refit> {
-        let with = model.with(candidate.active(from));
-        let sized = |mut refit: Refit| {
-            refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
-            Some(refit)
-        };
-        self.beside_either(&with, effort).and_then(sized)
-    }
-
-    /// A model as it is, fitted; its size is 0.
-    pub fn refitted_alone(&self, model: &ResidualModel) -> Option<Refit> {
-        self.beside_either(model, Effort::COMPARED)
-    }
-
-    /// A model fitted beside its own installation, and beside the stated one: whichever leaves less.
-    fn beside_either(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
-        let stated = ResidualModel {
-            installation: Installation::default(),
-            ..model.clone()
-        };
-        let own = (model.installation.cost() > 0.0).then(|| model.hold(true));
-        let tried = own.into_iter().chain([stated]);
-        tried
-            .filter_map(|model| self.fitted_as_it_is(&model, effort))
-            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))
-    }
-
-    fn fitted_as_it_is(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
-        let found = fit(model, &self.training, &self.free, self.used, effort).ok()?;
-        Some(Refit {
-            misfit: found.criterion + found.model.installation.cost(),
-            size: 0.0,
-            model: found.model,
-            whitener: found.whitener,
-        })
-    }
-
-    /// The misfit by run, but for a constant.
-    pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
-        let of_run = |rows: &ChannelRows| {
-            let channels = (0..3).filter(|c| self.used[*c]);
-            let each = channels.map(|c| {
-                let sd = refit.whitener.sd[c];
-                let squares: f64 = rows[c].iter().map(|x| (x / sd).powi(2)).sum();
-                0.5 * squares + rows[c].len() as f64 * sd.ln()
-            });
-            each.sum()
-        };
-        let all = residuals(&refit.model, &self.training);
-        all.iter().map(of_run).collect()
-    }
-
-    /// Of the effects that explain nearly as much as the named one, that which leaves least after a full refit; the named one
-    /// where it is small. `claimable` says which may be claimed.
-    pub fn leader(
+    /// Where something is large, the effect of the catalogue that leaves less, in a full refit, than the claim and all others whose scores
+    /// are large, and stands out run by run; `None` where that is the claim, or something small.
+    pub fn leading(
         &self,
         at: &Current,
         screen: &RunScreen,
-        list: &[Candidate<Amplitude>],
-        named: usize,
-        claimable: &dyn Fn(usize) -> bool,
-    ) -> usize {
-        let rules = self.rules();
-        let gain = |c: usize| screen.seen[c].gain;
-        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        if gain(named) < rules.large * (rows * at.whitener.count()) as f64 {
-            return named;
-        }
-        let mut leaders: Vec<usize> = (0..list.len())
-            .filter(|c| *c == named || gain(*c) >= rules.leads * gain(named) && claimable(*c))
-            .filter(|c| list[*c].is_column() == list[named].is_column())
+        regular: &[Candidate<Amplitude>],
+        claim: Option<&Claim<Amplitude>>,
+        options: &ScreenOptions,
+    ) -> Option<Leading> {
+        let mut order: Vec<usize> = (0..regular.len())
+            .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
             .collect();
-        leaders.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
-        let mut effects: Vec<&str> = Vec::new();
-        leaders.retain(|c| {
-            let effect = list[*c].effect.as_str();
-            let first = !effects.contains(&effect);
-            effects.push(effect);
-            first || *c == named
-        });
-        leaders.truncate(MOST);
-        if leaders.len() < 2 {
-            return named;
+        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
+        order.truncate(MOST);
+        let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
+        let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
+        if no_model || self.least_p() > options.alpha || !self.is_large(at, most) {
+            return None;
         }
-        let misfit = |c: usize| self.misfit_with(at, &list[c], screen.seen[c].size);
-        let judged = leaders.into_iter().map(|c| (c, misfit(c)));
-        judged
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(named, |(c, _)| c)
+        let without = self.refitted_alone(at.residual_model)?;
+        let bare = self.misfit_by_run(&without);
+        let refitted = |candidate: &Candidate<Amplitude>, size: f64| {
+            let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+            self.refitted(at.residual_model, candidate, from, Effort::COMPARED)
+        };
+        let leaders: Vec<Leader> = order
+            .iter()
+            .filter_map(|c| {
+                let refit = refitted(&regular[*c], screen.seen[*c].size)?;
+                let with = self.misfit_by_run(&refit);
+                Some(Leader {
+                    candidate: &regular[*c],
+                    at: *c,
+                    gains: bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect(),
+                    refit,
+                })
+            })
+            .collect();
+        let best = leaders
+            .iter()
+            .min_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit))?;
+        let gain = 2.0 * (without.misfit - best.refit.misfit);
+        let claimed = claim.map(|claim| match same(&claim.candidate, best.candidate) {
+            true => f64::NEG_INFINITY,
+            false => self.misfit_with(at, &claim.candidate, claim.size),
+        });
+        if !self.is_large(at, gain) || claimed.is_some_and(|left| left <= best.refit.misfit) {
+            return None;
+        }
+        let p_value = p_of(&leaders, best, options);
+        (p_value <= options.alpha).then(|| Leading {
+            claim: self.claim_of(at, screen, &leaders, best, (gain, p_value)),
+            gain,
+        })
     }
+
+    fn claim_of(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        leaders: &[Leader],
+        best: &Leader,
+        (gain, p_value): (f64, f64),
+    ) -> Claim<Amplitude> {
+        let alike = self.rules().laws.alike;
+        let (candidate, size) = (best.candidate, best.refit.size);
+        let mut class = vec![candidate.effect.clone()];
+        let mut rivals = Vec::new();
+        for other in leaders
+            .iter()
+            .filter(|l| l.candidate.effect != candidate.effect)
+        {
+            let [less, error] = difference(&best.gains, &other.gains);
+            let in_class = less <= alike * error;
+            if in_class && !class.contains(&other.candidate.effect) {
+                class.push(other.candidate.effect.clone());
+            }
+            rivals.push(Rival {
+                effect: other.candidate.effect.clone(),
+                parameter: other.candidate.key.clone(),
+                size: other.refit.size,
+                unit: other.candidate.unit.clone(),
+                t: screen.seen[other.at].t,
+                gain: total(&other.gains),
+                correlation: screen.correlation(best.at, other.at),
+                t_of_named_beyond: less.max(0.0).sqrt(),
+                in_class,
+                decides: other.candidate.decides.clone(),
+            });
+        }
+        let channel = self.strongest_channel(at.residual_model, candidate, size);
+        Claim {
+            place: self.place_of(candidate, at),
+            channel: CHANNEL_NAMES[channel],
+            size,
+            error: size.abs() / gain.max(1e-300).sqrt(),
+            class,
+            rivals,
+            p_value,
+            remark: None,
+            parameters: Vec::new(),
+            candidate: candidate.clone(),
+        }
+    }
+}
+
+/// Whether two candidates are one amplitude of one effect.
+fn same(a: &Candidate<Amplitude>, b: &Candidate<Amplitude>) -> bool {
+    (&a.effect, &a.act.track, a.act.parameter) == (&b.effect, &b.act.track, b.act.parameter)
+}
+
+/// The chance that one of all leaders explains as much run by run as the best does.
+fn p_of(leaders: &[Leader], best: &Leader, options: &ScreenOptions) -> f64 {
+    let gains = DMatrix::from_fn(leaders.len(), best.gains.len(), |c, i| leaders[c].gains[i]);
+    let null = MaxT::by_sign_flips(&gains, options.flips, options.seed);
+    let norm = best.gains.iter().map(|g| g * g).sum::<f64>().sqrt();
+    null.p_value(total(&best.gains).max(0.0) / norm.max(1e-300))
 }
