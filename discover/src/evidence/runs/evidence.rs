@@ -9,7 +9,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
+use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -218,8 +218,10 @@ impl Evidence for Campaign<'_> {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
-        // A large effect has hidden what the installation is off by, and bent what was found of it: that is found anew.
-        let next = self.installed(&self.least_squares(&next, owners)?)?;
+        // A large effect has hidden what the installation is off by, and bent base and what was found of it: both are found anew.
+        let start = self.beside_either(&next, Effort::COMPARED);
+        let start = start.map_or(next, |refit| refit.model);
+        let next = self.installed(&self.least_squares(&start, owners)?)?;
         let stretch = claim.candidate.act.track.is_some();
         Ok(Added {
             gap: [before, gap(&next.residual_model)],

@@ -64,7 +64,7 @@ impl Campaign<'_> {
     }
 
     /// A model fitted beside its own installation, and from the given base beside the stated one: whichever leaves less.
-    fn beside_either(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
+    pub fn beside_either(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
         let stated = ResidualModel {
             base: self.given.base,
             installation: Installation::default(),
