@@ -92,8 +92,8 @@ impl Road {
             bank_s +=
                 bend.bank * 2.0 * sine * cosine * PI / bend.length_m / (1.0 + tangent * tangent);
         }
-        let fall = self.fall_rad + self.waves.at(s);
-        let fall_s = self.waves.slope_at(s);
+        let [wave, fall_s] = self.waves.with_slope_at(s);
+        let fall = self.fall_rad + wave;
         let ((sf, cf), (sb, cb)) = (fall.sin_cos(), bank.sin_cos());
         Here {
             fall,

@@ -103,6 +103,17 @@ impl Smooth {
             .sum()
     }
 
+    /// Its value and its derivative at `x`.
+    pub fn with_slope_at(&self, x: f64) -> [f64; 2] {
+        let mut both = [0.0; 2];
+        for (a, w, p) in &self.waves {
+            let (sine, cosine) = (w * x + p).sin_cos();
+            both[0] += a * sine;
+            both[1] += a * w * cosine;
+        }
+        both
+    }
+
     /// Its derivative at `x`.
     pub fn slope_at(&self, x: f64) -> f64 {
         self.waves
