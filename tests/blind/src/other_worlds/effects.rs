@@ -18,7 +18,11 @@ pub fn sized() -> impl Iterator<Item = Effect> {
         late("yaw-rate-lag", 5, "yaw-rate-lag", 0.01),
         late("steer-lag", 8, "steer-lag", 0.01),
     ];
-    EFFECTS.iter().filter(move |e| !in_ms(e)).copied().chain(lags)
+    EFFECTS
+        .iter()
+        .filter(move |e| !in_ms(e))
+        .copied()
+        .chain(lags)
 }
 
 /// Everything that a world may hide.

@@ -76,15 +76,13 @@ impl Recorder<'_> {
     }
 
     /// The noise of as many rows.
-    pub fn hiss(
-        &self,
-        late: &[Vec<f64>; CHANNELS],
-        rate_hz: f64,
-        source: &mut Source,
-    ) -> Vec<Row> {
+    pub fn hiss(&self, late: &[Vec<f64>; CHANNELS], rate_hz: f64, source: &mut Source) -> Vec<Row> {
         let stride = (RATE_HZ / ROWS_HZ) as usize;
         let columns: [Vec<f64>; CHANNELS] = std::array::from_fn(|c| {
-            let sd = self.wrong.noise.map_or(NOISE[c], |share| share * spread(&late[c]));
+            let sd = self
+                .wrong
+                .noise
+                .map_or(NOISE[c], |share| share * spread(&late[c]));
             let count = (late[c].len() as f64 * RATE_HZ / rate_hz) as usize;
             noise(count, sd, self.wrong, source)
         });

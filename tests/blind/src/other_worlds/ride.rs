@@ -109,15 +109,18 @@ struct Ride<'a> {
 
 impl Ride<'_> {
     /// How the state changes, given how fast speed and course change now.
-    fn slopes(&self, drawn: &Drawn, x: &State, [v_slope, course_slope]: [f64; 2]) -> (State, Truth) {
+    fn slopes(
+        &self,
+        drawn: &Drawn,
+        x: &State,
+        [v_slope, course_slope]: [f64; 2],
+    ) -> (State, Truth) {
         let [s, _, heading, v, beta, r, steer] = *x;
-        let here = self.road.at(s);
+        // Half a metre before and behind, for how the frame's turning changes.
+        let [last, here, next] = self.road.around(s, 0.5);
         let way = v * (heading + beta).cos();
         let [p, q] = rates(&here, way, heading, drawn);
         let heading_slope = r - way * here.turn[2];
-        // A metre further on, for how the frame's turning changes.
-        let next = self.road.at(s + 0.5);
-        let last = self.road.at(s - 0.5);
         let turn_s = [0, 1].map(|a| next.turn[a] - last.turn[a]);
         let (sin_h, cos_h) = heading.sin_cos();
         let turned = [

@@ -154,7 +154,11 @@ pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&
     let mut own = now.load[0] / cos_g;
     for _ in 0..6 {
         let y = across(0, own) + of(Force::Camber) * now.split * own;
+        let last = own;
         own = (now.load[0] - sin_g * (sin_d * along(0, own) + cos_d * y)) / cos_g;
+        if own == last {
+            break;
+        }
     }
     let (fx, fy) = (
         along(0, own),

@@ -55,7 +55,11 @@ pub fn ridge_out(columns: &[Vec<f64>], sd: &[f64], target: &[f64]) -> Vec<f64> {
     }
     for i in (0..n).rev() {
         let later: f64 = (i + 1..n).map(|k| factor[k][i] * p[k]).sum();
-        p[i] = if lost[i] { 0.0 } else { (p[i] - later) / factor[i][i] };
+        p[i] = if lost[i] {
+            0.0
+        } else {
+            (p[i] - later) / factor[i][i]
+        };
     }
     let mut rest = target.to_vec();
     for (&a, part) in used.iter().zip(&p) {
@@ -109,7 +113,11 @@ mod tests {
             assert!((x - c * 4.0 / 29.0).abs() < 1e-12);
         }
         let columns: Vec<Vec<f64>> = (0..4)
-            .map(|j| (0..50).map(|k| ((j + 1) as f64 * 0.37 * k as f64).sin()).collect())
+            .map(|j| {
+                (0..50)
+                    .map(|k| ((j + 1) as f64 * 0.37 * k as f64).sin())
+                    .collect()
+            })
             .chain([vec![0.0; 50]])
             .collect();
         let target: Vec<f64> = (0..50).map(|k| (0.01 * (k * k) as f64).cos()).collect();

@@ -71,7 +71,9 @@ mod tests {
         assert!((share / 0.02 - 1.0).abs() < 0.01 && size < 1.0);
         assert_eq!(asked([0.0, 0.3], 0.1, 2.0, &|x| 0.1 * x * x).0, 0.3);
         // Slides away from 0.5 on.
-        let (size, share) = asked([0.0, 9.0], 2.0, 2.0, &|x| if x > 0.5 { f64::NAN } else { 0.01 * x });
+        let (size, share) = asked([0.0, 9.0], 2.0, 2.0, &|x| {
+            if x > 0.5 { f64::NAN } else { 0.01 * x }
+        });
         assert!(share.is_finite() && size <= 0.5);
     }
 }

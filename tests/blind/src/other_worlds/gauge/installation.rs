@@ -62,4 +62,3 @@ pub fn faulty(rows: &[Row], fault: Fault, sd: f64) -> Vec<Row> {
     }
     off
 }
-

@@ -3,7 +3,7 @@
 use super::installation::{BASE, SLEDS, faults, faulty};
 use super::inversion::{Balances, balances, conditions, minus, samples, stated};
 use crate::other_worlds::hidden::{Acts, Hidden};
-use crate::other_worlds::recorder::{Recorder, Row};
+use crate::other_worlds::recorder::{ROWS_HZ, Recorder, Row};
 use crate::other_worlds::ride::{Plan, Truth, Way};
 use crate::other_worlds::road::Road;
 use crate::other_worlds::runners::Sled;
@@ -17,8 +17,8 @@ use crate::world::sled::Sled as Stated;
 
 /// Steps a second of rides that nobody records.
 const RATE_HZ: f64 = 200.0;
-/// Steps from one compared row to the next.
-const STEPS: usize = STRIDE * 2;
+/// Steps a row.
+const STEPS: usize = 2;
 /// Relative error of a share that is let pass.
 const WITHIN: f64 = 0.05;
 /// Course against the sled's axis from which on it slides away [rad].
@@ -56,7 +56,7 @@ pub struct Gauge<'a> {
 struct Ridden<'a> {
     start: &'a Start,
     truths: Vec<Truth>,
-    /// What the hidden force adds at each compared row.
+    /// What the hidden force adds at each row.
     added: Vec<[f64; 3]>,
     rows: Vec<Row>,
 }
@@ -111,7 +111,11 @@ impl Gauge<'_> {
         let left = ridge_out(&still.columns, &spreads, &self.effect(hidden, still));
         let used = self.used();
         let count = left.len() / used.len();
-        let pair = if hidden.is_longitudinal() { [0, 1] } else { [2, 3] };
+        let pair = if hidden.is_longitudinal() {
+            [0, 1]
+        } else {
+            [2, 3]
+        };
         used.iter()
             .zip(left.chunks(count))
             .filter(|(c, _)| pair.contains(*c))
@@ -121,7 +125,11 @@ impl Gauge<'_> {
 
     /// Residual channels that can be looked at: without a track table the speed's derivative has nothing to be held against.
     fn used(&self) -> &'static [usize] {
-        if self.wrong.bare { &[0, 2, 3] } else { &[0, 1, 2, 3] }
+        if self.wrong.bare {
+            &[0, 2, 3]
+        } else {
+            &[0, 1, 2, 3]
+        }
     }
 
     fn still(&self, hidden: &Hidden) -> Option<Still<'_>> {
@@ -140,7 +148,8 @@ impl Gauge<'_> {
             };
             let felt = hidden.is_felt_on(start.track).then_some(hidden);
             let (truths, added) = way.parted(felt, STEPS);
-            if truths.iter().any(|t| !(t.beta.abs() < SLIDES_RAD)) {
+            let holds = truths.iter().all(|t| t.beta.abs() < SLIDES_RAD);
+            if !holds || truths.len() < 4 * ENDS * STEPS {
                 return None;
             }
             let late = recorder.late(&truths, RATE_HZ);
@@ -184,12 +193,9 @@ impl Gauge<'_> {
         let sled = stated(self.sled, &run.start.plan);
         let of = |rows: &[Row]| self.residuals(1, run, rows, &sled);
         let left = minus(&of(&noisy), &of(&run.rows));
-        let cutoff = [CUTOFF_HZ, SPEED_CUTOFF_HZ, CUTOFF_HZ, CUTOFF_HZ];
         std::array::from_fn(|c| {
-            let mut values: Vec<f64> = left.iter().map(|at| at[c]).collect();
-            low_pass(&mut values, cutoff[c]);
-            let ends = ENDS.min(values.len() / 2);
-            values[ends..values.len() - ends].to_vec()
+            let values = left.iter().map(|at| at[c]).collect();
+            inside(values, c, 1)
         })
     }
 
@@ -201,27 +207,27 @@ impl Gauge<'_> {
         left.iter().map(balances).collect()
     }
 
-    /// Stacks what was found at the compared rows of each run by channel, in units of the noise.
-    fn stacked(&self, still: &Still, of: impl Fn(usize, &Ridden) -> Vec<Balances>) -> Vec<f64> {
+    /// Stacks what every so many rows of each run show at the compared ones, by channel and in units of the noise.
+    fn stacked(
+        &self,
+        every: usize,
+        still: &Still,
+        of: impl Fn(usize, &Ridden) -> Vec<Balances>,
+    ) -> Vec<f64> {
         let runs = still.rides.iter().enumerate();
         let runs: Vec<Vec<Balances>> = runs.map(|(k, run)| of(k, run)).collect();
         let mut stack = Vec::new();
         for &c in self.used() {
             for run in &runs {
-                let mut values: Vec<f64> = run.iter().map(|at| at[c]).collect();
-                if c == 1 {
-                    // The filter counts rows, of which there are fewer here.
-                    low_pass(&mut values, SPEED_CUTOFF_HZ * STRIDE as f64);
-                }
-                let ends = (ENDS / STRIDE).min(values.len() / 2);
-                let inside = &values[ends..values.len() - ends];
-                stack.extend(inside.iter().map(|x| x / still.noise_sd[c]));
+                let inside = inside(run.iter().map(|at| at[c]).collect(), c, every);
+                let compared = inside.iter().step_by(STRIDE / every);
+                stack.extend(compared.map(|x| x / still.noise_sd[c]));
             }
         }
         stack
     }
 
-    /// What a standard deviation of each tolerance leaves, and a step of each base parameter.
+    /// What a standard deviation of each tolerance leaves, smooth enough to look at the compared rows alone, and a step of each base parameter.
     fn columns(&self, still: &Still) -> Vec<Vec<f64>> {
         let own = |run: &Ridden| stated(self.sled, &run.start.plan);
         let base: Vec<Vec<Balances>> = still
@@ -230,13 +236,13 @@ impl Gauge<'_> {
             .map(|run| self.residuals(STRIDE, run, &run.rows, &own(run)))
             .collect();
         let faults = faults().into_iter().map(|(fault, sd)| {
-            self.stacked(still, |k, run| {
+            self.stacked(STRIDE, still, |k, run| {
                 let rows = faulty(&run.rows, fault, sd);
                 minus(&self.residuals(STRIDE, run, &rows, &own(run)), &base[k])
             })
         });
         let sleds = SLEDS.iter().chain(&BASE).map(|change| {
-            self.stacked(still, |k, run| {
+            self.stacked(STRIDE, still, |k, run| {
                 let mut sled = own(run);
                 change(&mut sled);
                 minus(&self.residuals(STRIDE, run, &run.rows, &sled), &base[k])
@@ -248,12 +254,12 @@ impl Gauge<'_> {
     /// What an effect leaves before anything is fitted: with it less without it, at the same motion.
     fn effect(&self, hidden: &Hidden, still: &Still) -> Vec<f64> {
         let full = self.sled.with(hidden);
-        self.stacked(still, |_, run| {
+        self.stacked(1, still, |_, run| {
             if hidden.is_force() {
                 return pushed(run);
             }
             let plan = &run.start.plan;
-            let of = |rows: &[Row], sled| self.residuals(STRIDE, run, rows, &stated(sled, plan));
+            let of = |rows: &[Row], sled| self.residuals(1, run, rows, &stated(sled, plan));
             let with = match hidden.fault() {
                 Some(fault) => {
                     let mut recorder = self.recorder(self.sled);
@@ -268,15 +274,115 @@ impl Gauge<'_> {
     }
 }
 
-/// What a force adds to the balances at the compared rows; the speed's has its part along the course.
+/// One channel of every so many rows, low-passed as the share has it, less the ends that belong to the filter.
+fn inside(mut values: Vec<f64>, channel: usize, every: usize) -> Vec<f64> {
+    // The filter counts rows.
+    let cutoff_hz = every as f64 * [CUTOFF_HZ, SPEED_CUTOFF_HZ, CUTOFF_HZ, CUTOFF_HZ][channel];
+    if cutoff_hz < 0.4 * ROWS_HZ {
+        low_pass(&mut values, cutoff_hz);
+    }
+    let ends = (ENDS / every).min(values.len() / 2);
+    values[ends..values.len() - ends].to_vec()
+}
+
+/// What a force adds to the balances; the speed's has its part along the course.
 fn pushed(run: &Ridden) -> Vec<Balances> {
     let truths = run.truths.iter().step_by(STEPS);
-    let mut rows: Vec<Balances> = run
-        .added
-        .iter()
-        .zip(truths)
-        .map(|([x, y, turn], truth)| [*x, x * truth.beta.cos(), *y, *turn])
-        .collect();
-    rows.resize(run.rows.len().div_ceil(STRIDE), [0.0; 4]);
+    let of = |([x, y, turn], truth): (&[f64; 3], &Truth)| [*x, x * truth.beta.cos(), *y, *turn];
+    let mut rows: Vec<Balances> = run.added.iter().zip(truths).map(of).collect();
+    // Where nothing is felt nothing was added.
+    rows.resize(run.rows.len(), [0.0; 4]);
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::other_worlds::EFFECTS;
+    use crate::other_worlds::wrong::World;
+
+    /// Four short runs of a clean world.
+    fn gauge<'a>(wrong: &'a Wrong, sled: &'a Sled, roads: &'a [Road; 2]) -> Gauge<'a> {
+        let source = &mut Source::new(3, "starts");
+        let starts = (0..4).map(|k| Start {
+            name: format!("r{k}"),
+            track: k % 2,
+            plan: Plan::draw(0.0, &mut Source::new(4, "driver"), source),
+        });
+        Gauge {
+            wrong,
+            sled,
+            roads,
+            starts: starts.collect(),
+            seconds: 12.0,
+            seed: 3,
+        }
+    }
+
+    fn world() -> (Wrong, Sled, [Road; 2]) {
+        let source = &mut Source::new(3, "world");
+        let wrong = Wrong::draw(World::Clean, source);
+        let roads = ["a", "b"].map(|name| Road::draw(name, source));
+        (wrong, Sled::published(), roads)
+    }
+
+    fn hidden(case: &str) -> Hidden {
+        let effect = *EFFECTS.iter().find(|e| e.case == case).unwrap();
+        Hidden {
+            effect,
+            size: effect.size,
+            place_m: [120.0, 135.0],
+            strength: 1.0,
+        }
+    }
+
+    #[test]
+    fn without_noise_and_effects_the_inversion_leaves_nothing_of_these_rides() {
+        let (wrong, sled, roads) = world();
+        let gauge = gauge(&wrong, &sled, &roads);
+        let nothing = hidden("slip-offset").of_amount(0.0);
+        let still = gauge.still(&nothing).unwrap();
+        for run in &still.rides {
+            let left = gauge.residuals(1, run, &run.rows, &stated(&sled, &run.start.plan));
+            for c in 0..4 {
+                let values = inside(left.iter().map(|at| at[c]).collect(), c, 1);
+                let rms = (dot(&values, &values) / values.len() as f64).sqrt();
+                // Steps of 5 ms and derivatives of rows.
+                let noise = still.noise_sd[c];
+                assert!(rms < 0.1 * noise, "channel {c}: {rms} of {noise}");
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_of_a_linear_effect_go_with_the_root_of_the_share() {
+        let (wrong, sled, roads) = world();
+        let gauge = gauge(&wrong, &sled, &roads);
+        // The side force of camber bends the way, and with it what it adds.
+        for (case, within) in [
+            ("slip-offset", 0.02),
+            ("speed-bias", 0.02),
+            ("camber-thrust", 0.06),
+        ] {
+            let of = |share| gauge.sized(&hidden(case), share);
+            let [(small, a), (large, b)] = [0.007, 0.06].map(of);
+            assert!((a / 0.007 - 1.0).abs() < WITHIN && (b / 0.06 - 1.0).abs() < WITHIN);
+            let grown = large.size / small.size;
+            assert!(
+                (grown / (b / a).sqrt() - 1.0).abs() < within,
+                "{case} {grown}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_the_installation_imitates_has_no_share_and_stops_at_its_bound() {
+        let (wrong, sled, roads) = world();
+        let gauge = gauge(&wrong, &sled, &roads);
+        assert!(gauge.share(&hidden("slip-offset")) > 1.0);
+        let inertia = hidden("yaw-inertia");
+        assert!(gauge.share(&inertia) < 1e-3);
+        let (size, share) = gauge.sized(&inertia, 0.06);
+        assert!(size.size == inertia.bounds()[1] && share < 0.06);
+    }
 }
