@@ -271,20 +271,15 @@ fn the_share_in_an_answer_is_that_of_the_files() {
         ("clean-effect/speed-bias", [0, 1]),
         ("clean-effect/yaw-inertia", [2, 3]),
     ] {
-        let pairs = [1, 2].map(|seed| {
-            let case = built(id, seed);
-            let squares = mean_squares(&case, sd);
-            let over = pair.map(|c| 2.0 * squares[c] / (nulls[0][c] + nulls[1][c]) - 1.0);
-            [
-                over.into_iter().fold(0.0, f64::max),
-                case.answer.hides[0].share,
-            ]
-        });
-        let [measured, said] = [0, 1].map(|k| 0.5 * (pairs[0][k] + pairs[1][k]));
-        // Noise of two campaigns scatters by 2 % from what its roughness says, that of those with nothing hidden with it; columns here
+        let case = built(id, 1);
+        let squares = mean_squares(&case, sd);
+        let over = pair.map(|c| 2.0 * squares[c] / (nulls[0][c] + nulls[1][c]) - 1.0);
+        let measured = over.into_iter().fold(0.0, f64::max);
+        let said = case.answer.hides[0].share;
+        // Noise of a campaign scatters by 2 % from what its roughness says, that of those with nothing hidden with it; columns here
         // come from what was recorded, the hidden effect with it.
         assert!(
-            (measured - said).abs() < 0.03 + 0.15 * said,
+            (measured - said).abs() < 0.04 + 0.15 * said,
             "{id}: {measured} measured, {said} said"
         );
     }
