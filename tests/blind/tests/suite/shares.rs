@@ -154,7 +154,7 @@ fn read_off(rows: &[[f64; 10]], (c, what, by): (usize, usize, f64)) -> Vec<[f64;
     other
 }
 
-/// Mean squares by channel of what is left of a case after the refit, in units of `sd`, by normal equations as in a textbook; across and
+/// Mean squares by channel of what is left of a case after the refit and of what tolerances spent on it, in units of `sd`, by normal equations as in a textbook; across and
 /// about the vertical over what they are from 6 Hz on, where there is noise alone: it goes with the stiffness of the sled.
 fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
     let (runs, sled) = read(case);
@@ -244,6 +244,10 @@ fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
         }
         system[i] = row;
     }
+    let spent: f64 = system[..count - 5]
+        .iter()
+        .map(|row| row[count].powi(2))
+        .sum();
     std::array::from_fn(|c| {
         let mut rest = target[c].clone();
         for (column, row) in columns.iter().zip(&system) {
@@ -252,7 +256,7 @@ fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
             }
         }
         let mean = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
-        mean(&rest) / if c < 2 { 1.0 } else { mean(&rough[c]) }
+        (mean(&rest) + spent / rest.len() as f64) / if c < 2 { 1.0 } else { mean(&rough[c]) }
     })
 }
 

@@ -108,7 +108,10 @@ impl Gauge<'_> {
         let tolerances = still.columns.len() - BASE.len();
         let mut spreads = vec![1.0; tolerances];
         spreads.resize(still.columns.len(), f64::INFINITY);
-        let left = ridge_out(&still.columns, &spreads, &self.effect(hidden, still));
+        let effect = self.effect(hidden, still);
+        let left = ridge_out(&still.columns, &spreads, &effect);
+        // The least of the sum of squares with the tolerances' own is the effect's product with what is left of it.
+        let spent = (dot(&effect, &left) - dot(&left, &left)).max(0.0);
         let used = self.used();
         let count = left.len() / used.len();
         let pair = if hidden.is_longitudinal() {
@@ -119,7 +122,7 @@ impl Gauge<'_> {
         used.iter()
             .zip(left.chunks(count))
             .filter(|(c, _)| pair.contains(*c))
-            .map(|(_, left)| dot(left, left) / count as f64)
+            .map(|(_, left)| (dot(left, left) + spent) / count as f64)
             .fold(0.0, f64::max)
     }
 
