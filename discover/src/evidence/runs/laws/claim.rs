@@ -17,6 +17,14 @@ use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
 
+/// A law beside a claim.
+pub enum Law {
+    /// It is claimed instead.
+    Instead(Claim<Amplitude>),
+    /// It explains more, but not by enough to take the place of a name: what it is called.
+    Beside(String),
+}
+
 impl Campaign<'_> {
     /// The law that stands out most, where one does, explains more than the claim and leaves less, in full refits, than each of the
     /// `strongest` of the catalogue with their sizes.
@@ -26,7 +34,7 @@ impl Campaign<'_> {
         claim: Option<&Claim<Amplitude>>,
         strongest: &[(Candidate<Amplitude>, f64)],
         options: &ScreenOptions,
-    ) -> Option<Claim<Amplitude>> {
+    ) -> Option<Law> {
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
         if no_model || self.least_p() > options.alpha_beyond {
             return None;
@@ -78,18 +86,23 @@ impl Campaign<'_> {
                 return None;
             }
         }
-        let explained = named
-            .as_ref()
-            .map_or(0.0, |named| without.misfit - named.misfit);
-        if claim.is_some_and(|claim| !self.gives_way(claim, named.as_ref(), explained, &shown)) {
-            return None;
+        if let Some(claim) = claim {
+            let explained = named
+                .as_ref()
+                .map_or(0.0, |named| without.misfit - named.misfit);
+            let [more, error] = self.more_than(named.as_ref(), &shown);
+            if !self.gives_way(claim, explained, [more, error]) {
+                let beside =
+                    !claim.candidate.is_column() && more > self.rules().laws.as_good * error;
+                return beside.then(|| Law::Beside(shown.candidate.effect));
+            }
         }
         let class = teller.class(&shown, &beside, &smooth);
         let strongest = self.strongest_channel(at.residual_model, &shown.candidate, shown.size);
         let remark = best
             .first()
             .and_then(|smooth| self.smoother(smooth, &shown));
-        Some(Claim {
+        Some(Law::Instead(Claim {
             place: self.place_of(&shown.candidate, at),
             channel: CHANNEL_NAMES[strongest],
             size: shown.size,
@@ -100,7 +113,7 @@ impl Campaign<'_> {
             remark,
             parameters: Vec::new(),
             candidate: shown.candidate,
-        })
+        }))
     }
 
     /// The least that the claim, unless it is a column, or one of the `strongest` leaves in a full refit.
@@ -128,32 +141,30 @@ impl Campaign<'_> {
             )
     }
 
-    /// Whether a claim, refitted as `named`, gives way to a law: one of the catalogue to a law that explains more, beyond its scatter and
-    /// by a share that matters of what the claim has `explained`; a column's own form to a formula that does as well.
-    fn gives_way(
-        &self,
-        claim: &Claim<Amplitude>,
-        named: Option<&Refit>,
-        explained: f64,
-        law: &ToldLaw,
-    ) -> bool {
+    /// Whether a claim gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
+    /// beyond it and by a share that matters of what the claim has `explained`; a column's own form to a formula that does as well.
+    fn gives_way(&self, claim: &Claim<Amplitude>, explained: f64, [more, error]: [f64; 2]) -> bool {
         let rules = &self.rules().laws;
         let (beyond, least) = match claim.candidate.is_column() {
             true => (-rules.as_good, f64::NEG_INFINITY),
             false => (rules.beats, self.options.rules.search.material * explained),
         };
-        let [more, error] = match law.refit.as_ref().zip(named) {
+        more > beyond * error && more > least
+    }
+
+    /// How much more a law explains than a claim, refitted as `named`, with its scatter over runs.
+    fn more_than(&self, named: Option<&Refit>, law: &ToldLaw) -> [f64; 2] {
+        match law.refit.as_ref().zip(named) {
             Some((law, named)) => {
                 let [law, named] = [law, named].map(|refit| self.misfit_by_run(refit));
                 difference(&named, &law)
             }
             None => {
-                let none = DMatrix::zeros(1, 1);
-                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none, rules.folds));
+                let (none, folds) = (DMatrix::zeros(1, 1), self.rules().laws.folds);
+                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none, folds));
                 difference(&gains[0], &gains[1])
             }
-        };
-        more > beyond * error && more > least
+        }
     }
 
     /// What is said where a smooth curve explains more than the formula.

@@ -5,6 +5,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
+use crate::evidence::runs::laws::claim::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::windows;
@@ -87,11 +88,15 @@ impl Campaign<'_> {
         }
         let claim = leading.map(|leading| leading.claim).or(claim);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
-        let law = self.law(at, claim.as_ref(), &strongest, &options);
-        Screen {
-            claim: law.or(claim),
-            detectable,
-        }
+        let claim = match self.law(at, claim.as_ref(), &strongest, &options) {
+            Some(Law::Instead(law)) => Some(law),
+            Some(Law::Beside(name)) => claim.map(|mut claim| {
+                claim.class.push(name);
+                claim
+            }),
+            None => claim,
+        };
+        Screen { claim, detectable }
     }
 
     fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
