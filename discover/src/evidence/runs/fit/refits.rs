@@ -23,10 +23,16 @@ pub struct Refit {
 
 impl Refit {
     /// The base, and the effects before, as they stand beside the effect.
-    pub fn beside(&self) -> ResidualModel {
+    fn beside(&self) -> ResidualModel {
         let mut model = self.model.clone();
         model.effects.active.pop();
         model
+    }
+
+    fn sized(mut self, candidate: &Candidate<Amplitude>) -> Option<Self> {
+        let last = self.model.effects.active.last()?;
+        self.size = last.values[candidate.act.parameter];
+        Some(self)
     }
 }
 
@@ -51,11 +57,18 @@ impl Campaign<'_> {
         effort: Effort,
     ) -> Option<Refit> {
         let with = model.with(candidate.active(from));
-        let sized = |mut refit: Refit| {
-            refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
-            Some(refit)
-        };
-        self.beside_either(&with, effort).and_then(sized)
+        self.beside_either(&with, effort)?.sized(candidate)
+    }
+
+    /// The same from where an earlier refit stands, and beside its installation.
+    pub fn refitted_from(
+        &self,
+        earlier: &Refit,
+        candidate: &Candidate<Amplitude>,
+    ) -> Option<Refit> {
+        let with = earlier.beside().with(candidate.active(earlier.size));
+        self.fitted_as_it_is(&with, Effort::COMPARED)?
+            .sized(candidate)
     }
 
     /// A model as it is, fitted; its size is 0.

@@ -15,9 +15,6 @@ use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
 
-/// Most effects of the catalogue that are refitted.
-const MOST: usize = 6;
-
 /// A candidate with what its full refit explains.
 struct Leader<'a> {
     candidate: &'a Candidate<Amplitude>,
@@ -57,7 +54,7 @@ impl Campaign<'_> {
             .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
             .collect();
         order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
-        order.truncate(MOST);
+        order.truncate(self.rules().leaders);
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
         if no_model || self.least_p() > options.alpha || !self.is_large(at, most) {
