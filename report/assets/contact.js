@@ -17,7 +17,8 @@ function contactPage(main, between = null) {
   const map = heatMap((x, y, pinned) => { say(x, y); if (pinned) cut(1e-3 * x, 1e-3 * y); });
   const charts = { along: chart(), alongHeight: chart(), across: chart(), acrossHeight: chart(), peak: chart() };
   const titles = { along: el("h2"), across: el("h2") };
-  const history = el("div"), caseTable = el("div");
+  const history = el("div"), caseTable = el("div"), mounts = el("div");
+  const mountsPanel = panel("What the runner pushes its mount with", mounts);
   main.replaceChildren(
     head, warnings, headline, ...(between ? [between] : []),
     el("div", { class: "panels" },
@@ -25,6 +26,7 @@ function contactPage(main, between = null) {
       panel("Contact pressure", map.box, readout, el("div", { class: "tools" }, partLabel, el("span", {}, "Click or use the arrow keys to move the cuts."))),
       el("section", { class: "panel" }, titles.along, charts.along.box, charts.alongHeight.box),
       el("section", { class: "panel" }, titles.across, charts.across.box, charts.acrossHeight.box),
+      mountsPanel,
       panel("Convergence", charts.peak.box, history),
       panel("The case", caseTable)),
   );
@@ -105,7 +107,9 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(data.case, [...fitOf(data.result.hull_fit), ...mountsOf(data.result.mounts)]));
+    caseTable.replaceChildren(caseOf(data.case, fitOf(data.result.hull_fit)));
+    mountsPanel.hidden = !data.result.mounts?.length;
+    if (!mountsPanel.hidden) mounts.replaceChildren(...mountsOf(data.result.mounts));
   }
   return { show };
 }
@@ -115,9 +119,12 @@ const fitOf = (fit) => (fit ? [["hull's fit", `${metres(fit.residual_rms_m)} fro
 
 /** What each part of a mount bears. */
 function mountsOf(mounts) {
-  const three = (values) => values.map((value) => figure(Math.abs(value) < 1e-6 ? 0 : value, 4)).join(", ");
-  return (mounts ?? []).map((mount) => [`mount at x = ${figure(1e3 * mount.at_m[0], 4)} mm`,
-    `force ${three(mount.force_n)} N, moment ${three(mount.moment_nm)} N m about its middle, largest von Mises stress there ${figure(1e-6 * mount.von_mises_max_pa)} MPa`]);
+  const said = (value) => figure(Math.abs(value) < 1e-6 ? 0 : value, 4);
+  const row = (mount) => [said(1e3 * mount.at_m[0]), ...mount.force_n.map(said), ...mount.moment_nm.map(said), said(1e-6 * mount.von_mises_max_pa)];
+  return [
+    table(["x [mm]", "Fx [N]", "Fy [N]", "Fz [N]", "Mx [N m]", "My [N m]", "Mz [N m]", "von Mises [MPa]"], mounts.map(row)),
+    el("p", { class: "soft" }, "A row a part of the mount: its middle along the runner, the force, the moment about that middle, and the steel's largest von Mises stress there. On the last mesh; at the rim of what is held that stress grows with finer meshes."),
+  ];
 }
 
 /** What an elastic runner adds to the headline. */
