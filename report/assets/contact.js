@@ -120,10 +120,15 @@ const fitOf = (fit) => (fit ? [["hull's fit", `${metres(fit.residual_rms_m)} fro
 /** What each part of a mount bears. */
 function mountsOf(mounts) {
   const said = (value) => figure(Math.abs(value) < 1e-6 ? 0 : value, 4);
-  const row = (mount) => [said(1e3 * mount.at_m[0]), ...mount.force_n.map(said), ...mount.moment_nm.map(said), said(1e-6 * mount.von_mises_max_pa)];
+  const row = (name, of) => [name, ...mounts.map((mount) => said(of(mount)))];
+  const along = ["along", "across", "upwards"], about = ["x (roll)", "y (pitch)", "z (yaw)"];
   return [
-    table(["x [mm]", "Fx [N]", "Fy [N]", "Fz [N]", "Mx [N m]", "My [N m]", "Mz [N m]", "von Mises [MPa]"], mounts.map(row)),
-    el("p", { class: "soft" }, "A row a part of the mount: its middle along the runner, the force, the moment about that middle, and the steel's largest von Mises stress there. On the last mesh; at the rim of what is held that stress grows with finer meshes."),
+    table(["middle at x [mm]", ...mounts.map((mount) => said(1e3 * mount.at_m[0]))], [
+      ...along.map((name, k) => row(`force ${name} [N]`, (mount) => mount.force_n[k])),
+      ...about.map((name, k) => row(`moment about ${name} [N m]`, (mount) => mount.moment_nm[k])),
+      row("largest von Mises stress [MPa]", (mount) => 1e-6 * mount.von_mises_max_pa),
+    ]),
+    el("p", { class: "soft" }, "Moments are about the middle of each part of the mount. All is of the last mesh; at the rim of what is held the steel's stress grows with finer meshes."),
   ];
 }
 
@@ -195,6 +200,13 @@ function slidingMeshes(data, charts, history) {
       meshes.map((s, k) => [String(k + 1), String(s.dofs), String(s.contact_nodes), String(s.corrections), (1e6 * s.groove_depth_m).toFixed(2), s.ploughing_by_work_n.toFixed(3)])));
 }
 
+/** Meshes in runs that grow: one that is graded anew begins with fewer unknowns. */
+function gradingsOf(levels) {
+  const runs = [];
+  levels.forEach((mesh, k) => { if (k === 0 || mesh.dofs < levels[k - 1].dofs) runs.push([]); runs[runs.length - 1].push(mesh); });
+  return runs;
+}
+
 function convergence(data, charts, history) {
   if (data.result.sliding_history?.length) { slidingMeshes(data, charts, history); return; }
   const last = [];
@@ -203,7 +215,7 @@ function convergence(data, charts, history) {
   charts.peak.draw({
     x: { title: "unknowns", log: true }, y: { title: "peak [MPa]" }, height: 190,
     bands: [{ low: 1e-6 * (result.p_max_pa - error), high: 1e-6 * (result.p_max_pa + error) }],
-    series: [{ x: levels.map((s) => s.dofs), y: levels.map((s) => 1e-6 * s.p_max_pa), colour: "var(--accent)", points: true }],
+    series: gradingsOf(levels).map((meshes) => ({ x: meshes.map((s) => s.dofs), y: meshes.map((s) => 1e-6 * s.p_max_pa), colour: "var(--accent)", points: true })),
   });
   history.replaceChildren(
     el("p", { class: "soft" }, "Peak pressure on each mesh; the band is the extrapolated peak with its estimated error. Below, what the solver did on each: nodes that touch, projected sweeps that find them, solves on the set that they found (accepted when the energy falls), and iterations of these."),
