@@ -19,8 +19,8 @@ use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 const MOST_BYTES: u64 = 1 << 31;
 /// Steepest slope of the solid under a runner that is flat across, as a luge steel.
 const GENTLE: f64 = 0.15;
-/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of the defaults gains 0.0005 of
-/// it, a bobsled runner 0.03.
+/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of the defaults gains 0.0009 of
+/// it, a bobsled runner 0.045.
 const LITTLE: f64 = 0.01;
 
 /// A case's problem with the hull that it came from.
