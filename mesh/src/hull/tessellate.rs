@@ -8,6 +8,9 @@ use crate::shapes::underside::Underside;
 
 /// Largest turn of the section over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
+/// A facet is longer than its neighbour across by at most this part of their mean: a smooth surface is fitted to them later, which cannot
+/// follow a sharp edge whose neighbour is a hundred times as wide.
+const GRADING: f64 = 0.25;
 /// Samples of the section from which its facets are spaced.
 const SAMPLES: usize = 4000;
 /// Most vertices in one hull.
@@ -89,7 +92,7 @@ pub fn tessellate_turning(
     Ok(hull)
 }
 
-/// Positions across: steps of at most `edge_length` along the section and turns of at most `largest_turn`.
+/// Positions across: steps of at most `edge_length` along the section and turns of at most `largest_turn`, which grow gradually.
 fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64>, MeshError> {
     let section = runner.section();
     let [y0, y1] = section.extent();
@@ -98,7 +101,8 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
         let angle = std::f64::consts::PI * (i as f64 / SAMPLES as f64 - 0.5);
         (0.5 * (y0 + y1) + 0.5 * (y1 - y0) * angle.sin()).clamp(y0, y1)
     };
-    let mut measure = vec![0.0];
+    let mut lengths = Vec::with_capacity(SAMPLES);
+    let mut steps = Vec::with_capacity(SAMPLES);
     let mut direction: Option<f64> = None;
     for i in 0..SAMPLES {
         let (dy, dz) = (
@@ -108,7 +112,19 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
         let turned = dz.atan2(dy);
         let turn = direction.map_or(0.0, |before| (turned - before).abs());
         direction = Some(turned);
-        measure.push(measure[i] + (dy.hypot(dz) / edge_length).max(turn / largest_turn));
+        let length = dy.hypot(dz);
+        lengths.push(length);
+        steps.push(length / (length / edge_length).max(turn / largest_turn));
+    }
+    let mut grade = |from: usize, to: usize| {
+        let distance = 0.5 * (lengths[from] + lengths[to]);
+        steps[to] = steps[to].min(steps[from] + GRADING * distance);
+    };
+    (1..SAMPLES).for_each(|i| grade(i - 1, i));
+    (1..SAMPLES).rev().for_each(|i| grade(i, i - 1));
+    let mut measure = vec![0.0];
+    for (i, (length, step)) in lengths.iter().zip(&steps).enumerate() {
+        measure.push(measure[i] + length / step);
     }
     let total = measure[SAMPLES];
     if total > MOST_VERTICES {
@@ -205,6 +221,13 @@ mod tests {
     fn a_sharp_edge_gets_facets_of_its_own_size() {
         let ys = across(&LugeSteel::default().swept().unwrap(), 1e-3, LARGEST_TURN).unwrap();
         assert!(ys.iter().filter(|y| y.abs() < 0.31e-3).count() > 6);
+        // No facet is much wider than its neighbour.
+        let steps: Vec<f64> = ys.windows(2).map(|y| y[1] - y[0]).collect();
+        let last = steps.len() - 2;
+        let beside = steps.windows(2).enumerate().skip(10).take(last - 12);
+        let widest = beside.map(|(_, s)| s[1] / s[0]).fold(0.0, f64::max);
+        assert!(widest < 2.0, "{widest} of {}", steps.len());
+        assert!(steps.iter().any(|s| *s > 0.9e-3));
     }
 
     #[test]
