@@ -123,8 +123,8 @@ impl Evidence for Campaign<'_> {
 
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
         account.remarks.extend(self.too_few());
-        account.remarks.extend(self.data.remarks.iter().cloned());
-        account.remarks.extend(self.outside.iter().cloned());
+        let told = self.data.remarks.iter().chain(&self.outside);
+        account.remarks.extend(told.cloned());
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
@@ -141,10 +141,9 @@ impl Evidence for Campaign<'_> {
         if self.data.noise_estimated {
             let n = &self.data.noise;
             let [low, high] = self.rules().estimated_noise_trust;
-            let low = if low == 0.5 {
-                "half".to_owned()
-            } else {
-                format!("{low}")
+            let low = match low {
+                0.5 => "half".to_owned(),
+                low => low.to_string(),
             };
             account.remarks.push(format!(
                 "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; claims must hold from {low} to {high} times their bias",
@@ -218,9 +217,9 @@ impl Evidence for Campaign<'_> {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
-        // A large effect has hidden what the installation is off by, and bent base and what was found of it: both are found anew.
-        let start = self.beside_either(&next, Effort::COMPARED);
-        let start = start.map_or(next, |refit| refit.model);
+        // A large effect has bent the base and hidden what the installation is off by: both are found anew.
+        let refit = self.beside_either(&next, Effort::COMPARED);
+        let start = refit.map_or(next, |refit| refit.model);
         let next = self.installed(&self.least_squares(&start, owners)?)?;
         let stretch = claim.candidate.act.track.is_some();
         Ok(Added {
@@ -283,12 +282,10 @@ impl Evidence for Campaign<'_> {
             .or(channels.first());
         Ok(Opened {
             held_out: HeldOut {
-                what: if self.data.segmented {
-                    "segment"
-                } else {
-                    "run"
-                }
-                .to_owned(),
+                what: match self.data.segmented {
+                    true => "segment".to_owned(),
+                    false => "run".to_owned(),
+                },
                 runs: self.held.iter().map(|f| f.name.clone()).collect(),
                 gap_before: one.map_or(0.0, |c| c.before),
                 gap_after: one.map_or(0.0, |c| c.after),

@@ -20,7 +20,7 @@ use crate::procedure::evidence::Claim;
 /// A law beside a claim.
 pub enum Law {
     /// It is claimed instead.
-    Instead(Claim<Amplitude>),
+    Instead(Box<Claim<Amplitude>>),
     /// It explains more, but not by enough to take the place of a name: what it is called.
     Beside(String),
 }
@@ -94,7 +94,7 @@ impl Campaign<'_> {
             if !self.gives_way(claim, explained, [more, error]) {
                 let beside =
                     !claim.candidate.is_column() && more > self.rules().laws.as_good * error;
-                return beside.then(|| Law::Beside(shown.candidate.effect));
+                return beside.then_some(Law::Beside(shown.candidate.effect));
             }
         }
         let class = teller.class(&shown, &beside, &smooth);
@@ -102,7 +102,7 @@ impl Campaign<'_> {
         let remark = best
             .first()
             .and_then(|smooth| self.smoother(smooth, &shown));
-        Some(Law::Instead(Claim {
+        Some(Law::Instead(Box::new(Claim {
             place: self.place_of(&shown.candidate, at),
             channel: CHANNEL_NAMES[strongest],
             size: shown.size,
@@ -113,7 +113,7 @@ impl Campaign<'_> {
             remark,
             parameters: Vec::new(),
             candidate: shown.candidate,
-        }))
+        })))
     }
 
     /// The least that the claim, unless it is a column, or one of the `strongest` leaves in a full refit.

@@ -25,14 +25,6 @@ struct Leader<'a> {
     gains: Vec<f64>,
 }
 
-/// A claim by full refits, with what it explains, in units of the noise's variance.
-pub struct Leading {
-    /// The claim.
-    pub claim: Claim<Amplitude>,
-    /// What it explains.
-    pub gain: f64,
-}
-
 impl Campaign<'_> {
     /// Whether what stands out is large by what it explains.
     pub fn is_large(&self, at: &Current, most: f64) -> bool {
@@ -41,7 +33,8 @@ impl Campaign<'_> {
     }
 
     /// Where something is large, the effect of the catalogue that leaves less, in a full refit, than the claim and all others whose scores
-    /// are large, and stands out run by run; `None` where that is the claim, or something small.
+    /// are large, and stands out run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the
+    /// claim, or something small.
     pub fn leading(
         &self,
         at: &Current,
@@ -49,7 +42,7 @@ impl Campaign<'_> {
         regular: &[Candidate<Amplitude>],
         claim: Option<&Claim<Amplitude>>,
         options: &ScreenOptions,
-    ) -> Option<Leading> {
+    ) -> Option<(Claim<Amplitude>, f64)> {
         let mut order: Vec<usize> = (0..regular.len())
             .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
             .collect();
@@ -91,10 +84,8 @@ impl Campaign<'_> {
             return None;
         }
         let p_value = p_of(&leaders, best, options);
-        (p_value <= options.alpha).then(|| Leading {
-            claim: self.claim_of(at, screen, &leaders, best, (gain, p_value)),
-            gain,
-        })
+        let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
+        (p_value <= options.alpha).then(|| (claim(), gain))
     }
 
     fn claim_of(

@@ -76,20 +76,17 @@ impl Campaign<'_> {
                 .enumerate()
                 .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
                 .map(|(c, _)| screen.seen[c].gain)
-                .fold(
-                    leading.as_ref().map_or(0.0, |leading| leading.gain),
-                    f64::max,
-                );
+                .fold(leading.as_ref().map_or(0.0, |(_, gain)| *gain), f64::max);
             if found.gain > self.rules().contacts.over * most {
                 let claim = self.claim_contacts(&found);
                 self.claimed = Some(found);
                 return Screen { claim, detectable };
             }
         }
-        let claim = leading.map(|leading| leading.claim).or(claim);
+        let claim = leading.map(|(claim, _)| claim).or(claim);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
         let claim = match self.law(at, claim.as_ref(), &strongest, &options) {
-            Some(Law::Instead(law)) => Some(law),
+            Some(Law::Instead(law)) => Some(*law),
             Some(Law::Beside(name)) => claim.map(|mut claim| {
                 claim.class.push(name);
                 claim
