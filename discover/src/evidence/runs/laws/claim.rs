@@ -260,9 +260,22 @@ impl Teller<'_> {
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
+        // A product with the law's own column is beside it where it explains more.
+        let products = smooth
+            .iter()
+            .filter(|other| (other.stands || any) && other.columns.len() == 2)
+            .filter(|other| {
+                law.formula
+                    .columns
+                    .iter()
+                    .all(|x| other.columns.contains(x))
+            })
+            .filter(|other| total(&other.gains) > total(&law.formula.gains))
+            .map(|other| &other.columns);
         let named = |columns: &Vec<usize>| name(columns, &self.terms.names);
         let others = on_sensor.map(|other| named(&other.formula.columns));
-        let others = others.chain(single.map(named).filter(|other| !within(own, other)));
+        let alone = single.chain(products).map(named);
+        let others = others.chain(alone.filter(|other| !within(own, other)));
         let mut class = vec![own.clone()];
         for other in others {
             if !class.contains(&other) {
