@@ -1,8 +1,6 @@
 //! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at, and
 //! with it what they say of it.
 
-use nalgebra::DMatrix;
-
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
@@ -11,7 +9,7 @@ use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::finding::report::Rival;
-use crate::null::sign_flips::MaxT;
+use crate::null::sign_flips::chances_of_gains;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
 
@@ -72,9 +70,10 @@ impl Campaign<'_> {
                 })
             })
             .collect();
-        let best = leaders
+        let (place, best) = leaders
             .iter()
-            .min_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit))?;
+            .enumerate()
+            .min_by(|a, b| a.1.refit.misfit.total_cmp(&b.1.refit.misfit))?;
         let gain = 2.0 * (without.misfit - best.refit.misfit);
         let claimed = claim.map(|claim| match same(&claim.candidate, best.candidate) {
             true => f64::NEG_INFINITY,
@@ -83,7 +82,8 @@ impl Campaign<'_> {
         if !self.is_large(at, gain) || claimed.is_some_and(|left| left <= best.refit.misfit) {
             return None;
         }
-        let p_value = p_of(&leaders, best, options);
+        let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
+        let p_value = chances_of_gains(&gains, options.flips, options.seed)[place];
         let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
         (p_value <= options.alpha).then(|| (claim(), gain))
     }
@@ -141,12 +141,4 @@ impl Campaign<'_> {
 /// Whether two candidates are one amplitude of one effect.
 fn same(a: &Candidate<Amplitude>, b: &Candidate<Amplitude>) -> bool {
     (&a.effect, &a.act.track, a.act.parameter) == (&b.effect, &b.act.track, b.act.parameter)
-}
-
-/// The chance that one of all leaders explains as much run by run as the best does.
-fn p_of(leaders: &[Leader], best: &Leader, options: &ScreenOptions) -> f64 {
-    let gains = DMatrix::from_fn(leaders.len(), best.gains.len(), |c, i| leaders[c].gains[i]);
-    let null = MaxT::by_sign_flips(&gains, options.flips, options.seed);
-    let norm = best.gains.iter().map(|g| g * g).sum::<f64>().sqrt();
-    null.p_value(total(&best.gains).max(0.0) / norm.max(1e-300))
 }
