@@ -9,6 +9,7 @@ use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
+use crate::evidence::runs::fit::refits::Refits;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::clocks::spread_of_delays;
 use crate::evidence::runs::model::design::{Design, Products};
@@ -103,6 +104,8 @@ pub struct Current<'a> {
     pub free: &'a [usize],
     /// Simulates runs with it.
     pub simulator: &'a RunSimulator,
+    /// Refits beside it.
+    pub refits: Refits,
 }
 
 /// Pairs of twins behind each Newton step where an installation may be off: what they leave in doubt, 7 % of what is taken off, is less
@@ -110,6 +113,22 @@ pub struct Current<'a> {
 pub const BESIDE_INSTALLATION: [u64; 2] = [1, 2];
 
 impl<'a> Current<'a> {
+    /// A model of which nothing has been refitted.
+    pub fn new(
+        residual_model: &'a ResidualModel,
+        whitener: &'a Whitener,
+        free: &'a [usize],
+        simulator: &'a RunSimulator,
+    ) -> Self {
+        Self {
+            residual_model,
+            whitener,
+            free,
+            simulator,
+            refits: Refits::default(),
+        }
+    }
+
     /// Its rows' derivatives for candidates that act everywhere.
     pub fn design(&self, candidates: &'a [Candidate<Amplitude>]) -> Design<'a> {
         Design {

@@ -158,12 +158,7 @@ impl Evidence for Campaign<'_> {
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
-        let at = Current {
-            residual_model,
-            whitener: &whitener,
-            free: &free,
-            simulator: &simulator,
-        };
+        let at = Current::new(residual_model, &whitener, &free, &simulator);
         let track = self.surveyed(residual_model, &simulator, account);
         let mut screen = self.within_runs(&at, track.as_ref(), account);
         if screen.claim.is_none() {

@@ -23,6 +23,12 @@ pub struct Amplitude {
 }
 
 impl Candidate<Amplitude> {
+    /// Whether another is the same amplitude of the same effect in the same place.
+    pub fn is(&self, other: &Self) -> bool {
+        let place = |c: &Self| (c.act.track.clone(), c.act.parameter, c.window());
+        self.effect == other.effect && place(self) == place(other)
+    }
+
     /// The effect at an amplitude.
     pub fn active(&self, amplitude: f64) -> Active {
         let mut values = self.act.values.clone();

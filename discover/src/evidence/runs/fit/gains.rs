@@ -15,27 +15,32 @@ use crate::evidence::runs::recordings::frame::Frame;
 
 /// Means over the runs of `ln |dr/da|`, by channel in use.
 pub fn log_gains(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> Vec<f64> {
-    /// Samples of a run: masses and scales are the same all along, and what a bent sensor reads is not by much.
-    const SAMPLES: usize = 16;
-    let of_run = |frame: &Frame| {
-        let on_run = ModelOnRun::new(model, frame);
-        let stride = frame.len().div_ceil(SAMPLES);
-        let taken: Vec<usize> = frame.samples().step_by(stride.max(1)).collect();
-        let rows = frame.row_count() as f64;
-        let mut sums = [0.0; BALANCES];
-        for i in &taken {
-            for (sum, gain) in sums.iter_mut().zip(on_run.gains(*i)) {
-                *sum += rows * gain.abs().max(1e-300).ln() / taken.len() as f64;
-            }
-        }
-        (sums, rows)
-    };
-    let each: Vec<([f64; BALANCES], f64)> = frames.par_iter().map(of_run).collect();
-    let rows: f64 = each.iter().map(|(_, rows)| rows).sum();
+    let each: Vec<[f64; BALANCES]> = frames.par_iter().map(|f| log_gains_of(model, f)).collect();
+    let rows = frames.iter().map(|frame| frame.row_count() as f64);
+    let all: f64 = rows.clone().sum();
     (0..BALANCES)
         .filter(|c| used[*c])
-        .map(|c| each.iter().map(|(sums, _)| sums[c]).sum::<f64>() / rows.max(1.0))
+        .map(|c| {
+            let of_runs = each.iter().zip(rows.clone());
+            of_runs.map(|(mean, n)| n * mean[c]).sum::<f64>() / all.max(1.0)
+        })
         .collect()
+}
+
+/// Means over one run of `ln |dr/da|`, by balance.
+pub fn log_gains_of(model: &ResidualModel, frame: &Frame) -> [f64; BALANCES] {
+    /// Samples of a run: masses and scales are the same all along, and what a bent sensor reads is not by much.
+    const SAMPLES: usize = 16;
+    let on_run = ModelOnRun::new(model, frame);
+    let stride = frame.len().div_ceil(SAMPLES);
+    let taken: Vec<usize> = frame.samples().step_by(stride.max(1)).collect();
+    let mut means = [0.0; BALANCES];
+    for i in &taken {
+        for (mean, gain) in means.iter_mut().zip(on_run.gains(*i)) {
+            *mean += gain.abs().max(1e-300).ln() / taken.len() as f64;
+        }
+    }
+    means
 }
 
 /// How they change with each fitted amplitude of the model's effects, in the unit in which it is fitted.

@@ -1,11 +1,15 @@
 //! Full refits of base and effect together.
 
+use std::sync::{Arc, Mutex, OnceLock};
+
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gains::log_gains_of;
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
+use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
 /// Base and effect fitted together.
@@ -36,19 +40,55 @@ impl Refit {
     }
 }
 
+/// Refits beside one model, each made once.
+#[derive(Default)]
+pub struct Refits {
+    /// Of the model alone.
+    alone: OnceLock<Option<Refit>>,
+    /// With one candidate more.
+    with: Mutex<Vec<(Candidate<Amplitude>, Option<Arc<Refit>>)>>,
+}
+
+impl Refits {
+    fn found(&self, candidate: &Candidate<Amplitude>) -> Option<Option<Arc<Refit>>> {
+        let known = self.with.lock().expect("no refit panics");
+        let mut known = known.iter();
+        known
+            .find(|(other, _)| candidate.is(other))
+            .map(|(_, refit)| refit.clone())
+    }
+}
+
 impl Campaign<'_> {
-    /// What base and effect leave when they are fitted together, the effect in its exact form: the criterion of [`fit`] over the training
-    /// runs, with what the installation costs; infinite where they cannot be fitted.
+    /// Base and candidate fitted together, the effect in its exact form, from about the size that a screen gave it; nothing where they
+    /// cannot be fitted. Made once for each candidate.
     ///
     /// The installation is as it was found, or as it is stated, whichever leaves less: where it is off no model fits without it, and
     /// without the effect it may have been bent to stand for it.
-    pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-        let refitted = self.refitted(at.residual_model, candidate, size, Effort::COMPARED);
-        refitted.map_or(f64::INFINITY, |refit| refit.misfit)
+    pub fn refitted_at(
+        &self,
+        at: &Current,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+    ) -> Option<Arc<Refit>> {
+        if let Some(known) = at.refits.found(candidate) {
+            return known;
+        }
+        let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+        let refit = self.refitted(at.residual_model, candidate, from, Effort::COMPARED);
+        let refit = refit.map(Arc::new);
+        let mut known = at.refits.with.lock().expect("no refit panics");
+        known.push((candidate.clone(), refit.clone()));
+        refit
     }
 
-    /// The same with the model that leaves least, `model` without the effect and `from` being first guesses; nothing where they cannot be
-    /// fitted.
+    /// The model as it is, fitted; its size is 0. Made once.
+    pub fn refitted_alone<'r>(&self, at: &'r Current) -> Option<&'r Refit> {
+        let alone = || self.beside_either(at.residual_model, Effort::COMPARED);
+        at.refits.alone.get_or_init(alone).as_ref()
+    }
+
+    /// A candidate fitted together with `model`, which lacks it, `from` being a first guess.
     pub fn refitted(
         &self,
         model: &ResidualModel,
@@ -69,11 +109,6 @@ impl Campaign<'_> {
         let with = earlier.beside().with(candidate.active(earlier.size));
         self.fitted_as_it_is(&with, Effort::COMPARED)?
             .sized(candidate)
-    }
-
-    /// A model as it is, fitted; its size is 0.
-    pub fn refitted_alone(&self, model: &ResidualModel) -> Option<Refit> {
-        self.beside_either(model, Effort::COMPARED)
     }
 
     /// A model fitted beside its own installation, and from the given base beside the stated one: whichever leaves less.
@@ -100,18 +135,20 @@ impl Campaign<'_> {
         })
     }
 
-    /// The misfit by run, but for a constant.
+    /// The misfit by run, but for a constant: of what the installation costs each has the same share.
     pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
-        let of_run = |rows: &ChannelRows| {
-            let channels = (0..3).filter(|c| self.used[*c]);
+        let cost = refit.model.installation.cost() / self.training.len().max(1) as f64;
+        let of_run = |(frame, rows): (&Frame, &ChannelRows)| {
+            let gains = log_gains_of(&refit.model, frame);
+            let channels = (0..BALANCES).filter(|c| self.used[*c]);
             let each = channels.map(|c| {
                 let sd = refit.whitener.sd[c];
                 let squares: f64 = rows[c].iter().map(|x| (x / sd).powi(2)).sum();
-                0.5 * squares + rows[c].len() as f64 * sd.ln()
+                0.5 * squares + rows[c].len() as f64 * (sd.ln() - gains[c])
             });
-            each.sum()
+            cost + each.sum::<f64>()
         };
         let all = residuals(&refit.model, &self.training);
-        all.iter().map(of_run).collect()
+        self.training.iter().zip(&all).map(of_run).collect()
     }
 }

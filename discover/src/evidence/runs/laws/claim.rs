@@ -5,7 +5,6 @@ use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
@@ -58,15 +57,13 @@ impl Campaign<'_> {
         if leaders.is_empty() && claim.is_none() && !self.is_large(at, most) {
             return None;
         }
-        let without = self.refitted_alone(at.residual_model)?;
-        let named = claim.and_then(|claim| {
-            let (model, size) = (at.residual_model, claim.size);
-            self.refitted(model, &claim.candidate, size, Effort::COMPARED)
-        });
+        let without = self.refitted_alone(at)?;
+        let named = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
+        let named = named.as_deref();
         let gain = |refit: &Refit| 2.0 * (without.misfit - refit.misfit);
-        most = most.max(named.as_ref().map_or(0.0, gain));
+        most = most.max(named.map_or(0.0, gain));
         if self.is_large(at, most)
-            && let Some((law, p)) = teller.bent(&without, options)
+            && let Some((law, p)) = teller.bent(without, options)
         {
             leaders.push(law);
             p_value = p_value.min(p);
@@ -76,7 +73,7 @@ impl Campaign<'_> {
             .min_by(|a, b| a.left.total_cmp(&b.left))?;
         let mut beside = Vec::new();
         if shown.candidate.act.carrier.is_none() {
-            let least = self.least_left(at, claim.zip(named.as_ref()), strongest);
+            let least = self.least_left(at, claim.zip(named), strongest);
             // Nearer numbers do not double what a formula explains.
             if without.misfit - shown.left < self.rules().leads * (without.misfit - least) {
                 return None;
@@ -87,10 +84,8 @@ impl Campaign<'_> {
             }
         }
         if let Some(claim) = claim {
-            let explained = named
-                .as_ref()
-                .map_or(0.0, |named| without.misfit - named.misfit);
-            let [more, error] = self.more_than(named.as_ref(), &shown);
+            let explained = named.map_or(0.0, |named| without.misfit - named.misfit);
+            let [more, error] = self.more_than(named, &shown);
             if !self.gives_way(claim, explained, [more, error]) {
                 let beside =
                     !claim.candidate.is_column() && more > self.rules().laws.as_good * error;
@@ -124,21 +119,11 @@ impl Campaign<'_> {
         strongest: &[(Candidate<Amplitude>, f64)],
     ) -> f64 {
         let named = named.filter(|(claim, _)| !claim.candidate.is_column());
-        let is_named = |c: &Candidate<Amplitude>| {
-            named.is_some_and(|(claim, _)| {
-                let named = &claim.candidate;
-                (&named.effect, &named.act.track, named.act.parameter)
-                    == (&c.effect, &c.act.track, c.act.parameter)
-            })
-        };
+        let of_claim = named.map_or(f64::INFINITY, |(_, refit)| refit.misfit);
         strongest
             .iter()
-            .filter(|(c, _)| !is_named(c))
-            .map(|(candidate, size)| self.misfit_with(at, candidate, *size))
-            .fold(
-                named.map_or(f64::INFINITY, |(_, refit)| refit.misfit),
-                f64::min,
-            )
+            .filter_map(|(candidate, size)| self.refitted_at(at, candidate, *size))
+            .fold(of_claim, |least, refit| least.min(refit.misfit))
     }
 
     /// Whether a claim gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more

@@ -4,8 +4,10 @@
 //! of the training runs at the same place of the same track:
 //!
 //! ```text
-//! by = sum_k (r_from^2 - r_to^2)        repeats = sum r_from . m
+//! by = sum_k (r_from^2 - (r_to g_from / g_to)^2)        repeats = sum r_from . m
 //! ```
+//!
+//! g is what a balance takes of its acceleration.
 
 use std::collections::BTreeMap;
 
@@ -13,6 +15,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
 use crate::evidence::runs::contacts::own::{rows_beneath, without_pushes};
+use crate::evidence::runs::fit::gains::log_gains_of;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
@@ -74,6 +77,12 @@ impl Campaign<'_> {
                 let frame = &*without_pushes(frame);
                 let mut rows = whitened(&before.residuals(frame), &whitener);
                 let mut left = whitened(&after.residuals(frame), &whitener);
+                // A model that counts less of what was measured leaves less, and explains nothing by it.
+                let [gains, of_after] = [before, after].map(|model| log_gains_of(model, frame));
+                for (rows, (after, before)) in left.iter_mut().zip(of_after.iter().zip(&gains)) {
+                    let share = (before - after).exp();
+                    rows.iter_mut().for_each(|r| *r *= share);
+                }
                 if let Some(Told {
                     candidate, size, ..
                 }) = told

@@ -1,9 +1,10 @@
 //! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at, and
 //! with it what they say of it.
 
+use std::sync::Arc;
+
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
@@ -18,7 +19,7 @@ struct Leader<'a> {
     candidate: &'a Candidate<Amplitude>,
     /// Its place in the screen.
     at: usize,
-    refit: Refit,
+    refit: Arc<Refit>,
     /// By run.
     gains: Vec<f64>,
 }
@@ -51,16 +52,12 @@ impl Campaign<'_> {
         if no_model || self.least_p() > options.alpha || !self.is_large(at, most) {
             return None;
         }
-        let without = self.refitted_alone(at.residual_model)?;
-        let bare = self.misfit_by_run(&without);
-        let refitted = |candidate: &Candidate<Amplitude>, size: f64| {
-            let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
-            self.refitted(at.residual_model, candidate, from, Effort::COMPARED)
-        };
+        let without = self.refitted_alone(at)?;
+        let bare = self.misfit_by_run(without);
         let leaders: Vec<Leader> = order
             .iter()
             .filter_map(|c| {
-                let refit = refitted(&regular[*c], screen.seen[*c].size)?;
+                let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
                 let with = self.misfit_by_run(&refit);
                 Some(Leader {
                     candidate: &regular[*c],
@@ -75,11 +72,8 @@ impl Campaign<'_> {
             .enumerate()
             .min_by(|a, b| a.1.refit.misfit.total_cmp(&b.1.refit.misfit))?;
         let gain = 2.0 * (without.misfit - best.refit.misfit);
-        let claimed = claim.map(|claim| match same(&claim.candidate, best.candidate) {
-            true => f64::NEG_INFINITY,
-            false => self.misfit_with(at, &claim.candidate, claim.size),
-        });
-        if !self.is_large(at, gain) || claimed.is_some_and(|left| left <= best.refit.misfit) {
+        let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
+        if !self.is_large(at, gain) || claimed.is_some_and(|c| c.misfit <= best.refit.misfit) {
             return None;
         }
         let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
@@ -136,9 +130,4 @@ impl Campaign<'_> {
             candidate: candidate.clone(),
         }
     }
-}
-
-/// Whether two candidates are one amplitude of one effect.
-fn same(a: &Candidate<Amplitude>, b: &Candidate<Amplitude>) -> bool {
-    (&a.effect, &a.act.track, a.act.parameter) == (&b.effect, &b.act.track, b.act.parameter)
 }
