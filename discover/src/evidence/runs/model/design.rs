@@ -260,10 +260,11 @@ impl Design<'_> {
             let mut sums = vec![0.0; (bins + 1) * m];
             let mut squares = vec![0.0; bins + 1];
             for (row, c) in locals.column(l).iter().enumerate() {
-                let bin = ((place[row % place.len()] - start) / width) as usize;
-                if *c == 0.0 || bin >= bins {
+                let at = (place[row % place.len()] - start) / width;
+                if *c == 0.0 || !(0.0..bins as f64).contains(&at) {
                     continue;
                 }
+                let bin = at as usize;
                 squares[bin + 1] += c * c;
                 let sum = &mut sums[(bin + 1) * m..(bin + 2) * m];
                 for (k, sum) in sum.iter_mut().enumerate() {

@@ -293,6 +293,16 @@ fn held_gain(scores: &Scores, c: usize) -> f64 {
 }
 
 impl RunScreen {
+    /// Some of the regular candidates alone.
+    pub fn only(&self, kept: &[usize]) -> Self {
+        let pairs = |i: usize, j: usize| self.cross[(kept[i], kept[j])];
+        Self {
+            seen: kept.iter().map(|c| self.seen[*c].clone()).collect(),
+            sums: self.sums.only(kept),
+            cross: DMatrix::from_fn(kept.len(), kept.len(), pairs),
+        }
+    }
+
     /// T of regular candidate `a` once `b` has taken its part.
     pub fn beyond(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
@@ -328,26 +338,21 @@ impl RunScreen {
     }
 }
 
-/// The best window of each local candidate, as a candidate of its own with its place in the screen.
-pub fn best_windows(
+/// The window of each local candidate that explains most, with its place in the screen.
+pub fn best_windows<'w>(
     screen: &RunScreen,
-    locals: &[Candidate<Amplitude>],
-    windows: &[Window],
+    windows: &'w [Window],
     regular: usize,
-) -> Vec<(Candidate<Amplitude>, usize)> {
-    (0..locals.len())
-        .filter_map(|l| {
-            let best = windows
-                .iter()
-                .enumerate()
-                .filter(|(w, window)| window.local == l && screen.seen[regular + w].usable)
-                .max_by(|a, b| {
-                    screen.seen[regular + a.0]
-                        .gain
-                        .total_cmp(&screen.seen[regular + b.0].gain)
-                })?;
-            let candidate = locals[l].within(&best.1.track, best.1.from, best.1.to);
-            Some((candidate, regular + best.0))
+) -> Vec<(&'w Window, usize)> {
+    let gain = |c: usize| screen.seen[c].gain;
+    windows
+        .chunk_by(|a, b| a.local == b.local)
+        .scan(regular, |first, of_one| {
+            let places = of_one.iter().zip(*first..);
+            *first += of_one.len();
+            let usable = places.filter(|(_, c)| screen.seen[*c].usable);
+            Some(usable.max_by(|a, b| gain(a.1).total_cmp(&gain(b.1))))
         })
+        .flatten()
         .collect()
 }

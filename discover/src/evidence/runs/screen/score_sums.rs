@@ -25,12 +25,12 @@ impl ScoreSums {
         }
     }
 
-    /// The first `count` candidates alone.
-    pub fn first(&self, count: usize) -> Self {
+    /// Some candidates alone.
+    pub fn only(&self, kept: &[usize]) -> Self {
         Self {
-            u: self.u.rows(0, count).into_owned(),
-            shared: self.shared[..count].to_vec(),
-            common: self.common.rows(0, count).into_owned(),
+            u: self.u.select_rows(kept),
+            shared: kept.iter().map(|c| self.shared[*c]).collect(),
+            common: self.common.select_rows(kept),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::laws::claim::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
-use crate::evidence::runs::model::windows::windows;
+use crate::evidence::runs::model::windows::{Window, windows};
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::on_track::Surveyed;
 use crate::evidence::runs::screen::residual_screen::{
@@ -66,7 +66,7 @@ impl Campaign<'_> {
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
-        let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
+        let places = best_windows(&screen, &all_windows, regular.len());
         let claim = self.choose(at, &screen, &regular, &places, account);
         let leading = self.leading(at, &screen, &regular, claim.as_ref(), &options);
         if let Some(found) = self.contacts_beside(at.residual_model) {
@@ -128,7 +128,7 @@ impl Campaign<'_> {
         at: &Current,
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
-        places: &[(Candidate<Amplitude>, usize)],
+        places: &[(&Window, usize)],
         account: &Account,
     ) -> Option<Claim<Amplitude>> {
         let options = self.screen_options(at, account);
@@ -146,9 +146,14 @@ impl Campaign<'_> {
             candidate.window().is_some()
                 && account.steps.iter().any(|s| s.effect == candidate.effect)
         };
-        let most = (0..regular.len())
-            .map(|c| (&regular[c], c))
-            .chain(places.iter().map(|(candidate, c)| (candidate, *c)))
+        let local = |window: &Window| &self.candidates.local[window.local];
+        let whole = places.iter().map(|(window, c)| {
+            let candidate = local(window).within(&window.track, window.from, window.to);
+            (candidate, *c)
+        });
+        let everywhere = regular.iter().cloned().zip(0..);
+        let most = everywhere
+            .chain(whole)
             .filter(|(candidate, c)| {
                 screen.claimable(*c, candidate, alpha_of(candidate), again(candidate))
             })
@@ -158,18 +163,18 @@ impl Campaign<'_> {
         let close: Vec<(Candidate<Amplitude>, usize)> = places
             .iter()
             .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
-            .map(|(candidate, c)| (self.refined(at, candidate), *c))
+            .map(|(window, c)| (self.refined(at, local(window), window), *c))
             .collect();
-        let list: Vec<Candidate<Amplitude>> = regular
-            .iter()
+        // Those that may be claimed or be a rival.
+        let kept: Vec<usize> = (0..regular.len())
+            .filter(|c| screen.seen[*c].usable && screen.seen[*c].t.abs() >= rules.rivals.least_t)
+            .collect();
+        let of_kept = kept.iter().map(|c| &regular[*c]);
+        let list: Vec<Candidate<Amplitude>> = of_kept
             .chain(close.iter().map(|(candidate, _)| candidate))
             .cloned()
             .collect();
-        let mut together = RunScreen {
-            seen: screen.seen[..regular.len()].to_vec(),
-            sums: screen.sums.first(regular.len()),
-            cross: screen.cross.clone(),
-        };
+        let mut together = screen.only(&kept);
         if !close.is_empty() {
             let design = at.design(&list);
             let noise = noise_products(&design, &self.training, at.simulator, 0);
@@ -181,11 +186,11 @@ impl Campaign<'_> {
                 .collect();
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
-            let (sums, rows) = (ScoreSums::of(&scores), regular.len());
-            for (k, (candidate, c)) in close.iter().enumerate() {
-                together.sums.push(&sums, rows + k);
-                let information = scores.total_information(rows + k).max(1e-300);
-                let sum = scores.sum(rows + k);
+            let sums = ScoreSums::of(&scores);
+            for (k, (candidate, c)) in (kept.len()..).zip(&close) {
+                together.sums.push(&sums, k);
+                let information = scores.total_information(k).max(1e-300);
+                let sum = scores.sum(k);
                 let mut seen = screen.seen[*c].clone();
                 seen.size = sum / information * candidate.typical;
                 seen.gain = sum * sum / information;
@@ -217,7 +222,7 @@ impl Campaign<'_> {
         };
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // Of a class of places, the effect that already acts elsewhere is the simpler account.
-        let known = (regular.len()..list.len()).find(|c| {
+        let known = (kept.len()..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)
