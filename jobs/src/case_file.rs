@@ -168,11 +168,11 @@ impl LoadedCase {
         match hull.underside.coarse_within(solution.approach, patch) {
             None => Ok(()),
             Some(coarse) => {
-                let would_do = match hull.noise > 0.0 {
+                let would_do = match hull.noise.found > 0.0 {
                     true => format!(
                         "noise of {:.3} um where there is {:.3} um, or vertices {:.1} times closer both ways, would do",
-                        1e6 * hull.noise * coarse.noise_share(),
-                        1e6 * hull.noise,
+                        1e6 * hull.noise.found * coarse.noise_share(),
+                        1e6 * hull.noise.found,
                         1.0 / coarse.noise_share()
                     ),
                     false => "give it a finer surface".into(),
@@ -220,7 +220,7 @@ impl LoadedCase {
 }
 
 /// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
-fn patch(field: &SurfaceField) -> [f64; 4] {
+pub(crate) fn patch(field: &SurfaceField) -> [f64; 4] {
     let mut patch = [
         f64::INFINITY,
         f64::NEG_INFINITY,

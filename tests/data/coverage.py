@@ -1,6 +1,8 @@
 """Contacts drawn at random, class by class, with their peak pressure, area and approach. Nothing here is a finite element.
 
-    python coverage.py [SEED] > coverage.csv
+    python coverage.py [SEED [COUNT CLASS...]] > coverage.csv
+
+With classes COUNT contacts of each of them and nothing else.
 
 Hertz's closed form (rigid, two elastic bodies, offset loads, which shift a paraboloid's patch and nothing else); Hankel transforms in depth
 (`layered.py`) for round hulls on one or two layers over a rigid bed; for gaps that are no paraboloid and for ice that yields, rectangles of uniform
@@ -23,6 +25,7 @@ COLUMNS = (
     " bed_thickness_m steel hardness_pa worn_m curvature_1pm p_max_pa area_m2 approach_m truth"
 ).split()
 SEED = int(sys.argv[1]) if sys.argv[1:] else 20261122
+ASKED = sys.argv[3:]
 random = np.random.default_rng(SEED)
 
 
@@ -143,31 +146,36 @@ def layer(kind, low, high):
     row(kind, radius, radius, force, figures, 2e-4, thickness_m=thickness)
 
 
+def draws(kind, count):
+    """So many draws of a class, or as many as were asked of it."""
+    return range(count if not ASKED else int(sys.argv[2]) if kind in ASKED else 0)
+
+
 writer = csv.writer(sys.stdout, lineterminator="\n")
 writer.writerow(COLUMNS)
-for _ in range(70):
+for _ in draws("rigid Hertz", 70):
     section = logarithmic(1e-3, 2e-2)
     # The patch's aspect goes with the radii's ratio to the power 2/3 or so.
     rocker, force = section * logarithmic(1.0, 3e4), logarithmic(100, 8000)
     row("rigid Hertz", rocker, section, force, hertz(rocker, section, modulus(), force))
-for _ in range(20):
+for _ in draws("two elastic bodies", 20):
     section = logarithmic(2e-3, 2e-2)
     rocker, force = section * logarithmic(1.0, 2e4), logarithmic(100, 8000)
     row("two elastic bodies", rocker, section, force, hertz(rocker, section, modulus(True), force), steel=1)
-for _ in range(25):
+for _ in draws("offset load", 25):
     section, rocker, force = logarithmic(3e-3, 1e-2), logarithmic(5, 60), logarithmic(100, 4000)
     places = {"offset_x_m": random.uniform(-0.02, 0.02) * rocker, "offset_y_m": random.uniform(-0.1, 0.1) * section}
     row("offset load", rocker, section, force, hertz(rocker, section, modulus(), force), **places)
 for kind, count, low, high in (("thick layer", 15, 1.0, 10.0), ("layer as thick as the patch", 15, 0.1, 1.0), ("thin layer", 15, 0.02, 0.1)):
-    for _ in range(count):
+    for _ in draws(kind, count):
         layer(kind, low, high)
-for _ in range(15):
+for _ in draws("elastic bed", 15):
     radius, force = logarithmic(0.02, 2.0), logarithmic(100, 4000)
     patch = (0.75 * force * radius / modulus()) ** (1 / 3)
     thickness, bed, bed_modulus = patch * logarithmic(0.3, 3), patch * logarithmic(1, 5), logarithmic(3e9, 60e9)
     figures = layers(radius, force, E, NU, thickness, bed_modulus, 0.2, bed)
     row("elastic bed", radius, radius, force, figures, 2e-4, thickness_m=thickness, bed_youngs_modulus_pa=bed_modulus, bed_thickness_m=bed)
-for _ in range(20):
+for _ in draws("no paraboloid", 20):
     section, force = logarithmic(3e-3, 1e-2), logarithmic(100, 4000)
     rocker = section * logarithmic(1, 3e3)
     peak, area, _ = hertz(rocker, section, modulus(), force)
@@ -177,7 +185,7 @@ for _ in range(20):
     gap = lambda x, y: x * x / (2 * rocker) + quartic * x**4 + y * y / (2 * section)
     *figures, truth = boundary(gap, force, np.inf, (1.25 * a, 1.5 * b))
     row("no paraboloid", rocker, section, force, figures, truth, quartic_1pm3=quartic)
-for _ in range(15):
+for _ in draws("ice that yields", 15):
     section, force = logarithmic(3e-3, 1e-2), logarithmic(100, 4000)
     rocker = section * logarithmic(1, 3e3)
     peak, area, _ = hertz(rocker, section, modulus(), force)
@@ -191,9 +199,9 @@ for _ in range(15):
 # Drawn after the estimates of errors were mended on the rows above, and scored once.
 random = np.random.default_rng(SEED + 1)
 for kind, low, high in (("layer as thick as the patch", 0.1, 1.0), ("thin layer", 0.02, 0.1)):
-    for _ in range(15):
+    for _ in draws(f"{kind} anew", 15):
         layer(f"{kind} anew", low, high)
-for line in csv.DictReader((pathlib.Path(__file__).parent / "slender.csv").open()):
+for line in [] if ASKED else csv.DictReader((pathlib.Path(__file__).parent / "slender.csv").open()):
     numbers = {key: float(value) for key, value in line.items()}
     worn = numbers["worn_m"]
     kind = "worn flat" if worn else "peaks at the ends"

@@ -164,6 +164,7 @@ impl<'a> Meshes<'a> {
         let place = Place {
             approach: mesh.contact.depth(&state),
             tilt: self.gap.tilt(state.motion[1], state.motion[2]),
+            missed: self.patch.missed(&pressure.patch, cells),
         };
         self.solved
             .push(pressure.figures, place, cells, self.graded_anew);

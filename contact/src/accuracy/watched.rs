@@ -14,6 +14,8 @@ pub(crate) struct Watched {
     tilt: [Sequence; 2],
     /// Of the last mesh.
     last: Option<Figures>,
+    /// What rims that it was not made for leave of its approach, relative.
+    missed: f64,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
     left: Left,
@@ -47,13 +49,15 @@ pub(crate) struct Limits {
     pub relative: f64,
 }
 
-/// Where a mesh has the runner.
+/// Where a mesh has the runner, and how it fits the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     /// From first touch [m].
     pub approach: f64,
     /// Pitch and roll [rad].
     pub tilt: [f64; 2],
+    /// What rims that the mesh was not made for leave of the approach, relative.
+    pub missed: f64,
 }
 
 /// Errors of figures that nothing is judged by.
@@ -77,6 +81,7 @@ impl Watched {
             width: Sequence::default(),
             tilt: [Sequence::default(), Sequence::default()],
             last: None,
+            missed: 0.0,
             hardness: hardness.unwrap_or(f64::INFINITY),
             left,
         }
@@ -97,6 +102,7 @@ impl Watched {
             sequence.push(Raw { cells, value }, graded_anew);
         }
         self.last = Some(figures);
+        self.missed = place.missed;
     }
 
     /// How many of the last meshes are similar.
@@ -122,7 +128,7 @@ impl Watched {
             width_error: self.extent_error(&self.width, self.off()[2]),
             approach_error: with(
                 self.approach.last().error,
-                self.left.approach * self.approach.value(),
+                self.left.approach.hypot(self.missed) * self.approach.value(),
             ),
         }
     }
@@ -201,6 +207,7 @@ mod tests {
     const PLACE: Place = Place {
         approach: 1e-6,
         tilt: [0.0; 2],
+        missed: 0.0,
     };
 
     /// A mesh of so many cells whose figures have errors of second order, in parts of their limits 30e6 Pa, 1 m2 and 0.1 m.

@@ -49,6 +49,26 @@ impl Patch {
                 .all(|(mine, theirs)| agree(mine, theirs))
     }
 
+    /// What the approach of a mesh with so many cells over half the patch is off by, relative, since the contact has the rims of `found` and
+    /// the mesh was made for these.
+    ///
+    /// Nodes carry forces up to the middle of a cell, so that a rim is missed by d: its distance from the one expected, at most half a
+    /// cell. The right rim makes the energy least, so that d counts squared: under a force F a paraboloid of radius R that touches within c
+    /// has the approach F / (2 E* c) + c^2 / (3 R) (I. N. Sneddon, Int. J. Eng. Sci. 3, 1965), at c = a + d (d / a)^2 of a^2 / R more than
+    /// at a. Here the means over both ends, and along and across.
+    pub fn missed(&self, found: &Patch, cells: f64) -> f64 {
+        let missed = |mine: &Stretch, theirs: &Stretch| {
+            let at = |here: f64, there: f64| {
+                let cell = mine.size(here) / cells;
+                ((there - here).abs() / mine.half()).min(0.5 * cell).powi(2)
+            };
+            0.5 * (at(mine.low, theirs.low) + at(mine.high, theirs.high))
+        };
+        let along = self.x.iter().zip(&found.x);
+        let along = along.map(|(mine, theirs)| missed(mine, theirs));
+        0.5 * (along.fold(0.0, f64::max) + missed(&self.y, &found.y))
+    }
+
     /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a mesh that does not
     /// know of them, whatever it says of the pressure.
     pub fn refined_at_corners(mut self) -> Self {

@@ -1,5 +1,7 @@
 //! A smooth underside fitted to the vertices of a tessellated hull.
 
+use std::sync::Arc;
+
 use crate::error::MeshError;
 use crate::fit::arc_length::arc_length;
 use crate::fit::bicubic::{Bicubic, Sample};
@@ -22,6 +24,8 @@ use crate::shapes::underside::Underside;
 #[derive(Clone, Debug)]
 pub struct FittedUnderside {
     surface: Surface,
+    /// With every other knot.
+    coarser: Arc<Surface>,
     judgement: Judgement,
 }
 
@@ -98,7 +102,21 @@ impl FittedUnderside {
             symmetric,
         };
         let judgement = Judgement::of(&mut surface, &samples, &coarser, noise);
-        Ok(Self { surface, judgement })
+        let coarser = Arc::new(Surface {
+            spline: coarser,
+            ..surface.clone()
+        });
+        Ok(Self {
+            surface,
+            coarser,
+            judgement,
+        })
+    }
+
+    /// The fit with every other knot: what that changes of a contact bounds what the vertices' distances leave of it, where the fit follows
+    /// vertices without noise.
+    pub fn with_half_the_knots(&self) -> Arc<dyn Underside> {
+        self.coarser.clone()
     }
 
     /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.
@@ -133,11 +151,20 @@ impl FittedUnderside {
     }
 
     /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m] anywhere on the hull.
-    pub fn coarse_within(&self, approach: f64, [x0, x1, y0, y1]: [f64; 4]) -> Option<Coarse> {
+    pub fn coarse_within(&self, approach: f64, patch: [f64; 4]) -> Option<Coarse> {
+        self.judgement.coarse_within(approach, self.near(patch))
+    }
+
+    /// The fit's estimated error [m] on a contact patch `[x_min, x_max, y_min, y_max]` [m].
+    pub fn error_within(&self, patch: [f64; 4]) -> f64 {
+        self.judgement.error_within(self.near(patch))
+    }
+
+    /// A patch and some beyond it along the hull, so that there are places where the fit was judged.
+    fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
         let [a, b, ..] = self.surface.extent;
         let margin = (b - a) / 400.0;
-        let near = [x0 - margin, x1 + margin, y0 - margin, y1 + margin];
-        self.judgement.coarse_within(approach, near)
+        [x0 - margin, x1 + margin, y0 - margin, y1 + margin]
     }
 }
 

@@ -11,8 +11,8 @@ const ROUNDS: usize = 12;
 /// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its middle
 /// candidate until its residuals are what noise of standard deviation `noise` leaves.
 ///
-/// Of each interval the means over quarters (and thirds along the other axis) are tested; noise makes
-/// the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
+/// Of each interval the means over quarters (and thirds along the other axis) are tested, without what residuals have in common all along
+/// the other axis' intervals, whose own breaks mend that; noise makes the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
 /// split together with its mirror image.
 pub(crate) fn refined_fit(
     samples: &[Sample],
@@ -79,13 +79,31 @@ fn badly_fitted(
     let (low, span) = (other[0], other[other.len() - 1] - other[0]);
     let intervals = own.len() - 1;
     let mut bins = vec![(0.0, 0.0); intervals * QUARTERS * THIRDS];
+    // The interval of a place, and which quarter of it.
+    let quarter_of = |breaks: &[f64], place: f64| {
+        let i = breaks
+            .partition_point(|&b| b <= place)
+            .clamp(1, breaks.len() - 1)
+            - 1;
+        let part = (place - breaks[i]) / (breaks[i + 1] - breaks[i]);
+        (i, ((part * QUARTERS as f64) as usize).min(QUARTERS - 1))
+    };
+    let across = |sample: &Sample| {
+        let (i, quarter) = quarter_of(other, sample.at[1 - axis]);
+        i * QUARTERS + quarter
+    };
+    let mut common = vec![(0.0, 0.0); (other.len() - 1) * QUARTERS];
     for (sample, residual) in samples.iter().zip(residuals) {
-        let place = sample.at[axis];
-        let i = own.partition_point(|&b| b <= place).clamp(1, intervals) - 1;
-        let quarter = ((place - own[i]) / (own[i + 1] - own[i]) * QUARTERS as f64) as usize;
+        let (count, sum) = &mut common[across(sample)];
+        *count += 1.0;
+        *sum += residual;
+    }
+    for (sample, residual) in samples.iter().zip(residuals) {
+        let (count, sum) = common[across(sample)];
+        let residual = residual - sum / count;
+        let (i, quarter) = quarter_of(own, sample.at[axis]);
         let third = ((sample.at[1 - axis] - low) / span * THIRDS as f64) as usize;
-        let bin =
-            &mut bins[(i * QUARTERS + quarter.min(QUARTERS - 1)) * THIRDS + third.min(THIRDS - 1)];
+        let bin = &mut bins[(i * QUARTERS + quarter) * THIRDS + third.min(THIRDS - 1)];
         bin.0 += 1.0;
         bin.1 += residual;
     }

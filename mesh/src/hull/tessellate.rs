@@ -8,6 +8,9 @@ use crate::shapes::underside::Underside;
 
 /// Largest turn of the section over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
+/// How much longer a facet is than the one before it, over that one's length: beside an edge's radius a facet as long as elsewhere would
+/// leave the contact without vertices on that side.
+const GROWTH: f64 = 0.5;
 /// Samples of the section from which its facets are spaced.
 const SAMPLES: usize = 4000;
 /// Most vertices in one hull.
@@ -16,7 +19,7 @@ const MOST_VERTICES: f64 = 2e7;
 /// The runner's surface as outward triangles with edges of about `edge_length` [m] on the underside.
 ///
 /// Every vertex of the underside lies on it. Across, facets are shorter where the section turns by
-/// more than 0.25 rad in one edge length. The top is flat, sides and ends are upright.
+/// more than 0.25 rad in one edge length, and grow by a half each from there. The top is flat, sides and ends are upright.
 ///
 /// # Errors
 /// [`MeshError::Parameter`] where the edge length is not positive, [`MeshError::TooMany`] where it
@@ -98,17 +101,31 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
         let angle = std::f64::consts::PI * (i as f64 / SAMPLES as f64 - 0.5);
         (0.5 * (y0 + y1) + 0.5 * (y1 - y0) * angle.sin()).clamp(y0, y1)
     };
-    let mut measure = vec![0.0];
+    let mut lengths = vec![0.0; SAMPLES];
+    let mut wanted = vec![edge_length; SAMPLES];
     let mut direction: Option<f64> = None;
     for i in 0..SAMPLES {
         let (dy, dz) = (
             at(i + 1) - at(i),
             section.height(at(i + 1)) - section.height(at(i)),
         );
+        lengths[i] = dy.hypot(dz);
         let turned = dz.atan2(dy);
         let turn = direction.map_or(0.0, |before| (turned - before).abs());
         direction = Some(turned);
-        measure.push(measure[i] + (dy.hypot(dz) / edge_length).max(turn / largest_turn));
+        if turn * edge_length > largest_turn * lengths[i] {
+            wanted[i] = largest_turn * lengths[i] / turn;
+        }
+    }
+    for i in 1..SAMPLES {
+        wanted[i] = wanted[i].min(wanted[i - 1] + GROWTH * lengths[i]);
+    }
+    for i in (1..SAMPLES).rev() {
+        wanted[i - 1] = wanted[i - 1].min(wanted[i] + GROWTH * lengths[i - 1]);
+    }
+    let mut measure = vec![0.0];
+    for i in 0..SAMPLES {
+        measure.push(measure[i] + lengths[i] / wanted[i]);
     }
     let total = measure[SAMPLES];
     if total > MOST_VERTICES {
