@@ -11,8 +11,8 @@ const ROUNDS: usize = 12;
 /// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its middle
 /// candidate until its residuals are what noise of standard deviation `noise` leaves.
 ///
-/// Of each interval the means over quarters (and thirds along the other axis) are tested, without what residuals have in common all along
-/// the other axis' intervals, whose own breaks mend that; noise makes the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
+/// Of each interval the means over quarters (and thirds along the other axis) are tested; noise makes
+/// the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
 /// split together with its mirror image.
 pub(crate) fn refined_fit(
     samples: &[Sample],
@@ -27,15 +27,25 @@ pub(crate) fn refined_fit(
             .iter()
             .map(|s| s.weight * (surface.value(s.at) - s.height))
             .collect();
-        let mut next = breaks.clone();
-        for axis in 0..2 {
+        let split = [0, 1].map(|axis| {
             let split = badly_fitted(samples, &residuals, &breaks, axis, noise);
-            next[axis] = with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis]);
-        }
-        let work = (next[0].len() + 2) as f64 * ((next[1].len() + 2) as f64).powi(3) * 9.0;
-        if next == breaks || work > MOST_WORK {
+            with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis])
+        });
+        let [along, across] = breaks.clone();
+        let [finer_along, finer_across] = split;
+        // Where both are too much work one of them is left as it is.
+        let ways = [
+            [finer_along.clone(), finer_across.clone()],
+            [along, finer_across],
+            [finer_along, across],
+        ];
+        let possible = |next: &[Vec<f64>; 2]| {
+            let work = (next[0].len() + 2) as f64 * ((next[1].len() + 2) as f64).powi(3) * 9.0;
+            *next != breaks && work <= MOST_WORK
+        };
+        let Some(next) = ways.into_iter().find(possible) else {
             break;
-        }
+        };
         surface = fit(samples, &next)?;
         breaks = next;
     }
@@ -79,31 +89,13 @@ fn badly_fitted(
     let (low, span) = (other[0], other[other.len() - 1] - other[0]);
     let intervals = own.len() - 1;
     let mut bins = vec![(0.0, 0.0); intervals * QUARTERS * THIRDS];
-    // The interval of a place, and which quarter of it.
-    let quarter_of = |breaks: &[f64], place: f64| {
-        let i = breaks
-            .partition_point(|&b| b <= place)
-            .clamp(1, breaks.len() - 1)
-            - 1;
-        let part = (place - breaks[i]) / (breaks[i + 1] - breaks[i]);
-        (i, ((part * QUARTERS as f64) as usize).min(QUARTERS - 1))
-    };
-    let across = |sample: &Sample| {
-        let (i, quarter) = quarter_of(other, sample.at[1 - axis]);
-        i * QUARTERS + quarter
-    };
-    let mut common = vec![(0.0, 0.0); (other.len() - 1) * QUARTERS];
     for (sample, residual) in samples.iter().zip(residuals) {
-        let (count, sum) = &mut common[across(sample)];
-        *count += 1.0;
-        *sum += residual;
-    }
-    for (sample, residual) in samples.iter().zip(residuals) {
-        let (count, sum) = common[across(sample)];
-        let residual = residual - sum / count;
-        let (i, quarter) = quarter_of(own, sample.at[axis]);
+        let place = sample.at[axis];
+        let i = own.partition_point(|&b| b <= place).clamp(1, intervals) - 1;
+        let quarter = ((place - own[i]) / (own[i + 1] - own[i]) * QUARTERS as f64) as usize;
         let third = ((sample.at[1 - axis] - low) / span * THIRDS as f64) as usize;
-        let bin = &mut bins[(i * QUARTERS + quarter) * THIRDS + third.min(THIRDS - 1)];
+        let bin =
+            &mut bins[(i * QUARTERS + quarter.min(QUARTERS - 1)) * THIRDS + third.min(THIRDS - 1)];
         bin.0 += 1.0;
         bin.1 += residual;
     }

@@ -152,6 +152,8 @@ fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
         let noisy = pressed(noise);
         let found = number(&noisy["hull_fit"], "noise_m") / noise;
         assert!((found - 1.0).abs() < 0.2, "{found}");
+        let checked = number(&checked(&bench, "bob.obj"), "noise_m");
+        assert_eq!(checked, number(&noisy["hull_fit"], "noise_m"));
         for (figure, unit) in [("p_max", "pa"), ("approach", "m")] {
             let [value, error, moved] = ["", "_error", "_noise"]
                 .map(|part| number(&noisy, &format!("{figure}{part}_{unit}")));
@@ -167,6 +169,39 @@ fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
                 "{noise} {figure}"
             );
         }
+    }
+}
+
+/// A flat beside an edge of 0.3 mm: its curvature jumps inside the contact.
+#[test]
+fn what_the_vertices_of_a_luge_steel_leave_is_stated_at_three_lengths_of_its_edges() {
+    let bench = Bench::new();
+    let shape = "shape = { kind = \"luge\", length_m = 0.6, rocker_radius_m = 25.0, edge_radius_m = 0.3e-3, tilt_rad = 0.02, width_m = 0.020, \
+                 height_m = 0.008 }";
+    let pressed = |runner: &str, name: &str| {
+        let ice = "[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05";
+        let load = "[load]\nfz_n = 500.0\ntilt = \"fixed\"\n[accuracy]\np_max = 0.01";
+        let file = format!("{name}.toml");
+        bench.write(&file, format!("[runner]\n{runner}\n{ice}\n{load}\n"));
+        bench.succeeds(&["press", &file, "-o", name]);
+        json(&bench.path(name).join("result.json"))
+    };
+    let shape = pressed(shape, "shape");
+    let (truth, slack) = (number(&shape, "p_max_pa"), number(&shape, "p_max_error_pa"));
+    for edge in ["0.0005", "0.001", "0.002"] {
+        let hull = format!("{edge}.obj");
+        bench.succeeds(&["hull", "luge", "--edge-length-m", edge, "-o", &hull]);
+        let result = pressed(&format!("hull = \"{hull}\""), edge);
+        let part = |key: &str| result[key].as_f64().unwrap_or(0.0);
+        let stated = part("p_max_error_pa") + part("p_max_hull_pa") + part("p_max_noise_pa");
+        let off = (number(&result, "p_max_pa") - truth).abs();
+        println!(
+            "{edge}: {:.4} off, {:.4} stated",
+            off / truth,
+            stated / truth
+        );
+        assert!(off <= stated + slack, "{edge}: {off} {stated}");
+        assert!(stated < 0.2 * truth, "{edge}: {stated}");
     }
 }
 
