@@ -27,25 +27,15 @@ pub(crate) fn refined_fit(
             .iter()
             .map(|s| s.weight * (surface.value(s.at) - s.height))
             .collect();
-        let split = [0, 1].map(|axis| {
+        let mut next = breaks.clone();
+        for axis in 0..2 {
             let split = badly_fitted(samples, &residuals, &breaks, axis, noise);
-            with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis])
-        });
-        let [along, across] = breaks.clone();
-        let [finer_along, finer_across] = split;
-        // Where both are too much work one of them is left as it is.
-        let ways = [
-            [finer_along.clone(), finer_across.clone()],
-            [along, finer_across],
-            [finer_along, across],
-        ];
-        let possible = |next: &[Vec<f64>; 2]| {
-            let work = (next[0].len() + 2) as f64 * ((next[1].len() + 2) as f64).powi(3) * 9.0;
-            *next != breaks && work <= MOST_WORK
-        };
-        let Some(next) = ways.into_iter().find(possible) else {
+            next[axis] = with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis]);
+        }
+        let work = (next[0].len() + 2) as f64 * ((next[1].len() + 2) as f64).powi(3) * 9.0;
+        if next == breaks || work > MOST_WORK {
             break;
-        };
+        }
         surface = fit(samples, &next)?;
         breaks = next;
     }
