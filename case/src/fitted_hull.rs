@@ -4,8 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kufe_mesh::{
+<<<<<<< HEAD
     Axis, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise, load_hull,
     noise_of_hull,
+=======
+    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError,
+    load_hull, noise_of_hull,
+>>>>>>> main
 };
 
 use crate::table::{FileAxis, RunnerTable};
@@ -23,8 +28,11 @@ pub struct FittedHull {
     pub scan: Option<Arc<Hull>>,
 }
 
-/// Reads the runner's hull and fits its underside.
-pub(crate) fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHull, MeshError> {
+/// Reads the runner's hull and fits its underside; with what fills it where the runner deforms.
+pub(crate) fn fitted_hull(
+    runner: &RunnerTable,
+    path: &Path,
+) -> Result<(FittedHull, Option<Filled>), MeshError> {
     let options = HullOptions {
         scale: runner.scale.unwrap_or(1.0),
         up: runner.up.map(FileAxis::axis),
@@ -32,6 +40,7 @@ pub(crate) fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHul
     };
     let (hull, mut report) = load_hull(path, &options)?;
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
+<<<<<<< HEAD
     let underside = FittedUnderside::new(&hull, noise.found)?;
     Ok(FittedHull {
         underside: Arc::new(underside),
@@ -39,6 +48,19 @@ pub(crate) fn fitted_hull(runner: &RunnerTable, path: &Path) -> Result<FittedHul
         noise,
         scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
     })
+=======
+    let underside = FittedUnderside::new(&hull, noise)?;
+    let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
+    let filled = runner.elastic.then(fill).transpose();
+    let filled = filled.map_err(|error| error.in_file(path))?;
+    let fitted = FittedHull {
+        underside: Arc::new(underside),
+        report,
+        noise,
+        scan: (noise > 0.0).then(|| Arc::new(hull)),
+    };
+    Ok((fitted, filled))
+>>>>>>> main
 }
 
 impl RunnerTable {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use kufe_files::read_regular;
 use kufe_mesh::{
-    BobRunner, FittedUnderside, LugeSteel, Paraboloid, Rocker, Section, Underside, check_hull,
-    read_gmsh, read_vtu, size_warnings,
+    BobRunner, Filled, FittedUnderside, LugeSteel, Paraboloid, Rocker, Section, Underside,
+    check_hull, read_gmsh, read_vtu, size_warnings,
 };
 
 use crate::check::range::combination;
@@ -17,6 +17,11 @@ use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 
 /// Most bytes of a file of hexahedra.
 const MOST_BYTES: u64 = 1 << 31;
+/// Steepest slope of the solid under a runner that is flat across, as a luge steel.
+const GENTLE: f64 = 0.15;
+/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of the defaults gains 0.0009 of
+/// it, a bobsled runner 0.045.
+const LITTLE: f64 = 0.01;
 
 /// A case's problem with the hull that it came from.
 #[derive(Clone)]
@@ -59,8 +64,8 @@ impl Case {
                 (underside, Some(hull), Some(elastic))
             }
             None => {
-                let (underside, hull) = underside(&self.runner, base)?;
-                let elastic = self.runner.elastic.then(|| self.elastic_runner());
+                let (underside, hull, filled) = underside(&self.runner, base)?;
+                let elastic = self.runner.elastic.then(|| self.elastic_runner(filled));
                 (underside, hull, elastic.transpose()?)
             }
         };
@@ -134,17 +139,13 @@ impl Case {
         Ok((hull, elastic))
     }
 
-    /// The runner's elasticity and what holds its flat top.
-    fn elastic_runner(&self) -> Result<ElasticRunner, CaseError> {
-        let top = match &self.runner.shape {
-            Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. }) => *height_m,
-            Some(Shape::Paraboloid { .. }) => f64::INFINITY,
-            None => {
-                return Err(combination(
-                    "runner.elastic",
-                    "expected a shape whose top is known: hulls from files are rigid so far",
-                ));
-            }
+    /// The runner's elasticity and what holds its flat top; `filled` is a hull's.
+    fn elastic_runner(&self, filled: Option<Filled>) -> Result<ElasticRunner, CaseError> {
+        let (top, gentle) = match (&self.runner.shape, filled) {
+            (Some(Shape::Bob { height_m, .. }), _) => (*height_m, false),
+            (Some(Shape::Luge { height_m, .. }), _) => (*height_m, true),
+            (None, Some(filled)) => (filled.top, filled.gain(GENTLE) < LITTLE),
+            (Some(Shape::Paraboloid { .. }), _) | (None, None) => (f64::INFINITY, false),
         };
         let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
         if mount.is_some() && top.is_infinite() {
@@ -156,7 +157,7 @@ impl Case {
         Ok(ElasticRunner {
             mount: mount.unwrap_or_default(),
             // A luge steel is flat across: a gentle limit adds steel over the radius of its edge alone.
-            flank: matches!(self.runner.shape, Some(Shape::Luge { .. })).then_some(0.15),
+            flank: gentle.then_some(GENTLE),
             ..ElasticRunner::held_at_top(
                 self.runner.youngs_modulus_pa,
                 self.runner.poissons_ratio,
@@ -174,17 +175,17 @@ fn extent(points: &[[f64; 3]]) -> [f64; 3] {
     })
 }
 
-type Surface = (Arc<dyn Underside>, Option<FittedHull>);
+type Surface = (Arc<dyn Underside>, Option<FittedHull>, Option<Filled>);
 
 fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
     match (&runner.shape, &runner.hull) {
         (Some(shape), _) => {
             let section = runner.section.clone().unwrap_or_default();
-            Ok((shape_underside(shape, &section, base)?, None))
+            Ok((shape_underside(shape, &section, base)?, None, None))
         }
         (None, Some(path)) => {
-            let hull = fitted_hull(runner, &base.join(path)).map_err(CaseError::Hull)?;
-            Ok((hull.underside.clone(), Some(hull)))
+            let (hull, filled) = fitted_hull(runner, &base.join(path)).map_err(CaseError::Hull)?;
+            Ok((hull.underside.clone(), Some(hull), filled))
         }
         (None, None) => Err(combination("runner", "expected a hull or a shape")),
     }

@@ -165,7 +165,12 @@ impl LoadedCase {
     ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
         let patch = patch(&solution.surface);
-        match hull.underside.coarse_within(solution.approach, patch) {
+        // A runner that bends comes nearer to its mount, too: what the fit is held against is how deep the ice gives.
+        let depth = match solution.runner_volume {
+            Some(_) => deepest(&solution.surface).min(solution.approach),
+            None => solution.approach,
+        };
+        match hull.underside.coarse_within(depth, patch) {
             None => Ok(()),
             Some(coarse) => {
                 let would_do = match hull.noise.found > 0.0 {
@@ -179,7 +184,7 @@ impl LoadedCase {
                 };
                 Err(Failure::BadInput(format!(
                     "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
-                     the approach is {:.3} um; expected at most {:.3} um: {would_do}",
+                     the ice is pressed in by {:.3} um; expected at most {:.3} um: {would_do}",
                     self.name,
                     self.hull_key(),
                     1e6 * coarse.error,
@@ -217,6 +222,14 @@ impl LoadedCase {
             _ => Failure::BadInput(text),
         }
     }
+}
+
+/// How far the ice gives where it gives most [m].
+fn deepest(field: &SurfaceField) -> f64 {
+    field
+        .uz
+        .iter()
+        .fold(0.0, |deepest, uz| f64::max(deepest, -uz))
 }
 
 /// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].

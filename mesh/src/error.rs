@@ -1,5 +1,7 @@
 //! What can be wrong with a hull, a mesh or a height map.
 
+use std::path::Path;
+
 use thiserror::Error;
 
 /// Why a hull, a mesh or a height map was refused.
@@ -96,6 +98,17 @@ pub enum MeshError {
         /// The ending found.
         found: String,
     },
+    /// A file of exact shapes, which no reader here takes.
+    #[error(
+        "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb or stl; \
+         `gmsh {path} -2 -clmax 0.5 -format stl -bin -o {stl}` makes triangles of 0.5 mm of it, in millimetres (scale = 0.001)"
+    )]
+    ExactShapes {
+        /// The file.
+        path: String,
+        /// What its triangles may be called.
+        stl: String,
+    },
     /// An OBJ file that cannot be parsed.
     #[error("not a readable OBJ file: {0}")]
     Obj(#[from] tobj::LoadError),
@@ -190,6 +203,33 @@ pub enum MeshError {
         "the hull's underside determines no smooth surface; expected vertices spread along and across it"
     )]
     NoFit,
+    /// An open hull that is to deform, whose top nobody states.
+    #[error(
+        "the hull is open ({edges} edges belong to one triangle only), and an elastic runner is filled up to its top: expected \
+         runner.height_m, from its lowest point to its flat top (its highest vertex is at {highest:.4} m)"
+    )]
+    TopNotKnown {
+        /// Edges that only one triangle uses.
+        edges: usize,
+        /// Height of the highest vertex over the lowest point [m].
+        highest: f64,
+    },
+    /// A hull that upright columns do not fill.
+    #[error(
+        "the hull cannot be filled with columns from its underside to its top at {top:.4} m: {:.1} % {found}; expected at most {:.0} %: \
+         another runner.height_m, or hexahedra of its own (runner.mesh)",
+        100.0 * share.abs(), 100.0 * allowed
+    )]
+    NotFilled {
+        /// What is amiss.
+        found: &'static str,
+        /// Its part.
+        share: f64,
+        /// The largest part allowed.
+        allowed: f64,
+        /// Height of the top over the lowest point [m].
+        top: f64,
+    },
     /// A mesh without cells.
     #[error("the mesh has no hexahedra")]
     NoCells,
@@ -338,4 +378,14 @@ pub enum MeshError {
         /// What was found.
         found: String,
     },
+}
+
+impl MeshError {
+    /// The error with the file that it is in.
+    pub fn in_file(self, path: &Path) -> Self {
+        Self::File {
+            path: path.display().to_string(),
+            source: Box::new(self),
+        }
+    }
 }

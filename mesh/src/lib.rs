@@ -9,6 +9,7 @@
 //! | [`Paraboloid`] | an unbounded paraboloid, for verification |
 //! | [`TensorGrid`] | graded coordinates along x, y and z |
 //! | [`HexMesh`] | points and eight-node hexahedra; [`write_vtu`], [`read_vtu`], [`read_gmsh`] |
+//! | [`Filled`] | a scanned hull as the space between its underside and its flat top |
 //! | [`mapped_runner_mesh`] | hexahedra between an underside and its mount |
 //! | [`IceSurface`] | ice as it is: [`Waviness`], [`HeightMap`] |
 //!
@@ -31,7 +32,7 @@ mod shapes;
 pub use error::MeshError;
 pub use fit::{Coarse, FitQuality, FittedUnderside, Scans};
 pub use hexahedra::{
-    HexMesh, Quality, TensorGrid, VtuField, graded_levels, limit_slope, mapped_runner_mesh,
+    Filled, HexMesh, Quality, TensorGrid, VtuField, graded_levels, limit_slope, mapped_runner_mesh,
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,
 };
 pub use hull::{

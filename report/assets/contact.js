@@ -17,7 +17,8 @@ function contactPage(main, between = null) {
   const map = heatMap((x, y, pinned) => { say(x, y); if (pinned) cut(1e-3 * x, 1e-3 * y); });
   const charts = { along: chart(), alongHeight: chart(), across: chart(), acrossHeight: chart(), peak: chart() };
   const titles = { along: el("h2"), across: el("h2") };
-  const history = el("div"), caseTable = el("div");
+  const history = el("div"), caseTable = el("div"), mounts = el("div");
+  const mountsPanel = panel("What the runner pushes its mount with", mounts);
   main.replaceChildren(
     head, warnings, headline, ...(between ? [between] : []),
     el("div", { class: "panels" },
@@ -25,6 +26,7 @@ function contactPage(main, between = null) {
       panel("Contact pressure", map.box, readout, el("div", { class: "tools" }, partLabel, el("span", {}, "Click or use the arrow keys to move the cuts."))),
       el("section", { class: "panel" }, titles.along, charts.along.box, charts.alongHeight.box),
       el("section", { class: "panel" }, titles.across, charts.across.box, charts.acrossHeight.box),
+      mountsPanel,
       panel("Convergence", charts.peak.box, history),
       panel("The case", caseTable)),
   );
@@ -105,7 +107,9 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(data.case, [...fitOf(data.result.hull_fit), ...mountsOf(data.result.mounts)]));
+    caseTable.replaceChildren(caseOf(data.case, fitOf(data.result.hull_fit)));
+    mountsPanel.hidden = !data.result.mounts?.length;
+    if (!mountsPanel.hidden) mounts.replaceChildren(...mountsOf(data.result.mounts));
   }
   return { show };
 }
@@ -115,9 +119,17 @@ const fitOf = (fit) => (fit ? [["hull's fit", `${metres(fit.residual_rms_m)} fro
 
 /** What each part of a mount bears. */
 function mountsOf(mounts) {
-  const three = (values) => values.map((value) => figure(Math.abs(value) < 1e-6 ? 0 : value, 4)).join(", ");
-  return (mounts ?? []).map((mount) => [`mount at x = ${figure(1e3 * mount.at_m[0], 4)} mm`,
-    `force ${three(mount.force_n)} N, moment ${three(mount.moment_nm)} N m about its middle, largest von Mises stress there ${figure(1e-6 * mount.von_mises_max_pa)} MPa`]);
+  const said = (value) => figure(Math.abs(value) < 1e-6 ? 0 : value, 4);
+  const row = (name, of) => [name, ...mounts.map((mount) => said(of(mount)))];
+  const along = ["along", "across", "upwards"], about = ["x (roll)", "y (pitch)", "z (yaw)"];
+  return [
+    table(["middle at x [mm]", ...mounts.map((mount) => said(1e3 * mount.at_m[0]))], [
+      ...along.map((name, k) => row(`force ${name} [N]`, (mount) => mount.force_n[k])),
+      ...about.map((name, k) => row(`moment about ${name} [N m]`, (mount) => mount.moment_nm[k])),
+      row("largest von Mises stress [MPa]", (mount) => 1e-6 * mount.von_mises_max_pa),
+    ]),
+    el("p", { class: "soft" }, "Moments are about the middle of each part of the mount. All is of the last mesh; at the rim of what is held the steel's stress grows with finer meshes."),
+  ];
 }
 
 /** What an elastic runner adds to the headline. */
@@ -188,6 +200,13 @@ function slidingMeshes(data, charts, history) {
       meshes.map((s, k) => [String(k + 1), String(s.dofs), String(s.contact_nodes), String(s.corrections), (1e6 * s.groove_depth_m).toFixed(2), s.ploughing_by_work_n.toFixed(3)])));
 }
 
+/** Meshes in runs that grow: one that is graded anew begins with fewer unknowns. */
+function gradingsOf(levels) {
+  const runs = [];
+  levels.forEach((mesh, k) => { if (k === 0 || mesh.dofs < levels[k - 1].dofs) runs.push([]); runs[runs.length - 1].push(mesh); });
+  return runs;
+}
+
 function convergence(data, charts, history) {
   if (data.result.sliding_history?.length) { slidingMeshes(data, charts, history); return; }
   const last = [];
@@ -196,7 +215,7 @@ function convergence(data, charts, history) {
   charts.peak.draw({
     x: { title: "unknowns", log: true }, y: { title: "peak [MPa]" }, height: 190,
     bands: [{ low: 1e-6 * (result.p_max_pa - error), high: 1e-6 * (result.p_max_pa + error) }],
-    series: [{ x: levels.map((s) => s.dofs), y: levels.map((s) => 1e-6 * s.p_max_pa), colour: "var(--accent)", points: true }],
+    series: gradingsOf(levels).map((meshes) => ({ x: meshes.map((s) => s.dofs), y: meshes.map((s) => 1e-6 * s.p_max_pa), colour: "var(--accent)", points: true })),
   });
   history.replaceChildren(
     el("p", { class: "soft" }, "Peak pressure on each mesh; the band is the extrapolated peak with its estimated error. Below, what the solver did on each: nodes that touch, projected sweeps that find them, solves on the set that they found (accepted when the energy falls), and iterations of these."),

@@ -67,7 +67,7 @@ function seriesPage(main, data) {
         return {
           x: sorted.map((row) => place(row[along])), y: sorted.map((row) => (row[key] === null ? NaN : times * row[key])),
           errors: sorted.map((row) => times * (row[error] ?? 0)), points: true, name: label,
-          colour: lines.length === 1 ? "var(--accent)" : `rgb(${viridis(0.2 + 0.65 * k / (lines.length - 1)).join(" ")})`,
+          colour: lines.length === 1 ? "var(--accent)" : `rgb(${viridis(0.35 + 0.5 * k / (lines.length - 1)).join(" ")})`,
         };
       }),
     });

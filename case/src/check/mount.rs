@@ -72,6 +72,7 @@ impl RunnerTable {
         let only_a_hulls = [
             ("runner.up", self.up.is_some()),
             ("runner.forward", self.forward.is_some()),
+            ("runner.height_m", self.height_m.is_some()),
         ];
         match only_a_hulls.iter().find(|(_, given)| *given) {
             Some((key, _)) => Err(combination(key, "belongs to a hull, not to a mesh")),

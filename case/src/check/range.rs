@@ -40,7 +40,7 @@ impl Range {
 
 /// The ranges of a case's numbers. Two keys have ranges of their own: `track.radius_m` is 1 m or more in size, or `inf`, and what
 /// is stated of a runner's shape must fit together.
-pub const RANGES: [Range; 43] = [
+pub const RANGES: [Range; 44] = [
     Range::of("runner.scale", "a scale", 1e-6, 1000.0),
     Range::of(
         "runner.noise_m",
@@ -48,6 +48,7 @@ pub const RANGES: [Range; 43] = [
         0.0,
         0.001,
     ),
+    Range::of("runner.height_m", "a height in metres", 0.001, 1.0),
     Range::of(
         "runner.youngs_modulus_pa",
         "a modulus in pascals",

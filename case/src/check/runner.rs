@@ -22,7 +22,14 @@ pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
             if let Some(noise) = runner.noise_m {
                 in_range("runner.noise_m", noise)?;
             }
-            Ok(())
+            match runner.height_m {
+                Some(_) if !runner.elastic => Err(combination(
+                    "runner.height_m",
+                    "given only with elastic = true",
+                )),
+                Some(height) => in_range("runner.height_m", height),
+                None => Ok(()),
+            }
         }
         (None, Some(shape)) => {
             let belongs_to_a_hull = [
@@ -30,6 +37,7 @@ pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
                 ("runner.up", runner.up.is_some()),
                 ("runner.forward", runner.forward.is_some()),
                 ("runner.noise_m", runner.noise_m.is_some()),
+                ("runner.height_m", runner.height_m.is_some()),
             ];
             if let Some((key, _)) = belongs_to_a_hull.iter().find(|(_, given)| *given) {
                 return Err(combination(key, "belongs to a hull, not to a shape"));

@@ -132,7 +132,7 @@ fn statable(problem: &Problem) -> Result<&Mount, &'static str> {
     };
     if elastic.solid.is_some() {
         return Err(
-            "runner.mesh: expected a shape: the deck takes the hexahedra on the ice's columns",
+            "runner.mesh: expected a shape or a hull: the deck takes the hexahedra on the ice's columns",
         );
     }
     if problem

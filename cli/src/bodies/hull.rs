@@ -92,7 +92,7 @@ struct File {
 }
 
 /// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact [rad].
-const EDGE_TURN: f64 = 0.02;
+const EDGE_TURN: f64 = 0.01;
 
 /// Writes the hull, or looks at one.
 ///

@@ -81,6 +81,10 @@ fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
     if loaded.case.runner.mesh.is_some() {
         return None;
     }
+    let filled = stated.problem.runner.elastic.as_ref().map(|e| e.top);
+    if let Some(top) = filled.filter(|top| top.is_finite()) {
+        return Some(top);
+    }
     match (&stated.hull, &loaded.case.runner.shape) {
         (Some(hull), _) => Some(hull.report.extent[2]),
         (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),

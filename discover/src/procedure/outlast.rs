@@ -21,10 +21,11 @@ pub fn outlast<E: Evidence>(
 ) -> Result<E::Fit, Error> {
     let mut last = last;
     let mut tried = Vec::new();
-    let all = match account.steps.is_empty() {
+    let mut whole = match account.steps.is_empty() {
         true => None,
         false => evidence.lowered(base, &last)?,
     };
+    let all = whole;
     while account.steps.len() > 1 {
         let mut weakest: Option<(usize, Lowered, E::Fit)> = None;
         for step in 0..account.steps.len() {
@@ -45,9 +46,10 @@ pub fn outlast<E: Evidence>(
         };
         tried.push(take_back(account, step, &lowered));
         last = evidence.settle(without, account)?;
+        whole = evidence.lowered(base, &last)?;
     }
     if !account.steps.is_empty()
-        && let Some(lowered) = evidence.lowered(base, &last)?
+        && let Some(lowered) = whole
         && !lowered.holds(rules)
     {
         while !account.steps.is_empty() {

@@ -104,8 +104,10 @@ impl MagicFormula {
                 ..Default::default()
             };
         }
-        let u = self.inner(x);
-        let (sine, cosine) = (self.c * u.atan()).sin_cos();
+        let of_x = x.atan();
+        let u = self.inner_of(x, of_x);
+        let of_u = u.atan();
+        let (sine, cosine) = (self.c * of_u).sin_cos();
         let du_dx = (1.0 - self.e) + self.e / (1.0 + x * x);
         let slope = cosine * du_dx / (1.0 + u * u);
         // What is left of the sine when the load is varied: B falls as D rises.
@@ -115,8 +117,8 @@ impl MagicFormula {
             alpha: self.k_n_per_rad * slope,
             fz: self.mu_zeta * by_load,
             mu_zeta: fz * by_load,
-            c: d * (cosine * u.atan() - x * slope),
-            e: d * self.c * cosine / (1.0 + u * u) * (x.atan() - x),
+            c: d * (cosine * of_u - x * slope),
+            e: d * self.c * cosine / (1.0 + u * u) * (of_x - x),
             k_n_per_rad: alpha * slope,
         }
     }
@@ -141,10 +143,15 @@ impl MagicFormula {
     }
 
     fn inner(&self, x: f64) -> f64 {
+        self.inner_of(x, x.atan())
+    }
+
+    /// The same with the arctangent of `x` known.
+    fn inner_of(&self, x: f64, of_x: f64) -> f64 {
         if self.e == 1.0 {
-            return x.atan();
+            return of_x;
         }
-        (1.0 - self.e) * x + self.e * x.atan()
+        (1.0 - self.e) * x + self.e * of_x
     }
 }
 

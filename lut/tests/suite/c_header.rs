@@ -1,16 +1,12 @@
 //! Tables as C code.
 
+use crate::c::run_c;
 use crate::tables::{reduced, table};
 use kufe_lut::{Error, Lookup, Mode, Quantity, Table};
 use std::fmt::Write as _;
-use std::process::Command;
 
 #[test]
 fn the_header_compiles_and_computes_what_the_library_computes() {
-    if Command::new("cc").arg("--version").output().is_err() {
-        kufe_outside::missing("there is no cc");
-        return;
-    }
     let folder = tempfile::tempdir().unwrap();
     let (front, rear, flush) = (table(false), table(true), reduced());
     let write = |table: &Table, name: &str, radius| {
@@ -65,29 +61,9 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
     main +=
         "  }\n  printf(\"%.17g\\n\", kufe_lut_curvature_from_pitch(31.0, -0.7));\n  return 0;\n}\n";
     std::fs::write(folder.path().join("main.c"), main).unwrap();
-    let compiled = Command::new("cc")
-        .args([
-            "-std=c99",
-            "-pedantic",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-O2",
-            "main.c",
-            "-o",
-            "main",
-            "-lm",
-        ])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    assert!(
-        compiled.status.success(),
-        "{}",
-        String::from_utf8_lossy(&compiled.stderr)
-    );
-    let output = Command::new(folder.path().join("main")).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
+    let Some(text) = run_c(folder.path(), "main.c", &[], "") else {
+        return;
+    };
     let mut lines = text.lines();
     let lookups: Vec<Lookup> = [(&front, None), (&rear, Some(25.0)), (&flush, None)]
         .into_iter()

@@ -1,5 +1,6 @@
 //! Tables from outside the crate, each chapter a module.
 
+mod c;
 mod c_header;
 mod fmu;
 mod hertz;

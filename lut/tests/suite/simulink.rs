@@ -5,6 +5,7 @@ use std::process::Command;
 
 use kufe_lut::{Layered, Mode, Quantity, Table, simulink_files};
 
+use crate::c::run_c;
 use crate::tables::{reduced, table};
 
 /// What the S-function uses of Simulink's `simstruc.h`, as a struct of numbers.
@@ -76,37 +77,11 @@ fn written(folder: &std::path::Path, table: &Table, name: &str) -> [String; 3] {
 
 #[test]
 fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
-    if kufe_outside::program("cc").is_none() {
-        return;
-    }
     for (table, name) in [(table(false), "front"), (reduced(), "2 rear")] {
         let folder = tempfile::tempdir().unwrap();
         let [_, source, _] = written(folder.path(), &table, name);
         std::fs::write(folder.path().join("simstruc.h"), SIMSTRUC).unwrap();
         std::fs::write(folder.path().join("simulink.c"), SIMULINK).unwrap();
-        let compiled = Command::new("cc")
-            .args([
-                "-std=c99",
-                "-pedantic",
-                "-Wall",
-                "-Wextra",
-                "-Werror",
-                "-ffp-contract=off",
-                "-DMATLAB_MEX_FILE",
-                "-I.",
-                &source,
-                "-o",
-                "block",
-                "-lm",
-            ])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        assert!(
-            compiled.status.success(),
-            "{}",
-            String::from_utf8_lossy(&compiled.stderr)
-        );
         let points = [(500.0, 0.0), (1234.5, 0.011), (1e9, -3.0)];
         let (mut given, mut wanted) = (String::new(), Vec::new());
         for (number, mode) in [(1, Mode::Smooth), (2, Mode::Bilinear)] {
@@ -128,12 +103,10 @@ fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
                 wanted.push(row);
             }
         }
-        std::fs::write(folder.path().join("given"), given).unwrap();
-        let ran = Command::new(folder.path().join("block"))
-            .stdin(std::fs::File::open(folder.path().join("given")).unwrap())
-            .output()
-            .unwrap();
-        let said = String::from_utf8(ran.stdout).unwrap();
+        let flags = ["-ffp-contract=off", "-DMATLAB_MEX_FILE", "-I."];
+        let Some(said) = run_c(folder.path(), &source, &flags, &given) else {
+            return;
+        };
         let mut lines = said.lines();
         assert_eq!(lines.next(), Some("2 7 -1"), "{said}");
         for (line, row) in lines.zip(&wanted) {

@@ -139,6 +139,11 @@ impl FittedUnderside {
         Scans::new(&self.surface, hull, noise)
     }
 
+    /// What is taken off the hull's heights, so that its lowest point lies at 0 [m].
+    pub(crate) fn level(&self) -> f64 {
+        self.surface.level
+    }
+
     /// How well the surface follows the hull.
     pub fn quality(&self) -> FitQuality {
         self.judgement.quality

@@ -3,8 +3,9 @@
 use crate::fit::bicubic::{Bicubic, Sample};
 use crate::fit::least_squares::fit;
 
-/// Most unknowns times band width squared: a bound on the work of one factorisation.
-const MOST_WORK: f64 = 3e9;
+/// Most unknowns times band width squared: a bound on the work of one factorisation, a second or two. With a third of it a luge steel of
+/// 300,000 vertices stays unresolved.
+const MOST_WORK: f64 = 1e10;
 /// Most rounds of refinement.
 const ROUNDS: usize = 12;
 

@@ -1,5 +1,6 @@
 //! Meshes of hexahedra: made, judged, read and written.
 
+pub(crate) mod filled;
 pub(crate) mod from_elsewhere;
 pub(crate) mod hex_mesh;
 pub(crate) mod mapped_mesh;
@@ -9,6 +10,7 @@ pub(crate) mod slope_limit;
 pub(crate) mod tensor_grid;
 pub(crate) mod vtu;
 
+pub use filled::Filled;
 pub use hex_mesh::HexMesh;
 pub use mapped_mesh::{graded_levels, mapped_runner_mesh, mesh_over_heights};
 pub use quality::Quality;

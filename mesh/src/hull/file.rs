@@ -34,10 +34,7 @@ impl HullFormat {
     /// # Errors
     /// [`MeshError::HullFormat`] for an unknown ending.
     pub fn of(path: &Path) -> Result<Self, MeshError> {
-        let ending = path
-            .extension()
-            .map(|e| e.to_string_lossy().to_lowercase())
-            .unwrap_or_default();
+        let ending = ending(path);
         match ending.as_str() {
             "obj" => Ok(Self::Obj),
             "gltf" | "glb" => Ok(Self::Gltf),
@@ -59,19 +56,32 @@ impl HullFormat {
     }
 }
 
+fn ending(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default();
+    ending.to_string_lossy().to_lowercase()
+}
+
+/// Refuses STEP and IGES with the command that makes triangles of them.
+fn refuse_exact_shapes(path: &Path) -> Result<(), MeshError> {
+    if !["step", "stp", "iges", "igs"].contains(&ending(path).as_str()) {
+        return Ok(());
+    }
+    Err(MeshError::ExactShapes {
+        path: path.display().to_string(),
+        stl: path.with_extension("stl").display().to_string(),
+    })
+}
+
 /// Reads the hull file `path` and checks it.
 ///
 /// # Errors
 /// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
 pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport), MeshError> {
-    let name = path.display().to_string();
-    let in_file = |source: MeshError| MeshError::File {
-        path: name.clone(),
-        source: Box::new(source),
-    };
+    let in_file = |error: MeshError| error.in_file(path);
+    refuse_exact_shapes(path).map_err(in_file)?;
     let format = HullFormat::of(path).map_err(in_file)?;
     let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
-        path: name.clone(),
+        path: path.display().to_string(),
         source,
     })?;
     let folder = path.parent().unwrap_or(Path::new("."));
@@ -92,17 +102,13 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
 /// # Errors
 /// As [`load_hull`], as far as that is looked at.
 pub fn hull_files(path: &Path) -> Result<Vec<PathBuf>, MeshError> {
-    let name = path.display().to_string();
     let mut files = vec![path.to_path_buf()];
     if HullFormat::of(path).is_ok_and(|format| format == HullFormat::Gltf) {
         let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
-            path: name.clone(),
+            path: path.display().to_string(),
             source,
         })?;
-        let buffers = outer_buffers(&bytes).map_err(|source| MeshError::File {
-            path: name,
-            source: Box::new(source),
-        })?;
+        let buffers = outer_buffers(&bytes).map_err(|error| error.in_file(path))?;
         let folder = path.parent().unwrap_or(Path::new("."));
         files.extend(buffers.iter().map(|uri| folder.join(uri)));
     }
@@ -160,6 +166,11 @@ mod tests {
         assert!(message(&path).contains("empty.obj"));
         std::fs::write(&path, "").unwrap();
         assert!(message(&path).contains("empty.obj: the hull has no triangles"));
-        assert!(message(Path::new("bob.step")).contains("\"step\""));
+        assert!(message(Path::new("bob.ply")).contains("\"ply\""));
+        for name in ["of/bob.STEP", "of/bob.stp", "of/bob.iges", "of/bob.igs"] {
+            let told = message(Path::new(name));
+            assert!(told.contains(&format!("`gmsh {name} -2 ")), "{told}");
+            assert!(told.contains("-o of/bob.stl`") && told.contains("scale = 0.001"));
+        }
     }
 }

@@ -8,9 +8,9 @@ use crate::shapes::underside::Underside;
 
 /// Largest turn of the section over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
-/// How much longer a facet is than the one before it, over that one's length: beside an edge's radius a facet as long as elsewhere would
-/// leave the contact without vertices on that side.
-const GROWTH: f64 = 0.5;
+/// A facet is longer than its neighbour across by at most this part of their mean: a smooth surface is fitted to them later, which cannot
+/// follow a sharp edge whose neighbour is a hundred times as wide.
+const GRADING: f64 = 0.25;
 /// Samples of the section from which its facets are spaced.
 const SAMPLES: usize = 4000;
 /// Most vertices in one hull.
@@ -19,7 +19,7 @@ const MOST_VERTICES: f64 = 2e7;
 /// The runner's surface as outward triangles with edges of about `edge_length` [m] on the underside.
 ///
 /// Every vertex of the underside lies on it. Across, facets are shorter where the section turns by
-/// more than 0.25 rad in one edge length, and grow by a half each from there. The top is flat, sides and ends are upright.
+/// more than 0.25 rad in one edge length. The top is flat, sides and ends are upright.
 ///
 /// # Errors
 /// [`MeshError::Parameter`] where the edge length is not positive, [`MeshError::TooMany`] where it
@@ -92,7 +92,7 @@ pub fn tessellate_turning(
     Ok(hull)
 }
 
-/// Positions across: steps of at most `edge_length` along the section and turns of at most `largest_turn`.
+/// Positions across: steps of at most `edge_length` along the section and turns of at most `largest_turn`, which grow gradually.
 fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64>, MeshError> {
     let section = runner.section();
     let [y0, y1] = section.extent();
@@ -101,31 +101,30 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
         let angle = std::f64::consts::PI * (i as f64 / SAMPLES as f64 - 0.5);
         (0.5 * (y0 + y1) + 0.5 * (y1 - y0) * angle.sin()).clamp(y0, y1)
     };
-    let mut lengths = vec![0.0; SAMPLES];
-    let mut wanted = vec![edge_length; SAMPLES];
+    let mut lengths = Vec::with_capacity(SAMPLES);
+    let mut steps = Vec::with_capacity(SAMPLES);
     let mut direction: Option<f64> = None;
     for i in 0..SAMPLES {
         let (dy, dz) = (
             at(i + 1) - at(i),
             section.height(at(i + 1)) - section.height(at(i)),
         );
-        lengths[i] = dy.hypot(dz);
         let turned = dz.atan2(dy);
         let turn = direction.map_or(0.0, |before| (turned - before).abs());
         direction = Some(turned);
-        if turn * edge_length > largest_turn * lengths[i] {
-            wanted[i] = largest_turn * lengths[i] / turn;
-        }
+        let length = dy.hypot(dz);
+        lengths.push(length);
+        steps.push(length / (length / edge_length).max(turn / largest_turn));
     }
-    for i in 1..SAMPLES {
-        wanted[i] = wanted[i].min(wanted[i - 1] + GROWTH * lengths[i]);
-    }
-    for i in (1..SAMPLES).rev() {
-        wanted[i - 1] = wanted[i - 1].min(wanted[i] + GROWTH * lengths[i - 1]);
-    }
+    let mut grade = |from: usize, to: usize| {
+        let distance = 0.5 * (lengths[from] + lengths[to]);
+        steps[to] = steps[to].min(steps[from] + GRADING * distance);
+    };
+    (1..SAMPLES).for_each(|i| grade(i - 1, i));
+    (1..SAMPLES).rev().for_each(|i| grade(i, i - 1));
     let mut measure = vec![0.0];
-    for i in 0..SAMPLES {
-        measure.push(measure[i] + lengths[i] / wanted[i]);
+    for (i, (length, step)) in lengths.iter().zip(&steps).enumerate() {
+        measure.push(measure[i] + length / step);
     }
     let total = measure[SAMPLES];
     if total > MOST_VERTICES {
@@ -222,6 +221,13 @@ mod tests {
     fn a_sharp_edge_gets_facets_of_its_own_size() {
         let ys = across(&LugeSteel::default().swept().unwrap(), 1e-3, LARGEST_TURN).unwrap();
         assert!(ys.iter().filter(|y| y.abs() < 0.31e-3).count() > 6);
+        // No facet is much wider than its neighbour.
+        let steps: Vec<f64> = ys.windows(2).map(|y| y[1] - y[0]).collect();
+        let last = steps.len() - 2;
+        let beside = steps.windows(2).enumerate().skip(10).take(last - 12);
+        let widest = beside.map(|(_, s)| s[1] / s[0]).fold(0.0, f64::max);
+        assert!(widest < 2.0, "{widest} of {}", steps.len());
+        assert!(steps.iter().any(|s| *s > 0.9e-3));
     }
 
     #[test]

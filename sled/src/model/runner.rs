@@ -70,6 +70,7 @@ pub struct RunnerFriction {
 impl RunnerFriction {
     /// Longitudinal coefficient of friction at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a
     /// temperature of the ice [C].
+    #[inline]
     pub fn mu(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
         let mu = match &self.longitudinal {
             RunnerLaw::Fixed(mu) => *mu,
@@ -82,6 +83,7 @@ impl RunnerFriction {
     }
 
     /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is asked; NaN without a table.
+    #[inline]
     pub fn film(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
         let over_mean =
             |table: &Arc<RunnerTable>| table.at(fz, curvature, speed, ice_c).value / table.mean;

@@ -7,6 +7,7 @@ use crate::model::sled::Sled;
 /// Drag area [m2] at the chassis slip angle `beta` [rad]: `c_d A (1 + k |beta in degrees|)`.
 ///
 /// k is the sled's `yaw_drag_per_deg`, 0.0694 in the paper.
+#[inline]
 pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
     sled.cda_m2 * (1.0 + sled.yaw_drag_per_deg * beta.to_degrees().abs())
 }
@@ -14,6 +15,7 @@ pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
 /// Drag [N] against the driving direction: `F = -1/2 rho (c_d A)(beta) v^2`, never positive.
 ///
 /// Speed in m/s, density in kg/m3, `beta` in rad. Without an area the density may be unknown. With `beta = 0` it is the paper's ideal case.
+#[inline]
 pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
     match drag_area(sled, beta) {
         0.0 => 0.0,

@@ -8,6 +8,7 @@ use crate::model::sled::Sled;
 /// ```text
 /// F_z,f0 = (l_r m a_z - J_yy dpitch/dt) / L      F_z,r = (l_f m a_z + J_yy dpitch/dt) / L
 /// ```
+#[inline]
 pub fn normal_forces(sled: &Sled, az: f64, pitch_accel: f64) -> (f64, f64) {
     let wheelbase = sled.wheelbase_m();
     let total = sled.mass_kg * az;
@@ -24,6 +25,7 @@ pub fn front_to_body(force: [f64; 3], delta: f64, gamma: f64) -> [f64; 3] {
 }
 
 /// [`front_to_body`] with sine and cosine of both angles known.
+#[inline]
 pub(crate) fn turned(force: [f64; 3], (sd, cd): (f64, f64), (sg, cg): (f64, f64)) -> [f64; 3] {
     let (x, y) = (cd * force[0] - sd * force[1], sd * force[0] + cd * force[1]);
     [x, cg * y - sg * force[2], sg * y + cg * force[2]]

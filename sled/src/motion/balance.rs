@@ -34,6 +34,8 @@ pub struct Balance {
     pub(crate) steer: (f64, f64),
     /// Sine and cosine of the roll-split angle.
     pub(crate) split: (f64, f64),
+    /// Sine and cosine of the slip angles at the runners.
+    pub(crate) slips: [(f64, f64); 2],
     /// Sine and cosine of the slip angle at the centre of gravity.
     chassis: (f64, f64),
     /// Drag of the base model, never positive [N].
@@ -58,17 +60,78 @@ impl Left {
     }
 }
 
+/// Steering, roll-split, slip at the front, at the rear and at the centre of gravity [rad].
+#[inline]
+fn angles(state: &State) -> [f64; 5] {
+    [
+        state.delta_rad,
+        state.gamma_rad,
+        state.alpha_f_rad,
+        state.alpha_r_rad,
+        state.alpha_cog_rad,
+    ]
+}
+
+/// Sine and cosine of an angle from those of one close by.
+///
+/// Series of sine and cosine of the difference, whose remainder is 1e-18 for a difference of 1e-3.
+#[inline]
+fn turned_by(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, f64) {
+    const NEAR: f64 = 1e-3;
+    let d = angle - from;
+    if d == 0.0 {
+        return (sine, cosine);
+    }
+    if d.abs() > NEAR || d.is_nan() {
+        return angle.sin_cos();
+    }
+    let squared = d * d;
+    let (s, c) = (
+        d * (1.0 - squared / 6.0),
+        1.0 - squared * (0.5 - squared / 24.0),
+    );
+    (sine * c + cosine * s, cosine * c - sine * s)
+}
+
 impl Balance {
     /// The balance of a sled in a state with the motion measured there.
+    #[inline]
     pub fn new(sled: &Sled, state: &State, motion: &Motion) -> Self {
+        let angles = angles(state).map(f64::sin_cos);
+        Self::with_angles(sled, state, motion, angles)
+    }
+
+    /// The same beside an instant close by, whose angles are known.
+    #[inline]
+    pub fn near(sled: &Sled, state: &State, motion: &Motion, known: &Self) -> Self {
+        let then = [
+            known.steer,
+            known.split,
+            known.slips[0],
+            known.slips[1],
+            known.chassis,
+        ];
+        let (now, before) = (angles(state), angles(&known.state));
+        let angles = std::array::from_fn(|k| turned_by(now[k], before[k], then[k]));
+        Self::with_angles(sled, state, motion, angles)
+    }
+
+    #[inline]
+    fn with_angles(
+        sled: &Sled,
+        state: &State,
+        motion: &Motion,
+        [steer, split, front, rear, chassis]: [(f64, f64); 5],
+    ) -> Self {
         let density = state.air_density_kgpm3;
         Self {
             sled: *sled,
             state: *state,
             motion: *motion,
-            steer: state.delta_rad.sin_cos(),
-            split: state.gamma_rad.sin_cos(),
-            chassis: state.alpha_cog_rad.sin_cos(),
+            steer,
+            split,
+            slips: [front, rear],
+            chassis,
             drag: aero::drag(sled, state.v_mps, density, -state.alpha_cog_rad),
         }
     }
@@ -123,12 +186,14 @@ impl Balance {
     /// ```text
     /// F_z,f = (F_z,f0 - sin(gamma) (sin(delta) F_x,f + cos(delta) F_y,f)) / cos(gamma)
     /// ```
+    #[inline]
     pub fn front_load(&self, forces: &Forces) -> f64 {
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
         (self.state.fz_f0_n - sg * (sd * forces.along[0] + cd * forces.across[0])) / cg
     }
 
     /// Forces on both runners and the body, the front runner's normal force `front_load` [N] in its own frame.
+    #[inline]
     pub fn axle_forces(&self, forces: &Forces, front_load: f64) -> AxleForces {
         let front = [forces.along[0], forces.across[0], front_load];
         AxleForces {
@@ -140,12 +205,14 @@ impl Balance {
     }
 
     /// Air of the base model at the centre of gravity in the body frame (x, y) [N].
+    #[inline]
     pub fn air(&self) -> [f64; 2] {
         let (sine, cosine) = self.chassis;
         [self.drag * cosine, -self.drag * sine]
     }
 
     /// What runners, air and effects together do at the centre of gravity.
+    #[inline]
     pub fn resultant(&self, forces: &AxleForces) -> Resultant {
         let (air, f, r) = (self.air(), &forces.front_body, &forces.rear);
         Resultant {
@@ -156,6 +223,7 @@ impl Balance {
     }
 
     /// What the balances along, aside and about the vertical leave of these forces.
+    #[inline]
     pub fn left(&self, forces: &Forces) -> Left {
         let sum = self.resultant(&self.axle_forces(forces, self.front_load(forces)));
         let (m, a) = (self.sled.mass_kg, &self.motion.accel_mps2);

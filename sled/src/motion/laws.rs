@@ -1,24 +1,32 @@
 //! The base laws asked at one instant.
 
 use kufe_effect::Forces;
-use kufe_friction::{LateralDerivatives, longitudinal_force};
+use kufe_friction::LateralDerivatives;
 
 use crate::model::runner::RunnerFriction;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::law_forces::LawForces;
-use crate::motion::state::State;
-
-/// Longitudinal force on a runner in its own frame [N] at a normal force [N] and a slip angle [rad], on the track, at the speed
-/// and on the ice of a state.
-///
-/// A lifted runner does not push.
-pub(crate) fn longitudinal(runner: &RunnerFriction, fz: f64, alpha: f64, at: &State) -> f64 {
-    let mu = runner.mu(fz, at.curvature_1pm, at.v_mps, at.ice_c);
-    longitudinal_force(fz.max(0.0), alpha, mu)
-}
 
 impl Balance {
+    /// Longitudinal force on each runner in its own frame at its normal force [N], as [`kufe_friction::longitudinal_force`] has it.
+    ///
+    /// A lifted runner does not push.
+    #[inline]
+    pub(crate) fn longitudinal(&self, vehicle: &Vehicle, load: [f64; 2]) -> [f64; 2] {
+        [
+            self.longitudinal_of(&vehicle.front, self.slips[0], load[0]),
+            self.longitudinal_of(&vehicle.rear, self.slips[1], load[1]),
+        ]
+    }
+
+    #[inline]
+    fn longitudinal_of(&self, runner: &RunnerFriction, slip: (f64, f64), load: f64) -> f64 {
+        let at = &self.state;
+        let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.ice_c);
+        -mu * load.max(0.0) * slip.1
+    }
+
     /// Forces of the vehicle's base laws at the state's slip angles and normal forces.
     ///
     /// The front runner's own `F_z,f` depends on its forces through the roll-split; one Newton step on
@@ -36,7 +44,7 @@ impl Balance {
         let mut load = state.fz_f0_n / cg;
         let mut front = runner.lateral.derivatives(alpha, load);
         if sg != 0.0 {
-            let fx = longitudinal(runner, load, alpha, state);
+            let fx = self.longitudinal_of(runner, self.slips[0], load);
             let residual = cg * load + sg * (sd * fx + cd * front.fy) - state.fz_f0_n;
             let by_load = if load > 0.0 { fx / load } else { 0.0 };
             load -= residual / (cg + sg * (sd * by_load + cd * front.fz));
@@ -50,6 +58,7 @@ impl Balance {
     }
 
     /// The same to first order from the laws of a motion close by, `of` being those of `known`.
+    #[inline]
     pub fn laws_near(&self, vehicle: &Vehicle, known: &Balance, of: &LawForces) -> LawForces {
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
         let (state, then) = (&self.state, &known.state);
@@ -65,22 +74,18 @@ impl Balance {
         self.law_forces(vehicle, [load - step, state.fz_r_n], [front, rear])
     }
 
+    #[inline]
     fn law_forces(
         &self,
         vehicle: &Vehicle,
         load_n: [f64; 2],
         lateral: [LateralDerivatives; 2],
     ) -> LawForces {
-        let state = &self.state;
-        let along = [
-            longitudinal(&vehicle.front, load_n[0], state.alpha_f_rad, state),
-            longitudinal(&vehicle.rear, load_n[1], state.alpha_r_rad, state),
-        ];
         LawForces {
             load_n,
             lateral,
             forces: Forces {
-                along,
+                along: self.longitudinal(vehicle, load_n),
                 across: lateral.map(|law| law.fy),
                 stiffness: lateral.map(|law| law.alpha),
                 ..Forces::default()

@@ -15,6 +15,7 @@ use crate::motion::transfer::{slips, to_centre_of_gravity};
 /// ```text
 /// dalpha_P/dt = dalpha/dt - (x_P - x_s) (dr/dt - r dv/dt / v) / v      (+ ddelta/dt at the front)
 /// ```
+#[inline]
 pub fn from_sensors(sled: &Sled, signals: &Signals, at: &Conditions) -> (State, Motion) {
     let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
     let (rates, angular) = (signals.rates(), signals.angular_acceleration());

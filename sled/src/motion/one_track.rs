@@ -18,7 +18,6 @@ use kufe_friction::Braghin;
 use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
-use crate::motion::laws::longitudinal;
 
 pub use crate::motion::axles::{body_to_front, front_to_body, normal_forces};
 pub use crate::motion::state::{AxleForces, Motion, Resultant, State};
@@ -68,12 +67,7 @@ fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 
 
     let ((sd, cd), (sg, cg)) = (at.steer, at.split);
     let fz_f = cg * fz_f0 - sg * fy_f0;
-    let [fx_f, fx_r] = along.unwrap_or_else(|| {
-        [
-            longitudinal(&vehicle.front, fz_f, state.alpha_f_rad, state),
-            longitudinal(&vehicle.rear, fz_r, state.alpha_r_rad, state),
-        ]
-    });
+    let [fx_f, fx_r] = along.unwrap_or_else(|| at.longitudinal(vehicle, [fz_f, fz_r]));
     let fx_f0 = (fx_f - cg * sd * fy_f0 - sg * sd * fz_f0) / cd;
     let front_body = [fx_f0, fy_f0, fz_f0];
     AxleForces {
@@ -97,7 +91,7 @@ fn changed(
     let slip = [state.alpha_f_rad, state.alpha_r_rad];
     let runners = [&vehicle.front, &vehicle.rear];
     let mut forces = Forces {
-        along: std::array::from_fn(|i| longitudinal(runners[i], load[i], slip[i], state)),
+        along: at.longitudinal(vehicle, load),
         across: across.unwrap_or([known.front[1], known.rear[1]]),
         stiffness: std::array::from_fn(|i| runners[i].lateral.derivatives(slip[i], load[i]).alpha),
         ..Forces::default()
@@ -160,17 +154,11 @@ pub(crate) fn forces_at(vehicle: &Vehicle, at: &Balance) -> AxleForces {
 /// [`forward`] with Braghin's lateral law on both runners and no effects, the paper's comparison.
 pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleForces {
     let at = Balance::new(&vehicle.sled, state, &Motion::default());
-    let along = |load: [f64; 2]| {
-        [
-            longitudinal(&vehicle.front, load[0], state.alpha_f_rad, state),
-            longitudinal(&vehicle.rear, load[1], state.alpha_r_rad, state),
-        ]
-    };
     let mut load = [state.fz_f0_n / at.split.1, state.fz_r_n];
     let (mut forces, mut front_load) = (Forces::default(), load[0]);
     // The force is proportional to the load: two rounds settle the roll-split's coupling.
     for _ in 0..3 {
-        forces.along = along(load);
+        forces.along = at.longitudinal(vehicle, load);
         forces.across = [
             law.force(state.alpha_f_rad, load[0]),
             law.force(state.alpha_r_rad, load[1]),

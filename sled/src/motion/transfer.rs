@@ -10,6 +10,7 @@ use crate::model::sled::Sled;
 ///
 /// `rates` w [rad/s] and `accelerations` dw/dt [rad/s2] are (roll, pitch, yaw) about x forward, y left, z up; `r` [m] is
 /// the accelerometer from the centre of gravity. Gravity enters both sides alike. The rigid-body matrix of the paper.
+#[inline]
 pub fn to_centre_of_gravity(
     sensor: [f64; 3],
     rates: [f64; 3],
@@ -21,6 +22,7 @@ pub fn to_centre_of_gravity(
 }
 
 /// Acceleration of a point at `r` [m] beyond that of the centre of gravity [m/s2]: `dw/dt x r + w x (w x r)`.
+#[inline]
 pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3]) -> [f64; 3] {
     let inner = cross(rates, r);
     let centripetal = cross(rates, inner);
@@ -32,6 +34,7 @@ pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3])
     ]
 }
 
+#[inline]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
@@ -58,6 +61,7 @@ pub struct Slips {
 /// ```
 ///
 /// `alpha` [rad], `yaw_rate` [rad/s], speed `v` [m/s] (positive), steering `delta` [rad].
+#[inline]
 pub fn slips(sled: &Sled, alpha: f64, yaw_rate: f64, v: f64, delta: f64) -> Slips {
     let turn = yaw_rate / v;
     let at = |x: f64| alpha - turn * (x - sled.slip_x_m);

@@ -25,7 +25,7 @@ enum Task {
     List,
     /// Writes cases: data in one folder, answers in another, a name for each case in both.
     Write {
-        /// Comma-separated beginnings of case names, `@0.02` for a size, or `all`.
+        /// Comma-separated beginnings of case names, `@0.02` behind one or alone for a size, or `all`.
         #[arg(long)]
         families: String,
         /// Seeds a case.
@@ -45,7 +45,7 @@ enum Task {
     Score {
         #[command(flatten)]
         how: How,
-        /// Comma-separated beginnings of case names, `@0.02` for a size, or `all`.
+        /// Comma-separated beginnings of case names, `@0.02` behind one or alone for a size, or `all`.
         #[arg(long, default_value = "all")]
         families: String,
         /// Seeds a case.
@@ -259,8 +259,9 @@ fn print(outcomes: &[Outcome], by_case: bool) {
         .map(|(group, of)| table::rates(group, of))
         .collect();
     println!(
-        "{}\n{}",
+        "{}\n{}\n{}",
         table::markdown(&rows, &table::today()),
+        table::by_share(outcomes),
         table::base_table(outcomes)
     );
 }

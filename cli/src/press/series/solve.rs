@@ -161,10 +161,11 @@ fn solve_steps(
     }
     let said = said.lock().unwrap_or_else(PoisonError::into_inner);
     for (_, times) in said.iter().filter(|(_, times)| **times > 1) {
-        watch.warn(&format!(
-            "one like it of {} steps more: `warnings` of their result.json",
-            times - 1
-        ));
+        let more = match times - 1 {
+            1 => "one more step warns".to_owned(),
+            more => format!("{more} more steps warn"),
+        };
+        watch.warn(&format!("{more} alike (`warnings` in result.json)"));
     }
     Ok((kept, short))
 }

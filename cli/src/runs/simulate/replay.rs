@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe_jobs::{Failure, runs::failure};
+use kufe_plot::unit_of;
 use kufe_sled::plots::replay_picture;
 use kufe_sled::{
     Difference, Entry, Error, Inputs, Model, OnGaps, Replay, SimulateOptions, Track, TrackShape,
@@ -183,15 +184,18 @@ fn summary(done: &Replay) -> String {
         done.mean_force_n
     );
     for section in &done.sections {
-        let unit = if section.column == "v_mps" { " N" } else { "" };
+        let unit = match section.column {
+            "v_mps" => "N",
+            column => unit_of(column),
+        };
+        let time = match section.lost_s {
+            lost if lost >= 5e-4 => format!("; the run loses {lost:.3} s there"),
+            lost if lost <= -5e-4 => format!("; the run gains {:.3} s there", -lost),
+            _ => String::new(),
+        };
         text += &format!(
-            "{} parts from {:.0} to {:.0} m: {:.3}{unit}, {:.1} times the usual; {:+.3} s\n",
-            section.column,
-            section.from_m,
-            section.to_m,
-            section.size,
-            section.times_rms,
-            section.lost_s
+            "{} parts from {:.0} to {:.0} m by {:.3} {unit}, {:.1} times the usual{time}\n",
+            section.column, section.from_m, section.to_m, section.size, section.times_rms,
         );
     }
     text

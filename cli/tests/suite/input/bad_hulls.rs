@@ -79,6 +79,30 @@ fn a_tessellated_hull_gives_the_parametric_peak() {
     }
 }
 
+/// STEP and IGES hold no triangles: the error says which command makes some.
+#[test]
+fn exact_shapes_are_refused_with_the_command_that_makes_triangles_of_them() {
+    let bench = Bench::new();
+    for name in ["bob.step", "bob.STP", "bob.iges", "bob.igs"] {
+        bench.write(name, "ISO-10303-21;\n");
+        let command = format!("`gmsh ./{name} -2 -clmax 0.5 -format stl -bin -o ./bob.stl`");
+        refused(
+            &bench,
+            &format!("hull = \"./{name}\""),
+            &[
+                "runner.hull: ",
+                name,
+                "expected obj, gltf, glb or stl",
+                &command,
+                "scale = 0.001",
+            ],
+        );
+        let output = bench.kufe(&["hull", "check", name]);
+        assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+        assert!(errors(&output).contains("gmsh bob"), "{}", errors(&output));
+    }
+}
+
 /// A steel on an edge of 0.3 mm, which facets must turn by little to follow.
 #[test]
 fn a_luge_hull_of_the_defaults_gives_the_parametric_peak() {
@@ -282,7 +306,7 @@ fn a_hull_too_coarse_for_its_load_is_refused_with_the_numbers_by_every_command_t
     let expected = [
         "runner.hull: too coarse",
         "uncertain by ",
-        "um, the approach is ",
+        "um, the ice is pressed in by ",
     ];
     refused(&bench, "hull = \"coarse.obj\"", &expected);
     let output = bench.kufe(&["friction", "case.toml", "--speed", "30"]);

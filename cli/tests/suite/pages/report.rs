@@ -346,5 +346,22 @@ fn a_cases_lists_are_written_out_and_steel_only_where_it_gives() {
         );
         assert_eq!(has("runner.youngs_modulus_pa"), steel, "{name}: {page}");
         assert!(has("ice.youngs_modulus_pa"), "{name}: {page}");
+        // What the mount bears stands among the results: a column a place, of which the forces sum to the load.
+        let shown = "[...document.querySelectorAll('.panel')].filter((p) => !p.hidden && p.textContent.includes('pushes its mount'))";
+        let upwards = format!(
+            "{shown}.flatMap((p) => [...p.querySelectorAll('tbody tr')].filter((r) => r.textContent.includes('upwards'))\
+             .flatMap((r) => [...r.cells].slice(1).map((c) => Number(c.textContent))))"
+        );
+        let forces = browser.evaluate(&upwards);
+        let forces: Vec<f64> = serde_json::from_value(forces).expect("numbers");
+        assert_eq!(
+            forces.len(),
+            if steel { 2 } else { 0 },
+            "{name}: {forces:?}"
+        );
+        assert!(
+            !steel || (forces.iter().sum::<f64>() - 500.0).abs() < 0.1,
+            "{forces:?}"
+        );
     }
 }

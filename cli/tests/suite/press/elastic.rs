@@ -7,17 +7,17 @@ use serde_json::Value;
 use crate::kufe::{Bench, errors};
 use crate::press::hull_check::normal;
 
-fn result(bench: &Bench) -> Value {
+pub fn result(bench: &Bench) -> Value {
     let text = std::fs::read_to_string(bench.path("out/result.json")).expect("result.json");
     serde_json::from_str(&text).expect("JSON")
 }
 
-fn number(value: &Value, key: &str) -> f64 {
+pub fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().expect(key)
 }
 
 /// A short bobsled runner with `more` in its table.
-fn case(more: &str, tilt: &str) -> String {
+pub fn case(more: &str, tilt: &str) -> String {
     format!(
         "[runner]\nshape = {{ kind = \"bob\", length_m = 0.3, rocker_radius_m = 8.0, section_radius_m = 0.004, width_m = 0.008, height_m = 0.012 }}\n\
          elastic = true\n{more}\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.02\n\

@@ -4,7 +4,7 @@ mod elastic;
 mod export;
 mod gallery;
 mod hull_check;
-mod hull_rocker;
+mod hull_made;
 mod mesh;
 mod one_case;
 mod optimum;

@@ -205,22 +205,23 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let held = residual_model.hold(true);
-        let (mut residual_model, mut whitener) =
-            fit(&held, &self.training, &self.free, self.used, Effort::FULL)?;
+        let fitted = |model: &ResidualModel, free: &[usize]| {
+            fit(model, &self.training, free, self.used, Effort::FULL)
+        };
+        let mut found = fitted(&held, &self.free)?;
         let free = self.free.iter().copied();
-        let inside: Vec<usize> = free.filter(|b| residual_model.within(*b)).collect();
+        let inside: Vec<usize> = free.filter(|b| found.model.within(*b)).collect();
         if inside.len() < self.free.len() {
             let again = ResidualModel {
                 base: self.given.base,
                 ..held
             };
-            (residual_model, whitener) =
-                fit(&again, &self.training, &inside, self.used, Effort::FULL)?;
+            found = fitted(&again, &inside)?;
         }
         Ok(RunFit {
-            settled: residual_model.clone(),
-            residual_model,
-            whitener,
+            settled: found.model.clone(),
+            residual_model: found.model,
+            whitener: found.whitener,
             owners,
             told: None,
             estimates: Vec::new(),

@@ -9,9 +9,10 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
+use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ModelOnRun, ResidualModel};
+use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -122,8 +123,8 @@ impl Evidence for Campaign<'_> {
 
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
         account.remarks.extend(self.too_few());
-        account.remarks.extend(self.data.remarks.iter().cloned());
-        account.remarks.extend(self.outside.iter().cloned());
+        let told = self.data.remarks.iter().chain(&self.outside);
+        account.remarks.extend(told.cloned());
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
@@ -140,10 +141,9 @@ impl Evidence for Campaign<'_> {
         if self.data.noise_estimated {
             let n = &self.data.noise;
             let [low, high] = self.rules().estimated_noise_trust;
-            let low = if low == 0.5 {
-                "half".to_owned()
-            } else {
-                format!("{low}")
+            let low = match low {
+                0.5 => "half".to_owned(),
+                low => low.to_string(),
             };
             account.remarks.push(format!(
                 "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; claims must hold from {low} to {high} times their bias",
@@ -217,8 +217,10 @@ impl Evidence for Campaign<'_> {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
-        // A large effect has hidden what the installation is off by, and bent what was found of it: that is found anew.
-        let next = self.installed(&self.least_squares(&next, owners)?)?;
+        // A large effect has bent the base and hidden what the installation is off by: both are found anew.
+        let refit = self.beside_either(&next, Effort::COMPARED);
+        let start = refit.map_or(next, |refit| refit.model);
+        let next = self.installed(&self.least_squares(&start, owners)?)?;
         let stretch = claim.candidate.act.track.is_some();
         Ok(Added {
             gap: [before, gap(&next.residual_model)],
@@ -280,12 +282,10 @@ impl Evidence for Campaign<'_> {
             .or(channels.first());
         Ok(Opened {
             held_out: HeldOut {
-                what: if self.data.segmented {
-                    "segment"
-                } else {
-                    "run"
-                }
-                .to_owned(),
+                what: match self.data.segmented {
+                    true => "segment".to_owned(),
+                    false => "run".to_owned(),
+                },
                 runs: self.held.iter().map(|f| f.name.clone()).collect(),
                 gap_before: one.map_or(0.0, |c| c.before),
                 gap_after: one.map_or(0.0, |c| c.after),

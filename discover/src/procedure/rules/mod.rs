@@ -114,8 +114,10 @@ pub struct RunRules {
     pub contacts: ContactRules,
     /// Share of all rows' squares from which the strongest claim is large: its rivals are then held against it by full refits. Chosen.
     pub large: f64,
-    /// Share of the strongest claim's gain from which a rival is refitted beside it. Chosen.
+    /// Share of what a formula explains that its rivals must, to be held against it. Chosen.
     pub leads: f64,
+    /// Effects of the catalogue, the strongest first, that are refitted where something is large. Chosen.
+    pub leaders: usize,
     /// t that a catalogue effect must lose, and a column beyond the catalogue keep, for the column to be named instead.
     /// Chosen.
     pub column_wins: [f64; 2],
@@ -216,6 +218,7 @@ impl Default for RunRules {
             contacts: ContactRules::default(),
             large: 0.02,
             leads: 0.5,
+            leaders: 6,
             column_wins: [2.0, 3.0],
             laws: LawRules::default(),
             rivals: RivalRule {

@@ -1,12 +1,12 @@
 //! SciPy, a C compiler and an FMU simulator on the same table.
 
+use crate::c::run_c;
 use crate::python::run_python;
 use crate::tables::sliding;
 use kufe_lut::{Layered, Mode, Quantity, Table};
 use kufe_outside::python;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::Command;
 
 fn written(table: &Table, folder: &Path) {
     let file = |name: &str| std::fs::File::create(folder.join(name)).unwrap();
@@ -93,10 +93,6 @@ fn scipys_hermite_splines_through_the_layers_are_the_smooth_mode() {
 
 #[test]
 fn the_header_computes_what_the_library_computes() {
-    if Command::new("cc").arg("--version").output().is_err() {
-        kufe_outside::missing("there is no cc");
-        return;
-    }
     let folder = tempfile::tempdir().unwrap();
     let (front, rear) = (sliding(false), sliding(true));
     let write = |table: &Table, name: &str, radius| {
@@ -150,27 +146,9 @@ fn the_header_computes_what_the_library_computes() {
     }
     main += "  }\n  show(front_mu_smooth(900.0, 0.0, NAN, -5.0));\n  return 0;\n}\n";
     std::fs::write(folder.path().join("main.c"), main).unwrap();
-    let flags = [
-        "-std=c99",
-        "-pedantic",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-O1",
-        "main.c",
-        "-o",
-        "main",
-        "-lm",
-    ];
-    let compiled = Command::new("cc")
-        .args(flags)
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    let told = String::from_utf8_lossy(&compiled.stderr);
-    assert!(compiled.status.success(), "{told}");
-    let output = Command::new(folder.path().join("main")).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
+    let Some(text) = run_c(folder.path(), "main.c", &[], "") else {
+        return;
+    };
     let mut lines = text.lines();
     let (mut inside, mut outside) = (0, 0);
     for &[fz, curvature, v, ice] in &points {

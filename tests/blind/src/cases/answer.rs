@@ -15,7 +15,8 @@ pub struct Hides {
     pub size: f64,
     /// The parameter's unit.
     pub unit: String,
-    /// Variance it adds to the residual after a base refit, over the noise's variance.
+    /// Variance it adds to the residual after a refit of base and, in other worlds, installation, over the noise's variance; 0 where not
+    /// measured, or without noise.
     pub share: f64,
     /// Stretches of track where it acts: track, from [m], to [m].
     pub places: Vec<(String, f64, f64)>,

@@ -46,6 +46,13 @@ impl Spec {
         self.label.folder(seed)
     }
 
+    /// Whether it hides an effect of a stated size in another world.
+    fn is_sized_world(&self) -> bool {
+        let noise = |world| matches!(world, World::Noise(_));
+        matches!(self.recipe, Recipe::World(world, Some(_)) if !noise(world))
+            && self.label.share.is_some()
+    }
+
     /// Builds the case for a seed.
     pub fn build(&self, seed: u64) -> Result<Case, CaseError> {
         match self.recipe {
@@ -203,6 +210,12 @@ pub fn all() -> Vec<Spec> {
                 Recipe::World(world, Some(*effect)),
             );
         }
+        for effect in other_worlds::sized() {
+            for share in RUN_SHARES {
+                let recipe = Recipe::World(world, Some(effect));
+                add(effects, effect.case, Some(share), recipe);
+            }
+        }
     }
     for level in LEVELS {
         let (world, share) = (World::Noise(level), Some(f64::from(level) / 1e3));
@@ -261,21 +274,26 @@ pub fn all() -> Vec<Spec> {
     specs
 }
 
-/// The cases whose id starts with one of the comma-separated prefixes; `all` for every case.
-pub fn chosen(prefixes: &str) -> Result<Vec<Spec>, CaseError> {
+/// The cases whose id starts with one of the comma-separated beginnings, `@0.02` behind it for a size; `all` for every case.
+///
+/// Other worlds' cases of a stated size are only meant where a size stands there.
+pub fn chosen(asked: &str) -> Result<Vec<Spec>, CaseError> {
     let mut found: Vec<Spec> = Vec::new();
-    for prefix in prefixes.split(',').map(str::trim) {
+    for asked in asked.split(',').map(str::trim) {
+        let (begins, size) = match asked.split_once('@') {
+            Some((begins, size)) => (begins, Some(format!("@{size}"))),
+            None if asked == "all" => ("", None),
+            None => (asked, None),
+        };
         let hits: Vec<Spec> = all()
             .into_iter()
-            .filter(|spec| {
-                prefix == "all"
-                    || spec.id() == prefix
-                    || spec.id().starts_with(prefix)
-                    || spec.id().ends_with(prefix) && prefix.starts_with('@')
+            .filter(|spec| match &size {
+                Some(size) => spec.id().starts_with(begins) && spec.id().ends_with(size.as_str()),
+                None => spec.id().starts_with(begins) && !spec.is_sized_world(),
             })
             .collect();
         if hits.is_empty() {
-            return Err(CaseError::Unknown(prefix.to_owned()));
+            return Err(CaseError::Unknown(asked.to_owned()));
         }
         for hit in hits {
             if !found.contains(&hit) {

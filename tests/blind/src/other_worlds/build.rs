@@ -1,14 +1,14 @@
 //! A campaign of a world, as files.
 
-use std::fmt::Write as _;
-
+use super::files::{model_file, run_file, track_file};
+use super::gauge::{Gauge, Start};
 use super::hidden::{Acts, Effect, Hidden};
-use super::recorder::{NOISE, record};
-use super::ride::{Plan, ride};
+use super::recorder::Recorder;
+use super::ride::{Plan, RATE_HZ, Way};
 use super::road::Road;
 use super::runners::Sled;
 use super::walls::Walls;
-use super::wrong::{CHANNELS, Fault, World, Wrong};
+use super::wrong::{CHANNELS, World, Wrong};
 use crate::cases::answer::{Answer, Case, Hides};
 use crate::cases::label::Label;
 use crate::world::noise::Source;
@@ -16,66 +16,82 @@ use crate::world::noise::Source;
 /// Longest run [s].
 const SECONDS: f64 = 20.0;
 
-/// Columns of a run.
-const COLUMNS: &str = "ax_mps2,ay_mps2,az_mps2,roll_rate_radps,pitch_rate_radps,yaw_rate_radps,v_mps,alpha_rad,delta_rad,gamma_rad";
-
 /// Builds the campaign of a world, with an effect hidden in it or none.
 pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> Case {
     let source = &mut Source::new(seed, &label.id());
     let wrong = Wrong::draw(world, source);
     let stated = stated_sled(source);
-    let mut truth = stated;
-    truth.inertia_kgm2 = [0, 1].map(|i| stated.inertia_kgm2[i] * wrong.inertia[i]);
-    truth.axle_m = [
-        stated.axle_m[0] - wrong.centre_m,
-        stated.axle_m[1] + wrong.centre_m,
-    ];
-    truth.accel_m[0] -= wrong.centre_m;
-    truth.slip_m -= wrong.centre_m;
+    let mut sled = stated;
+    sled.inertia_kgm2 = [0, 1].map(|i| stated.inertia_kgm2[i] * wrong.inertia[i]);
+    sled.centre_ahead(wrong.centre_m);
     let roads = ["eibe", "fichte"].map(|name| Road::draw(name, source));
-    let hidden = effect.map(|effect| {
+    let mut hidden = effect.map(|effect| {
         let sign = if effect.both { source.sign() } else { 1.0 };
         let from = source.uniform(0.4, 0.7) * roads[0].length_m;
-        let size = sign * effect.size;
         Hidden {
             effect,
-            size,
+            size: sign * effect.size,
             place_m: [from.round(), (from + 15.0).round()],
+            strength: 1.0,
         }
     });
-    let fault = hidden.as_ref().and_then(|h| match h.effect.acts {
-        Acts::Recorder(fault) => Some((fault, h.size)),
-        _ => None,
-    });
-    match hidden.as_ref().map(|h| (h.effect.acts, h.size)) {
-        Some((Acts::Mass, size)) => truth.mass_kg += size,
-        Some((Acts::YawInertia, size)) => truth.inertia_kgm2[1] *= 1.0 + size,
-        Some((Acts::Centre, size)) => {
-            truth.axle_m = [truth.axle_m[0] - size, truth.axle_m[1] + size];
-            truth.accel_m[0] -= size;
-            truth.slip_m -= size;
-        }
-        _ => {}
-    }
     let walls = hidden.as_ref().and_then(|h| match h.effect.acts {
-        Acts::Bumper(hits) => Some(Walls::draw(hits, &roads, source)),
+        Acts::Bumper(hits) => Some((Walls::draw(hits, &roads, source), h.size)),
         _ => None,
     });
-    let mut files = Vec::new();
-    let mut index = String::from("run,file,track,driver,driver_class,session,ice_c,air_c,air_pa\n");
+    let places = match &walls {
+        Some((walls, _)) => walls.stretches(&roads),
+        None => Vec::new(),
+    };
+    let wanted = label.share.filter(|_| wrong.noise.is_none());
     let campaign = Campaign {
         wrong: &wrong,
-        truth: &truth,
         roads: &roads,
-        hidden: hidden.as_ref(),
-        fault,
         walls,
+        apart: wanted.map(|_| (seed, label.id())),
     };
-    campaign.runs(source, &mut index, &mut files);
-    let places = campaign
-        .walls
-        .as_ref()
-        .map_or(Vec::new(), |walls| walls.stretches(&roads));
+    let mut gauge = Gauge {
+        wrong: &wrong,
+        sled: &sled,
+        roads: &roads,
+        starts: Vec::new(),
+        seconds: SECONDS,
+        seed,
+    };
+    let mut share = 0.0;
+    if let (Some(share_wanted), Some(effect)) = (wanted, &mut hidden) {
+        campaign.runs(&mut source.clone(), |start, _, _| gauge.starts.push(start));
+        (*effect, share) = gauge.sized(effect, share_wanted);
+        gauge.starts.clear();
+    }
+    let truth = hidden.as_ref().map_or(sled, |h| sled.with(h));
+    let recorder = Recorder {
+        sled: &truth,
+        wrong: &wrong,
+        fault: hidden.as_ref().and_then(Hidden::fault),
+    };
+    let mut files = Vec::new();
+    let mut index = String::from("run,file,track,driver,driver_class,session,ice_c,air_c,air_pa\n");
+    campaign.runs(source, |start, line, source| {
+        let way = Way {
+            sled: &truth,
+            road: &roads[start.track],
+            plan: &start.plan,
+            rate_hz: RATE_HZ,
+            seconds: SECONDS,
+        };
+        let hidden = hidden.as_ref().filter(|h| h.is_felt_on(start.track));
+        let rows = recorder.record(&way.ridden(hidden), source);
+        files.push((format!("{}.csv", start.name), run_file(&rows).into_bytes()));
+        index.push_str(line);
+        gauge.starts.push(start);
+    });
+    // Without noise nothing is a share of it.
+    if let (None, Some(effect)) = (wanted, &hidden)
+        && wrong.noise != Some(0.0)
+    {
+        share = gauge.share(effect);
+    }
     if !wrong.bare {
         files.extend(roads.iter().map(|road| track_file(road, &wrong)));
     }
@@ -102,7 +118,7 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
             model: Some("model.toml".to_owned()),
             hides: hidden
                 .iter()
-                .map(|h| hides(h, roads[0].name, &places))
+                .map(|h| hides(h, share, roads[0].name, &places))
                 .collect(),
             tolerated: really_off(&wrong),
             too_little_to_name: false,
@@ -114,16 +130,16 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
 /// What every run of a campaign shares.
 struct Campaign<'a> {
     wrong: &'a Wrong,
-    truth: &'a Sled,
     roads: &'a [Road; 2],
-    hidden: Option<&'a Hidden>,
-    fault: Option<(Fault, f64)>,
-    walls: Option<Walls>,
+    /// Walls that some runs hit, and the bumper's lever [m].
+    walls: Option<(Walls, f64)>,
+    /// Seed and name where each run has a stream of its own, so that runs can be drawn before it is known how large the effect is.
+    apart: Option<(u64, String)>,
 }
 
 impl Campaign<'_> {
-    /// Rides and records every run: a file each and a line in the index.
-    fn runs(&self, source: &mut Source, index: &mut String, files: &mut Vec<(String, Vec<u8>)>) {
+    /// Draws every run, and hands it over with its line of the index and the source that its noise comes from.
+    fn runs(&self, source: &mut Source, mut each: impl FnMut(Start, &str, &mut Source)) {
         let [sessions, a_session] = self.wrong.runs;
         for session in 0..sessions {
             let track = session % 2;
@@ -132,6 +148,12 @@ impl Campaign<'_> {
             let air_pa = source.uniform(91_000.0, 96_000.0).round();
             let factors = [(); 2].map(|()| 1.0 + self.wrong.session * source.normal());
             for run in 0..a_session {
+                let name = format!("r{:02}", session * a_session + run + 1);
+                let mut apart = self
+                    .apart
+                    .as_ref()
+                    .map(|(seed, id)| Source::new(*seed, &format!("{id} {name}")));
+                let source = apart.as_mut().unwrap_or(&mut *source);
                 let driver = ["north", "south", "west"][(session + run) % 3];
                 let own = &mut Source::new(9, &format!("{driver}{track}"));
                 let mut plan = Plan::draw(self.wrong.line_m, own, source);
@@ -144,23 +166,16 @@ impl Campaign<'_> {
                     let force = source.sign() * source.uniform(300.0, 1500.0);
                     plan.wall = Some([from, from + source.uniform(3.0, 10.0), force]);
                 }
-                if let (Some(walls), Some(hidden)) = (&self.walls, self.hidden) {
+                if let Some((walls, lever_m)) = &self.walls {
                     let who = (session + run) % 3;
-                    plan.bumps = walls.of_run(track, who, hidden.size, source);
+                    plan.bumps = walls.of_run(track, who, *lever_m, source);
                 }
-                let hidden = self
-                    .hidden
-                    .filter(|h| h.effect.acts != Acts::Wall || track == 0);
-                let truths = ride(self.truth, road, &plan, hidden, SECONDS);
-                let rows = record(self.truth, &truths, self.wrong, self.fault, source);
-                let name = format!("r{:02}", session * a_session + run + 1);
-                let _ = writeln!(
-                    index,
-                    "{name},{name}.csv,{},{driver},all,{},{ice_c},{air_c},{air_pa}",
+                let line = format!(
+                    "{name},{name}.csv,{},{driver},all,{},{ice_c},{air_c},{air_pa}\n",
                     road.name,
                     session + 1
                 );
-                files.push((format!("{name}.csv"), run_file(&rows).into_bytes()));
+                each(Start { name, track, plan }, &line, source);
             }
         }
     }
@@ -213,7 +228,7 @@ fn really_off(wrong: &Wrong) -> Vec<String> {
     names.into_iter().map(str::to_owned).collect()
 }
 
-fn hides(hidden: &Hidden, track: &str, walls: &[(String, f64, f64)]) -> Hides {
+fn hides(hidden: &Hidden, share: f64, track: &str, walls: &[(String, f64, f64)]) -> Hides {
     let effect = &hidden.effect;
     let places = match effect.acts {
         Acts::Wall => vec![(track.to_owned(), hidden.place_m[0], hidden.place_m[1])],
@@ -225,7 +240,7 @@ fn hides(hidden: &Hidden, track: &str, walls: &[(String, f64, f64)]) -> Hides {
         key: effect.key.to_owned(),
         size: hidden.size,
         unit: effect.unit.to_owned(),
-        share: 0.0,
+        share,
         places,
     }
 }
@@ -245,82 +260,6 @@ fn stated_sled(source: &mut Source) -> Sled {
             [about(3.288, 0.1), 0.076, 0.99, about(49_776.0, 0.1)],
         ],
     }
-}
-
-fn run_file(rows: &[[f64; CHANNELS]]) -> String {
-    let mut text = format!("t_s,{COLUMNS}\n");
-    for (k, row) in rows.iter().enumerate() {
-        let _ = write!(text, "{:.2}", k as f64 / 100.0);
-        for value in row {
-            let _ = write!(text, ",{value:.6}");
-        }
-        text.push('\n');
-    }
-    text
-}
-
-fn track_file(road: &Road, wrong: &Wrong) -> (String, Vec<u8>) {
-    let mut text = String::from("s_m,slope_rad,curvature_1pm,bank_rad\n");
-    let sign = if wrong.uphill { -1.0 } else { 1.0 };
-    for s in 0..=road.length_m as usize {
-        let here = road.at(s as f64);
-        let curvature = -here.turn[1] * wrong.curvature;
-        let _ = writeln!(
-            text,
-            "{s},{:.6},{curvature:.6},{:.5}",
-            sign * here.fall,
-            here.bank
-        );
-    }
-    (format!("track_{}.csv", road.name), text.into_bytes())
-}
-
-/// The model as its owner states it: the sled as it was weighed, friction three per cent off.
-fn model_file(sled: &Sled, wrong: &Wrong, source: &mut Source) -> String {
-    let mut off = |value: f64| value * (1.0 + (0.03 * source.normal()).clamp(-0.06, 0.06));
-    let mut text = format!(
-        "[sled]\nmass_kg = {:?}\nj_yy_kgm2 = {:?}\nj_zz_kgm2 = {:?}\nl_f_m = {:?}\nl_r_m = {:?}\naccel_x_m = {:?}\n\
-         accel_y_m = {:?}\naccel_z_m = {:?}\nslip_x_m = {:?}\ncda_m2 = {:?}\nyaw_drag_per_deg = {:?}\n\n\
-         [friction.longitudinal]\nmu = {:.6}\n\n",
-        sled.mass_kg,
-        sled.inertia_kgm2[0],
-        sled.inertia_kgm2[1],
-        sled.axle_m[0],
-        sled.axle_m[1],
-        sled.accel_m[0],
-        sled.accel_m[1],
-        sled.accel_m[2],
-        sled.slip_m,
-        sled.drag[0],
-        sled.drag[1],
-        off(sled.mu)
-    );
-    for (name, [peak, shape, bend, stiffness]) in [("front", sled.grip[0]), ("rear", sled.grip[1])]
-    {
-        let _ = write!(
-            text,
-            "[friction.{name}]\nmu_zeta = {:.5}\nc = {shape:?}\ne = {bend:?}\nk_n_per_rad = {:.2}\n\n",
-            off(peak),
-            off(stiffness)
-        );
-    }
-    text.push_str("[survey]\nslope_sd_rad = 0.0008\n");
-    if wrong.noise.is_some() {
-        return text;
-    }
-    let said = |channel: usize| NOISE[channel] * wrong.stated;
-    let _ = write!(
-        text,
-        "\n[noise]\naccel_mps2 = {:?}\nrate_radps = {:?}\nspeed_mps = {:?}\n\
-         slip_rad = {:?}\nsteer_rad = {:?}\nroll_split_rad = {:?}\n",
-        said(0),
-        said(3),
-        said(6),
-        said(7),
-        said(8),
-        said(9)
-    );
-    text
 }
 
 #[cfg(test)]

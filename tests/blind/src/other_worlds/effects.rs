@@ -11,6 +11,20 @@ const fn late(name: &'static str, channel: usize, case: &'static str, size: f64)
         .called(case)
 }
 
+/// What a world may hide in a size that is asked for: all but lags of so many milliseconds.
+pub fn sized() -> impl Iterator<Item = Effect> {
+    let in_ms = |e: &Effect| e.case.ends_with("-ms");
+    let lags = [
+        late("yaw-rate-lag", 5, "yaw-rate-lag", 0.01),
+        late("steer-lag", 8, "steer-lag", 0.01),
+    ];
+    EFFECTS
+        .iter()
+        .filter(move |e| !in_ms(e))
+        .copied()
+        .chain(lags)
+}
+
 /// Everything that a world may hide.
 pub const EFFECTS: &[Effect] = &[
     effect(

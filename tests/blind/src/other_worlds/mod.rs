@@ -20,6 +20,9 @@
 //! | `walls` | some runs hit a wall somewhere, harder or softer |
 //! | `uphill` | the track tables count slope uphill |
 //!
+//! `W-effect/CASE` hides an effect of a size that somebody who looks for it would meet; `W-effect/CASE@0.02` one that leaves 2 % of the noise's variance when
+//! base and installation are fitted again, or as much as its bounds let it.
+//!
 //! In the worlds of `recovery` noise is 0, 0.1, 1 and 10 % of what each channel spreads in a run, and nobody states it.
 //!
 //! Hidden in any world may be `wall-contact-by-run` and `wall-contact-by-driver`: one to six places that 20 to 80 % of the runs hit, with
@@ -27,6 +30,8 @@
 
 mod build;
 mod effects;
+mod files;
+mod gauge;
 mod hidden;
 mod recorder;
 mod ride;
@@ -36,6 +41,6 @@ mod walls;
 mod wrong;
 
 pub use build::build;
-pub use effects::EFFECTS;
+pub use effects::{EFFECTS, sized};
 pub use hidden::Effect;
 pub use wrong::{LEVELS, WORLDS, World};

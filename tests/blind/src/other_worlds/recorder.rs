@@ -15,41 +15,82 @@ pub const NOISE: [f64; CHANNELS] = [
     0.06, 0.06, 0.06, 0.0012, 0.0012, 0.0012, 0.025, 0.0006, 0.0003, 0.0003,
 ];
 
-/// Records a ride: one row of all channels every hundredth of a second.
-pub fn record(
-    sled: &Sled,
-    truths: &[Truth],
-    wrong: &Wrong,
-    fault: Option<(Fault, f64)>,
-    source: &mut Source,
-) -> Vec<[f64; CHANNELS]> {
-    let stride = (RATE_HZ / ROWS_HZ) as usize;
-    let clean: Vec<[f64; CHANNELS]> = truths.iter().map(|truth| readings(sled, truth)).collect();
-    let columns: [Vec<f64>; CHANNELS] = std::array::from_fn(|c| {
-        let (mut delay, mut scale, mut bias) = (wrong.delay_s[c], 1.0, 0.0);
-        if (3..6).contains(&c) {
-            scale += wrong.gyro_scale[c - 3];
-            bias += wrong.gyro_bias_radps[c - 3];
+/// A row of all channels.
+pub type Row = [f64; CHANNELS];
+
+/// A recorder on a sled of a world, with a fault or none.
+#[derive(Debug, Clone, Copy)]
+pub struct Recorder<'a> {
+    /// The true sled.
+    pub sled: &'a Sled,
+    /// What is wrong with it in this world.
+    pub wrong: &'a Wrong,
+    /// What is hidden in it.
+    pub fault: Option<(Fault, f64)>,
+}
+
+impl Recorder<'_> {
+    /// Records a ride: one row of all channels every hundredth of a second.
+    pub fn record(&self, truths: &[Truth], source: &mut Source) -> Vec<Row> {
+        let late = self.late(truths, RATE_HZ);
+        let mut rows = self.rows(&late, RATE_HZ);
+        let hiss = self.hiss(&late, RATE_HZ, source);
+        for (row, hiss) in rows.iter_mut().zip(&hiss) {
+            *row = std::array::from_fn(|c| row[c] + hiss[c]);
         }
-        match fault {
-            Some((Fault::Delay(at), size)) if at == c => delay += size,
-            _ => {}
-        }
-        let read = |x: f64, t: f64| fault.map_or(x, |(fault, size)| fault.read(c, size, x, t));
-        let values: Vec<f64> = clean.iter().map(|row| row[c]).collect();
-        let late = filtered(&later(&values, delay * RATE_HZ), wrong.filter_hz);
-        let sd = wrong.noise.map_or(NOISE[c], |share| share * spread(&late));
-        let noise = noise(late.len(), sd, wrong, source);
-        late.iter()
-            .zip(&noise)
-            .enumerate()
+        rows
+    }
+
+    /// What sensors hand to the recorder: late, and through the filters.
+    pub fn late(&self, truths: &[Truth], rate_hz: f64) -> [Vec<f64>; CHANNELS] {
+        let clean: Vec<Row> = truths.iter().map(|t| readings(self.sled, t)).collect();
+        std::array::from_fn(|c| {
+            let mut delay = self.wrong.delay_s[c];
+            match self.fault {
+                Some((Fault::Delay(at), size)) if at == c => delay += size,
+                _ => {}
+            }
+            let values: Vec<f64> = clean.iter().map(|row| row[c]).collect();
+            let late = later(&values, delay * rate_hz);
+            filtered(&late, self.wrong.filter_hz, rate_hz)
+        })
+    }
+
+    /// The rows that a recorder without noise would write.
+    pub fn rows(&self, late: &[Vec<f64>; CHANNELS], rate_hz: f64) -> Vec<Row> {
+        let stride = (rate_hz / ROWS_HZ) as usize;
+        let read = |c: usize, k: usize| {
+            let (mut scale, mut bias) = (1.0, 0.0);
+            if (3..6).contains(&c) {
+                scale += self.wrong.gyro_scale[c - 3];
+                bias += self.wrong.gyro_bias_radps[c - 3];
+            }
+            let (x, t) = (scale * late[c][k] + bias, k as f64 / rate_hz);
+            let fault = self.fault;
+            fault.map_or(x, |(fault, size)| fault.read(c, size, x, t))
+        };
+        (0..late[0].len())
             .step_by(stride)
-            .map(|(k, (v, n))| read(scale * v + bias, k as f64 / RATE_HZ) + n)
+            .map(|k| std::array::from_fn(|c| read(c, k)))
             .collect()
-    });
-    (0..columns[0].len())
-        .map(|k| std::array::from_fn(|c| columns[c][k]))
-        .collect()
+    }
+
+    /// The noise of as many rows.
+    pub fn hiss(&self, late: &[Vec<f64>; CHANNELS], rate_hz: f64, source: &mut Source) -> Vec<Row> {
+        let stride = (RATE_HZ / ROWS_HZ) as usize;
+        let columns: [Vec<f64>; CHANNELS] = std::array::from_fn(|c| {
+            let sd = self
+                .wrong
+                .noise
+                .map_or(NOISE[c], |share| share * spread(&late[c]));
+            let count = (late[c].len() as f64 * RATE_HZ / rate_hz) as usize;
+            noise(count, sd, self.wrong, source)
+        });
+        (0..columns[0].len())
+            .step_by(stride)
+            .map(|k| std::array::from_fn(|c| columns[c][k]))
+            .collect()
+    }
 }
 
 /// Standard deviation of a series.
@@ -104,11 +145,11 @@ fn later(values: &[f64], by: f64) -> Vec<f64> {
 }
 
 /// A Butterworth low-pass of second order by the bilinear transform, started at rest on the first value.
-fn filtered(values: &[f64], corner_hz: f64) -> Vec<f64> {
+fn filtered(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
     if corner_hz.is_infinite() {
         return values.to_vec();
     }
-    let k = (PI * corner_hz / RATE_HZ).tan();
+    let k = (PI * corner_hz / rate_hz).tan();
     let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
     let gain = k * k * norm;
     let (a1, a2) = (
@@ -137,7 +178,7 @@ fn noise(count: usize, sd: f64, wrong: &Wrong, source: &mut Source) -> Vec<f64> 
             state
         })
         .collect();
-    let shaped = filtered(&raw, wrong.filter_hz);
+    let shaped = filtered(&raw, wrong.filter_hz, RATE_HZ);
     let spread = (shaped.iter().map(|x| x * x).sum::<f64>() / count.max(1) as f64).sqrt();
     shaped.iter().map(|x| sd * x / spread.max(1e-300)).collect()
 }
@@ -172,9 +213,18 @@ mod tests {
                 ..Truth::default()
             })
             .collect();
-        let noisy = record(&Sled::published(), &truths, &wrong, None, source);
+        let sled = &Sled::published();
+        let mut rows = |wrong: &Wrong| {
+            let recorder = Recorder {
+                sled,
+                wrong,
+                fault: None,
+            };
+            recorder.record(&truths, source)
+        };
+        let noisy = rows(&wrong);
         wrong.noise = Some(0.0);
-        let still = record(&Sled::published(), &truths, &wrong, None, source);
+        let still = rows(&wrong);
         let off: Vec<f64> = noisy.iter().zip(&still).map(|(a, b)| a[6] - b[6]).collect();
         assert!((still[30][6] - truths[300].v).abs() < 1e-12);
         // A tenth of 3 / sqrt 2, to what 2000 samples tell of a spread.
@@ -188,7 +238,7 @@ mod tests {
             .collect();
         let largest = |values: &[f64]| values[2000..].iter().fold(0.0f64, |m, v| m.max(v.abs()));
         // A Butterworth filter halves the power at its corner.
-        assert!((largest(&filtered(&wave, 30.0)) - 0.5f64.sqrt()).abs() < 2e-3);
+        assert!((largest(&filtered(&wave, 30.0, RATE_HZ)) - 0.5f64.sqrt()).abs() < 2e-3);
         let shifted = later(&wave, 7.0);
         assert!((shifted[1007] - wave[1000]).abs() < 1e-12);
     }

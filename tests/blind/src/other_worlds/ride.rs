@@ -3,38 +3,11 @@
 use super::hidden::{Acts, Hidden};
 use super::road::{Here, Road};
 use super::runners::{Now, Push, Sled, push};
+use super::walls::Bumper;
 use crate::world::noise::{Smooth, Source};
 
-/// Steps a second.
+/// Steps a second of what is recorded.
 pub const RATE_HZ: f64 = 1000.0;
-
-/// A bumper pressed against a wall: half a sine of force over a stretch, with the friction of rubber on ice.
-#[derive(Debug, Clone, Copy)]
-pub struct Bumper {
-    /// Where it begins [m].
-    pub from_m: f64,
-    /// How long it lasts [m].
-    pub length_m: f64,
-    /// Its peak, left positive [N].
-    pub force_n: f64,
-    /// The bumper ahead of the centre of gravity [m].
-    pub lever_m: f64,
-}
-
-impl Bumper {
-    /// Friction of the bumper.
-    const RUBBER: f64 = 0.12;
-
-    /// Forward, to the left [N], and about the vertical [N m].
-    fn push(&self, s: f64) -> [f64; 3] {
-        let along = (s - self.from_m) / self.length_m;
-        if !(0.0..=1.0).contains(&along) {
-            return [0.0; 3];
-        }
-        let force = self.force_n * (std::f64::consts::PI * along).sin();
-        [-Self::RUBBER * force.abs(), force, self.lever_m * force]
-    }
-}
 
 /// What is drawn for one run before it starts.
 #[derive(Debug, Clone)]
@@ -104,6 +77,26 @@ pub struct Truth {
     pub split: f64,
 }
 
+/// What a plan has drawn over time, at one time.
+#[derive(Debug, Clone, Copy)]
+struct Drawn {
+    /// Steering and roll split [rad].
+    steer: f64,
+    split: f64,
+    /// Roll and pitch rate, each with its derivative [rad/s, rad/s2].
+    rough: [[f64; 2]; 2],
+}
+
+impl Drawn {
+    fn at(plan: &Plan, t: f64) -> Drawn {
+        Drawn {
+            steer: plan.steer.at(t),
+            split: plan.split.at(t),
+            rough: [0, 1].map(|i| plan.rough[i].with_slope_at(t)),
+        }
+    }
+}
+
 /// Distance, offset from the line, heading from the line, speed, course, yaw rate, steering.
 type State = [f64; 7];
 
@@ -116,15 +109,18 @@ struct Ride<'a> {
 
 impl Ride<'_> {
     /// How the state changes, given how fast speed and course change now.
-    fn slopes(&self, t: f64, x: &State, v_slope: f64, course_slope: f64) -> (State, Truth) {
+    fn slopes(
+        &self,
+        drawn: &Drawn,
+        x: &State,
+        [v_slope, course_slope]: [f64; 2],
+    ) -> (State, Truth) {
         let [s, _, heading, v, beta, r, steer] = *x;
-        let here = self.road.at(s);
+        // Half a metre before and behind, for how the frame's turning changes.
+        let [last, here, next] = self.road.around(s, 0.5);
         let way = v * (heading + beta).cos();
-        let [p, q] = self.rates(&here, way, heading, t);
+        let [p, q] = rates(&here, way, heading, drawn);
         let heading_slope = r - way * here.turn[2];
-        // A metre further on, for how the frame's turning changes.
-        let next = self.road.at(s + 0.5);
-        let last = self.road.at(s - 0.5);
         let turn_s = [0, 1].map(|a| next.turn[a] - last.turn[a]);
         let (sin_h, cos_h) = heading.sin_cos();
         let turned = [
@@ -135,19 +131,19 @@ impl Ride<'_> {
         let p_slope = way_slope * turned[0]
             + way * way * (turn_s[0] * cos_h + turn_s[1] * sin_h)
             + way * heading_slope * turned[1]
-            + self.plan.rough[0].slope_at(t);
+            + drawn.rough[0][1];
         let q_slope = way_slope * turned[1] + way * way * (-turn_s[0] * sin_h + turn_s[1] * cos_h)
             - way * heading_slope * turned[0]
-            + self.plan.rough[1].slope_at(t);
+            + drawn.rough[1][1];
         let gravity = self.gravity(&here, heading, beta);
         let (vx, vy) = (v * beta.cos(), v * beta.sin());
         let up = p * vy - q * vx - gravity[2];
         let sled = self.sled;
         let base = sled.axle_m[0] + sled.axle_m[1];
         let front = (sled.axle_m[1] * sled.mass_kg * up - sled.inertia_kgm2[0] * q_slope) / base;
-        let split = here.turn[0] * base + self.plan.split.at(t);
+        let split = here.turn[0] * base + drawn.split;
         let slip = |place: f64| -(vy + r * place).atan2(vx);
-        let steer_slope = (self.wish(t, x, &here) - steer) / 0.05;
+        let steer_slope = (self.wish(drawn, x, &here) - steer) / 0.05;
         let now = Now {
             v,
             beta,
@@ -162,11 +158,13 @@ impl Ride<'_> {
             wall: self.wall(s),
         };
         let mut all = push(sled, &now, self.plan.factors, self.hidden);
-        for bump in &self.plan.bumps {
-            let [x, y, turn] = bump.push(s);
-            all.x += x;
-            all.y += y;
-            all.turn += turn;
+        if let Some(hidden) = self.hidden {
+            for bump in &self.plan.bumps {
+                let [x, y, turn] = bump.push(s).map(|part| hidden.strength * part);
+                all.x += x;
+                all.y += y;
+                all.turn += turn;
+            }
         }
         let Push { x: fx, y: fy, turn } = all;
         let (ax, ay) = (
@@ -195,14 +193,6 @@ impl Ride<'_> {
         (slopes, truth)
     }
 
-    fn rates(&self, here: &Here, way: f64, heading: f64, t: f64) -> [f64; 2] {
-        let (sine, cosine) = heading.sin_cos();
-        [
-            way * (here.turn[0] * cosine + here.turn[1] * sine) + self.plan.rough[0].at(t),
-            way * (-here.turn[0] * sine + here.turn[1] * cosine) + self.plan.rough[1].at(t),
-        ]
-    }
-
     /// Gravity in the body's frame: where a way up the bank costs height the body's own heading decides, else slope and
     /// bank are those along the course.
     fn gravity(&self, here: &Here, heading: f64, beta: f64) -> [f64; 3] {
@@ -222,7 +212,7 @@ impl Ride<'_> {
     }
 
     /// What the driver steers for: the road's turn, the side force, his line, and something of his own.
-    fn wish(&self, t: f64, x: &State, here: &Here) -> f64 {
+    fn wish(&self, drawn: &Drawn, x: &State, here: &Here) -> f64 {
         let sled = self.sled;
         let way = x[3];
         let yaw = way * here.turn[2];
@@ -232,43 +222,97 @@ impl Ride<'_> {
         let bend =
             side / base * (sled.axle_m[1] / sled.grip[0][3] - sled.axle_m[0] / sled.grip[1][3]);
         let course = x[2] + x[4];
-        let line = self.plan.line.at(x[0]);
+        // Only where drivers have lines of their own, which then climb.
+        let line = match self.plan.climbs {
+            true => self.plan.line.at(x[0]),
+            false => 0.0,
+        };
         let aim = base * yaw / way + bend - 0.3 * course - 0.006 * (x[1] - line);
-        (aim + self.plan.steer.at(t)).clamp(-0.12, 0.12)
+        (aim + drawn.steer).clamp(-0.12, 0.12)
     }
 }
 
-/// Rides down a road for `seconds` at most: Heun's predictor and corrector, with the slopes of speed and course of the step before.
-pub fn ride(
-    sled: &Sled,
-    road: &Road,
-    plan: &Plan,
-    hidden: Option<&Hidden>,
-    seconds: f64,
-) -> Vec<Truth> {
-    let ride = Ride {
-        sled,
-        road,
-        plan,
-        hidden,
-    };
-    let h = 1.0 / RATE_HZ;
-    let mut x: State = [0.0, 0.0, 0.0, plan.start_mps, 0.0, 0.0, 0.0];
-    let (mut v_slope, mut course_slope) = (0.8, 0.0);
-    let mut truths = Vec::new();
-    for k in 0..(seconds * RATE_HZ) as usize {
-        let t = k as f64 * h;
-        let (first, truth) = ride.slopes(t, &x, v_slope, course_slope);
-        truths.push(truth);
-        let guess: State = std::array::from_fn(|i| x[i] + h * first[i]);
-        let (second, _) = ride.slopes(t + h, &guess, first[3], first[4]);
-        x = std::array::from_fn(|i| x[i] + 0.5 * h * (first[i] + second[i]));
-        (v_slope, course_slope) = (second[3], second[4]);
-        if x[0] > road.length_m - 10.0 || x[3] < 2.0 {
-            break;
+fn rates(here: &Here, way: f64, heading: f64, drawn: &Drawn) -> [f64; 2] {
+    let (sine, cosine) = heading.sin_cos();
+    [
+        way * (here.turn[0] * cosine + here.turn[1] * sine) + drawn.rough[0][0],
+        way * (-here.turn[0] * sine + here.turn[1] * cosine) + drawn.rough[1][0],
+    ]
+}
+
+/// A sled, a road and a plan, and how finely they are ridden.
+#[derive(Debug, Clone, Copy)]
+pub struct Way<'a> {
+    /// The true sled.
+    pub sled: &'a Sled,
+    /// The road.
+    pub road: &'a Road,
+    /// What was drawn for the run.
+    pub plan: &'a Plan,
+    /// Steps a second.
+    pub rate_hz: f64,
+    /// Longest duration [s].
+    pub seconds: f64,
+}
+
+impl<'a> Way<'a> {
+    fn ride<'b>(&self, hidden: Option<&'b Hidden>) -> Ride<'b>
+    where
+        'a: 'b,
+    {
+        Ride {
+            sled: self.sled,
+            road: self.road,
+            plan: self.plan,
+            hidden,
         }
     }
-    truths
+
+    /// Rides down the road: Heun's predictor and corrector, with the slopes of speed and course of the step before.
+    pub fn ridden(&self, hidden: Option<&Hidden>) -> Vec<Truth> {
+        let mut truths = Vec::new();
+        self.step(&self.ride(hidden), |_, _, truth| truths.push(truth));
+        truths
+    }
+
+    /// The same, with what the hidden force adds at every so many steps: along and across [m/s2], about the vertical [rad/s2].
+    pub fn parted(&self, hidden: Option<&Hidden>, every: usize) -> (Vec<Truth>, Vec<[f64; 3]>) {
+        let (mut truths, mut added) = (Vec::new(), Vec::new());
+        let without = self.ride(None);
+        let is_force = hidden.is_some_and(Hidden::is_force);
+        self.step(&self.ride(hidden), |drawn, x, truth| {
+            if is_force && truths.len().is_multiple_of(every) {
+                let (_, bare) = without.slopes(drawn, x, [0.0; 2]);
+                added.push([
+                    truth.felt[0] - bare.felt[0],
+                    truth.felt[1] - bare.felt[1],
+                    truth.rate_slope[2] - bare.rate_slope[2],
+                ]);
+            }
+            truths.push(truth);
+        });
+        (truths, added)
+    }
+
+    fn step(&self, ride: &Ride, mut each: impl FnMut(&Drawn, &State, Truth)) {
+        let h = 1.0 / self.rate_hz;
+        let mut x: State = [0.0, 0.0, 0.0, self.plan.start_mps, 0.0, 0.0, 0.0];
+        let mut slope = [0.8, 0.0];
+        let mut now = Drawn::at(self.plan, 0.0);
+        for k in 0..(self.seconds * self.rate_hz) as usize {
+            let next = Drawn::at(self.plan, (k + 1) as f64 * h);
+            let (first, truth) = ride.slopes(&now, &x, slope);
+            each(&now, &x, truth);
+            let guess: State = std::array::from_fn(|i| x[i] + h * first[i]);
+            let (second, _) = ride.slopes(&next, &guess, [first[3], first[4]]);
+            x = std::array::from_fn(|i| x[i] + 0.5 * h * (first[i] + second[i]));
+            slope = [second[3], second[4]];
+            now = next;
+            if x[0] > self.road.length_m - 10.0 || x[3] < 2.0 {
+                break;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -277,12 +321,22 @@ mod tests {
     use super::super::runners::Sled;
     use super::*;
 
+    fn way<'a>(sled: &'a Sled, road: &'a Road, plan: &'a Plan, seconds: f64) -> Way<'a> {
+        Way {
+            sled,
+            road,
+            plan,
+            rate_hz: RATE_HZ,
+            seconds,
+        }
+    }
+
     #[test]
     fn speed_comes_from_height_and_from_what_is_felt() {
         let source = &mut Source::new(5, "ride");
         let road = Road::draw("birke", source);
         let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
-        let truths = ride(&Sled::published(), &road, &plan, None, 15.0);
+        let truths = way(&Sled::published(), &road, &plan, 15.0).ridden(None);
         let h = 1.0 / RATE_HZ;
         let (mut height, mut work, mut s) = (0.0, 0.0, 0.0);
         for truth in &truths[..truths.len() - 1] {
@@ -321,7 +375,7 @@ mod tests {
         assert!(super::push(&Sled::published(), &front, [1.0; 2], None).turn > 0.0);
         let road = Road::draw("birke", source);
         let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
-        let truths = ride(&Sled::published(), &road, &plan, None, 10.0);
+        let truths = way(&Sled::published(), &road, &plan, 10.0).ridden(None);
         // Where the road turns left the sled does.
         let turns = |truth: &Truth, place: f64| truth.rate[2] * road.at(place).turn[2];
         let mut s = 0.0;

@@ -79,6 +79,20 @@ impl Road {
     ///
     /// The frame is `R = R_z(psi) R_y(fall) R_x(bank)`; it turns by the vector of `R^T dR/ds`.
     pub fn at(&self, s: f64) -> Here {
+        self.here(s, self.waves.with_slope_at(s))
+    }
+
+    /// The road `by` before `s`, there, and `by` behind it.
+    pub fn around(&self, s: f64, by: f64) -> [Here; 3] {
+        let [before, there, behind] = self.waves.around(s, by);
+        [
+            self.here(s - by, before),
+            self.here(s, there),
+            self.here(s + by, behind),
+        ]
+    }
+
+    fn here(&self, s: f64, [wave, fall_s]: [f64; 2]) -> Here {
         let (mut psi_s, mut bank, mut bank_s) = (0.0, 0.0, 0.0);
         for bend in &self.bends {
             let u = (s - bend.from_m) / bend.length_m;
@@ -92,8 +106,7 @@ impl Road {
             bank_s +=
                 bend.bank * 2.0 * sine * cosine * PI / bend.length_m / (1.0 + tangent * tangent);
         }
-        let fall = self.fall_rad + self.waves.at(s);
-        let fall_s = self.waves.slope_at(s);
+        let fall = self.fall_rad + wave;
         let ((sf, cf), (sb, cb)) = (fall.sin_cos(), bank.sin_cos());
         Here {
             fall,

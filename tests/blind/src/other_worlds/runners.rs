@@ -1,6 +1,6 @@
 //! What ice and air do to the sled.
 
-use super::hidden::{Force, Hidden};
+use super::hidden::{Acts, Force, Hidden};
 
 /// The true sled; places from the centre of gravity [m].
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +21,26 @@ pub struct Sled {
     pub mu: f64,
     /// Of both runners: peak over load, shape, bend, stiffness [N/rad].
     pub grip: [[f64; 4]; 2],
+}
+
+impl Sled {
+    /// The true sled where this effect is hidden.
+    pub fn with(mut self, hidden: &Hidden) -> Sled {
+        match hidden.effect.acts {
+            Acts::Mass => self.mass_kg += hidden.size,
+            Acts::YawInertia => self.inertia_kgm2[1] *= 1.0 + hidden.size,
+            Acts::Centre => self.centre_ahead(hidden.size),
+            _ => {}
+        }
+        self
+    }
+
+    /// Puts the true centre of gravity so far ahead of the model's [m].
+    pub fn centre_ahead(&mut self, by: f64) {
+        self.axle_m = [self.axle_m[0] - by, self.axle_m[1] + by];
+        self.accel_m[0] -= by;
+        self.slip_m -= by;
+    }
 }
 
 #[cfg(test)]
@@ -90,34 +110,55 @@ fn side_force([peak, shape, bend, stiffness]: [f64; 4], slip: f64, load: f64) ->
 
 /// Forces at an instant; `friction` and `grip` are the session's factors.
 pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&Hidden>) -> Push {
+    let hidden = hidden.filter(|h| matches!(h.effect.acts, Acts::Force(_)));
     let of = |force: Force| hidden.map_or(0.0, |h| h.force(force));
     let mut mu = sled.mu * friction;
-    mu *= 1.0 + of(Force::Temperature) * (now.ice_c + 5.0);
-    mu *= (now.v / 20.0).powf(of(Force::Speed));
-    let mut hold = grip * (1.0 + of(Force::SpeedGrip) * (now.v - 25.0));
-    hold *= 1.0 + of(Force::TemperatureGrip) * (now.ice_c + 5.0);
-    hold *= 1.0 + of(Force::PitchGrip) * now.pitch.abs();
-    hold *= 1.0 + of(Force::PitchDip) * (-((now.pitch + 0.4) / 0.15).powi(2)).exp();
-    hold *= 1.0 + of(Force::ProductGrip) * now.v * now.split;
-    hold *= 1.0 + of(Force::HumpGrip) * (-((now.v - 22.0) / 3.0).powi(2)).exp();
+    let mut hold = grip;
+    if hidden.is_some() {
+        mu *= 1.0 + of(Force::Temperature) * (now.ice_c + 5.0);
+        mu *= (now.v / 20.0).powf(of(Force::Speed));
+        hold *= 1.0 + of(Force::SpeedGrip) * (now.v - 25.0);
+        hold *= 1.0 + of(Force::TemperatureGrip) * (now.ice_c + 5.0);
+        hold *= 1.0 + of(Force::PitchGrip) * now.pitch.abs();
+        hold *= 1.0 + of(Force::PitchDip) * (-((now.pitch + 0.4) / 0.15).powi(2)).exp();
+        hold *= 1.0 + of(Force::ProductGrip) * now.v * now.split;
+        hold *= 1.0 + of(Force::HumpGrip) * (-((now.v - 22.0) / 3.0).powi(2)).exp();
+    }
+    let (relaxed, worn, dragged) = (
+        of(Force::Relaxation),
+        of(Force::LoadGrip),
+        of(Force::SlipDrag),
+    );
     let across = |runner: usize, load: f64| {
-        let bare = side_force(sled.grip[runner], now.slip[runner], load);
-        let step = 1e-5;
-        let steep = (side_force(sled.grip[runner], now.slip[runner] + step, load) - bare) / step;
-        let late = of(Force::Relaxation) / now.v * steep * now.slip_rate[runner];
-        let heavy = (load.max(100.0) / 2000.0).powf(of(Force::LoadGrip));
-        hold * heavy * (bare - late)
+        let mut force = side_force(sled.grip[runner], now.slip[runner], load);
+        if relaxed != 0.0 {
+            let step = 1e-5;
+            let ahead = side_force(sled.grip[runner], now.slip[runner] + step, load);
+            force -= relaxed / now.v * ((ahead - force) / step) * now.slip_rate[runner];
+        }
+        if worn != 0.0 {
+            return hold * (load.max(100.0) / 2000.0).powf(worn) * force;
+        }
+        hold * force
     };
+    let cosines = now.slip.map(f64::cos);
     let along = |runner: usize, load: f64| {
-        let push = -mu * load.max(0.0) * now.slip[runner].cos();
-        push - of(Force::SlipDrag) * (across(runner, load) * now.slip[runner]).abs()
+        let mut push = -mu * load.max(0.0) * cosines[runner];
+        if dragged != 0.0 {
+            push -= dragged * (across(runner, load) * now.slip[runner]).abs();
+        }
+        push
     };
     let ((sin_g, cos_g), (sin_d, cos_d)) = (now.split.sin_cos(), now.steer.sin_cos());
     // The front runner stands turned in the body: its own load follows from the axle's by a fixed point.
     let mut own = now.load[0] / cos_g;
     for _ in 0..6 {
         let y = across(0, own) + of(Force::Camber) * now.split * own;
+        let last = own;
         own = (now.load[0] - sin_g * (sin_d * along(0, own) + cos_d * y)) / cos_g;
+        if own == last {
+            break;
+        }
     }
     let (fx, fy) = (
         along(0, own),

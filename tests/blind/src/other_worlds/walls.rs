@@ -1,9 +1,36 @@
 //! Walls at places of two roads that some runs hit and others miss.
 
 use super::hidden::Chance;
-use super::ride::Bumper;
 use super::road::Road;
 use crate::world::noise::Source;
+
+/// A bumper pressed against a wall: half a sine of force over a stretch, with the friction of rubber on ice.
+#[derive(Debug, Clone, Copy)]
+pub struct Bumper {
+    /// Where it begins [m].
+    pub from_m: f64,
+    /// How long it lasts [m].
+    pub length_m: f64,
+    /// Its peak, left positive [N].
+    pub force_n: f64,
+    /// The bumper ahead of the centre of gravity [m].
+    pub lever_m: f64,
+}
+
+impl Bumper {
+    /// Friction of the bumper.
+    const RUBBER: f64 = 0.12;
+
+    /// Forward, to the left [N], and about the vertical [N m].
+    pub fn push(&self, s: f64) -> [f64; 3] {
+        let along = (s - self.from_m) / self.length_m;
+        if !(0.0..=1.0).contains(&along) {
+            return [0.0; 3];
+        }
+        let force = self.force_n * (std::f64::consts::PI * along).sin();
+        [-Self::RUBBER * force.abs(), force, self.lever_m * force]
+    }
+}
 
 /// A place where a line leads to the wall.
 #[derive(Debug, Clone)]

@@ -64,6 +64,8 @@ impl World {
 
 /// Channels of a record in the order of its columns: ax, ay, az, roll, pitch and yaw rate, speed, slip, steering, roll split.
 pub const CHANNELS: usize = 10;
+/// The speed's.
+pub const SPEED: usize = 6;
 
 /// A fault of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,6 +87,16 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// The channel that it is of.
+    pub fn channel(self) -> usize {
+        use Fault::*;
+        match self {
+            Bias(c) | Scale(c) | Delay(c) | Saturating(c) | Warming(c) | Stepping(c) | Bowed(c) => {
+                c
+            }
+        }
+    }
+
     /// What channel `c` says of the value `x` at time `t` [s], in time, `size` being the fault's.
     pub fn read(self, c: usize, size: f64, x: f64, t: f64) -> f64 {
         match self {

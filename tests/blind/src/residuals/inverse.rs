@@ -57,18 +57,30 @@ pub fn residuals(
     samples: &[Sample],
     slope: &dyn Fn(f64) -> f64,
 ) -> Vec<Residual> {
+    residuals_every(1, sled, at, samples, slope)
+}
+
+/// The same at every so many samples; derivatives and distance are those of all.
+pub fn residuals_every(
+    stride: usize,
+    sled: &Sled,
+    at: &Conditions,
+    samples: &[Sample],
+    slope: &dyn Fn(f64) -> f64,
+) -> Vec<Residual> {
     let channel = |pick: &dyn Fn(&Sample) -> f64| samples.iter().map(pick).collect::<Vec<f64>>();
     let angular = [0, 1, 2].map(|i| derivative(&channel(&|s: &Sample| s.rates_radps[i])));
     let speed = channel(&|s: &Sample| s.v_mps);
     let speed_dot = derivative(&speed);
-    let mut distance = 0.0;
+    let mut distance = vec![0.0; samples.len()];
+    for i in 1..samples.len() {
+        distance[i] = distance[i - 1] + 0.5 * (speed[i] + speed[i - 1]) * SAMPLE_S;
+    }
     samples
         .iter()
         .enumerate()
+        .step_by(stride)
         .map(|(i, sample)| {
-            if i > 0 {
-                distance += 0.5 * (speed[i] + speed[i - 1]) * SAMPLE_S;
-            }
             let w = sample.rates_radps;
             let w_dot = [angular[0][i], angular[1][i], angular[2][i]];
             let at_sensor = cross(w_dot, sled.accel_m);
@@ -96,7 +108,7 @@ pub fn residuals(
             Residual {
                 x_mps2: f[0] - along,
                 v_mps2: speed_dot[i]
-                    - (along * beta.cos() + f[1] * beta.sin() - 9.81 * slope(distance).sin()),
+                    - (along * beta.cos() + f[1] * beta.sin() - 9.81 * slope(distance[i]).sin()),
                 y_mps2: f[1] - (front[1] + rear[1] - drag * beta.sin()) / m,
                 yaw_radps2: w_dot[2]
                     - (sled.l_f_m * front[1] - sled.l_r_m * rear[1]) / sled.j_zz_kgm2,

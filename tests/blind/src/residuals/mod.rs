@@ -3,3 +3,4 @@
 pub mod inverse;
 pub mod least_squares;
 pub mod signature;
+pub mod sizing;

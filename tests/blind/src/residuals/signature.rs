@@ -3,6 +3,7 @@
 
 use crate::residuals::inverse::{Residual, low_pass, residuals};
 use crate::residuals::least_squares::{cosine, dot, project_out, variance};
+use crate::residuals::sizing::{Wanted, sized};
 use crate::world::campaign::Campaign;
 use crate::world::drive::{SAMPLE_S, Truth};
 use crate::world::hidden::{Hidden, Kind};
@@ -11,10 +12,13 @@ use crate::world::sensors::{Lag, Noise, measure};
 use crate::world::sled::{Sled, forces};
 
 /// Low-pass before the residuals are compared: all channels but the speed's [Hz].
-const CUTOFF_HZ: f64 = 20.0;
+pub const CUTOFF_HZ: f64 = 20.0;
 /// Low-pass of the speed's derivative [Hz].
-const SPEED_CUTOFF_HZ: f64 = 5.0;
-const STRIDE: usize = 4;
+pub const SPEED_CUTOFF_HZ: f64 = 5.0;
+/// Every so many rows are compared.
+pub const STRIDE: usize = 4;
+/// Rows at both ends that belong to the filter.
+pub const ENDS: usize = 20;
 
 /// Residual channels that an effect is judged in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,8 +120,8 @@ impl Gauge {
                     .map(|(a, b)| pick[c](a) - pick[c](b))
                     .collect();
                 low_pass(&mut values, cutoff[c]);
-                // the ends belong to the filter
-                let inside = 20.min(values.len() / 2)..values.len() - 20.min(values.len() / 2);
+                let ends = ENDS.min(values.len() / 2);
+                let inside = ends..values.len() - ends;
                 all.extend(values[inside].iter().step_by(STRIDE));
             }
             all
@@ -258,27 +262,17 @@ impl Gauge {
 
     /// Scales an effect to a share of the noise variance, within its plausible limit.
     pub fn scale(&self, effect: &mut Hidden, channels: Channels, share: f64) -> f64 {
-        let limit = effect.kind.entry().limit;
-        let mut power = 2.0;
-        let mut reached = self.share(&self.signature(effect, channels));
-        for _ in 0..8 {
-            if reached <= 0.0 || (reached / share - 1.0).abs() < 0.02 {
-                break;
-            }
-            let old = (effect.size, reached);
-            effect.size = (effect.size * (share / reached).powf(1.0 / power)).clamp(-limit, limit);
-            if effect.size == old.0 {
-                break;
-            }
-            reached = self.share(&self.signature(effect, channels));
-            // some effects grow with the square of their parameter, or saturate
-            let slope = (reached / old.1).ln() / (effect.size / old.0).ln();
-            power = if slope.is_finite() {
-                slope.clamp(1.0, 6.0)
-            } else {
-                2.0
-            };
-        }
+        let wanted = Wanted {
+            share,
+            within: 0.02,
+            bounds: [0.0, effect.kind.entry().limit],
+        };
+        let sign = effect.size.signum();
+        let (size, reached) = sized(effect.size.abs(), 2.0, wanted, |size| {
+            effect.size = sign * size;
+            self.share(&self.signature(effect, channels))
+        });
+        effect.size = sign * size;
         reached
     }
 

@@ -42,7 +42,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 44] = [
+const RUN_KEYS: [&str; 45] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
@@ -87,6 +87,7 @@ const RUN_KEYS: [&str; 44] = [
     "runs.contacts.over",
     "runs.large",
     "runs.leads",
+    "runs.leaders",
 ];
 const LAW_KEYS: [&str; 8] = [
     "runs.laws.bumps",

@@ -75,6 +75,7 @@ pub fn judge(report: &Value, answer: &Answer, outcome: &mut Outcome) {
         let claim = at.map(|k| &outcome.claims[k]);
         outcome.found.push(Found {
             effect: hides.effect.clone(),
+            share: Some(hides.share),
             exact: exact.is_some(),
             in_class: at.is_some(),
             installed: installed(report, hides),

@@ -18,6 +18,9 @@ pub struct Claim {
 pub struct Found {
     /// Hidden effect.
     pub effect: String,
+    /// Share of the noise's variance that it has.
+    #[serde(default)]
+    pub share: Option<f64>,
     /// Named itself.
     pub exact: bool,
     /// Named, or in the class of a named one.

@@ -184,6 +184,62 @@ pub fn base_table(outcomes: &[Outcome]) -> String {
     text
 }
 
+/// Shares from which on rows of [`by_share`] count; as large is what comes this near.
+const SHARES: [f64; 3] = [0.007, 0.02, 0.06];
+const NEAR: f64 = 0.95;
+
+/// What was said of effects in other worlds, by the share of the noise's variance that they have beyond what tolerances imitate; empty
+/// where there are none. Effects that met their bounds before they had the share that was asked of them are counted and left out.
+pub fn by_share(outcomes: &[Outcome]) -> String {
+    let all: Vec<(f64, Option<f64>, &Found, &Outcome)> = outcomes
+        .iter()
+        .filter(|o| o.failure.is_none() && o.family.ends_with("-effect"))
+        .flat_map(|o| o.found.iter().map(move |f| (f, o)))
+        .filter_map(|(f, o)| f.share.map(|share| (share, o.share, f, o)))
+        .collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    let (bound, free): (Vec<_>, Vec<_>) = all
+        .into_iter()
+        .partition(|(share, asked, ..)| asked.is_some_and(|asked| *share < NEAR * asked));
+    let mut text = String::from(
+        "| share after tolerances | effects | in class | told as installation | nothing said | a false name |\n|---|---|---|---|---|---|\n",
+    );
+    let mut row = |what: String, holds: &dyn Fn(f64) -> bool| {
+        let of: Vec<(&Found, &Outcome)> = free
+            .iter()
+            .filter(|(share, ..)| holds(*share))
+            .map(|(.., f, o)| (*f, *o))
+            .collect();
+        let percent = |is: &dyn Fn(&Found, &Outcome) -> bool| {
+            rate(of.iter().map(|(f, o)| is(f, o)))
+                .map_or("-".to_owned(), |v| format!("{:.0} %", 100.0 * v))
+        };
+        let _ = writeln!(
+            text,
+            "| {what} | {} | {} | {} | {} | {} |",
+            of.len(),
+            percent(&|f, _| f.in_class),
+            percent(&|f, _| f.installed && !f.in_class),
+            percent(&|f, o| o.claims.is_empty() && !f.installed),
+            percent(&|_, o| o.false_claim),
+        );
+    };
+    let percent = |share: f64| format!("{} %", (1e3 * share).round() / 10.0);
+    for from in SHARES {
+        let holds = |share: f64| share >= NEAR * from;
+        row(format!("at least {}", percent(from)), &holds);
+    }
+    row(format!("below {}", percent(SHARES[0])), &|share| {
+        share < NEAR * SHARES[0]
+    });
+    if !bound.is_empty() {
+        let _ = writeln!(text, "\nleft out, at their bounds: {}", bound.len());
+    }
+    text
+}
+
 /// Today's date, UTC, as year-month-day.
 pub fn today() -> String {
     let seconds = std::time::SystemTime::now()
@@ -214,7 +270,40 @@ fn civil(days: u64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
+
+    #[test]
+    fn shares_count_from_their_row_on_and_bounds_are_left_out() {
+        let outcome = |asked: Option<f64>, share: f64, in_class: bool, installed: bool| {
+            let found = json!([{"effect": "speed", "share": share, "exact": in_class, "in_class": in_class, "installed": installed}]);
+            let claims = if in_class {
+                json!([{"effect": "speed", "class": ["speed"]}])
+            } else {
+                json!([])
+            };
+            let whole = json!({"id": "", "family": "clean-effect", "share": asked, "seed": 1, "verdict": "", "claims": claims,
+                "false_claim": false, "wrong_firm": false, "overconfident": false, "found": found, "base_errors": [], "seconds": 1.0});
+            serde_json::from_value::<Outcome>(whole).unwrap()
+        };
+        let text = by_share(&[
+            outcome(Some(0.02), 0.0195, true, false),
+            outcome(None, 0.3, false, true),
+            outcome(None, 0.001, false, false),
+            outcome(Some(0.02), 0.005, false, false),
+        ]);
+        for line in [
+            "| at least 0.7 % | 2 | 50 % | 50 % | 0 % | 0 % |",
+            "| at least 2 % | 2 | 50 % | 50 % | 0 % | 0 % |",
+            "| at least 6 % | 1 | 0 % | 100 % | 0 % | 0 % |",
+            "| below 0.7 % | 1 | 0 % | 0 % | 100 % | 0 % |",
+            "left out, at their bounds: 1",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+        assert!(by_share(&[]).is_empty());
+    }
 
     #[test]
     fn days_become_dates_of_the_calendar() {

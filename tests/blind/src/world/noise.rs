@@ -103,6 +103,32 @@ impl Smooth {
             .sum()
     }
 
+    /// Its value and its derivative at `x`.
+    pub fn with_slope_at(&self, x: f64) -> [f64; 2] {
+        let mut both = [0.0; 2];
+        for (a, w, p) in &self.waves {
+            let (sine, cosine) = (w * x + p).sin_cos();
+            both[0] += a * sine;
+            both[1] += a * w * cosine;
+        }
+        both
+    }
+
+    /// Value and derivative at `x - by`, `x` and `x + by`, by one evaluation of each wave there and one of `by`.
+    pub fn around(&self, x: f64, by: f64) -> [[f64; 2]; 3] {
+        let mut all = [[0.0; 2]; 3];
+        for (a, w, p) in &self.waves {
+            let ((sine, cosine), (s, c)) = ((w * x + p).sin_cos(), (w * by).sin_cos());
+            let sines = [sine * c - cosine * s, sine, sine * c + cosine * s];
+            let cosines = [cosine * c + sine * s, cosine, cosine * c - sine * s];
+            for (at, (sine, cosine)) in all.iter_mut().zip(sines.iter().zip(&cosines)) {
+                at[0] += a * sine;
+                at[1] += a * w * cosine;
+            }
+        }
+        all
+    }
+
     /// Its derivative at `x`.
     pub fn slope_at(&self, x: f64) -> f64 {
         self.waves

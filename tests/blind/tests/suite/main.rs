@@ -3,3 +3,4 @@
 mod film;
 mod generator;
 mod judge;
+mod shares;

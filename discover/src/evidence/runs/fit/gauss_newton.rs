@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::evidence::runs::fit::gains::{by_amplitudes, log_gains};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{
     BASE, BOUNDS, CHANNELS, ChannelRows, ResidualModel,
@@ -86,10 +87,21 @@ impl Effort {
     };
 }
 
+/// Base and effects as they fit.
+#[derive(Clone)]
+pub struct Fit {
+    /// `sum_c n_c (ln(rms_c) - gain_c)`.
+    pub criterion: f64,
+    /// The model.
+    pub model: ResidualModel,
+    /// Its rows' whitening.
+    pub whitener: Whitener,
+}
+
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c ln(rms_c)`, whose minimum is that of least squares with the deviations found along the way. Steps
-/// are halved until it falls; amplitudes stay in their bounds.
+/// Minimises `sum_c n_c (ln(rms_c) - gain_c)` ([`log_gains`]), whose minimum is that of least squares with the deviations found along
+/// the way where no effect scales what is measured. Steps are halved until it falls; amplitudes stay in their bounds.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -99,12 +111,9 @@ pub fn fit(
     free_base: &[usize],
     used: [bool; CHANNELS],
     effort: Effort,
-) -> Result<(ResidualModel, Whitener), Error> {
-    let plain = Whitener {
-        sd: [1.0; CHANNELS],
-        used,
-    };
-    let mut best: Option<(f64, ResidualModel, Whitener, DVector<f64>)> = None;
+) -> Result<Fit, Error> {
+    let plain = Whitener::plain(used);
+    let mut best: Option<(Fit, DVector<f64>)> = None;
     let mut trial = residual_model.clone();
     let mut share = 1.0;
     for _ in 0..effort.rounds {
@@ -140,17 +149,31 @@ pub fn fit(
         let mut whitener = plain.clone();
         let mut total = DMatrix::zeros(m, m);
         let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
-        for (k, (gram, n)) in sums.iter().enumerate() {
+        let gains = log_gains(&trial, frames, used);
+        for (k, ((gram, n), gain)) in sums.iter().zip(&gains).enumerate() {
             let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
             let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
             whitener.sd[plain.channel(k)] = sd;
             total += gram / (sd * sd);
-            criterion += *n as f64 * sd.ln();
+            criterion += *n as f64 * (sd.ln() - gain);
         }
-        let gained = best.as_ref().map_or(f64::INFINITY, |b| b.0 - criterion);
+        let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
+        let gained = best_yet - criterion;
         if gained >= 0.0 {
-            let step = joint_step(&total, p);
-            best = Some((criterion, trial.clone(), whitener, step));
+            // What each amplitude takes of the measurements.
+            let mut counted = DVector::zeros(p);
+            let by_amplitudes = by_amplitudes(&trial, frames, used, &gains);
+            for (k, by) in by_amplitudes.iter().enumerate() {
+                let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
+                counted[free_base.len() + k] = all.sum();
+            }
+            let step = joint_step(&total, &counted);
+            let fit = Fit {
+                criterion,
+                model: trial.clone(),
+                whitener,
+            };
+            best = Some((fit, step));
             share = 1.0;
             if gained < effort.enough {
                 break;
@@ -161,11 +184,10 @@ pub fn fit(
                 break;
             }
         }
-        let (_, from, _, step) = best.as_ref().expect("the first round sets it");
-        trial = stepped(from, free_base, step.as_slice(), share);
+        let (from, step) = best.as_ref().expect("the first round sets it");
+        trial = stepped(&from.model, free_base, step.as_slice(), share);
     }
-    let (_, residual_model, whitener, _) = best.expect("the first round sets it");
-    Ok((residual_model, whitener))
+    Ok(best.expect("the first round sets it").0)
 }
 
 /// Products of a run's columns by channel, with the number of rows.
@@ -177,11 +199,12 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
         .collect()
 }
 
-/// The Gauss-Newton step of base and effects together.
-fn joint_step(total: &DMatrix<f64>, p: usize) -> DVector<f64> {
+/// The Gauss-Newton step of base and effects together, with what is added to their scores.
+fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
+    let p = counted.len();
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    (ridge_inverse(jj) * jr).column(0).into_owned()
+    ridge_inverse(jj) * (jr.column(0) + counted)
 }
 
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off

@@ -1,6 +1,8 @@
 //! Base and effects fitted together, with what noisy inputs add taken off.
 
 pub(crate) mod estimate;
+pub(crate) mod gains;
 pub(crate) mod gauss_newton;
 pub(crate) mod noise_products;
+pub(crate) mod refits;
 pub(crate) mod simulated_runs;

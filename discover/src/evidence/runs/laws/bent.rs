@@ -1,25 +1,14 @@
 //! Sensors that are bent, by full refits: a large fault bends the base that scores are taken at, beside which they say little of it.
 
 use kufe_sled::effects::Channel;
-use nalgebra::DMatrix;
 
-use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::shape::Shape;
-use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::laws::term::{Term, said_by};
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
-use crate::evidence::runs::screen::leaders::Refit;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
-use crate::null::sign_flips::MaxT;
-
-impl Campaign<'_> {
-    /// Whether what stands out is large by what it explains.
-    pub fn is_large(&self, at: &Current, most: f64) -> bool {
-        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        most >= self.rules().large * (rows * at.whitener.count()) as f64
-    }
-}
+use crate::null::sign_flips::chances_of_gains;
 
 impl Teller<'_> {
     /// The sensor which, bent in second or in third order of what it says, leaves least, where that stands out run by run; with its
@@ -56,16 +45,11 @@ impl Teller<'_> {
         if tried.is_empty() {
             return None;
         }
-        let gains = DMatrix::from_fn(tried.len(), without.len(), |c, i| tried[c].formula.gains[i]);
-        let null = MaxT::by_sign_flips(&gains, options.flips, options.seed);
-        let p_of = |law: &ToldLaw| {
-            let gains = &law.formula.gains;
-            let norm = gains.iter().map(|g| g * g).sum::<f64>().sqrt();
-            null.p_value(total(gains).max(0.0) / norm.max(1e-300))
-        };
-        tried
+        let gains: Vec<&[f64]> = tried.iter().map(|law| &*law.formula.gains).collect();
+        let chances = chances_of_gains(&gains, options.flips, options.seed);
+        chances
             .into_iter()
-            .map(|law| (p_of(&law), law))
+            .zip(tried)
             .filter(|(p, _)| *p <= options.alpha_beyond)
             .min_by(|a, b| a.1.left.total_cmp(&b.1.left))
             .map(|(p, law)| (law, p))

@@ -6,16 +6,24 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
+use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::laws::told::{Teller, ToldLaw, name};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
-use crate::evidence::runs::screen::leaders::Refit;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
+
+/// A law beside a claim.
+pub enum Law {
+    /// It is claimed instead.
+    Instead(Box<Claim<Amplitude>>),
+    /// It explains more, but not by enough to take the place of a name: what it is called.
+    Beside(String),
+}
 
 impl Campaign<'_> {
     /// The law that stands out most, where one does, explains more than the claim and leaves less, in full refits, than each of the
@@ -26,7 +34,7 @@ impl Campaign<'_> {
         claim: Option<&Claim<Amplitude>>,
         strongest: &[(Candidate<Amplitude>, f64)],
         options: &ScreenOptions,
-    ) -> Option<Claim<Amplitude>> {
+    ) -> Option<Law> {
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
         if no_model || self.least_p() > options.alpha_beyond {
             return None;
@@ -78,18 +86,23 @@ impl Campaign<'_> {
                 return None;
             }
         }
-        let explained = named
-            .as_ref()
-            .map_or(0.0, |named| without.misfit - named.misfit);
-        if claim.is_some_and(|claim| !self.gives_way(claim, named.as_ref(), explained, &shown)) {
-            return None;
+        if let Some(claim) = claim {
+            let explained = named
+                .as_ref()
+                .map_or(0.0, |named| without.misfit - named.misfit);
+            let [more, error] = self.more_than(named.as_ref(), &shown);
+            if !self.gives_way(claim, explained, [more, error]) {
+                let beside =
+                    !claim.candidate.is_column() && more > self.rules().laws.as_good * error;
+                return beside.then_some(Law::Beside(shown.candidate.effect));
+            }
         }
         let class = teller.class(&shown, &beside, &smooth);
         let strongest = self.strongest_channel(at.residual_model, &shown.candidate, shown.size);
         let remark = best
             .first()
             .and_then(|smooth| self.smoother(smooth, &shown));
-        Some(Claim {
+        Some(Law::Instead(Box::new(Claim {
             place: self.place_of(&shown.candidate, at),
             channel: CHANNEL_NAMES[strongest],
             size: shown.size,
@@ -100,7 +113,7 @@ impl Campaign<'_> {
             remark,
             parameters: Vec::new(),
             candidate: shown.candidate,
-        })
+        })))
     }
 
     /// The least that the claim, unless it is a column, or one of the `strongest` leaves in a full refit.
@@ -128,32 +141,30 @@ impl Campaign<'_> {
             )
     }
 
-    /// Whether a claim, refitted as `named`, gives way to a law: one of the catalogue to a law that explains more, beyond its scatter and
-    /// by a share that matters of what the claim has `explained`; a column's own form to a formula that does as well.
-    fn gives_way(
-        &self,
-        claim: &Claim<Amplitude>,
-        named: Option<&Refit>,
-        explained: f64,
-        law: &ToldLaw,
-    ) -> bool {
+    /// Whether a claim gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
+    /// beyond it and by a share that matters of what the claim has `explained`; a column's own form to a formula that does as well.
+    fn gives_way(&self, claim: &Claim<Amplitude>, explained: f64, [more, error]: [f64; 2]) -> bool {
         let rules = &self.rules().laws;
         let (beyond, least) = match claim.candidate.is_column() {
             true => (-rules.as_good, f64::NEG_INFINITY),
             false => (rules.beats, self.options.rules.search.material * explained),
         };
-        let [more, error] = match law.refit.as_ref().zip(named) {
+        more > beyond * error && more > least
+    }
+
+    /// How much more a law explains than a claim, refitted as `named`, with its scatter over runs.
+    fn more_than(&self, named: Option<&Refit>, law: &ToldLaw) -> [f64; 2] {
+        match law.refit.as_ref().zip(named) {
             Some((law, named)) => {
                 let [law, named] = [law, named].map(|refit| self.misfit_by_run(refit));
                 difference(&named, &law)
             }
             None => {
-                let none = DMatrix::zeros(1, 1);
-                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none, rules.folds));
+                let (none, folds) = (DMatrix::zeros(1, 1), self.rules().laws.folds);
+                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none, folds));
                 difference(&gains[0], &gains[1])
             }
-        };
-        more > beyond * error && more > least
+        }
     }
 
     /// What is said where a smooth curve explains more than the formula.
@@ -169,15 +180,21 @@ impl Campaign<'_> {
 }
 
 impl Teller<'_> {
-    /// The smooth laws whose formulas are tried, the one that explains most first: those that stand out, and that of a claimed column.
+    /// The smooth laws whose formulas are tried, the one that explains most first: those that stand out, that of a claimed column, and those
+    /// that explain more than it.
     fn best<'l>(&self, smooth: &'l [Smooth], claim: Option<&Claim<Amplitude>>) -> Vec<&'l Smooth> {
         let column = claim.filter(|c| c.candidate.is_column());
         let of_claim = |law: &Smooth| {
             column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
         };
+        let claimed = smooth.iter().filter(|law| of_claim(law));
+        let enough = claimed
+            .map(|law| total(&law.gains))
+            .fold(f64::INFINITY, f64::min)
+            .max(0.0);
         let mut best: Vec<&Smooth> = smooth
             .iter()
-            .filter(|law| law.stands || of_claim(law))
+            .filter(|law| law.stands || of_claim(law) || total(&law.gains) > enough)
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));
@@ -235,14 +252,30 @@ impl Teller<'_> {
             let both = left.as_ref().zip(other.refit.as_ref().map(of_runs));
             both.is_some_and(|(own, other)| alike(difference(&other, own)))
         });
+        // Where none stands out by itself, as where noise is not known, those that explain as much are as good.
+        let any = !smooth.iter().any(|other| other.stands);
         let single = smooth
             .iter()
-            .filter(|other| other.stands && other.columns.len() == 1)
+            .filter(|other| (other.stands || any) && other.columns.len() == 1)
+            .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
+            .map(|other| &other.columns);
+        // A product with the law's own column is beside it where it explains more.
+        let products = smooth
+            .iter()
+            .filter(|other| (other.stands || any) && other.columns.len() == 2)
+            .filter(|other| {
+                law.formula
+                    .columns
+                    .iter()
+                    .all(|x| other.columns.contains(x))
+            })
+            .filter(|other| total(&other.gains) > total(&law.formula.gains))
             .map(|other| &other.columns);
         let named = |columns: &Vec<usize>| name(columns, &self.terms.names);
         let others = on_sensor.map(|other| named(&other.formula.columns));
-        let others = others.chain(single.map(named).filter(|other| !within(own, other)));
+        let alone = single.chain(products).map(named);
+        let others = others.chain(alone.filter(|other| !within(own, other)));
         let mut class = vec![own.clone()];
         for other in others {
             if !class.contains(&other) {

@@ -1,10 +1,9 @@
 //! A formula's numbers by full refits, beside which those of linearised scores are a first guess.
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::Effort;
+use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::shapes::moved;
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
-use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::procedure::candidate::Candidate;
 
 impl Teller<'_> {
@@ -19,11 +18,10 @@ impl Teller<'_> {
             return law;
         };
         let numbers = law.left - first.misfit;
-        let on = |model: &ResidualModel, candidate: &Candidate<Amplitude>, size: f64| {
-            self.campaign
-                .refitted(model, candidate, size, Effort::COMPARED)
+        let on = |earlier: &Refit, candidate: &Candidate<Amplitude>| {
+            self.campaign.refitted_from(earlier, candidate)
         };
-        let mut refit = on(&first.beside(), &law.candidate, first.size).unwrap_or(first);
+        let mut refit = on(&first, &law.candidate).unwrap_or(first);
         let span = law.formula.columns.first().map_or(0.0, |column| {
             let sorted = self.terms.sorted(*column);
             sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0)
@@ -35,12 +33,11 @@ impl Teller<'_> {
                 break;
             }
             refits += near.len();
-            let beside = refit.beside();
             let each = near.into_iter().filter_map(|shape| {
                 let mut other = law.formula.clone();
                 other.term.shape = shape;
                 let candidate = self.effect(&other, refit.size)?;
-                let found = on(&beside, &candidate, refit.size)?;
+                let found = on(&refit, &candidate)?;
                 Some((other, candidate, found))
             });
             match each.min_by(|a, b| a.2.misfit.total_cmp(&b.2.misfit)) {

@@ -5,7 +5,8 @@ use nalgebra::DMatrix;
 
 use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::model::design::Design;
-use crate::evidence::runs::model::residual_model::{BALANCES, ModelOnRun};
+use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::residual_model::BALANCES;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// A column's name and where its value stands.

@@ -5,6 +5,7 @@ use kufe_sled::effects::{Channel, Custom, Kind, Level};
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
+use crate::evidence::runs::fit::refits::Refit;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::shape::{unit, unit_of};
@@ -12,7 +13,6 @@ use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
-use crate::evidence::runs::screen::leaders::Refit;
 use crate::procedure::candidate::Candidate;
 
 /// What formulas are told on: a model of a campaign, with terms of laws on its channels.

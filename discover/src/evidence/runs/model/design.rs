@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
-use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ModelOnRun, ResidualModel};
+use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;

@@ -167,6 +167,11 @@ impl Installation {
         }
     }
 
+    /// What its sizes cost, as the logarithm of a density.
+    pub fn cost(&self) -> f64 {
+        0.5 * self.sizes.iter().map(|size| size * size).sum::<f64>()
+    }
+
     /// By how much a combination is off, in standard deviations.
     pub fn along(&self, direction: usize) -> f64 {
         let shares = self.directions[direction].iter();

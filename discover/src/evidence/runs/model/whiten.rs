@@ -15,6 +15,14 @@ pub struct Whitener {
 }
 
 impl Whitener {
+    /// Each channel in its own unit.
+    pub fn plain(used: [bool; CHANNELS]) -> Self {
+        Self {
+            sd: [1.0; CHANNELS],
+            used,
+        }
+    }
+
     /// From the residuals of all runs.
     pub fn estimate(rows: &[ChannelRows], used: [bool; CHANNELS]) -> Self {
         let sd = std::array::from_fn(|c| {

@@ -1,135 +1,144 @@
-//! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at.
+//! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at, and
+//! with it what they say of it.
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
-use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
-use crate::evidence::runs::model::whiten::Whitener;
-use crate::evidence::runs::screen::residual_screen::RunScreen;
+use crate::evidence::runs::fit::gauss_newton::Effort;
+use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::laws::sums::{difference, total};
+use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
+use crate::finding::report::Rival;
+use crate::null::sign_flips::chances_of_gains;
 use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Claim;
 
-/// Most leaders that are refitted.
-const MOST: usize = 3;
-
-/// Base and effect fitted together.
-#[derive(Clone)]
-pub struct Refit {
-    /// What they leave.
-    pub misfit: f64,
-    /// The effect's size.
-    pub size: f64,
-    /// The model, the effect last.
-    pub model: ResidualModel,
-    /// Its rows' whitening.
-    pub whitener: Whitener,
-}
-
-impl Refit {
-    /// The base, and the effects before, as they stand beside the effect.
-    pub fn beside(&self) -> ResidualModel {
-        let mut model = self.model.clone();
-        model.effects.active.pop();
-        model
-    }
+/// A candidate with what its full refit explains.
+struct Leader<'a> {
+    candidate: &'a Candidate<Amplitude>,
+    /// Its place in the screen.
+    at: usize,
+    refit: Refit,
+    /// By run.
+    gains: Vec<f64>,
 }
 
 impl Campaign<'_> {
-    /// What base and effect leave when they are fitted together, the effect in its exact form and the installation as it is stated, which
-    /// without the effect may have been bent to stand for it: `sum_c n_c ln(rms_c)` over the channels of the training runs;
-    /// infinite where they cannot be fitted.
-    pub fn misfit_with(&self, at: &Current, candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-        let refitted = self.refitted(at.residual_model, candidate, size, Effort::COMPARED);
-        refitted.map_or(f64::INFINITY, |refit| refit.misfit)
-    }
-
-    /// The same with the model that leaves least, `model` without the effect and `from` being first guesses; nothing where they cannot be
-    /// fitted.
-    pub fn refitted(
-        &self,
-        model: &ResidualModel,
-        candidate: &Candidate<Amplitude>,
-        from: f64,
-        effort: Effort,
-    ) -> Option<Refit> {
-        let mut refit = self.refitted_as_it_is(&model.with(candidate.active(from)), effort)?;
-        refit.size = refit.model.effects.active.last()?.values[candidate.act.parameter];
-        Some(refit)
-    }
-
-    /// A model as it is, fitted without what the installation may be off by; its size is 0.
-    pub fn refitted_alone(&self, model: &ResidualModel) -> Option<Refit> {
-        self.refitted_as_it_is(model, Effort::COMPARED)
-    }
-
-    fn refitted_as_it_is(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
-        let exact = ResidualModel {
-            installation: Installation::default(),
-            ..model.clone()
-        };
-        let (model, whitener) = fit(&exact, &self.training, &self.free, self.used, effort).ok()?;
+    /// Whether what stands out is large by what it explains.
+    pub fn is_large(&self, at: &Current, most: f64) -> bool {
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        let channels = (0..3).filter(|c| self.used[*c]);
-        let misfit = rows as f64 * channels.map(|c| whitener.sd[c].ln()).sum::<f64>();
-        Some(Refit {
-            misfit,
-            size: 0.0,
-            model,
-            whitener,
-        })
+        most >= self.rules().large * (rows * at.whitener.count()) as f64
     }
 
-    /// The misfit by run, but for a constant.
-    pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
-        let of_run = |rows: &ChannelRows| {
-            let channels = (0..3).filter(|c| self.used[*c]);
-            let each = channels.map(|c| {
-                let sd = refit.whitener.sd[c];
-                let squares: f64 = rows[c].iter().map(|x| (x / sd).powi(2)).sum();
-                0.5 * squares + rows[c].len() as f64 * sd.ln()
-            });
-            each.sum()
-        };
-        let all = residuals(&refit.model, &self.training);
-        all.iter().map(of_run).collect()
-    }
-
-    /// Of the effects that explain nearly as much as the named one, that which leaves least after a full refit; the named one
-    /// where it is small. `claimable` says which may be claimed.
-    pub fn leader(
+    /// Where something is large, the effect of the catalogue that leaves less, in a full refit, than the claim and all others whose scores
+    /// are large, and stands out run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the
+    /// claim, or something small.
+    pub fn leading(
         &self,
         at: &Current,
         screen: &RunScreen,
-        list: &[Candidate<Amplitude>],
-        named: usize,
-        claimable: &dyn Fn(usize) -> bool,
-    ) -> usize {
-        let rules = self.rules();
-        let gain = |c: usize| screen.seen[c].gain;
-        let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
-        if gain(named) < rules.large * (rows * at.whitener.count()) as f64 {
-            return named;
-        }
-        let mut leaders: Vec<usize> = (0..list.len())
-            .filter(|c| *c == named || gain(*c) >= rules.leads * gain(named) && claimable(*c))
-            .filter(|c| list[*c].is_column() == list[named].is_column())
+        regular: &[Candidate<Amplitude>],
+        claim: Option<&Claim<Amplitude>>,
+        options: &ScreenOptions,
+    ) -> Option<(Claim<Amplitude>, f64)> {
+        let mut order: Vec<usize> = (0..regular.len())
+            .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
             .collect();
-        leaders.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)));
-        let mut effects: Vec<&str> = Vec::new();
-        leaders.retain(|c| {
-            let effect = list[*c].effect.as_str();
-            let first = !effects.contains(&effect);
-            effects.push(effect);
-            first || *c == named
-        });
-        leaders.truncate(MOST);
-        if leaders.len() < 2 {
-            return named;
+        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
+        order.truncate(self.rules().leaders);
+        let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
+        let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
+        if no_model || self.least_p() > options.alpha || !self.is_large(at, most) {
+            return None;
         }
-        let misfit = |c: usize| self.misfit_with(at, &list[c], screen.seen[c].size);
-        let judged = leaders.into_iter().map(|c| (c, misfit(c)));
-        judged
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(named, |(c, _)| c)
+        let without = self.refitted_alone(at.residual_model)?;
+        let bare = self.misfit_by_run(&without);
+        let refitted = |candidate: &Candidate<Amplitude>, size: f64| {
+            let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+            self.refitted(at.residual_model, candidate, from, Effort::COMPARED)
+        };
+        let leaders: Vec<Leader> = order
+            .iter()
+            .filter_map(|c| {
+                let refit = refitted(&regular[*c], screen.seen[*c].size)?;
+                let with = self.misfit_by_run(&refit);
+                Some(Leader {
+                    candidate: &regular[*c],
+                    at: *c,
+                    gains: bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect(),
+                    refit,
+                })
+            })
+            .collect();
+        let (place, best) = leaders
+            .iter()
+            .enumerate()
+            .min_by(|a, b| a.1.refit.misfit.total_cmp(&b.1.refit.misfit))?;
+        let gain = 2.0 * (without.misfit - best.refit.misfit);
+        let claimed = claim.map(|claim| match same(&claim.candidate, best.candidate) {
+            true => f64::NEG_INFINITY,
+            false => self.misfit_with(at, &claim.candidate, claim.size),
+        });
+        if !self.is_large(at, gain) || claimed.is_some_and(|left| left <= best.refit.misfit) {
+            return None;
+        }
+        let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
+        let p_value = chances_of_gains(&gains, options.flips, options.seed)[place];
+        let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
+        (p_value <= options.alpha).then(|| (claim(), gain))
     }
+
+    fn claim_of(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        leaders: &[Leader],
+        best: &Leader,
+        (gain, p_value): (f64, f64),
+    ) -> Claim<Amplitude> {
+        let alike = self.rules().laws.alike;
+        let (candidate, size) = (best.candidate, best.refit.size);
+        let mut class = vec![candidate.effect.clone()];
+        let mut rivals = Vec::new();
+        for other in leaders
+            .iter()
+            .filter(|l| l.candidate.effect != candidate.effect)
+        {
+            let [less, error] = difference(&best.gains, &other.gains);
+            let in_class = less <= alike * error;
+            if in_class && !class.contains(&other.candidate.effect) {
+                class.push(other.candidate.effect.clone());
+            }
+            rivals.push(Rival {
+                effect: other.candidate.effect.clone(),
+                parameter: other.candidate.key.clone(),
+                size: other.refit.size,
+                unit: other.candidate.unit.clone(),
+                t: screen.seen[other.at].t,
+                gain: total(&other.gains),
+                correlation: screen.correlation(best.at, other.at),
+                t_of_named_beyond: less.max(0.0).sqrt(),
+                in_class,
+                decides: other.candidate.decides.clone(),
+            });
+        }
+        let channel = self.strongest_channel(at.residual_model, candidate, size);
+        Claim {
+            place: self.place_of(candidate, at),
+            channel: CHANNEL_NAMES[channel],
+            size,
+            error: size.abs() / gain.max(1e-300).sqrt(),
+            class,
+            rivals,
+            p_value,
+            remark: None,
+            parameters: Vec::new(),
+            candidate: candidate.clone(),
+        }
+    }
+}
+
+/// Whether two candidates are one amplitude of one effect.
+fn same(a: &Candidate<Amplitude>, b: &Candidate<Amplitude>) -> bool {
+    (&a.effect, &a.act.track, a.act.parameter) == (&b.effect, &b.act.track, b.act.parameter)
 }

@@ -5,6 +5,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
+use crate::evidence::runs::laws::claim::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::windows;
@@ -65,6 +66,9 @@ impl Campaign<'_> {
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
+        let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
+        let claim = self.choose(at, &screen, &regular, &places, account);
+        let leading = self.leading(at, &screen, &regular, claim.as_ref(), &options);
         if let Some(found) = self.contacts_beside(at.residual_model) {
             // What walls leave bends the base, beside which much seems to explain something in some runs: what stands out is a rival.
             let most = regular
@@ -72,21 +76,24 @@ impl Campaign<'_> {
                 .enumerate()
                 .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
                 .map(|(c, _)| screen.seen[c].gain)
-                .fold(0.0, f64::max);
+                .fold(leading.as_ref().map_or(0.0, |(_, gain)| *gain), f64::max);
             if found.gain > self.rules().contacts.over * most {
                 let claim = self.claim_contacts(&found);
                 self.claimed = Some(found);
                 return Screen { claim, detectable };
             }
         }
-        let places = best_windows(&screen, &self.candidates.local, &all_windows, regular.len());
-        let claim = self.choose(at, &screen, &regular, &places, account);
+        let claim = leading.map(|(claim, _)| claim).or(claim);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
-        let law = self.law(at, claim.as_ref(), &strongest, &options);
-        Screen {
-            claim: law.or(claim),
-            detectable,
-        }
+        let claim = match self.law(at, claim.as_ref(), &strongest, &options) {
+            Some(Law::Instead(law)) => Some(*law),
+            Some(Law::Beside(name)) => claim.map(|mut claim| {
+                claim.class.push(name);
+                claim
+            }),
+            None => claim,
+        };
+        Screen { claim, detectable }
     }
 
     fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
@@ -208,10 +215,6 @@ impl Campaign<'_> {
             }
             (known, other) => known.or(other)?,
         };
-        named = self.leader(at, &together, &list, named, &|c| {
-            let candidate = &list[c];
-            together.claimable(c, candidate, alpha_of(candidate), again(candidate))
-        });
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // Of a class of places, the effect that already acts elsewhere is the simpler account.
         let known = (regular.len()..list.len()).find(|c| {

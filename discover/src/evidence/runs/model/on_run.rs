@@ -1,0 +1,306 @@
+//! A model on one run: from measured signals to residuals, the balances of the sled ([`Balance`]) over a whole run.
+//!
+//! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
+//! signals is not the smoothed product.
+
+use kufe_sled::effects::{self, Active, Conditions, Constants, Forces, Sensor, Signals};
+use kufe_sled::{
+    Balance, BaseParameter, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
+};
+
+use crate::evidence::runs::model::channels::Channels;
+use crate::evidence::runs::model::residual_model::{
+    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+};
+use crate::evidence::runs::recordings::frame::Frame;
+
+impl ResidualModel {
+    /// Residuals of one run, low-passed and thinned to rows.
+    pub fn residuals(&self, frame: &Frame) -> ChannelRows {
+        self.raw(frame).map(|channel| frame.rows(&channel))
+    }
+
+    /// Residuals of one run at every kept sample.
+    pub fn raw(&self, frame: &Frame) -> ChannelRows {
+        let mut rows: ChannelRows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
+        let on_run = ModelOnRun::new(self, frame);
+        for i in 0..frame.len() {
+            let values = on_run.residual(i);
+            for (row, value) in rows.iter_mut().zip(values) {
+                row.push(value);
+            }
+        }
+        if frame.slope.is_empty() {
+            rows[3].clear();
+        }
+        rows
+    }
+}
+
+/// One sample: its balance, the base laws there and what effects see.
+#[derive(Clone, Copy)]
+pub struct Instant {
+    /// What the effects see.
+    pub seen: effects::State,
+    balance: Balance,
+    laws: LawForces,
+    signals: Signals,
+}
+
+impl Instant {
+    /// What the sensors say, corrected by the active effects.
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
+}
+
+/// A model on one run: the vehicle with the effects that act there, and the weather.
+pub struct ModelOnRun<'a> {
+    residual_model: &'a ResidualModel,
+    frame: &'a Frame,
+    channels: Channels<'a>,
+    constants: Constants,
+    vehicle: Vehicle,
+    air_density: f64,
+    humidity: Option<&'a Vec<f64>>,
+    ice: Option<&'a Vec<f64>>,
+    wear: Option<&'a Vec<f64>>,
+}
+
+impl<'a> ModelOnRun<'a> {
+    /// Prepares a run.
+    pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
+        let mut vehicle = residual_model.vehicle.scaled(&residual_model.base);
+        let effects = residual_model.effects.on_track(&frame.track);
+        let delays = effects.delays();
+        vehicle.effects = effects.in_time();
+        if let Some(mass_kg) = frame.mass_kg {
+            vehicle.sled.mass_kg = mass_kg;
+        }
+        if let Some(contacts) = &residual_model.contacts {
+            vehicle.effects.active.extend(contacts.of_run(frame));
+        }
+        let mut constants = vehicle.sled.constants();
+        let installation = &residual_model.installation;
+        installation.find_constants(&mut constants);
+        let mut channels = Channels::new(frame);
+        installation.correct(&mut channels);
+        for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
+            if delay != 0.0 {
+                channels.catch_up(sensor, delay);
+            }
+        }
+        Self {
+            residual_model,
+            frame,
+            channels,
+            constants,
+            vehicle,
+            air_density: aero::air_density(frame.air_pa, frame.air_c),
+            humidity: frame.extra.get("humidity_pct"),
+            ice: frame.extra.get("ice_c"),
+            wear: frame.extra.get("distance_m"),
+        }
+    }
+
+    /// The signals of a sample, corrected by the active effects.
+    pub fn measured(&self, i: usize) -> Signals {
+        self.corrected(i, self.channels.signals(i, self.constants))
+    }
+
+    /// What the sensors said of a sample, corrected by the active effects.
+    fn corrected(&self, i: usize, mut signals: Signals) -> Signals {
+        let effects = &self.vehicle.effects;
+        if !effects.is_empty() {
+            let v = self.channels.value(Sensor::Speed)[i];
+            effects.correct(&self.conditions(i, v), &mut signals);
+        }
+        signals
+    }
+
+    /// Time, place and weather of a sample at a speed [m/s].
+    fn conditions(&self, i: usize, v: f64) -> Conditions {
+        let frame = self.frame;
+        Conditions {
+            t: frame.t[i],
+            s: frame.s[i],
+            v,
+            fz: f64::NAN,
+            ice_c: self.ice.map_or(frame.ice_c, |x| x[i]),
+            air_c: frame.air_c,
+            air_pa: frame.air_pa,
+            humidity_pct: self.humidity.map_or(frame.humidity_pct, |x| x[i]),
+            distance: self.wear.map_or(frame.distance_before, |x| x[i]),
+            air_density: self.air_density,
+            drag_area: self.vehicle.sled.cda_m2,
+            film: f64::NAN,
+        }
+    }
+
+    /// The balance of a sample, from its corrected signals.
+    fn balance(&self, i: usize, signals: &Signals) -> Balance {
+        let (sled, state, motion) = self.motion(i, signals);
+        Balance::new(&sled, &state, &motion)
+    }
+
+    /// The same beside that of a motion close by.
+    fn balance_near(&self, i: usize, signals: &Signals, known: &Balance) -> Balance {
+        let (sled, state, motion) = self.motion(i, signals);
+        Balance::near(&sled, &state, &motion, known)
+    }
+
+    /// Sled, state and motion of a sample, from its corrected signals.
+    fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
+        let mut sled = self.vehicle.sled;
+        sled.set_constants(&signals.sled);
+        // A slip angle needs a speed.
+        let mut moving = *signals;
+        moving[Sensor::Speed] = signals[Sensor::Speed].max(0.5);
+        let at = self.conditions(i, moving[Sensor::Speed]);
+        let (state, motion) = from_sensors(&sled, &moving, &at);
+        (sled, state, motion)
+    }
+
+    /// The state of a sample, as friction sees it.
+    pub fn state(&self, i: usize) -> State {
+        self.balance(i, &self.measured(i)).state
+    }
+
+    /// A sample with the base laws asked, from its corrected signals.
+    pub fn instant(&self, i: usize, signals: &Signals) -> Instant {
+        let balance = self.balance(i, signals);
+        let laws = balance.laws(&self.vehicle);
+        Instant {
+            seen: balance.seen(&self.vehicle, laws.load_n),
+            balance,
+            laws,
+            signals: *signals,
+        }
+    }
+
+    /// The same from the laws of a motion close by, to first order.
+    fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
+        let balance = self.balance_near(i, signals, &known.balance);
+        let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
+        Instant {
+            seen: balance.seen(&self.vehicle, laws.load_n),
+            balance,
+            laws,
+            signals: *signals,
+        }
+    }
+
+    /// Balances of a sample from the laws of a motion close by, as of [`instant_near`](Self::instant_near).
+    pub fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
+        let balance = self.balance_near(i, signals, &known.balance);
+        let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
+        let mut forces = laws.forces;
+        if !self.vehicle.effects.is_empty() {
+            let seen = balance.seen(&self.vehicle, laws.load_n);
+            self.vehicle.effects.act("", &seen, &mut forces);
+        }
+        balance.left(&forces).values()
+    }
+
+    /// These forces with the model's effects.
+    fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
+        if !self.vehicle.effects.is_empty() {
+            self.vehicle.effects.act("", &at.seen, &mut forces);
+        }
+        forces
+    }
+
+    /// Forces of the base laws with the model's effects.
+    pub fn forces(&self, at: &Instant) -> Forces {
+        self.with_effects(at, at.laws.forces)
+    }
+
+    /// What the balances along [N], aside [N] and about the vertical [N m] leave of these forces.
+    pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+        at.balance.left(forces).values()
+    }
+
+    /// Balances with base multiplier `b` moved by a small `step`.
+    pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
+        let share = step / self.residual_model.base[b];
+        let moved = at.laws.moved(&self.vehicle, BaseParameter::ALL[b], share);
+        self.balances(at, &self.with_effects(at, moved))
+    }
+
+    /// What the track channel leaves [m/s2]; 0 without a survey.
+    fn track(&self, i: usize, at: &Instant) -> f64 {
+        let Some(slope) = self.frame.slope.get(i) else {
+            return 0.0;
+        };
+        let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
+        if self.residual_model.along_path {
+            at.balance.left_along_way(&at.signals, slope)
+        } else {
+            at.balance.left_along_axis(&at.signals, slope)
+        }
+    }
+
+    /// Residual of a sample.
+    pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
+        let at = self.instant(i, &self.measured(i));
+        let [along, side, yaw] = self.balances(&at, &self.forces(&at));
+        [along, side, yaw, self.track(i, &at)]
+    }
+
+    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes.
+    pub fn gains(&self, i: usize) -> [f64; BALANCES] {
+        const STEP: f64 = 1e-3;
+        let read = self.channels.signals(i, self.constants);
+        let left = |signals: Signals| {
+            let at = self.instant(i, &self.corrected(i, signals));
+            self.balances(&at, &self.forces(&at))
+        };
+        let own = left(read);
+        const OF: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
+        std::array::from_fn(|c| {
+            let mut more = read;
+            match OF[c] {
+                Sensor::YawRate => more.rate[Sensor::YawRate as usize] += STEP,
+                sensor => more[sensor] += STEP,
+            }
+            (left(more)[c] - own[c]) / (STEP * self.channels.scale(OF[c]))
+        })
+    }
+
+    /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
+    pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
+        let signals = self.measured(i);
+        if signals == at.signals {
+            return self.balances(at, &self.forces(at));
+        }
+        let other = self.instant(i, &signals);
+        self.balances(&other, &self.forces(&other))
+    }
+
+    /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it.
+    pub fn balances_with(
+        &self,
+        i: usize,
+        effect: &Active,
+        at: &Instant,
+        forces: &Forces,
+    ) -> [f64; BALANCES] {
+        if !effect.acts_on(&self.frame.track) {
+            return self.balances(at, forces);
+        }
+        let mut signals = at.signals;
+        if effect.moves_signals() {
+            effect.correct(&at.seen.conditions, &mut signals);
+        }
+        if signals == at.signals {
+            return at.balance.left_with(effect, &at.seen, forces).values();
+        }
+        // Another signal is another motion.
+        let other = self.instant_near(i, &signals, at);
+        let forces = self.forces(&other);
+        other
+            .balance
+            .left_with(effect, &other.seen, &forces)
+            .values()
+    }
+}

@@ -1,0 +1,193 @@
+//! Whether a hull is what stands between its underside and a flat top.
+
+use crate::error::MeshError;
+use crate::fit::FittedUnderside;
+use crate::hexahedra::slope_limit::limit_slope;
+use crate::hull::check::HullReport;
+use crate::hull::triangles::Hull;
+use crate::shapes::underside::Underside;
+
+/// Columns along and across in which the space over an underside is measured.
+const COLUMNS: [usize; 2] = [512, 128];
+/// Largest part of a hull's steel that may be amiss in columns: stiffness in bending goes as the cube of height, so that it
+/// stays within three times that.
+const MOST_AMISS: f64 = 0.02;
+
+/// The space between a hull's fitted underside and its flat top, as upright columns over a rectangle.
+#[derive(Clone, Debug)]
+pub struct Filled {
+    /// Height of the flat top over the lowest point [m].
+    pub top: f64,
+    /// Middles of the columns along x and y [m].
+    middles: [Vec<f64>; 2],
+    /// Their undersides, at most at the top; x fastest [m].
+    heights: Vec<f64>,
+}
+
+impl Filled {
+    /// The space under the hull's highest place, or under `top` [m] over its lowest one where that is stated.
+    ///
+    /// The hull's own steel below the top at height h is the surface integral of (min(z, h) - h) n_z, in which upright sides, the top and
+    /// an open upper end count nothing. Undercuts, holes and a top that is not flat part it from the space over the underside.
+    ///
+    /// # Errors
+    /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where more than 2 per cent of the outline's
+    /// rectangle lies beyond the hull, or the steel and the space part by more than that.
+    pub fn of(
+        hull: &Hull,
+        report: &HullReport,
+        underside: &FittedUnderside,
+        top: Option<f64>,
+    ) -> Result<Self, MeshError> {
+        let highest = hull.bounds()[1][2] - underside.level();
+        let top = match top {
+            Some(top) => top,
+            None if report.open_edges == 0 => highest,
+            None => {
+                return Err(MeshError::TopNotKnown {
+                    edges: report.open_edges,
+                    highest,
+                });
+            }
+        };
+        let [x0, x1, y0, y1] = underside.extent();
+        let middles = [(x0, x1), (y0, y1)].map(|(from, to)| (to - from, from));
+        let middles = [0, 1].map(|axis| {
+            let (length, from) = middles[axis];
+            let count = COLUMNS[axis];
+            let at = |k: usize| from + length * (k as f64 + 0.5) / count as f64;
+            (0..count).map(at).collect::<Vec<f64>>()
+        });
+        let [xs, ys] = &middles;
+        let heights = ys.iter().flat_map(|&y| {
+            let height = move |&x: &f64| underside.height(x, y);
+            xs.iter().map(height)
+        });
+        let heights: Vec<f64> = heights.collect();
+        let beyond = heights.iter().filter(|z| z.is_infinite()).count();
+        let filled = Filled {
+            top,
+            middles,
+            heights: heights.into_iter().map(|z| z.min(top)).collect(),
+        };
+        let amiss = |found: &'static str, share: f64| {
+            (share.abs() > MOST_AMISS).then_some(MeshError::NotFilled {
+                found,
+                share,
+                allowed: MOST_AMISS,
+                top,
+            })
+        };
+        let outline = beyond as f64 / filled.heights.len() as f64;
+        let steel = steel_below(hull, underside.level() + top);
+        let space = filled.volume();
+        let parted = if steel < space {
+            "of that space is not steel: undercuts, holes, or a top that is not flat"
+        } else {
+            "more steel lies below that top: the hull is wider above than below"
+        };
+        let refused = amiss("of the rectangle around its outline is empty", outline)
+            .or_else(|| amiss(parted, steel / space - 1.0));
+        refused.map_or(Ok(filled), Err)
+    }
+
+    /// The columns' volume [m^3].
+    fn volume(&self) -> f64 {
+        self.over(&self.heights)
+    }
+
+    /// Volume from these heights of the columns to the top [m^3].
+    fn over(&self, heights: &[f64]) -> f64 {
+        let [dx, dy] = [0, 1].map(|axis| self.middles[axis][1] - self.middles[axis][0]);
+        heights.iter().map(|z| self.top - z).sum::<f64>() * dx * dy
+    }
+
+    /// The part of the volume that is gained where the underside goes on straight from where it is as steep as `slope`.
+    pub fn gain(&self, slope: f64) -> f64 {
+        let mut limited = self.heights.clone();
+        let [x, y] = &self.middles;
+        limit_slope(x, y, &mut limited, slope);
+        self.over(&limited) / self.volume() - 1.0
+    }
+}
+
+/// Volume of the hull below the plane at `top` [m^3]: what is open above it, or upright, counts nothing.
+fn steel_below(hull: &Hull, top: f64) -> f64 {
+    let part = |corners: &[u32; 3]| {
+        let depth = corners.map(|c| (hull.positions[c as usize][2] - top).min(0.0));
+        hull.normal(corners)[2] * depth.iter().sum::<f64>() / 6.0
+    };
+    hull.triangles.iter().map(part).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::check::check_hull;
+    use crate::hull::tessellate::tessellate;
+    use crate::shapes::bob_runner::BobRunner;
+    use crate::shapes::luge_steel::LugeSteel;
+
+    fn bob() -> Hull {
+        let runner = BobRunner {
+            length: 0.3,
+            rocker_radius: 8.0,
+            ..BobRunner::default()
+        };
+        tessellate(&runner.swept().unwrap(), 1e-3).unwrap()
+    }
+
+    fn filled(hull: &Hull, top: Option<f64>) -> Result<Filled, String> {
+        let report = check_hull(hull).unwrap();
+        let underside = FittedUnderside::new(hull, 0.0).unwrap();
+        Filled::of(hull, &report, &underside, top).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_swept_runner_is_filled_up_to_its_top_and_a_round_section_gains_more_than_a_flat_one() {
+        let round = filled(&bob(), None).unwrap();
+        assert!((round.top - 0.030).abs() < 1e-7, "{}", round.top);
+        let steel = LugeSteel::default().swept().unwrap();
+        let flat = filled(&tessellate(&steel, 1e-3).unwrap(), None).unwrap();
+        let gains = [&round, &flat].map(|filled| filled.gain(0.15));
+        println!("{gains:?}");
+        assert!(gains[0] > 0.02 && gains[1] < 0.005, "{gains:?}");
+        assert!(round.gain(0.35) < gains[0]);
+        let own = check_hull(&bob()).unwrap().volume;
+        assert!((round.volume() / own - 1.0).abs() < 2e-3);
+    }
+
+    #[test]
+    fn an_open_hull_needs_its_height() {
+        let mut open = bob();
+        let positions = open.positions.clone();
+        open.triangles
+            .retain(|t| t.iter().any(|&c| positions[c as usize][2] < 0.0299));
+        let told = filled(&open, None).unwrap_err();
+        assert!(told.contains("height_m"), "{told}");
+        assert_eq!(filled(&open, Some(0.030)).unwrap().top, 0.030);
+        assert_eq!(filled(&open, Some(0.020)).unwrap().top, 0.020);
+    }
+
+    #[test]
+    fn what_columns_cannot_fill_is_refused_with_its_share() {
+        // The upper half of the sides moved inwards: a T upside down.
+        let mut undercut = bob();
+        for p in &mut undercut.positions {
+            if p[2] > 0.02 {
+                p[1] *= 0.5;
+            }
+        }
+        let told = filled(&undercut, None).unwrap_err();
+        assert!(told.contains("undercuts"), "{told}");
+        // Ends that narrow to half the width.
+        let mut narrow = bob();
+        for p in &mut narrow.positions {
+            p[1] *= 1.0 - 0.5 * (p[0] / 0.15).powi(2);
+        }
+        let told = filled(&narrow, None).unwrap_err();
+        assert!(told.contains("outline"), "{told}");
+        let told = filled(&bob(), Some(0.040)).unwrap_err();
+        assert!(told.contains("0.04"), "{told}");
+    }
+}
