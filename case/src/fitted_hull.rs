@@ -4,13 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kufe_mesh::{
-<<<<<<< HEAD
-    Axis, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise, load_hull,
-    noise_of_hull,
-=======
-    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError,
+    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
     load_hull, noise_of_hull,
->>>>>>> main
 };
 
 use crate::table::{FileAxis, RunnerTable};
@@ -40,16 +35,7 @@ pub(crate) fn fitted_hull(
     };
     let (hull, mut report) = load_hull(path, &options)?;
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
-<<<<<<< HEAD
     let underside = FittedUnderside::new(&hull, noise.found)?;
-    Ok(FittedHull {
-        underside: Arc::new(underside),
-        report,
-        noise,
-        scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
-    })
-=======
-    let underside = FittedUnderside::new(&hull, noise)?;
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
     let filled = filled.map_err(|error| error.in_file(path))?;
@@ -57,10 +43,9 @@ pub(crate) fn fitted_hull(
         underside: Arc::new(underside),
         report,
         noise,
-        scan: (noise > 0.0).then(|| Arc::new(hull)),
+        scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
     };
     Ok((fitted, filled))
->>>>>>> main
 }
 
 impl RunnerTable {

@@ -165,12 +165,7 @@ impl LoadedCase {
     ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
         let patch = patch(&solution.surface);
-        // A runner that bends comes nearer to its mount, too: what the fit is held against is how deep the ice gives.
-        let depth = match solution.runner_volume {
-            Some(_) => deepest(&solution.surface).min(solution.approach),
-            None => solution.approach,
-        };
-        match hull.underside.coarse_within(depth, patch) {
+        match hull.underside.coarse_within(depth(solution), patch) {
             None => Ok(()),
             Some(coarse) => {
                 let would_do = match hull.noise.found > 0.0 {
@@ -224,12 +219,13 @@ impl LoadedCase {
     }
 }
 
-/// How far the ice gives where it gives most [m].
-fn deepest(field: &SurfaceField) -> f64 {
-    field
-        .uz
-        .iter()
-        .fold(0.0, |deepest, uz| f64::max(deepest, -uz))
+/// How deep the ice gives, which a hull's fit is held against: a runner that bends comes nearer to its mount, too [m].
+pub(crate) fn depth(solution: &Solution) -> f64 {
+    let deepest = |field: &SurfaceField| field.uz.iter().fold(0.0, |most, uz| f64::max(most, -uz));
+    match solution.runner_volume {
+        Some(_) => deepest(&solution.surface).min(solution.approach),
+        None => solution.approach,
+    }
 }
 
 /// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].

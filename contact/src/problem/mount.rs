@@ -39,10 +39,11 @@ pub enum Mount {
     Loads(Vec<LoadedPlace>),
 }
 
-/// A mounted runner has at least this many cells along it, so that its bending is followed.
-const CELLS_ALONG: f64 = 40.0;
-/// Cells over a place.
-const CELLS_A_PLACE: f64 = 4.0;
+/// A mounted runner has at least this many cells along it for each over half the patch, so that its bending is followed, and converges with
+/// the contact.
+const CELLS_ALONG: f64 = 10.0;
+/// Cells over a place for each over half the patch.
+const CELLS_A_PLACE: f64 = 1.0;
 
 impl Mount {
     /// The steepest slope of the meshed underside that serves this mount.
@@ -90,8 +91,9 @@ impl Mount {
         }
     }
 
-    /// Puts nodes at the places' ends and divides cells that are too long for bending, from `low` to `high` of the hull.
-    pub(crate) fn refine(&self, nodes: &mut Vec<f64>, [low, high]: [f64; 2]) {
+    /// Puts nodes at the places' ends and divides cells that are too long for bending, from `low` to `high` of the hull, in a mesh of
+    /// `cells` over half the patch.
+    pub(crate) fn refine(&self, nodes: &mut Vec<f64>, [low, high]: [f64; 2], cells: f64) {
         let places = self.places();
         if places.is_empty() {
             return;
@@ -117,8 +119,8 @@ impl Mount {
                 .iter()
                 .zip(&ends)
                 .filter(|(_, end)| (end[0]..=end[1]).contains(&middle));
-            let of_place = over.map(|(place, _)| place.length / CELLS_A_PLACE);
-            of_place.fold((high - low) / CELLS_ALONG, f64::min)
+            let of_place = over.map(|(place, _)| place.length / (CELLS_A_PLACE * cells));
+            of_place.fold((high - low) / (CELLS_ALONG * cells), f64::min)
         };
         let mut divided = vec![nodes[0]];
         for pair in nodes.windows(2) {
@@ -201,7 +203,7 @@ mod tests {
             },
         ]);
         assert!(mount.mirror_symmetric());
-        mount.refine(&mut nodes, [-0.5, 0.5]);
+        mount.refine(&mut nodes, [-0.5, 0.5], 4.0);
         for end in [0.244, 0.256] {
             assert!(nodes.iter().any(|x| (x - end).abs() < 1e-15), "{nodes:?}");
         }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use kufe_case::FittedHull;
-use kufe_contact::{Problem, Runner, boundary_elements};
+use kufe_contact::{BoundaryElements, NotChecked, Problem, Runner};
+use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::Underside;
 use rayon::prelude::*;
 
@@ -13,12 +14,12 @@ const SCANS: u64 = 12;
 /// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of 100.
 const HOLDS: f64 = 2.179;
 
-/// What a hull's vertices move figures by, over the figures.
+/// What a hull's vertices move figures by.
 #[derive(Clone, Copy, Debug)]
 pub struct HullError {
-    /// The peak pressure.
+    /// The peak pressure, over it.
     pub p_max: f64,
-    /// The approach.
+    /// The approach [m]: that of the contact, whatever a runner bends by.
     pub approach: f64,
 }
 
@@ -30,13 +31,14 @@ pub struct HullError {
 pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<HullError> {
     let scan = hull.scan.as_ref()?;
     let problem = rigid(problem);
-    let expected = pressed(&problem, problem.runner.underside.clone())?;
+    let pressed = |underside| pressed(&problem, underside, boundary_elements);
+    let expected = pressed(problem.runner.underside.clone())?;
     let scans = hull.underside.scans(scan, noise).ok()?;
     let squares: Option<Vec<[f64; 2]>> = (0..SCANS)
         .into_par_iter()
         .map(|seed| {
-            let found = pressed(&problem, scans.fit(seed).ok()?)?;
-            Some([0, 1].map(|k| (found[k] / expected[k] - 1.0).powi(2)))
+            let found = pressed(scans.fit(seed).ok()?)?;
+            Some([0, 1].map(|k| (found[k] - expected[k]).powi(2)))
         })
         .collect();
     let squares = squares?;
@@ -44,25 +46,37 @@ pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<
         let mean = squares.iter().map(|both| both[k]).sum::<f64>() / SCANS as f64;
         HOLDS * mean.sqrt()
     });
-    Some(HullError { p_max, approach })
+    Some(HullError {
+        p_max: p_max / expected[0],
+        approach,
+    })
 }
 
-/// What the vertices' distances leave: by how much the fit with every other knot presses otherwise, by boundary elements as in [`moved`].
-/// Where they do not answer, the fit's own error on the contact's `patch` over the `approach`.
+/// What the vertices' distances leave: by how much the fits with half the knots press otherwise, by boundary elements as in [`moved`].
+/// Where they do not answer, the fit's own error on the contact's `patch`, and that over how deep the ice gives there, `depth` [m].
 pub(super) fn between_vertices(
     problem: &Problem,
     hull: &FittedHull,
     patch: [f64; 4],
-    approach: f64,
+    depth: f64,
 ) -> HullError {
     let problem = rigid(problem);
-    let fine = pressed(&problem, problem.runner.underside.clone());
-    let coarse = pressed(&problem, hull.underside.with_half_the_knots());
-    let [p_max, approach] = match (fine, coarse) {
-        (Some(fine), Some(coarse)) => [0, 1].map(|k| (coarse[k] / fine[k] - 1.0).abs()),
-        _ => [hull.underside.error_within(patch) / approach; 2],
+    let pressed = |underside| pressed(&problem, underside, boundary_elements_to_compare);
+    let fine = pressed(problem.runner.underside.clone());
+    let [one, other] = hull.underside.with_half_the_knots().map(pressed);
+    let (Some(fine), Some(one), Some(other)) = (fine, one, other) else {
+        let error = hull.underside.error_within(patch);
+        return HullError {
+            p_max: error / depth,
+            approach: error,
+        };
     };
-    HullError { p_max, approach }
+    let [p_max, approach] =
+        [0, 1].map(|k| f64::max((one[k] - fine[k]).abs(), (other[k] - fine[k]).abs()));
+    HullError {
+        p_max: p_max / fine[0],
+        approach,
+    }
 }
 
 /// The problem with a rigid runner, on ice that gives for a steel too.
@@ -78,8 +92,12 @@ fn rigid(problem: &Problem) -> Problem {
     problem
 }
 
-/// Peak pressure [Pa] and approach [m] under another underside.
-fn pressed(problem: &Problem, underside: Arc<dyn Underside>) -> Option<[f64; 2]> {
+/// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary elements.
+fn pressed(
+    problem: &Problem,
+    underside: Arc<dyn Underside>,
+    solved: impl Fn(&Problem) -> Result<BoundaryElements, NotChecked>,
+) -> Option<[f64; 2]> {
     let runner = Runner {
         underside,
         ..problem.runner.clone()
@@ -88,7 +106,7 @@ fn pressed(problem: &Problem, underside: Arc<dyn Underside>) -> Option<[f64; 2]>
         runner,
         ..problem.clone()
     };
-    let found = boundary_elements(&problem).ok()?;
+    let found = solved(&problem).ok()?;
     Some([found.p_max, found.approach])
 }
 

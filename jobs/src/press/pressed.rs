@@ -6,7 +6,7 @@ use kufe_case::{FittedHull, StatedProblem};
 use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher, runner_loads, solve};
 use kufe_mesh::Noise;
 
-use crate::case_file::{LoadedCase, patch};
+use crate::case_file::{LoadedCase, depth, patch};
 use crate::failure::Failure;
 use crate::press::check::Check;
 use crate::press::hull_error::{HullError, between_vertices, moved};
@@ -106,7 +106,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
     let between = exact
         .filter(|_| sliding.is_none())
-        .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), solution.approach));
+        .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
     let moved_by = told.filter(|_| sliding.is_none()).and_then(|hull| {
         watch.progress("scans made up, to see how far noise moves the peak");
         moved(&problem, hull, found_noise(hull))
@@ -118,10 +118,10 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         beyond_ice(&problem, &solution),
         own_hexahedra(&loaded),
         noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
-        exact.and_then(|hull| not_shown(hull, moved_by)),
+        exact.and_then(|hull| not_shown(hull, moved_by, solution.approach)),
         between
             .filter(|between| between.p_max > loaded.case.accuracy.p_max)
-            .map(far_apart),
+            .map(|between| far_apart(between, solution.approach)),
     ];
     for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
@@ -180,12 +180,12 @@ fn beyond_discretisation(
     moved: Option<HullError>,
 ) -> String {
     let left = hull.underside.quality().residual_rms;
-    let moved = moved.map_or(String::new(), |share| {
+    let moved = moved.map_or(String::new(), |moved| {
         format!(
             "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
              (approach_noise_m)",
-            100.0 * share.p_max,
-            100.0 * share.approach
+            100.0 * moved.p_max,
+            100.0 * moved.approach / solution.approach
         )
     });
     format!(
@@ -203,23 +203,23 @@ fn found_noise(hull: &FittedHull) -> f64 {
 }
 
 /// What noise moves that a hull may have and its vertices do not show.
-fn not_shown(hull: &FittedHull, moved: Option<HullError>) -> Option<String> {
+fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
     let moved = moved?;
     Some(format!(
         "noise of up to {:.3} um does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
          (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 says that there is none",
         1e6 * hull.noise.unseen,
         100.0 * moved.p_max,
-        100.0 * moved.approach
+        100.0 * moved.approach / approach
     ))
 }
 
 /// What the distances of vertices leave, where it is more than was asked.
-fn far_apart(between: HullError) -> String {
+fn far_apart(between: HullError, approach: f64) -> String {
     format!(
         "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \
          the approach (approach_hull_m); vertices closer together lower that",
         100.0 * between.p_max,
-        100.0 * between.approach
+        100.0 * between.approach / approach
     )
 }

@@ -82,7 +82,7 @@ impl Pressed {
                 continue;
             };
             for (figure, unit, value) in [
-                ("approach", "m", error.approach * solution.approach),
+                ("approach", "m", error.approach),
                 ("p_max", "pa", error.p_max * solution.p_max),
             ] {
                 let beside = format!("{figure}_error_{unit}");

@@ -24,8 +24,8 @@ use crate::shapes::underside::Underside;
 #[derive(Clone, Debug)]
 pub struct FittedUnderside {
     surface: Surface,
-    /// With every other knot.
-    coarser: Arc<Surface>,
+    /// With every other knot, and with the others.
+    coarser: [Arc<Surface>; 2],
     judgement: Judgement,
 }
 
@@ -81,15 +81,20 @@ impl FittedUnderside {
         let floor = rounding(z1 - z0);
         let mut surface = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
             .ok_or(MeshError::NoFit)?;
-        let halved = [0, 1].map(|axis| {
-            let breaks = surface.axes[axis].breaks();
-            let last = breaks.len() - 1;
-            (0..=last)
-                .filter(|i| i % 2 == 0 || *i == last)
-                .map(|i| breaks[i])
-                .collect::<Vec<_>>()
-        });
-        let coarser = fit(&samples, &halved).ok_or(MeshError::NoFit)?;
+        let halved = |odd: usize| {
+            [0, 1].map(|axis| {
+                let breaks = surface.axes[axis].breaks();
+                let last = breaks.len() - 1;
+                let kept = |i: &usize| i % 2 == odd || *i == 0 || *i == last;
+                (0..=last)
+                    .filter(kept)
+                    .map(|i| breaks[i])
+                    .collect::<Vec<_>>()
+            })
+        };
+        let [Some(coarser), Some(others)] = [0, 1].map(|odd| fit(&samples, &halved(odd))) else {
+            return Err(MeshError::NoFit);
+        };
 
         // What the fit misses, or the noise, may differ from one side to the other.
         let symmetric = symmetrise(&mut surface, &samples, mirrored, noise.max(floor));
@@ -102,9 +107,11 @@ impl FittedUnderside {
             symmetric,
         };
         let judgement = Judgement::of(&mut surface, &samples, &coarser, noise);
-        let coarser = Arc::new(Surface {
-            spline: coarser,
-            ..surface.clone()
+        let coarser = [coarser, others].map(|spline| {
+            Arc::new(Surface {
+                spline,
+                ..surface.clone()
+            })
         });
         Ok(Self {
             surface,
@@ -113,10 +120,10 @@ impl FittedUnderside {
         })
     }
 
-    /// The fit with every other knot: what that changes of a contact bounds what the vertices' distances leave of it, where the fit follows
-    /// vertices without noise.
-    pub fn with_half_the_knots(&self) -> Arc<dyn Underside> {
-        self.coarser.clone()
+    /// The fits with every other knot, and with the others: what they change of a contact bounds what the vertices' distances leave of it, where
+    /// the fit follows vertices without noise. One alone may agree with it by chance.
+    pub fn with_half_the_knots(&self) -> [Arc<dyn Underside>; 2] {
+        self.coarser.clone().map(|surface| surface as Arc<dyn Underside>)
     }
 
     /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.

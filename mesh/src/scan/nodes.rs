@@ -10,8 +10,9 @@ const PLACES: usize = 60;
 const DOWN: f64 = 0.2;
 /// Nodes around one that are fitted: the polynomial's and twenty to spare.
 const NEAR: usize = POWERS.len() + 20;
-/// How much longer than wide the places are that are tried: a runner is straighter along than across, by how much is not known.
-const LONGER: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
+/// How much longer than wide the places are that are tried: a runner is straighter along than across, by how much and which way it points is
+/// not known.
+const LONGER: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
 /// How many times as much twice as many nodes leave where it is no noise, of which they leave as much.
 const GROWS: f64 = 2.0;
 /// Powers of the surface around a node.
@@ -58,10 +59,10 @@ pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
 /// `faces` the nodes of each face.
 ///
 /// At the lowest node of each place along the underside a polynomial of fourth order is fitted to the nodes nearest to it, in places as
-/// long as wide and up to [`LONGER`] times longer. What is left is noise and what the surface has of higher orders. Of the latter twice
+/// long as wide, wider and longer ([`LONGER`]). What is left is noise and what the surface has of higher orders. Of the latter twice
 /// as many nodes, s times as far, leave s^5 times as much, of noise as much: that part is taken off. Where they leave over [`GROWS`] times
-/// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; curvature only adds, so the least
-/// counts.
+/// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; the one counts that has least of
+/// curvature.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
     nodes.sort_unstable();
@@ -90,14 +91,18 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
         let median = |k: usize| median(told.iter().map(|of| of[k]).collect());
         Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
     });
-    let [left, bent, farther] = told.min_by(|a, b| a[0].total_cmp(&b[0]))?;
+    let [left, bent, farther] = told.min_by(|a, b| a[1].total_cmp(&b[1]))?;
     let shows = |value: f64| match value > rounding(high - low) {
         true => value,
         false => 0.0,
     };
     let (noise, unseen) = match farther > GROWS * left {
         true => (0.0, left),
-        false => ((left * left - bent * bent).max(0.0).sqrt(), bent),
+        // Twice as many nodes leave the noise too, which is no curvature's.
+        false => {
+            let part = 1.0 - (bent / farther).powi(2);
+            (((left * left - bent * bent) / part).max(0.0).sqrt(), bent)
+        }
     };
     Some(Noise {
         found: shows(noise),
