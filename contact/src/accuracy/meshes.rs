@@ -166,9 +166,6 @@ impl<'a> Meshes<'a> {
             tilt: self.gap.tilt(state.motion[1], state.motion[2]),
             missed: self.patch.missed(&pressure.patch, cells),
         };
-        if std::env::var_os("KUFE_TRACE").is_some() {
-            eprintln!("TRACE cells {cells} dofs {dofs} anew {} grid {:?} p {:.8e} approach {:.8e} area {:.6e} off {:?} missed {:.3e} patch {:?} {:?} found {:?} {:?}", self.graded_anew, mesh.grid.shape(), pressure.figures.p_max, place.approach, pressure.figures.area, pressure.figures.off, place.missed, self.patch.span_x(), [self.patch.y.low, self.patch.y.high], pressure.patch.span_x(), [pressure.patch.y.low, pressure.patch.y.high]);
-        }
         self.solved
             .push(pressure.figures, place, cells, self.graded_anew);
         Ok(Contact {

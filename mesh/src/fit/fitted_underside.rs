@@ -123,7 +123,9 @@ impl FittedUnderside {
     /// The fits with every other knot, and with the others: what they change of a contact bounds what the vertices' distances leave of it, where
     /// the fit follows vertices without noise. One alone may agree with it by chance.
     pub fn with_half_the_knots(&self) -> [Arc<dyn Underside>; 2] {
-        self.coarser.clone().map(|surface| surface as Arc<dyn Underside>)
+        self.coarser
+            .clone()
+            .map(|surface| surface as Arc<dyn Underside>)
     }
 
     /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.

@@ -61,8 +61,8 @@ pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
 /// At the lowest node of each place along the underside a polynomial of fourth order is fitted to the nodes nearest to it, in places as
 /// long as wide, wider and longer ([`LONGER`]). What is left is noise and what the surface has of higher orders. Of the latter twice
 /// as many nodes, s times as far, leave s^5 times as much, of noise as much: that part is taken off. Where they leave over [`GROWS`] times
-/// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; the one counts that has least of
-/// curvature.
+/// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; curvature only adds, so the one
+/// counts of which twice as many nodes leave least.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
     nodes.sort_unstable();
@@ -91,7 +91,7 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
         let median = |k: usize| median(told.iter().map(|of| of[k]).collect());
         Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
     });
-    let [left, bent, farther] = told.min_by(|a, b| a[1].total_cmp(&b[1]))?;
+    let [left, bent, farther] = told.min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let shows = |value: f64| match value > rounding(high - low) {
         true => value,
         false => 0.0,
