@@ -30,7 +30,7 @@ pub struct Pressed {
     pub runner: Option<RunnerLoads>,
     /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
     pub moved: Option<HullError>,
-    /// What the distances of a hull's vertices or a mesh's nodes leave, where they have no noise and it is known.
+    /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
     pub between: Option<HullError>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
@@ -104,8 +104,8 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
     let told = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
     let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
-    let between = exact
-        .filter(|_| sliding.is_none())
+    let resting = hull.as_ref().filter(|_| sliding.is_none());
+    let between = resting
         .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
     let moved_by = told.filter(|_| sliding.is_none()).and_then(|hull| {
         watch.progress("scans made up, to see how far noise moves the peak");
