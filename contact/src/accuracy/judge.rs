@@ -2,15 +2,12 @@
 
 use crate::Solution;
 use crate::accuracy::extrapolation::{LEAST_REFINEMENT, REFINEMENT, next_refinement};
-use crate::accuracy::meshes::{Contact, FEWEST, Meshes, Plan};
+use crate::accuracy::meshes::{Contact, FEWEST, Meshes, Plan, REGRADINGS};
 use crate::accuracy::order::Limit;
 use crate::accuracy::watched::Limits;
 use crate::grid::discretise::expected;
 use crate::grid::patch::COARSE;
 use crate::result::elsewhere::Penetration;
-
-/// How often a mesh is graded anew; each time its cells may become three times smaller.
-const REGRADINGS: usize = 6;
 
 /// Share of the error asked that a first mesh's rims may take: where the patch was guessed worse, the contact's own is meshed before any
 /// other. The rest is for the cells.

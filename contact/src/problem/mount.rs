@@ -122,17 +122,29 @@ impl Mount {
             let of_place = over.map(|(place, _)| place.length / (CELLS_A_PLACE * cells));
             of_place.fold((high - low) / (CELLS_ALONG * cells), f64::min)
         };
+        // Neighbours that are too long are divided as one, so that cells of finer meshes are smaller by as much as their number says.
+        let limit = |pair: &[f64]| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let on_runner = (low..=high).contains(&middle);
+            let limit = longest(middle);
+            (on_runner && pair[1] - pair[0] > limit * (1.0 + 1e-9)).then_some(limit)
+        };
+        let stays = |x: f64| x == low || x == high || ends.as_flattened().contains(&x);
         let mut divided = vec![nodes[0]];
-        for pair in nodes.windows(2) {
-            let (from, to) = (pair[0], pair[1]);
-            let middle = 0.5 * (from + to);
-            let parts = if (low..=high).contains(&middle) {
-                ((to - from) / longest(middle) - 1e-9).ceil().max(1.0)
-            } else {
-                1.0
-            };
-            let parts = parts as usize;
+        let mut next = 1;
+        while next < nodes.len() {
+            let (from, most) = (nodes[next - 1], limit(&nodes[next - 1..=next]));
+            while most.is_some()
+                && next + 1 < nodes.len()
+                && !stays(nodes[next])
+                && limit(&nodes[next..=next + 1]) == most
+            {
+                next += 1;
+            }
+            let to = nodes[next];
+            let parts = most.map_or(1.0, |most| ((to - from) / most - 1e-9).ceil()) as usize;
             divided.extend((1..=parts).map(|i| from + (to - from) * i as f64 / parts as f64));
+            next += 1;
         }
         *nodes = divided;
     }
