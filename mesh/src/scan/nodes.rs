@@ -15,6 +15,10 @@ const NEAR: usize = POWERS.len() + 20;
 const LONGER: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
 /// How many times as much twice as many nodes leave where it is no noise, of which they leave as much.
 const GROWS: f64 = 2.0;
+/// Nodes as far as others but for this part are as far.
+const TIE: f64 = 1e-6;
+/// Nodes on either side of one that are looked at first.
+const FIRST: usize = 2048;
 /// Powers of the surface around a node.
 const POWERS: [[i32; 2]; 15] = [
     [0, 0],
@@ -67,7 +71,8 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
     nodes.sort_unstable();
     nodes.dedup();
-    let nodes: Vec<[f64; 3]> = nodes.into_iter().map(|node| points[node]).collect();
+    let mut nodes: Vec<[f64; 3]> = nodes.into_iter().map(|node| points[node]).collect();
+    nodes.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let ends = |axis: usize| {
         let values = nodes.iter().map(|p| p[axis]);
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
@@ -75,16 +80,16 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
         })
     };
     let ([from, to], [low, high]) = (ends(0), ends(2));
-    let mut lowest: Vec<Option<[f64; 3]>> = vec![None; PLACES];
-    for node in &nodes {
+    let mut lowest: Vec<Option<usize>> = vec![None; PLACES];
+    for (index, node) in nodes.iter().enumerate() {
         let share = (node[0] - from) / (to - from);
         let place = &mut lowest[((share * PLACES as f64) as usize).min(PLACES - 1)];
-        if place.is_none_or(|other| node[2] < other[2]) {
-            *place = Some(*node);
+        if place.is_none_or(|other| node[2] < nodes[other][2]) {
+            *place = Some(index);
         }
     }
     let told = LONGER.iter().filter_map(|&longer| {
-        let at = |node: &[f64; 3]| at_node(&nodes, *node, longer);
+        let at = |&node: &usize| at_node(&nodes, node, longer);
         let told: Vec<[f64; 3]> = lowest.iter().flatten().filter_map(at).collect();
         // Few places that are told are those where the surface is least like itself.
         let usual = 2 * told.len() >= lowest.iter().flatten().count();
@@ -112,17 +117,37 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
 
 /// What a polynomial leaves around one node, how much of that is curvature, and what it leaves of twice as many nodes [m]; `None` where it
 /// is not determined.
-fn at_node(nodes: &[[f64; 3]], [x, y, z]: [f64; 3], longer: f64) -> Option<[f64; 3]> {
+fn at_node(nodes: &[[f64; 3]], node: usize, longer: f64) -> Option<[f64; 3]> {
+    let [x, y, z] = nodes[node];
     let far = |p: &[f64; 3]| ((p[0] - x) / longer).hypot(p[1] - y);
     // Not other parts of the hull above.
     let beside = |p: &&[f64; 3]| p[2] - z <= (p[0] - x).hypot(p[1] - y);
-    let mut near: Vec<(f64, [f64; 3])> =
-        nodes.iter().filter(beside).map(|p| (far(p), *p)).collect();
+    // Nodes stand in order along the underside: those at the ends of a part of them that is wide enough are farther than all that count.
+    let mut half = FIRST;
+    let mut near: Vec<(f64, [f64; 3])> = loop {
+        let (from, to) = (node.saturating_sub(half), (node + half).min(nodes.len()));
+        let part = nodes[from..to].iter().filter(beside);
+        let mut near: Vec<(f64, [f64; 3])> = part.map(|p| (far(p), *p)).collect();
+        let whole = from == 0 && to == nodes.len();
+        let width = |end: usize| match end == 0 || end == nodes.len() {
+            true => f64::INFINITY,
+            false => (nodes[end][0] - x).abs() / longer,
+        };
+        let least = width(from).min(width(to));
+        let enough = near.len() >= 2 * NEAR && {
+            let by_far = |a: &(f64, [f64; 3]), b: &(f64, [f64; 3])| a.0.total_cmp(&b.0);
+            near.select_nth_unstable_by(2 * NEAR - 1, by_far).1.0 * (1.0 + TIE) < least
+        };
+        if whole || enough {
+            break near;
+        }
+        half *= 4;
+    };
     let mut nearest = |count: usize| {
         let last = count.checked_sub(1).filter(|&last| last < near.len())?;
         let (_, &mut (reach, _), _) = near.select_nth_unstable_by(last, |a, b| a.0.total_cmp(&b.0));
         // All that are as far: which of them is first is chance.
-        let (within, left) = (reach * (1.0 + 1e-6), near.as_slice());
+        let (within, left) = (reach * (1.0 + TIE), near.as_slice());
         let among = left.iter().filter(|(far, _)| *far <= within);
         let among: Vec<[f64; 3]> = among.map(|(_, p)| *p).collect();
         Some((reach, left_of(&among)?))
