@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kufe_mesh::{
-    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError,
+    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
     load_hull, noise_of_hull,
 };
 
@@ -17,9 +17,9 @@ pub struct FittedHull {
     pub underside: Arc<FittedUnderside>,
     /// Size, holes and warnings.
     pub report: HullReport,
-    /// Standard deviation of its vertices that the fit was made with, found where none is stated [m].
-    pub noise: f64,
-    /// Its triangles, where there is noise.
+    /// Standard deviation of its vertices that the fit was made with, found where none is stated, and what would not be found [m].
+    pub noise: Noise,
+    /// Its triangles, where there is noise, or some would not show.
     pub scan: Option<Arc<Hull>>,
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn fitted_hull(
     };
     let (hull, mut report) = load_hull(path, &options)?;
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
-    let underside = FittedUnderside::new(&hull, noise)?;
+    let underside = FittedUnderside::new(&hull, noise.found)?;
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
     let filled = filled.map_err(|error| error.in_file(path))?;
@@ -43,16 +43,26 @@ pub(crate) fn fitted_hull(
         underside: Arc::new(underside),
         report,
         noise,
-        scan: (noise > 0.0).then(|| Arc::new(hull)),
+        scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
     };
     Ok((fitted, filled))
 }
 
 impl RunnerTable {
-    /// The noise of the runner's vertices that is stated, or else what is `found`, which the report then tells [m].
-    pub(crate) fn noise(&self, report: &mut HullReport, found: impl Fn() -> Option<f64>) -> f64 {
-        let noise = self.noise_m.or_else(&found).unwrap_or(0.0);
-        if self.noise_m.is_none() && noise > 0.0 {
+    /// The noise of the runner's vertices that is stated, or else what is `found`, which the report then tells.
+    pub(crate) fn noise(
+        &self,
+        report: &mut HullReport,
+        found: impl Fn() -> Option<Noise>,
+    ) -> Noise {
+        let stated = self.noise_m.map(|found| Noise { found, unseen: 0.0 });
+        let none = Noise {
+            found: 0.0,
+            unseen: 0.0,
+        };
+        let noise = stated.or_else(&found).unwrap_or(none);
+        if stated.is_none() && noise.found > 0.0 {
+            let noise = noise.found;
             report.warnings.push(HullWarning::Noisy { noise });
         }
         noise

@@ -125,7 +125,7 @@ impl Case {
         report.warnings = size_warnings(extent);
         report.extent = extent;
         let noise = self.runner.noise(&mut report, || solid.noise());
-        let underside = FittedUnderside::new(&part, noise).map_err(|error| named(&error))?;
+        let underside = FittedUnderside::new(&part, noise.found).map_err(|error| named(&error))?;
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
             ..ElasticRunner::held_at_top(modulus, ratio, top)
@@ -134,7 +134,7 @@ impl Case {
             underside: Arc::new(underside),
             report,
             noise,
-            scan: (noise > 0.0).then(|| Arc::new(part)),
+            scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(part)),
         };
         Ok((hull, elastic))
     }

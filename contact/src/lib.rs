@@ -71,7 +71,9 @@ mod reference;
 mod result;
 mod solve;
 
-pub use boundary_elements::{BoundaryElements, NotChecked, boundary_elements};
+pub use boundary_elements::{
+    BoundaryElements, NotChecked, boundary_elements, boundary_elements_to_compare,
+};
 pub use error::Error;
 pub use groove::profile::GrooveProfile;
 pub use groove::slide::slide;

@@ -165,19 +165,14 @@ impl LoadedCase {
     ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
         let patch = patch(&solution.surface);
-        // A runner that bends comes nearer to its mount, too: what the fit is held against is how deep the ice gives.
-        let depth = match solution.runner_volume {
-            Some(_) => deepest(&solution.surface).min(solution.approach),
-            None => solution.approach,
-        };
-        match hull.underside.coarse_within(depth, patch) {
+        match hull.underside.coarse_within(depth(solution), patch) {
             None => Ok(()),
             Some(coarse) => {
-                let would_do = match hull.noise > 0.0 {
+                let would_do = match hull.noise.found > 0.0 {
                     true => format!(
                         "noise of {:.3} um where there is {:.3} um, or vertices {:.1} times closer both ways, would do",
-                        1e6 * hull.noise * coarse.noise_share(),
-                        1e6 * hull.noise,
+                        1e6 * hull.noise.found * coarse.noise_share(),
+                        1e6 * hull.noise.found,
                         1.0 / coarse.noise_share()
                     ),
                     false => "give it a finer surface".into(),
@@ -224,16 +219,17 @@ impl LoadedCase {
     }
 }
 
-/// How far the ice gives where it gives most [m].
-fn deepest(field: &SurfaceField) -> f64 {
-    field
-        .uz
-        .iter()
-        .fold(0.0, |deepest, uz| f64::max(deepest, -uz))
+/// How deep the ice gives, which a hull's fit is held against: a runner that bends comes nearer to its mount, too [m].
+pub(crate) fn depth(solution: &Solution) -> f64 {
+    let deepest = |field: &SurfaceField| field.uz.iter().fold(0.0, |most, uz| f64::max(most, -uz));
+    match solution.runner_volume {
+        Some(_) => deepest(&solution.surface).min(solution.approach),
+        None => solution.approach,
+    }
 }
 
 /// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
-fn patch(field: &SurfaceField) -> [f64; 4] {
+pub(crate) fn patch(field: &SurfaceField) -> [f64; 4] {
     let mut patch = [
         f64::INFINITY,
         f64::NEG_INFINITY,

@@ -143,6 +143,7 @@ function headlineOf(result) {
   const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
   return [
     [`${figure(1e-6 * result.p_max_pa)} MPa`, error === null ? "peak pressure, one mesh only" : `peak pressure, \u00b1 ${figure(1e-6 * error, 2)} MPa`],
+    ...hullOf(result),
     ...checkOf(result),
     [`${figure(1e-6 * result.p_mean_pa)} MPa`, `mean pressure${within(1e-6 * result.p_mean_error_pa, "MPa")}`],
     [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, length${within(1e3 * result.length_error_m, "mm")} \u00d7 width${within(1e3 * result.width_error_m, "mm")}`],
@@ -158,6 +159,13 @@ function headlineOf(result) {
 
 /** A figure's error, where it has one. */
 const within = (error, unit) => (Number.isFinite(error) && error > 0 ? `, \u00b1 ${figure(error, 2)} ${unit}` : "");
+
+/** What a hull's vertices leave of the peak beside its error. */
+function hullOf(result) {
+  return [["distances", result.p_max_hull_pa], ["noise", result.p_max_noise_pa]]
+    .filter(([, moved]) => Number.isFinite(moved))
+    .map(([by, moved]) => [`\u00b1 ${figure(1e-6 * moved, 2)} MPa`, `more of the peak by the ${by} of the hull's vertices`]);
+}
 
 /** The second answer, where there is one. */
 function checkOf(result) {

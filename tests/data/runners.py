@@ -200,7 +200,7 @@ def main():
                 off, error_of = abs(result[key] / true - 1), result[f"{name}_error_{unit}"]
                 # One mesh tells no error.
                 stated = np.inf if error_of is None else error_of / true
-                stated += result.get(f"{name}_noise_{unit}", 0.0) / true
+                stated += sum(result.get(f"{name}_{part}_{unit}", 0.0) for part in ("noise", "hull")) / true
                 held.setdefault(name, []).append(off <= stated + error)
                 if name == "p_max" and np.isfinite(stated):
                     ratios.append(stated / max(off, 1e-12))

@@ -29,8 +29,6 @@ pub struct Check {
 
 /// Plane-strain modulus of ice as cases have it by default, 9 GPa/(1 - 0.33^2) [Pa].
 const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
-/// Noise below which a hull is one that a computer made [m].
-const NO_NOISE: f64 = 5e-8;
 
 /// One load, and whether the hull is fine enough for it.
 struct Judged {
@@ -153,9 +151,15 @@ fn load(check: &Check, found: &Found) -> f64 {
     nearest.unwrap_or(1000.0)
 }
 
-/// Noise beyond that of a hull that a computer made [m].
+/// Noise of the vertices that shows [m].
 fn stated(sampling: &Sampling) -> Option<f64> {
-    sampling.noise.filter(|noise| *noise > NO_NOISE)
+    let found = sampling.noise.map(|noise| noise.found);
+    found.filter(|found| *found > 0.0)
+}
+
+/// Noise that would not show [m].
+fn unseen(sampling: &Sampling) -> f64 {
+    sampling.noise.map_or(0.0, |noise| noise.unseen)
 }
 
 /// Noise at this spacing, and spacing at this noise, with which a load would do [m]. Without noise the error goes as the fourth power of the
@@ -240,6 +244,7 @@ fn document(check: &Check, found: &Found) -> Value {
         "open_edges": found.report.open_edges,
         "spacing_m": found.sampling.spacing,
         "noise_m": stated(&found.sampling).unwrap_or(0.0),
+        "unseen_noise_m": unseen(&found.sampling),
         "loads": loads.as_ref().ok(),
         "no_underside": loads.as_ref().err(),
         "warnings": found.report.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -271,7 +276,11 @@ fn text(check: &Check, found: &Found) -> String {
         text,
         "  near the keel: triangles of {:.3} mm, noise {}",
         1e3 * found.sampling.spacing,
-        stated(&found.sampling).map_or("none".to_owned(), |n| format!("{:.2} um", 1e6 * n))
+        match (stated(&found.sampling), unseen(&found.sampling)) {
+            (Some(noise), _) => format!("{:.3} um", 1e6 * noise),
+            (None, 0.0) => "none".to_owned(),
+            (None, unseen) => format!("none; less than {:.3} um would not show", 1e6 * unseen),
+        }
     );
     if let Some([x, y]) = found.beyond {
         let _ = writeln!(

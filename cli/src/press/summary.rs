@@ -112,6 +112,13 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         let place = rows.len() - 2;
         rows.splice(place..place, sliding(slid));
     }
+    for (by, error) in [("noise", pressed.moved), ("distances", pressed.between)] {
+        let moved = error.map(|error| 1e-6 * error.p_max * solution.p_max);
+        if let Some(moved) = moved {
+            let said = format!("{moved:.2} MPa more of the peak by their {by}");
+            rows.insert(1, ("hull's vertices", said));
+        }
+    }
     let mut text = format!("{}\n", pressed.loaded.name);
     for (name, value) in rows {
         text.push_str(&format!("  {name:<15} {value}\n"));

@@ -2,15 +2,16 @@
 
 use crate::Solution;
 use crate::accuracy::extrapolation::{LEAST_REFINEMENT, REFINEMENT, next_refinement};
-use crate::accuracy::meshes::{Contact, FEWEST, Meshes, Plan};
+use crate::accuracy::meshes::{Contact, FEWEST, Meshes, Plan, REGRADINGS};
 use crate::accuracy::order::Limit;
 use crate::accuracy::watched::Limits;
 use crate::grid::discretise::expected;
 use crate::grid::patch::COARSE;
 use crate::result::elsewhere::Penetration;
 
-/// How often a mesh is graded anew; each time its cells may become three times smaller.
-const REGRADINGS: usize = 6;
+/// Share of the error asked that a first mesh's rims may take: where the patch was guessed worse, the contact's own is meshed before any
+/// other. The rest is for the cells.
+const BY_RIMS: f64 = 0.5;
 
 /// What is to be done after a mesh.
 pub(crate) enum Verdict {
@@ -59,9 +60,10 @@ impl Meshes<'_> {
             return Verdict::Reached(self.unjudged(contact));
         }
         let limits = self.solved.limits();
-        let anew =
-            self.regraded < REGRADINGS && contact.pressure.patch.finest_over(&self.patch) < COARSE;
         let tolerance = self.options.p_max_tolerance;
+        let elsewhere = self.solved.similar() == 1 && self.solved.missed() > BY_RIMS * tolerance;
+        let coarse = contact.pressure.patch.finest_over(&self.patch) < COARSE;
+        let anew = self.regraded < REGRADINGS && (coarse || elsewhere);
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;
         if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {

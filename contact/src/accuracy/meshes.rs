@@ -24,6 +24,9 @@ use crate::result::elsewhere::{Penetration, Solved};
 use crate::result::pressure::{Field, Pressure};
 use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
+/// How often a mesh is graded anew; each time its cells may become three times smaller.
+pub(super) const REGRADINGS: usize = 6;
+
 /// How often places of contact may be found late; each time all that are seen.
 const WIDENINGS: usize = 4;
 
@@ -254,9 +257,15 @@ impl<'a> Meshes<'a> {
         } else {
             self.patch = found.with_sizes_of(&self.patch);
         }
-        self.cells = plan.cells;
+        // Meshes for other rims say little of these: the coarsest of them are the cheapest to begin with.
+        let again = !plan.anew && !stands && self.regraded < REGRADINGS;
+        self.cells = match again {
+            true => self.first.min(plan.cells),
+            false => plan.cells,
+        };
+        self.regraded += usize::from(again);
         if self.graded_anew {
-            self.coarsest = plan.cells;
+            self.coarsest = self.cells;
         }
     }
 

@@ -14,7 +14,7 @@ pub(crate) struct Watched {
     tilt: [Sequence; 2],
     /// Of the last mesh.
     last: Option<Figures>,
-    /// What rims that it was not made for leave of its approach, relative.
+    /// What rims that it was not made for leave of its peak and approach, relative.
     missed: f64,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
@@ -56,7 +56,7 @@ pub(crate) struct Place {
     pub approach: f64,
     /// Pitch and roll [rad].
     pub tilt: [f64; 2],
-    /// What rims that the mesh was not made for leave of the approach, relative.
+    /// What rims that the mesh was not made for leave of peak and approach, relative.
     pub missed: f64,
 }
 
@@ -110,6 +110,11 @@ impl Watched {
         self.peak.similar()
     }
 
+    /// What rims that the last mesh was not made for leave of its peak and approach, relative.
+    pub fn missed(&self) -> f64 {
+        self.missed
+    }
+
     /// The limits; `None` before there is anything to compare.
     pub fn limits(&self) -> Option<Limits> {
         self.peak.limit().and_then(|peak| self.of(peak))
@@ -128,8 +133,8 @@ impl Watched {
             width_error: self.extent_error(&self.width, self.off()[2]),
             approach_error: with(
                 self.approach.last().error,
-                self.left.approach.hypot(self.missed) * self.approach.value(),
-            ),
+                self.left.approach * self.approach.value(),
+            ) + self.missed * self.approach.value(),
         }
     }
 
@@ -175,7 +180,8 @@ impl Watched {
             (self.hardness, 0.0, BESIDE * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
-            let error = with(peak.error, self.left.peak * value);
+            // Of one sign on all meshes, and seen by none: it is added.
+            let error = with(peak.error, self.left.peak * value) + self.missed * value;
             (value, error, error / value)
         };
         Some(Limits {

@@ -8,7 +8,7 @@ use kufe_mesh::{HexMesh, TensorGrid, limit_slope, mesh_over_heights};
 use crate::bodies::columns::{Columns, Side};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::bodies::mounting::{held_nodes, load_of};
-use crate::grid::grading::{Start, Zone, graded_axis};
+use crate::grid::grading::{Start, Zone, even_steps, graded_axis};
 use crate::grid::stretch::Stretch;
 use crate::precondition::beam_space::BeamSpace;
 use crate::precondition::mounted::MountedInverse;
@@ -16,6 +16,9 @@ use crate::{ElasticRunner, Error, Mount, Problem};
 
 /// Cells in the runner are this much larger than in the ice under them: steel's share of the approach is small.
 const COARSER: f64 = 2.0;
+/// In a runner that bends layers grow up to this part of its height. Without end, its approach on two bridges is 3 % less with 3 cells over
+/// half the patch, 1.6 % with 6.
+const GROWING: f64 = 3.0;
 /// Fewest and most knots of a whole runner's beam motions.
 const KNOTS: [f64; 2] = [25.0, 61.0];
 /// Share of the consistent mass that keeps the averaged one definite.
@@ -205,9 +208,23 @@ fn mapped(
         stretch: Stretch::even(0.0, size),
         spacing: size,
     };
-    let mut z = graded_axis(Start::At(0.0), height, &[zone], growth.min(1.0))?;
-    let top = z[z.len() - 1];
-    z.iter_mut().for_each(|z| *z *= height / top);
+    let growth = growth.min(1.0);
+    let z = match elastic.mount {
+        Mount::Top => {
+            let mut z = graded_axis(Start::At(0.0), height, &[zone], growth)?;
+            let top = z[z.len() - 1];
+            z.iter_mut().for_each(|z| *z *= height / top);
+            z
+        }
+        // What bends and twists varies up to its top.
+        Mount::Places(_) | Mount::Loads(_) => {
+            let grown = |z: f64| size + growth * (z - size).clamp(0.0, height / GROWING);
+            let mut z = vec![0.0];
+            z.extend(even_steps(0.0, height, grown, f64::ceil)?);
+            z.push(height);
+            z
+        }
+    };
     let levels: Vec<f64> = z.iter().map(|z| z / height).collect();
     let mesh = mesh_over_heights(x, y, &heights, elastic.top, &levels).map_err(|error| {
         Error::RunnerMesh {

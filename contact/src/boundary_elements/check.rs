@@ -56,6 +56,22 @@ const STEEP: f64 = 0.4;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, NotChecked> {
+    match solved(problem)? {
+        (_, at_rim) if at_rim > STEEP => Err(NotChecked::NarrowPeak),
+        (found, _) => Ok(found),
+    }
+}
+
+/// As [`boundary_elements`], of peaks that are narrower than the cells too: no answer there, but what two hulls that differ a little differ by.
+///
+/// # Errors
+/// As [`boundary_elements`] for all else.
+pub fn boundary_elements_to_compare(problem: &Problem) -> Result<BoundaryElements, NotChecked> {
+    solved(problem).map(|(found, _)| found)
+}
+
+/// The figures, and how steep the pressure is at its rim: [`OnWindow::at_rim`].
+fn solved(problem: &Problem) -> Result<(BoundaryElements, f64), NotChecked> {
     let gap = Gap::new(problem).map_err(|_| NotChecked::NotSettled)?;
     let surface = Surface::of(problem)?;
     let search = Search {
@@ -72,21 +88,19 @@ pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, NotCheck
         last = search.solved(window, Some(start))?;
         found.push(last.figures());
     }
-    if last.at_rim() > STEEP {
-        return Err(NotChecked::NarrowPeak);
-    }
     let [p_max, approach] = last.figures();
     let error = |k: usize| {
         let values = found.iter().map(|figures| figures[k]);
         let least = values.clone().fold(f64::INFINITY, f64::min);
         SAFETY * (values.fold(f64::NEG_INFINITY, f64::max) - least)
     };
-    Ok(BoundaryElements {
+    let figures = BoundaryElements {
         p_max,
         p_max_error: error(0),
         approach,
         approach_error: error(1),
-    })
+    };
+    Ok((figures, last.at_rim()))
 }
 
 /// A contact on one window's cells.

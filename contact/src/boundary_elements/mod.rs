@@ -10,5 +10,5 @@ mod rectangle;
 mod surface;
 mod window;
 
-pub use check::{BoundaryElements, boundary_elements};
+pub use check::{BoundaryElements, boundary_elements, boundary_elements_to_compare};
 pub use surface::NotChecked;

@@ -50,6 +50,9 @@ const LAYER_REACH: f64 = 6.0;
 /// Depth of even layers over the patch's smaller half-width: the stresses vary most there.
 const EVEN_DEPTH: f64 = 1.5;
 
+/// Cells over half the patch whose bending a patch is found with.
+const SCOUTED: f64 = 4.0;
+
 /// What a mesh is made for.
 pub(crate) struct MeshPlan<'a> {
     pub problem: &'a Problem,
@@ -171,7 +174,11 @@ impl MeshPlan<'_> {
             hull.iter().for_each(|&end| put_node(&mut nodes, end));
         }
         if let Some(elastic) = on_columns.filter(|_| meshed && axis == 0) {
-            elastic.mount.refine(&mut nodes, hull);
+            let cells = match self.reach {
+                Reach::Patch => self.resolution.cells,
+                Reach::WholeHull => SCOUTED,
+            };
+            elastic.mount.refine(&mut nodes, hull, cells);
         }
         increasing(nodes)
     }

@@ -121,7 +121,7 @@ fn between(left: &Zone, right: &Zone, growth: f64) -> Result<Vec<f64>, Error> {
 
 /// Nodes strictly between `low` and `high` at even steps of the integral of dx / `spacing`, the number of
 /// steps rounded by `round`.
-fn even_steps(
+pub(crate) fn even_steps(
     low: f64,
     high: f64,
     spacing: impl Fn(f64) -> f64,

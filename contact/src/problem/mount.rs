@@ -39,10 +39,11 @@ pub enum Mount {
     Loads(Vec<LoadedPlace>),
 }
 
-/// A mounted runner has at least this many cells along it, so that its bending is followed.
-const CELLS_ALONG: f64 = 40.0;
-/// Cells over a place.
-const CELLS_A_PLACE: f64 = 4.0;
+/// A mounted runner has at least this many cells along it for each over half the patch, so that its bending is followed, and converges with
+/// the contact.
+const CELLS_ALONG: f64 = 10.0;
+/// Cells over a place for each over half the patch.
+const CELLS_A_PLACE: f64 = 1.0;
 
 impl Mount {
     /// The steepest slope of the meshed underside that serves this mount.
@@ -90,8 +91,9 @@ impl Mount {
         }
     }
 
-    /// Puts nodes at the places' ends and divides cells that are too long for bending, from `low` to `high` of the hull.
-    pub(crate) fn refine(&self, nodes: &mut Vec<f64>, [low, high]: [f64; 2]) {
+    /// Puts nodes at the places' ends and divides cells that are too long for bending, from `low` to `high` of the hull, in a mesh of
+    /// `cells` over half the patch.
+    pub(crate) fn refine(&self, nodes: &mut Vec<f64>, [low, high]: [f64; 2], cells: f64) {
         let places = self.places();
         if places.is_empty() {
             return;
@@ -117,20 +119,32 @@ impl Mount {
                 .iter()
                 .zip(&ends)
                 .filter(|(_, end)| (end[0]..=end[1]).contains(&middle));
-            let of_place = over.map(|(place, _)| place.length / CELLS_A_PLACE);
-            of_place.fold((high - low) / CELLS_ALONG, f64::min)
+            let of_place = over.map(|(place, _)| place.length / (CELLS_A_PLACE * cells));
+            of_place.fold((high - low) / (CELLS_ALONG * cells), f64::min)
         };
+        // Neighbours that are too long are divided as one, so that cells of finer meshes are smaller by as much as their number says.
+        let limit = |pair: &[f64]| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let on_runner = (low..=high).contains(&middle);
+            let limit = longest(middle);
+            (on_runner && pair[1] - pair[0] > limit * (1.0 + 1e-9)).then_some(limit)
+        };
+        let stays = |x: f64| x == low || x == high || ends.as_flattened().contains(&x);
         let mut divided = vec![nodes[0]];
-        for pair in nodes.windows(2) {
-            let (from, to) = (pair[0], pair[1]);
-            let middle = 0.5 * (from + to);
-            let parts = if (low..=high).contains(&middle) {
-                ((to - from) / longest(middle) - 1e-9).ceil().max(1.0)
-            } else {
-                1.0
-            };
-            let parts = parts as usize;
+        let mut next = 1;
+        while next < nodes.len() {
+            let (from, most) = (nodes[next - 1], limit(&nodes[next - 1..=next]));
+            while most.is_some()
+                && next + 1 < nodes.len()
+                && !stays(nodes[next])
+                && limit(&nodes[next..=next + 1]) == most
+            {
+                next += 1;
+            }
+            let to = nodes[next];
+            let parts = most.map_or(1.0, |most| ((to - from) / most - 1e-9).ceil()) as usize;
             divided.extend((1..=parts).map(|i| from + (to - from) * i as f64 / parts as f64));
+            next += 1;
         }
         *nodes = divided;
     }
@@ -201,7 +215,7 @@ mod tests {
             },
         ]);
         assert!(mount.mirror_symmetric());
-        mount.refine(&mut nodes, [-0.5, 0.5]);
+        mount.refine(&mut nodes, [-0.5, 0.5], 4.0);
         for end in [0.244, 0.256] {
             assert!(nodes.iter().any(|x| (x - end).abs() < 1e-15), "{nodes:?}");
         }

@@ -7,7 +7,7 @@ use kufe_fem::{
     BlockMatrix, Body, Constraints, DofMap, ElementKind, Factor, Material, NodeCells, assemble,
     boundary_faces,
 };
-use kufe_mesh::{HexMesh, Hull, noise_of_faces};
+use kufe_mesh::{HexMesh, Hull, Noise, noise_of_faces};
 
 use crate::Error;
 
@@ -132,8 +132,8 @@ impl RunnerSolid {
         }
     }
 
-    /// Standard deviation of the underside's nodes about a smooth surface [m], as [`noise_of_faces`] tells it.
-    pub fn noise(&self) -> Option<f64> {
+    /// Noise of the underside's nodes, as [`noise_of_faces`] tells it.
+    pub fn noise(&self) -> Option<Noise> {
         noise_of_faces(&self.mesh().points, &self.faces)
     }
 

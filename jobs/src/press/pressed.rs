@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use kufe_case::{FittedHull, StatedProblem};
 use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher, runner_loads, solve};
+use kufe_mesh::Noise;
 
-use crate::case_file::LoadedCase;
+use crate::case_file::{LoadedCase, depth, patch};
 use crate::failure::Failure;
 use crate::press::check::Check;
-use crate::press::scan_noise::{NoiseError, moved};
+use crate::press::hull_error::{HullError, between_vertices, moved};
 use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
@@ -28,7 +29,9 @@ pub struct Pressed {
     /// What an elastic runner bears.
     pub runner: Option<RunnerLoads>,
     /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
-    pub moved: Option<NoiseError>,
+    pub moved: Option<HullError>,
+    /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
+    pub between: Option<HullError>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
@@ -98,8 +101,13 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     };
     let seconds = started.elapsed().as_secs_f64();
     loaded.fine_enough(hull.as_ref(), &solution)?;
-    let noisy = hull.as_ref().filter(|hull| hull.noise > 0.0);
-    let moved_by = noisy.filter(|_| sliding.is_none()).and_then(|hull| {
+    let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
+    let told = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
+    let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
+    let resting = hull.as_ref().filter(|_| sliding.is_none());
+    let between = resting
+        .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
+    let moved_by = told.filter(|_| sliding.is_none()).and_then(|hull| {
         watch.progress("scans made up, to see how far noise moves the peak");
         moved(&problem, hull, found_noise(hull))
     });
@@ -110,6 +118,10 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         beyond_ice(&problem, &solution),
         own_hexahedra(&loaded),
         noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
+        exact.and_then(|hull| not_shown(hull, moved_by, solution.approach)),
+        between
+            .filter(|between| between.p_max > loaded.case.accuracy.p_max)
+            .map(|between| far_apart(between, solution.approach)),
     ];
     for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
@@ -130,6 +142,7 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         problem,
         hull,
         moved: moved_by,
+        between,
         solution,
         check,
         sliding,
@@ -164,26 +177,49 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
 fn beyond_discretisation(
     hull: &FittedHull,
     solution: &Solution,
-    moved: Option<NoiseError>,
+    moved: Option<HullError>,
 ) -> String {
     let left = hull.underside.quality().residual_rms;
-    let moved = moved.map_or(String::new(), |share| {
+    let moved = moved.map_or(String::new(), |moved| {
         format!(
             "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
              (approach_noise_m)",
-            100.0 * share.p_max,
-            100.0 * share.approach
+            100.0 * moved.p_max,
+            100.0 * moved.approach / solution.approach
         )
     });
     format!(
         "the stated errors do not hold what noise leaves in the hull: {:.3} um taken and {:.3} um found, {:.2} % of the approach{moved}",
-        1e6 * hull.noise,
+        1e6 * hull.noise.found,
         1e6 * left,
         100.0 * left / solution.approach
     )
 }
 
-/// The larger of a hull's noise and what its fit has found [m].
+/// The largest of a hull's noise, what would not show of it and what its fit has found [m].
 fn found_noise(hull: &FittedHull) -> f64 {
-    hull.noise.max(hull.underside.quality().residual_rms)
+    let Noise { found, unseen } = hull.noise;
+    found.max(unseen).max(hull.underside.quality().residual_rms)
+}
+
+/// What noise moves that a hull may have and its vertices do not show.
+fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
+    let moved = moved?;
+    Some(format!(
+        "noise of up to {:.3} um does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
+         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 says that there is none",
+        1e6 * hull.noise.unseen,
+        100.0 * moved.p_max,
+        100.0 * moved.approach / approach
+    ))
+}
+
+/// What the distances of vertices leave, where it is more than was asked.
+fn far_apart(between: HullError, approach: f64) -> String {
+    format!(
+        "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \
+         the approach (approach_hull_m); vertices closer together lower that",
+        100.0 * between.p_max,
+        100.0 * between.approach / approach
+    )
 }

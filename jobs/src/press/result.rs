@@ -20,7 +20,8 @@ impl Pressed {
                 "resolution_error_m": quality.resolution_error,
                 "residual_over_approach": quality.residual_rms / solution.approach,
                 "vertices": quality.vertices,
-                "noise_m": hull.noise,
+                "noise_m": hull.noise.found,
+                "unseen_noise_m": hull.noise.unseen,
             })
         });
         let mut document = json!({
@@ -76,18 +77,18 @@ impl Pressed {
                 document.shift_insert(place + shift, key, value);
             }
         }
-        if let (Some(moved), Value::Object(document)) = (self.moved, &mut document) {
-            let approach = document.keys().position(|key| key == "approach_error_m");
-            for (place, key, value) in [
-                (
-                    approach,
-                    "approach_noise_m",
-                    moved.approach * solution.approach,
-                ),
-                (Some(1), "p_max_noise_pa", moved.p_max * solution.p_max),
+        for (part, error) in [("hull", self.between), ("noise", self.moved)] {
+            let (Some(error), Value::Object(document)) = (error, &mut document) else {
+                continue;
+            };
+            for (figure, unit, value) in [
+                ("approach", "m", error.approach),
+                ("p_max", "pa", error.p_max * solution.p_max),
             ] {
+                let beside = format!("{figure}_error_{unit}");
+                let place = document.keys().position(|key| *key == beside);
                 let place = place.map_or(0, |place| place + 1);
-                document.shift_insert(place, key.into(), json!(value));
+                document.shift_insert(place, format!("{figure}_{part}_{unit}"), json!(value));
             }
         }
         if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {

@@ -1,5 +1,7 @@
 //! A smooth underside fitted to the vertices of a tessellated hull.
 
+use std::sync::Arc;
+
 use crate::error::MeshError;
 use crate::fit::arc_length::arc_length;
 use crate::fit::bicubic::{Bicubic, Sample};
@@ -22,6 +24,8 @@ use crate::shapes::underside::Underside;
 #[derive(Clone, Debug)]
 pub struct FittedUnderside {
     surface: Surface,
+    /// With every other knot, and with the others.
+    coarser: [Arc<Surface>; 2],
     judgement: Judgement,
 }
 
@@ -77,15 +81,20 @@ impl FittedUnderside {
         let floor = rounding(z1 - z0);
         let mut surface = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
             .ok_or(MeshError::NoFit)?;
-        let halved = [0, 1].map(|axis| {
-            let breaks = surface.axes[axis].breaks();
-            let last = breaks.len() - 1;
-            (0..=last)
-                .filter(|i| i % 2 == 0 || *i == last)
-                .map(|i| breaks[i])
-                .collect::<Vec<_>>()
-        });
-        let coarser = fit(&samples, &halved).ok_or(MeshError::NoFit)?;
+        let halved = |odd: usize| {
+            [0, 1].map(|axis| {
+                let breaks = surface.axes[axis].breaks();
+                let last = breaks.len() - 1;
+                let kept = |i: &usize| i % 2 == odd || *i == 0 || *i == last;
+                (0..=last)
+                    .filter(kept)
+                    .map(|i| breaks[i])
+                    .collect::<Vec<_>>()
+            })
+        };
+        let [Some(coarser), Some(others)] = [0, 1].map(|odd| fit(&samples, &halved(odd))) else {
+            return Err(MeshError::NoFit);
+        };
 
         // What the fit misses, or the noise, may differ from one side to the other.
         let symmetric = symmetrise(&mut surface, &samples, mirrored, noise.max(floor));
@@ -98,7 +107,25 @@ impl FittedUnderside {
             symmetric,
         };
         let judgement = Judgement::of(&mut surface, &samples, &coarser, noise);
-        Ok(Self { surface, judgement })
+        let coarser = [coarser, others].map(|spline| {
+            Arc::new(Surface {
+                spline,
+                ..surface.clone()
+            })
+        });
+        Ok(Self {
+            surface,
+            coarser,
+            judgement,
+        })
+    }
+
+    /// The fits with every other knot, and with the others: what they change of a contact bounds what the vertices' distances leave of it, where
+    /// the fit follows vertices without noise. One alone may agree with it by chance.
+    pub fn with_half_the_knots(&self) -> [Arc<dyn Underside>; 2] {
+        self.coarser
+            .clone()
+            .map(|surface| surface as Arc<dyn Underside>)
     }
 
     /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.
@@ -138,11 +165,20 @@ impl FittedUnderside {
     }
 
     /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m] anywhere on the hull.
-    pub fn coarse_within(&self, approach: f64, [x0, x1, y0, y1]: [f64; 4]) -> Option<Coarse> {
+    pub fn coarse_within(&self, approach: f64, patch: [f64; 4]) -> Option<Coarse> {
+        self.judgement.coarse_within(approach, self.near(patch))
+    }
+
+    /// The fit's estimated error [m] on a contact patch `[x_min, x_max, y_min, y_max]` [m].
+    pub fn error_within(&self, patch: [f64; 4]) -> f64 {
+        self.judgement.error_within(self.near(patch))
+    }
+
+    /// A patch and some beyond it along the hull, so that there are places where the fit was judged.
+    fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
         let [a, b, ..] = self.surface.extent;
         let margin = (b - a) / 400.0;
-        let near = [x0 - margin, x1 + margin, y0 - margin, y1 + margin];
-        self.judgement.coarse_within(approach, near)
+        [x0 - margin, x1 + margin, y0 - margin, y1 + margin]
     }
 }
 

@@ -167,13 +167,18 @@ impl Judgement {
         })
     }
 
+    /// The fit's largest estimated error within `[x_min, x_max, y_min, y_max]` [m].
+    pub fn error_within(&self, [x0, x1, y0, y1]: [f64; 4]) -> f64 {
+        self.largest(|check| (x0..=x1).contains(&check.x) && (y0..=y1).contains(&check.y))
+    }
+
+    fn largest(&self, counts: impl Fn(&Check) -> bool) -> f64 {
+        let counted = self.checks.iter().filter(|c| counts(c));
+        counted.map(|c| c.error).fold(0.0, f64::max)
+    }
+
     fn worst(&self, approach: f64, counts: impl Fn(&Check) -> bool) -> Option<Coarse> {
-        let error = self
-            .checks
-            .iter()
-            .filter(|c| counts(c))
-            .map(|c| c.error)
-            .fold(0.0, f64::max);
+        let error = self.largest(counts);
         let allowed = LARGEST_ERROR * approach;
         (error > allowed).then_some(Coarse {
             error,

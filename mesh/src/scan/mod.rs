@@ -5,6 +5,6 @@ pub(crate) mod polynomial;
 pub(crate) mod sampling;
 pub(crate) mod standing;
 
-pub use nodes::{noise_of_faces, noise_of_hull};
+pub use nodes::{Noise, noise_of_faces, noise_of_hull};
 pub use sampling::Sampling;
 pub use standing::Standing;

@@ -1,21 +1,25 @@
 //! How noisy the nodes of an underside are.
 
-use std::collections::BTreeSet;
-
 use crate::fit::fitted_underside::rounding;
 use crate::hull::Hull;
 use crate::scan::polynomial::fit;
-use crate::scan::sampling::median;
 
 /// Places along the underside at which its lowest node is looked at.
 const PLACES: usize = 60;
 /// Triangles whose normal is closer to level than this are flanks (cosine to straight down).
 const DOWN: f64 = 0.2;
-/// Fewest nodes that determine the polynomial with ten to spare.
-const LEAST: usize = POWERS.len() + 10;
-/// Rounds of neighbours that are too many.
-const ROUNDS: i32 = 6;
-/// Powers of the surface around a node: on a grid of five by five nodes they go through any sum of a line along and one across.
+/// Nodes around one that are fitted: the polynomial's and twenty to spare.
+const NEAR: usize = POWERS.len() + 20;
+/// How much longer than wide the places are that are tried: a runner is straighter along than across, by how much and which way it points is
+/// not known.
+const LONGER: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
+/// How many times as much twice as many nodes leave where it is no noise, of which they leave as much.
+const GROWS: f64 = 2.0;
+/// Nodes as far as others but for this part are as far.
+const TIE: f64 = 1e-6;
+/// Nodes on either side of one that are looked at first.
+const FIRST: usize = 2048;
+/// Powers of the surface around a node.
 const POWERS: [[i32; 2]; 15] = [
     [0, 0],
     [1, 0],
@@ -34,8 +38,18 @@ const POWERS: [[i32; 2]; 15] = [
     [3, 1],
 ];
 
-/// Standard deviation of a hull's vertices about a smooth underside [m], as [`noise_of_faces`] tells it of the triangles that face down.
-pub fn noise_of_hull(hull: &Hull) -> Option<f64> {
+/// Noise of an underside's nodes, as their heights tell it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Standard deviation about a smooth surface [m]; 0 where it is no more than rounding.
+    pub found: f64,
+    /// What the surface's own curvature leaves at these distances of the nodes [m]: less noise than that does not show. 0 where that is
+    /// no more than rounding.
+    pub unseen: f64,
+}
+
+/// Noise of a hull's vertices, as [`noise_of_faces`] tells it of the triangles that face down.
+pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
     let faces_down = |t: &&[u32; 3]| {
         let n = hull.normal(t);
         -n[2] > DOWN * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
@@ -45,104 +59,127 @@ pub fn noise_of_hull(hull: &Hull) -> Option<f64> {
     noise_of_faces(&hull.positions, &faces)
 }
 
-/// Standard deviation of the heights of an underside's nodes about a smooth surface [m]; 0 where it is no more than rounding, `None` where
-/// the faces are too few to tell. `points` are x forward, y left and z up [m], `faces` the nodes of each face.
+/// Noise of the heights of an underside's nodes; `None` where the faces are too few to tell. `points` are x forward, y left and z up [m],
+/// `faces` the nodes of each face.
 ///
-/// At the lowest node of each place along the underside a polynomial of fourth order is fitted to it and to rounds of neighbours, as many
-/// as determine it; what is left is noise and what the surface has of higher orders. Of the latter r + 1 rounds leave ((r + 1) / r)^5 times
-/// as much as r, of noise as much: that part is taken off. The median over the places is told.
-pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<f64> {
-    let around = FacesAround::new(points.len(), faces);
+/// At the lowest node of each place along the underside a polynomial of fourth order is fitted to the nodes nearest to it, in places as
+/// long as wide, wider and longer ([`LONGER`]). What is left is noise and what the surface has of higher orders. Of the latter twice
+/// as many nodes, s times as far, leave s^5 times as much, of noise as much: that part is taken off. Where they leave over [`GROWS`] times
+/// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; curvature only adds, so the one
+/// counts of which twice as many nodes leave least.
+pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
     nodes.sort_unstable();
     nodes.dedup();
+    let mut nodes: Vec<[f64; 3]> = nodes.into_iter().map(|node| points[node]).collect();
+    nodes.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let ends = |axis: usize| {
-        let values = || nodes.iter().map(|node| points[*node][axis]);
-        let low = values().fold(f64::INFINITY, f64::min);
-        [low, values().fold(f64::NEG_INFINITY, f64::max)]
+        let values = nodes.iter().map(|p| p[axis]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+            [low.min(v), high.max(v)]
+        })
     };
     let ([from, to], [low, high]) = (ends(0), ends(2));
-    nodes.sort_by(|a, b| points[*a][2].total_cmp(&points[*b][2]));
-    let mut told: Vec<Option<f64>> = vec![None; PLACES];
-    for node in nodes {
-        let share = (points[node][0] - from) / (to - from);
-        let place = ((share * PLACES as f64) as usize).min(PLACES - 1);
-        if told[place].is_none() {
-            told[place] = at_node(points, &around, node);
+    let mut lowest: Vec<Option<usize>> = vec![None; PLACES];
+    for (index, node) in nodes.iter().enumerate() {
+        let share = (node[0] - from) / (to - from);
+        let place = &mut lowest[((share * PLACES as f64) as usize).min(PLACES - 1)];
+        if place.is_none_or(|other| node[2] < nodes[other][2]) {
+            *place = Some(index);
         }
     }
-    let noise = median(told.into_iter().flatten().collect())?;
-    Some(if noise > rounding(high - low) {
-        noise
-    } else {
-        0.0
+    let told = LONGER.iter().filter_map(|&longer| {
+        let at = |&node: &usize| at_node(&nodes, node, longer);
+        let told: Vec<[f64; 3]> = lowest.iter().flatten().filter_map(at).collect();
+        // Few places that are told are those where the surface is least like itself.
+        let usual = 2 * told.len() >= lowest.iter().flatten().count();
+        let median = |k: usize| median(told.iter().map(|of| of[k]).collect());
+        Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
+    });
+    let [left, bent, farther] = told.min_by(|a, b| a[2].total_cmp(&b[2]))?;
+    let shows = |value: f64| match value > rounding(high - low) {
+        true => value,
+        false => 0.0,
+    };
+    let (noise, unseen) = match farther > GROWS * left {
+        true => (0.0, left),
+        // Twice as many nodes leave the noise too, which is no curvature's.
+        false => {
+            let part = 1.0 - (bent / farther).powi(2);
+            (((left * left - bent * bent) / part).max(0.0).sqrt(), bent)
+        }
+    };
+    Some(Noise {
+        found: shows(noise),
+        unseen: shows(unseen),
     })
 }
 
-/// What is noise around one node [m]; `None` beside a rim, where its neighbours are too few.
-fn at_node<const N: usize>(
-    points: &[[f64; 3]],
-    around: &FacesAround<N>,
-    node: usize,
-) -> Option<f64> {
-    let mut near = BTreeSet::from([node]);
-    let mut rounds = 0;
-    while near.len() < LEAST {
-        rounds += 1;
-        near = around.neighbours(&near);
-        if rounds == ROUNDS {
-            return None;
+/// What a polynomial leaves around one node, how much of that is curvature, and what it leaves of twice as many nodes [m]; `None` where it
+/// is not determined.
+fn at_node(nodes: &[[f64; 3]], node: usize, longer: f64) -> Option<[f64; 3]> {
+    let [x, y, z] = nodes[node];
+    let far = |p: &[f64; 3]| ((p[0] - x) / longer).hypot(p[1] - y);
+    // Not other parts of the hull above.
+    let beside = |p: &&[f64; 3]| p[2] - z <= (p[0] - x).hypot(p[1] - y);
+    // Nodes stand in order along the underside: those at the ends of a part of them that is wide enough are farther than all that count.
+    let mut half = FIRST;
+    let mut near: Vec<(f64, [f64; 3])> = loop {
+        let (from, to) = (node.saturating_sub(half), (node + half).min(nodes.len()));
+        let part = nodes[from..to].iter().filter(beside);
+        let mut near: Vec<(f64, [f64; 3])> = part.map(|p| (far(p), *p)).collect();
+        let whole = from == 0 && to == nodes.len();
+        let width = |end: usize| match end == 0 || end == nodes.len() {
+            true => f64::INFINITY,
+            false => (nodes[end][0] - x).abs() / longer,
+        };
+        let least = width(from).min(width(to));
+        let enough = near.len() >= 2 * NEAR && {
+            let by_far = |a: &(f64, [f64; 3]), b: &(f64, [f64; 3])| a.0.total_cmp(&b.0);
+            near.select_nth_unstable_by(2 * NEAR - 1, by_far).1.0 * (1.0 + TIE) < least
+        };
+        if whole || enough {
+            break near;
         }
-    }
-    let noise = left(points, &near)?;
-    let farther = left(points, &around.neighbours(&near)).unwrap_or(0.0);
-    let bent = (f64::from(rounds) / f64::from(rounds + 1)).powi(5) * farther;
-    Some((noise * noise - bent * bent).max(0.0).sqrt())
+        half *= 4;
+    };
+    let mut nearest = |count: usize| {
+        let last = count.checked_sub(1).filter(|&last| last < near.len())?;
+        let (_, &mut (reach, _), _) = near.select_nth_unstable_by(last, |a, b| a.0.total_cmp(&b.0));
+        // All that are as far: which of them is first is chance.
+        let (within, left) = (reach * (1.0 + TIE), near.as_slice());
+        let among = left.iter().filter(|(far, _)| *far <= within);
+        let among: Vec<[f64; 3]> = among.map(|(_, p)| *p).collect();
+        Some((reach, left_of(&among)?))
+    };
+    let (inner, left) = nearest(NEAR)?;
+    let (outer, farther) = nearest(2 * NEAR)?;
+    Some([left, (inner / outer).powi(5) * farther, farther])
 }
 
 /// What the polynomial leaves of the heights of some nodes [m].
-fn left(points: &[[f64; 3]], nodes: &BTreeSet<usize>) -> Option<f64> {
-    let at = || nodes.iter().map(|node| points[*node]);
-    let places: Vec<[f64; 2]> = at().map(|[x, y, _]| [x, y]).collect();
-    let heights: Vec<f64> = at().map(|[_, _, z]| z).collect();
-    Some(fit(&places, &heights, &POWERS)?.deviation)
+fn left_of(nodes: &[[f64; 3]]) -> Option<f64> {
+    let places: Vec<[f64; 2]> = nodes.iter().map(|&[x, y, _]| [x, y]).collect();
+    let heights: Vec<f64> = nodes.iter().map(|p| p[2]).collect();
+    // Lines of nodes determine as many powers as there are lines.
+    let lines = [0, 1].map(|axis| {
+        let mut values: Vec<f64> = places.iter().map(|p| p[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        let apart = 1e-3 * (values[values.len() - 1] - values[0]);
+        values.dedup_by(|b, a| *b - *a <= apart);
+        values.len() as i32
+    });
+    let powers = POWERS
+        .iter()
+        .filter(|[i, j]| *i < lines[0] && *j < lines[1]);
+    let powers: Vec<[i32; 2]> = powers.copied().collect();
+    Some(fit(&places, &heights, &powers)?.deviation)
 }
 
-/// The faces at each node.
-struct FacesAround<'a, const N: usize> {
-    faces: &'a [[usize; N]],
-    /// Where each node's begin in `at`, and the end of the last.
-    starts: Vec<usize>,
-    at: Vec<usize>,
-}
-
-impl<'a, const N: usize> FacesAround<'a, N> {
-    fn new(nodes: usize, faces: &'a [[usize; N]]) -> Self {
-        let mut starts = vec![0; nodes + 1];
-        for node in faces.iter().flatten() {
-            starts[node + 1] += 1;
-        }
-        for node in 0..nodes {
-            starts[node + 1] += starts[node];
-        }
-        let mut free = starts.clone();
-        let mut at = vec![0; N * faces.len()];
-        for (index, face) in faces.iter().enumerate() {
-            for node in face {
-                at[free[*node]] = index;
-                free[*node] += 1;
-            }
-        }
-        FacesAround { faces, starts, at }
-    }
-
-    /// These nodes and those that share a face with one of them.
-    fn neighbours(&self, nodes: &BTreeSet<usize>) -> BTreeSet<usize> {
-        let faces = nodes
-            .iter()
-            .flat_map(|node| &self.at[self.starts[*node]..self.starts[node + 1]]);
-        faces.flat_map(|face| self.faces[*face]).collect()
-    }
+/// The middle one of some values.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]
@@ -152,6 +189,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
+    use crate::hull::tessellate::tessellate;
+    use crate::shapes::bob_runner::BobRunner;
 
     const KINDS: [bool; 2] = [false, true];
 
@@ -163,7 +202,7 @@ mod tests {
         [skewed, noise]: [f64; 2],
         triangles: bool,
         height: impl Fn(f64, f64) -> f64,
-    ) -> Option<f64> {
+    ) -> Option<Noise> {
         let mut random = ChaCha8Rng::seed_from_u64(20_261_123);
         let at = |half: f64, k: usize, n: usize, off: f64| {
             let s = (2.0 * k as f64 + off) / n as f64 - 1.0;
@@ -209,7 +248,8 @@ mod tests {
                 .flat_map(|s| KINDS.map(|kind| (s, kind)))
             {
                 let of = |noise| {
-                    noise_of(cells, size, [skewed, noise], triangles, height).expect("a grid")
+                    let told = noise_of(cells, size, [skewed, noise], triangles, height);
+                    told.expect("a grid").found
                 };
                 let case = format!("{cells:?} {skewed} {triangles}");
                 assert_eq!(of(0.0), 0.0, "{case}");
@@ -222,5 +262,29 @@ mod tests {
         }
         // Three cells are too few to tell.
         assert_eq!(noise_of([3, 3], [0.1, 0.003], [0.0; 2], false, round), None);
+    }
+
+    /// Two millimetres between the vertices of a section of five: lines along the runner show what places as long as wide do not.
+    #[test]
+    fn far_between_vertices_show_noise_along_a_runner() {
+        let runner = BobRunner::default().swept().expect("a runner");
+        let hull = tessellate(&runner, 2e-3).expect("a hull");
+        let with = |noise: f64| {
+            let mut hull = hull.clone();
+            let mut random = ChaCha8Rng::seed_from_u64(20_261_130);
+            for p in &mut hull.positions {
+                let drawn: f64 = StandardNormal.sample(&mut random);
+                p[2] += noise * drawn;
+            }
+            noise_of_hull(&hull).expect("enough vertices")
+        };
+        let clean = with(0.0);
+        println!("{clean:?}");
+        assert!(clean.found == 0.0 && clean.unseen < 1e-8, "{clean:?}");
+        for noise in [3e-8, 1e-7, 1e-6] {
+            let told = with(noise);
+            println!("{noise}: {told:?}");
+            assert!((told.found / noise - 1.0).abs() < 0.15, "{noise} {told:?}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! One problem, three ways to solve it; and the same bits whatever the number of threads.
 
-use kufe_contact::{Method, Options, Solution, solve};
+use kufe_contact::{Error, Ice, Load, Method, Options, Solution, Tilt, solve};
 use kufe_mesh::Paraboloid;
 use kufe_tests::contact::on_half_space;
 
@@ -79,4 +79,33 @@ fn one_and_two_threads_give_the_same_bits() {
         (one.p_max, one.approach, one.area),
         (two.p_max, two.approach, two.area)
     );
+}
+
+/// What no file can state, since its reader refuses it: a program that calls the library can.
+#[test]
+fn what_is_no_number_or_nothing_is_an_error() {
+    let hull = || Paraboloid::new(0.02, 0.01).unwrap();
+    let good = on_half_space(hull(), 500.0);
+    let options = |cells| Options {
+        cells,
+        ..Options::default()
+    };
+    let tilted = |pitch, roll| Load::central(500.0, Tilt::Fixed { pitch, roll });
+    let loads = [
+        tilted(f64::NAN, 0.0),
+        tilted(0.0, f64::NAN),
+        tilted(0.0, f64::INFINITY),
+        Load::central(f64::NAN, Tilt::Free),
+    ];
+    for load in loads {
+        let mut problem = good.clone();
+        problem.load = load;
+        let refused = solve(&problem, &options(None));
+        assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{load:?}");
+    }
+    let mut thin = good.clone();
+    thin.ice = Ice::half_space(f64::NAN, 0.3);
+    assert!(solve(&thin, &options(None)).is_err());
+    let refused = solve(&good, &options(Some(0)));
+    assert!(matches!(refused, Err(Error::OutOfRange { .. })));
 }

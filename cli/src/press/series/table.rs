@@ -39,8 +39,12 @@ pub const FIGURES: [&str; 16] = [
     "seconds",
 ];
 
-/// What some results have besides: what an elastic runner bears, a second method's answer, and what a runner that slides has.
-const FURTHER: [&str; 12] = [
+/// What some results have besides: what a hull's vertices leave, what an elastic runner bears, a second method's answer, and what a runner that slides has.
+const FURTHER: [&str; 16] = [
+    "p_max_hull_pa",
+    "p_max_noise_pa",
+    "approach_hull_m",
+    "approach_noise_m",
     "runner_von_mises_max_pa",
     "check_p_max_pa",
     "check_p_max_error_pa",

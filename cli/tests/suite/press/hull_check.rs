@@ -152,6 +152,8 @@ fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
         let noisy = pressed(noise);
         let found = number(&noisy["hull_fit"], "noise_m") / noise;
         assert!((found - 1.0).abs() < 0.2, "{found}");
+        let checked = number(&checked(&bench, "bob.obj"), "noise_m");
+        assert_eq!(checked, number(&noisy["hull_fit"], "noise_m"));
         for (figure, unit) in [("p_max", "pa"), ("approach", "m")] {
             let [value, error, moved] = ["", "_error", "_noise"]
                 .map(|part| number(&noisy, &format!("{figure}{part}_{unit}")));
@@ -167,6 +169,100 @@ fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
                 "{noise} {figure}"
             );
         }
+    }
+}
+
+/// A luge steel's runner table for an edge of this radius [m].
+fn luge(radius: f64) -> String {
+    format!(
+        "shape = {{ kind = \"luge\", length_m = 0.6, rocker_radius_m = 25.0, edge_radius_m = {radius}, tilt_rad = 0.02, width_m = 0.020, \
+         height_m = 0.008 }}"
+    )
+}
+
+/// `result.json` of this runner at 500 N.
+fn luge_pressed(bench: &Bench, runner: &str, name: &str) -> Value {
+    let ice = "[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05";
+    let load = "[load]\nfz_n = 500.0\ntilt = \"fixed\"\n[accuracy]\np_max = 0.01";
+    let file = format!("{name}.toml");
+    bench.write(&file, format!("[runner]\n{runner}\n{ice}\n{load}\n"));
+    bench.succeeds(&["press", &file, "-o", name]);
+    json(&bench.path(name).join("result.json"))
+}
+
+/// How far the peak of a hull is from the shape's, and what errors it states with what its vertices leave, over the shape's peak. The first is
+/// held by the second.
+fn luge_off(bench: &Bench, hull: &str, shape: &Value) -> [f64; 2] {
+    let (truth, slack) = (number(shape, "p_max_pa"), number(shape, "p_max_error_pa"));
+    let result = luge_pressed(bench, &format!("hull = \"{hull}\""), &format!("of {hull}"));
+    let part = |key: &str| result[key].as_f64().unwrap_or(0.0);
+    let stated = part("p_max_error_pa") + part("p_max_hull_pa") + part("p_max_noise_pa");
+    let off = (number(&result, "p_max_pa") - truth).abs();
+    let [off_share, stated_share] = [off, stated].map(|part| part / truth);
+    println!("{hull}: {off_share:.4} off, {stated_share:.4} stated");
+    assert!(off <= stated + slack, "{hull}: {off} {stated}");
+    let warned = result["warnings"].to_string().contains("p_max_hull_pa");
+    assert_eq!(
+        warned,
+        part("p_max_hull_pa") > 0.01 * number(&result, "p_max_pa")
+    );
+    [off_share, stated_share]
+}
+
+/// A flat beside an edge of 0.3 mm: its curvature jumps inside the contact.
+#[test]
+fn what_the_vertices_of_a_luge_steel_leave_is_stated_at_three_lengths_of_its_edges() {
+    let bench = Bench::new();
+    let shape = luge_pressed(&bench, &luge(0.3e-3), "shape");
+    for edge in ["0.0005", "0.001", "0.002"] {
+        let hull = format!("{edge}.obj");
+        bench.succeeds(&["hull", "luge", "--edge-length-m", edge, "-o", &hull]);
+        let [_, stated] = luge_off(&bench, &hull, &shape);
+        assert!(stated < 0.2, "{edge}: {stated}");
+    }
+}
+
+/// The underside of a luge steel as an open OBJ: facets of the edge turn by `turn` [rad], those of the flat grow by a half each up to 0.5 mm.
+fn coarse_edge(radius: f64, turn: f64) -> String {
+    let (tilt, turns) = (0.02f64, 0.02 + std::f64::consts::FRAC_PI_2);
+    let count = (turns / turn).ceil();
+    let angles = (0..=count as usize).map(|i| tilt - turns + turns * i as f64 / count);
+    let mut section: Vec<[f64; 2]> = angles
+        .map(|angle| [radius * angle.sin(), radius * (1.0 - angle.cos())])
+        .collect();
+    let mut step = radius * turns / count;
+    while let Some(&[y, z]) = section.last().filter(|[y, _]| *y < 0.02 - radius) {
+        step = (1.5 * step).min(0.5e-3);
+        section.push([y + step * tilt.cos(), z + step * tilt.sin()]);
+    }
+    let (along, across) = (1200, section.len());
+    let mut obj = String::new();
+    for i in 0..=along {
+        let x = 0.6 * (f64::from(i) / f64::from(along) - 0.5);
+        let rocker = 25.0 - (625.0 - x * x).sqrt();
+        section
+            .iter()
+            .for_each(|[y, z]| obj.push_str(&format!("v {x} {y} {}\n", z + rocker)));
+    }
+    for i in 0..along as usize {
+        for j in 1..across {
+            let [a, b] = [i * across + j, (i + 1) * across + j];
+            obj.push_str(&format!("f {a} {} {} {b}\n", a + 1, b + 1));
+        }
+    }
+    obj
+}
+
+/// Vertices so far apart that the fit through them bends otherwise than the steel: no other answer from the same fit sees that.
+#[test]
+fn a_fit_that_vertices_do_not_determine_is_stated_and_warned_of() {
+    let bench = Bench::new();
+    for (radius, turn) in [(0.3e-3, 0.1), (0.1e-3, 0.1), (0.1e-3, 0.15)] {
+        let shape = luge_pressed(&bench, &luge(radius), &format!("{radius}"));
+        let hull = format!("{radius}-{turn}.obj");
+        bench.write(&hull, coarse_edge(radius, turn));
+        let [off, _] = luge_off(&bench, &hull, &shape);
+        assert!(off > 0.05, "no hard case: {off}");
     }
 }
 

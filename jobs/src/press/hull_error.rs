@@ -1,9 +1,10 @@
-//! What noise leaves in peak pressure and approach.
+//! What a hull's vertices leave in peak pressure and approach: their noise, and their distances.
 
 use std::sync::Arc;
 
 use kufe_case::FittedHull;
-use kufe_contact::{Problem, Runner, boundary_elements};
+use kufe_contact::{BoundaryElements, NotChecked, Problem, Runner};
+use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::Underside;
 use rayon::prelude::*;
 
@@ -13,22 +14,73 @@ const SCANS: u64 = 12;
 /// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of 100.
 const HOLDS: f64 = 2.179;
 
-/// What noise moves figures by in 95 of 100 scans, over the figures.
+/// What a hull's vertices move figures by.
 #[derive(Clone, Copy, Debug)]
-pub struct NoiseError {
-    /// The peak pressure.
+pub struct HullError {
+    /// The peak pressure, over it.
     pub p_max: f64,
-    /// The approach.
+    /// The approach [m]: that of the contact, whatever a runner bends by.
     pub approach: f64,
 }
 
-/// What noise of standard deviation `noise` [m] on the hull's vertices moves.
+/// What noise of standard deviation `noise` [m] on the hull's vertices moves in 95 of 100 scans.
 ///
 /// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the Bootstrap, 1993, 6.5): it is scanned again,
 /// vertex by vertex with new noise, fitted on the scan's knots, and pressed by boundary elements, rigid, on ice that gives for a steel too.
 /// None where the hull has no noise, or where boundary elements do not answer.
-pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<NoiseError> {
+pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<HullError> {
     let scan = hull.scan.as_ref()?;
+    let problem = rigid(problem);
+    let pressed = |underside| pressed(&problem, underside, boundary_elements);
+    let expected = pressed(problem.runner.underside.clone())?;
+    let scans = hull.underside.scans(scan, noise).ok()?;
+    let squares: Option<Vec<[f64; 2]>> = (0..SCANS)
+        .into_par_iter()
+        .map(|seed| {
+            let found = pressed(scans.fit(seed).ok()?)?;
+            Some([0, 1].map(|k| (found[k] - expected[k]).powi(2)))
+        })
+        .collect();
+    let squares = squares?;
+    let [p_max, approach] = [0, 1].map(|k| {
+        let mean = squares.iter().map(|both| both[k]).sum::<f64>() / SCANS as f64;
+        HOLDS * mean.sqrt()
+    });
+    Some(HullError {
+        p_max: p_max / expected[0],
+        approach,
+    })
+}
+
+/// What the vertices' distances leave: by how much the fits with half the knots press otherwise, by boundary elements as in [`moved`].
+/// Where they do not answer, the fit's own error on the contact's `patch`, and that over how deep the ice gives there, `depth` [m].
+pub(super) fn between_vertices(
+    problem: &Problem,
+    hull: &FittedHull,
+    patch: [f64; 4],
+    depth: f64,
+) -> HullError {
+    let problem = rigid(problem);
+    let pressed = |underside| pressed(&problem, underside, boundary_elements_to_compare);
+    let fine = pressed(problem.runner.underside.clone());
+    let [one, other] = hull.underside.with_half_the_knots().map(pressed);
+    let (Some(fine), Some(one), Some(other)) = (fine, one, other) else {
+        let error = hull.underside.error_within(patch);
+        return HullError {
+            p_max: error / depth,
+            approach: error,
+        };
+    };
+    let [p_max, approach] =
+        [0, 1].map(|k| f64::max((one[k] - fine[k]).abs(), (other[k] - fine[k]).abs()));
+    HullError {
+        p_max: p_max / fine[0],
+        approach,
+    }
+}
+
+/// The problem with a rigid runner, on ice that gives for a steel too.
+fn rigid(problem: &Problem) -> Problem {
     let mut problem = problem.clone();
     if let Some(elastic) = problem.runner.elastic.take() {
         let compliance = |e: f64, nu: f64| (1.0 - nu * nu) / e;
@@ -37,39 +89,31 @@ pub(super) fn moved(problem: &Problem, hull: &FittedHull, noise: f64) -> Option<
         let both = own + compliance(elastic.youngs_modulus, elastic.poissons_ratio);
         ice.youngs_modulus *= own / both;
     }
-    let pressed = |underside: Arc<dyn Underside>| {
-        let runner = Runner {
-            underside,
-            ..problem.runner.clone()
-        };
-        let pressed = Problem {
-            runner,
-            ..problem.clone()
-        };
-        let found = boundary_elements(&pressed).ok()?;
-        Some([found.p_max, found.approach])
+    problem
+}
+
+/// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary elements.
+fn pressed(
+    problem: &Problem,
+    underside: Arc<dyn Underside>,
+    solved: impl Fn(&Problem) -> Result<BoundaryElements, NotChecked>,
+) -> Option<[f64; 2]> {
+    let runner = Runner {
+        underside,
+        ..problem.runner.clone()
     };
-    let expected = pressed(problem.runner.underside.clone())?;
-    let scans = hull.underside.scans(scan, noise).ok()?;
-    let squares: Option<Vec<[f64; 2]>> = (0..SCANS)
-        .into_par_iter()
-        .map(|seed| {
-            let found = pressed(scans.fit(seed).ok()?)?;
-            Some([0, 1].map(|k| (found[k] / expected[k] - 1.0).powi(2)))
-        })
-        .collect();
-    let squares = squares?;
-    let [p_max, approach] = [0, 1].map(|k| {
-        let mean = squares.iter().map(|both| both[k]).sum::<f64>() / SCANS as f64;
-        HOLDS * mean.sqrt()
-    });
-    Some(NoiseError { p_max, approach })
+    let problem = Problem {
+        runner,
+        ..problem.clone()
+    };
+    let found = solved(&problem).ok()?;
+    Some([found.p_max, found.approach])
 }
 
 #[cfg(test)]
 mod tests {
     use kufe_contact::{Ice, Load, Tilt};
-    use kufe_mesh::{FittedUnderside, Hull, Paraboloid, check_hull};
+    use kufe_mesh::{FittedUnderside, Hull, Noise, Paraboloid, check_hull};
 
     use super::*;
 
@@ -117,7 +161,10 @@ mod tests {
             let hull = FittedHull {
                 underside,
                 report: check_hull(&scanned)?,
-                noise,
+                noise: Noise {
+                    found: noise,
+                    unseen: 0.0,
+                },
                 scan: Some(Arc::new(scanned)),
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
