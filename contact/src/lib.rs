@@ -74,7 +74,9 @@ mod result;
 mod solve;
 
 pub use anchored::Anchored;
-pub use boundary_elements::{BoundaryElements, NotChecked, boundary_elements, boundary_elements_to};
+pub use boundary_elements::{
+    BoundaryElements, NotChecked, boundary_elements, boundary_elements_to,
+};
 pub use error::Error;
 pub use groove::profile::GrooveProfile;
 pub use groove::slide::slide;

@@ -80,7 +80,8 @@ impl Operator {
         };
         let table = MatRef::from_column_major_slice(&table, nx + 1, ny + 1);
         let response = sums(0).transpose() * table * sums(1);
-        let modes = [0, 1].map(|axis| Modes::new(cells[axis], window.mirrored[axis], &cosines[axis]));
+        let modes =
+            [0, 1].map(|axis| Modes::new(cells[axis], window.mirrored[axis], &cosines[axis]));
         let [mx, my] = [0, 1].map(|axis| modes[axis].wave.len());
         let response = Mat::from_fn(mx, my, |i, j| {
             response[(modes[0].wave[i], modes[1].wave[j])]

@@ -24,7 +24,7 @@ fn hertz_peaks_and_approaches_lie_within_two_in_a_thousand_at_every_aspect() {
 
 /// Three times the range over three grids: one contact in twenty may be off.
 #[test]
-fn stated_errors_hold_in_95_of_100_random_contacts_and_stay_below_two_per_cent() {
+fn stated_errors_hold_in_95_of_100_random_contacts() {
     let (mut held, mut count, mut told) = (0, 0, Vec::new());
     for row in rows() {
         let found = match boundary_elements(&row.problem()) {
@@ -34,6 +34,7 @@ fn stated_errors_hold_in_95_of_100_random_contacts_and_stay_below_two_per_cent()
         };
         let figures = [
             (0, found.p_max, found.p_max_error),
+            (1, found.area, found.area_error),
             (2, found.approach, found.approach_error),
         ];
         for (figure, value, error) in figures {
@@ -46,10 +47,15 @@ fn stated_errors_hold_in_95_of_100_random_contacts_and_stay_below_two_per_cent()
                 false => told.push(format!("{}: {miss:?}", row.text)),
             }
             let Miss { off, stated } = miss;
-            assert!(off < 0.03 && stated < 0.04, "{}: {miss:?}", row.text);
+            let [most, largest] = if figure == 1 {
+                [0.1, 0.4]
+            } else {
+                [0.03, 0.04]
+            };
+            assert!(off < most && stated < largest, "{}: {miss:?}", row.text);
         }
     }
-    assert!(count >= 380, "{count} figures");
+    assert!(count >= 560, "{count} figures");
     assert!(100 * held >= 95 * count, "{held} of {count}: {told:?}");
 }
 
