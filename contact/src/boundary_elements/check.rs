@@ -37,14 +37,14 @@ pub struct BoundaryElements {
 }
 
 /// Cells along x and y of the grids, from coarse to fine; the first also finds the window.
-const GRIDS: [usize; 5] = [20, 24, 32, 40, 48];
+const GRIDS: [usize; 7] = [20, 24, 32, 40, 48, 64, 80];
 /// Grids that tell errors: the finest that were solved.
 const TOLD_BY: usize = 3;
 /// Windows that are tried.
 const MOST_WINDOWS: usize = 24;
 /// Factor of safety on the range of values that go to and fro (L. Eça and M. Hoekstra, J. Comput. Phys. 228, 2009).
 const SAFETY: f64 = 3.0;
-/// Part of a cell that a rim is read to: of a Hertz contact 0.22 of one at most, over 64 contacts on grids of 32 to 48 cells.
+/// Part of a cell that a rim is read to: of a Hertz contact 0.22 of one at most, over 64 contacts on grids of 32 to 80 cells.
 const READ: f64 = 0.25;
 /// Most that the square of a pressure beside the rim may be of the peak's: in a Hertz contact it is 0.2 on the finest grid.
 const STEEP: f64 = 0.4;
@@ -77,7 +77,7 @@ pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, NotCheck
     boundary_elements_to(problem, f64::INFINITY)
 }
 
-/// As [`boundary_elements`], with grids of 40 and 48 cells too until the estimated error of the peak pressure is `tolerance` of it or less.
+/// As [`boundary_elements`], with grids of 40 to 80 cells too until the estimated error of the peak pressure is `tolerance` of it or less.
 ///
 /// Where these do not reach it either, the answer has the error that it has.
 ///
