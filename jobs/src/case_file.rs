@@ -163,13 +163,25 @@ impl LoadedCase {
         hull: Option<&FittedHull>,
         solution: &Solution,
     ) -> Result<(), Failure> {
-        let Some(hull) = hull else { return Ok(()) };
-        let patch = patch(&solution.surface);
+        if hull.is_none() {
+            return Ok(());
+        }
         // A runner that bends comes nearer to its mount, too: what the fit is held against is how deep the ice gives.
         let depth = match solution.runner_volume {
             Some(_) => deepest(&solution.surface).min(solution.approach),
             None => solution.approach,
         };
+        self.fine_within(hull, depth, patch(&solution.surface))
+    }
+
+    /// As [`fine_enough`](Self::fine_enough) for ice that gives `depth` [m] under a patch `[x_min, x_max, y_min, y_max]` [m].
+    pub(crate) fn fine_within(
+        &self,
+        hull: Option<&FittedHull>,
+        depth: f64,
+        patch: [f64; 4],
+    ) -> Result<(), Failure> {
+        let Some(hull) = hull else { return Ok(()) };
         match hull.underside.coarse_within(depth, patch) {
             None => Ok(()),
             Some(coarse) => {

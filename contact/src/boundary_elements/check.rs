@@ -34,6 +34,8 @@ pub struct BoundaryElements {
     pub width: f64,
     /// Estimated error of the width [m].
     pub width_error: f64,
+    /// The rectangle `[x_min, x_max, y_min, y_max]` of the middles of the cells in contact [m].
+    pub patch: [f64; 4],
 }
 
 /// Cells along x and y of the grids, from coarse to fine; the first also finds the window.
@@ -123,6 +125,7 @@ pub fn boundary_elements_to(
         length_error: error(&found, 3).max(along),
         width,
         width_error: error(&found, 4).max(across),
+        patch: last.patch(),
     })
 }
 
@@ -243,6 +246,19 @@ impl OnWindow {
             across || open(i + 1, j) || open(beside(i, 0), j)
         });
         rim.map(|c| squares[c] / peak).fold(0.0, f64::max)
+    }
+
+    /// The rectangle `[x_min, x_max, y_min, y_max]` of the middles of the cells in contact [m].
+    fn patch(&self) -> [f64; 4] {
+        let ends = self.touched();
+        let [[left, right], [low, high]] = [0, 1].map(|axis| {
+            let [first, last] = ends[axis].map(|cell| self.window.centre(axis, cell));
+            match self.window.mirrored[axis] {
+                true => [-last, last],
+                false => [first, last],
+            }
+        });
+        [left, right, low, high]
     }
 
     /// First and last cell of the contact along x and y.

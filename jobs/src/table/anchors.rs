@@ -1,6 +1,6 @@
 //! Which points of a table boundary elements may solve: what finite elements say of them at the ends of what is asked.
 
-use kufe_contact::{Anchored, Problem, Solution, boundary_elements};
+use kufe_contact::{Anchored, BoundaryElements, Problem, Solution, boundary_elements};
 use kufe_lut::{Point, Solved, each};
 
 use crate::table::solver::{SolveError, figures};
@@ -26,14 +26,16 @@ impl Anchors {
         points: Vec<(Point, Problem)>,
         tolerance: f64,
         solve: impl Fn(&Problem) -> Result<Solution, SolveError> + Sync,
-    ) -> Result<Self, SolveError> {
+    ) -> Result<Self, (Point, SolveError)> {
         if points
             .iter()
             .any(|(_, problem)| boundary_elements(problem).is_err())
         {
             return Ok(Anchors::none());
         }
-        let solutions = each(&points, |(_, problem)| solve(problem));
+        let solutions = each(&points, |(point, problem)| {
+            solve(problem).map_err(|error| (*point, error))
+        });
         let solutions = solutions.into_iter().collect::<Result<Vec<_>, _>>()?;
         let solved = points.iter().zip(&solutions);
         let solved = solved.map(|((point, _), solution)| (*point, figures(solution)));
@@ -52,19 +54,8 @@ impl Anchors {
         same.map(|(_, solved)| *solved)
     }
 
-    /// The figures by boundary elements, where these are anchored and good enough.
-    pub fn answer(&self, point: &Point, problem: &Problem) -> Option<Solved> {
-        let found = self.anchored?.answer(problem)?;
-        Some(Solved {
-            p_max: found.p_max,
-            p_max_error: found.p_max_error,
-            p_mean: point.fz / found.area,
-            area: found.area,
-            length: found.length,
-            width: found.width,
-            approach: found.approach,
-            sliding: None,
-            method: kufe_lut::Method::BoundaryElements,
-        })
+    /// The contact by boundary elements, where these are anchored and good enough.
+    pub fn answer(&self, problem: &Problem) -> Option<BoundaryElements> {
+        self.anchored?.answer(problem)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kufe_case::{Case, CaseError, FittedHull, TrackTable};
-use kufe_contact::{Load, Options, Problem, Runner, Solution};
+use kufe_contact::{BoundaryElements, Load, Options, Problem, Runner, Solution};
 use kufe_lut::{Origin, Point, Solved, Spacing, Store, SweepError, sha256};
 
 use crate::case_file::LoadedCase;
@@ -159,12 +159,12 @@ impl Solver {
             return Ok(solved);
         }
         let problem = self.problem(point)?;
-        if let Some(solved) = anchors.answer(point, &problem) {
-            return Ok(solved);
+        if let Some(found) = anchors.answer(&problem) {
+            let hull = self.hull.as_ref();
+            self.loaded.fine_within(hull, found.approach, found.patch)?;
+            return Ok(by_boundary_elements(point, &found));
         }
-        let solution = self.solution(&problem, watch)?;
-        self.loaded.fine_enough(self.hull.as_ref(), &solution)?;
-        Ok(figures(&solution))
+        Ok(figures(&self.solution(&problem, watch)?))
     }
 
     /// What is pressed at a point.
@@ -189,23 +189,23 @@ impl Solver {
             p_max_tolerance: self.tolerance,
             ..self.loaded.case.options()
         };
-        Ok(best(problem, &options)?)
+        let solution = best(problem, &options)?;
+        self.loaded.fine_enough(self.hull.as_ref(), &solution)?;
+        Ok(solution)
     }
 
     /// Solves the plan's anchors, once, where anything is left that they serve.
     ///
-    /// A hull's own coarseness is judged on a whole solution, and a runner that slides has none on its plane: no anchors.
-    fn anchor(&self, watch: &Watch) -> Result<(), SolveError> {
-        if self.anchored.get().is_some()
-            || self.hull.is_some()
-            || self.loaded.case.sliding.is_some()
-        {
+    /// A runner that slides has none.
+    fn anchor(&self, watch: &Watch) -> Result<(), (Point, SolveError)> {
+        if self.anchored.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
         }
-        let points = self.anchors.iter();
-        let points: Result<Vec<_>, SolveError> = points
-            .map(|point| Ok((*point, self.problem(point)?)))
-            .collect();
+        let problem = |point: &Point| {
+            let problem = self.problem(point).map_err(|error| (*point, error))?;
+            Ok((*point, problem))
+        };
+        let points: Result<Vec<_>, _> = self.anchors.iter().map(problem).collect();
         let solve = |problem: &Problem| self.solution(problem, watch);
         let anchors = Anchors::at(points?, self.tolerance, solve)?;
         self.anchored.get_or_init(|| anchors);
@@ -226,8 +226,7 @@ impl Solver {
         // A point that cannot be read is one to be solved.
         let left = |point: &Point| !matches!(store.get(point), Ok(Some(_)));
         if points.iter().any(left) {
-            self.anchor(watch).map_err(|source| {
-                let point = self.anchors[0];
+            self.anchor(watch).map_err(|(point, source)| {
                 self.failure(store, SweepError::Solve { point, source })
             })?;
         }
@@ -336,6 +335,21 @@ pub(crate) fn figures(solution: &Solution) -> Solved {
         approach: solution.approach,
         sliding: None,
         method: kufe_lut::Method::FiniteElements,
+    }
+}
+
+/// The figures of a contact by boundary elements.
+fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Solved {
+    Solved {
+        p_max: found.p_max,
+        p_max_error: found.p_max_error,
+        p_mean: point.fz / found.area,
+        area: found.area,
+        length: found.length,
+        width: found.width,
+        approach: found.approach,
+        sliding: None,
+        method: kufe_lut::Method::BoundaryElements,
     }
 }
 
