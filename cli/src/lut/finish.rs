@@ -107,7 +107,7 @@ fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
         "v_values": table.axes().speed().map(<[f64]>::len),
         "ice_values": table.axes().ice_c().map(<[f64]>::len),
         "checks": table.checks().len(),
-        "by_boundary_elements": by_boundary_elements(table),
+        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
         "interpolation_asked": table.interpolation_asked,
         "interpolation_smooth": error(Mode::Smooth)?,
         "interpolation_bilinear": error(Mode::Bilinear)?,
@@ -116,14 +116,6 @@ fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
         "seconds": spent.seconds,
         "version": table.version,
     }))
-}
-
-/// Nodes and checks that boundary elements solved.
-fn by_boundary_elements(table: &Table) -> usize {
-    let checks = table.checks().iter().map(|check| &check.solved);
-    let all = table.nodes().iter().chain(checks);
-    all.filter(|solved| solved.method == Method::BoundaryElements)
-        .count()
 }
 
 fn in_words(summary: &Value, judged: Quantity) -> String {

@@ -3,7 +3,7 @@
 use kufe_contact::{Anchored, BoundaryElements, Problem, Solution, boundary_elements};
 use kufe_lut::{Point, Solved, each};
 
-use crate::table::solver::{SolveError, figures};
+use crate::table::best::figures;
 
 /// The points at the ends of what a plan asks, solved by finite elements, and what these say of boundary elements.
 #[derive(Debug)]
@@ -22,11 +22,11 @@ impl Anchors {
     }
 
     /// The contacts at `points`, by `solve` where boundary elements have an answer for each of them.
-    pub fn at(
+    pub fn at<E: Send>(
         points: Vec<(Point, Problem)>,
         tolerance: f64,
-        solve: impl Fn(&Problem) -> Result<Solution, SolveError> + Sync,
-    ) -> Result<Self, (Point, SolveError)> {
+        solve: impl Fn(&Problem) -> Result<Solution, E> + Sync,
+    ) -> Result<Self, (Point, E)> {
         if points
             .iter()
             .any(|(_, problem)| boundary_elements(problem).is_err())

@@ -1,6 +1,7 @@
-//! The best answer that finite elements have for a point.
+//! The best answer that there is for a point, and its figures.
 
-use kufe_contact::{Options, Problem, Solution};
+use kufe_contact::{BoundaryElements, Options, Problem, Solution};
+use kufe_lut::{Method, Point, Solved};
 
 /// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
@@ -16,6 +17,36 @@ pub(crate) fn best(problem: &Problem, options: &Options) -> Result<Solution, kuf
             Ok(*best)
         }
         other => other,
+    }
+}
+
+/// The figures of a contact.
+pub(crate) fn figures(solution: &Solution) -> Solved {
+    Solved {
+        p_max: solution.p_max,
+        p_max_error: solution.p_max_error,
+        p_mean: solution.p_mean,
+        area: solution.area,
+        length: solution.length,
+        width: solution.width,
+        approach: solution.approach,
+        sliding: None,
+        method: Method::FiniteElements,
+    }
+}
+
+/// The figures of a contact by boundary elements.
+pub(crate) fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Solved {
+    Solved {
+        p_max: found.p_max,
+        p_max_error: found.p_max_error,
+        p_mean: point.fz / found.area,
+        area: found.area,
+        length: found.length,
+        width: found.width,
+        approach: found.approach,
+        sliding: None,
+        method: Method::BoundaryElements,
     }
 }
 

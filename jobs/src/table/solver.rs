@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kufe_case::{Case, CaseError, FittedHull, TrackTable};
-use kufe_contact::{BoundaryElements, Load, Options, Problem, Runner, Solution};
+use kufe_contact::{Load, Options, Problem, Runner, Solution};
 use kufe_lut::{Origin, Point, Solved, Spacing, Store, SweepError, sha256};
 
 use crate::case_file::LoadedCase;
@@ -13,7 +13,7 @@ use crate::case_json::case_json;
 use crate::failure::Failure;
 use crate::slide::at;
 use crate::table::anchors::Anchors;
-use crate::table::best::best;
+use crate::table::best::{best, by_boundary_elements, figures};
 use crate::table::wanted::Wanted;
 use crate::watch::Watch;
 
@@ -320,36 +320,6 @@ fn at_point(point: &Point, failure: Failure) -> Failure {
         Failure::NotConverged(text) => Failure::NotConverged(format!("{text}, at {point}")),
         Failure::BadInput(text) => Failure::BadInput(format!("{text}, at {point}")),
         other => other,
-    }
-}
-
-/// The figures of a contact.
-pub(crate) fn figures(solution: &Solution) -> Solved {
-    Solved {
-        p_max: solution.p_max,
-        p_max_error: solution.p_max_error,
-        p_mean: solution.p_mean,
-        area: solution.area,
-        length: solution.length,
-        width: solution.width,
-        approach: solution.approach,
-        sliding: None,
-        method: kufe_lut::Method::FiniteElements,
-    }
-}
-
-/// The figures of a contact by boundary elements.
-fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Solved {
-    Solved {
-        p_max: found.p_max,
-        p_max_error: found.p_max_error,
-        p_mean: point.fz / found.area,
-        area: found.area,
-        length: found.length,
-        width: found.width,
-        approach: found.approach,
-        sliding: None,
-        method: kufe_lut::Method::BoundaryElements,
     }
 }
 

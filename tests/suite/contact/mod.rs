@@ -1,6 +1,5 @@
 //! Contacts against closed forms, textbooks and other programs.
 
-mod anchored;
 mod assembled;
 mod boundary_elements;
 mod coverage;
