@@ -197,17 +197,19 @@ impl Solver {
     /// Solves the plan's anchors, once, where anything is left that they serve.
     ///
     /// A runner that slides has none.
-    fn anchor(&self, watch: &Watch) -> Result<(), (Point, SolveError)> {
+    fn anchor(&self, store: &Store, watch: &Watch) -> Result<(), Failure> {
         if self.anchored.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
         }
+        let told = |point, source| self.failure(store, SweepError::Solve { point, source });
         let problem = |point: &Point| {
-            let problem = self.problem(point).map_err(|error| (*point, error))?;
-            Ok((*point, problem))
+            let problem = self.problem(point);
+            Ok((*point, problem.map_err(|error| told(*point, error))?))
         };
-        let points: Result<Vec<_>, _> = self.anchors.iter().map(problem).collect();
+        let points: Result<Vec<_>, Failure> = self.anchors.iter().map(problem).collect();
         let solve = |problem: &Problem| self.solution(problem, watch);
-        let anchors = Anchors::at(points?, self.tolerance, solve)?;
+        let anchors = Anchors::at(points?, self.tolerance, solve);
+        let anchors = anchors.map_err(|(point, error)| told(point, error))?;
         self.anchored.get_or_init(|| anchors);
         Ok(())
     }
@@ -226,9 +228,7 @@ impl Solver {
         // A point that cannot be read is one to be solved.
         let left = |point: &Point| !matches!(store.get(point), Ok(Some(_)));
         if points.iter().any(left) {
-            self.anchor(watch).map_err(|(point, source)| {
-                self.failure(store, SweepError::Solve { point, source })
-            })?;
+            self.anchor(store, watch)?;
         }
         let solved = AtomicUsize::new(0);
         let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
