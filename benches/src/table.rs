@@ -32,6 +32,7 @@ pub fn table_of(
             width: 3e-4,
             approach: 1e-5,
             sliding: None,
+            method: kufe_lut::Method::FiniteElements,
         }
     });
     let nodes = nodes.collect();

@@ -9,6 +9,7 @@
 //! | [`runner_loads()`], [`RunnerLoads`] | what an elastic runner bears, and what it pushes its mounts with |
 //! | [`slide`], [`SlidingSolution`], [`Groove`] | a runner that slides on ice that yields: groove, ploughing force |
 //! | [`boundary_elements()`], [`BoundaryElements`] | a second answer by another method, where it applies |
+//! | [`Anchored`] | boundary elements for a family of contacts, confirmed at its ends by finite elements |
 //! | [`hertz`], [`rigid_plastic`] | closed forms for smooth point contacts, and for grooves in ice that does not spring back |
 //!
 //! How a problem becomes a pressure, room by room:
@@ -57,6 +58,7 @@
 
 mod accuracy;
 mod active_set;
+mod anchored;
 mod bodies;
 mod boundary_elements;
 mod error;
@@ -71,8 +73,10 @@ mod reference;
 mod result;
 mod solve;
 
+pub use anchored::Anchored;
 pub use boundary_elements::{
-    BoundaryElements, NotChecked, boundary_elements, boundary_elements_to_compare,
+    BoundaryElements, NotChecked, boundary_elements, boundary_elements_to,
+    boundary_elements_to_compare,
 };
 pub use error::Error;
 pub use groove::profile::GrooveProfile;

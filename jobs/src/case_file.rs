@@ -163,9 +163,21 @@ impl LoadedCase {
         hull: Option<&FittedHull>,
         solution: &Solution,
     ) -> Result<(), Failure> {
+        match hull {
+            Some(_) => self.fine_within(hull, depth(solution), patch(&solution.surface)),
+            None => Ok(()),
+        }
+    }
+
+    /// As [`fine_enough`](Self::fine_enough) for ice that gives `depth` [m] under a patch `[x_min, x_max, y_min, y_max]` [m].
+    pub(crate) fn fine_within(
+        &self,
+        hull: Option<&FittedHull>,
+        depth: f64,
+        patch: [f64; 4],
+    ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
-        let patch = patch(&solution.surface);
-        match hull.underside.coarse_within(depth(solution), patch) {
+        match hull.underside.coarse_within(depth, patch) {
             None => Ok(()),
             Some(coarse) => {
                 let would_do = match hull.noise.found > 0.0 {

@@ -27,8 +27,8 @@ pub use store::{
     Done, Manifest, Next, Origin, Store, next_batch, parallel_script, sha256, slurm_script,
     solve_missing,
 };
-pub use sweep::{Plan, Spacing, SweepError, Swept, sweep, sweep_batches};
+pub use sweep::{Plan, Spacing, SweepError, Swept, each, sweep, sweep_batches};
 pub use table::{
-    Axes, Check, Flush, Layered, Looked, Lookup, MAX_AXIS, MAX_NODES, MIN_SPEED, Measured, Mode,
-    Point, Quantity, Sliding, Solved, Table, curvature_from_pitch, radius_from_pitch,
+    Axes, Check, Flush, Layered, Looked, Lookup, MAX_AXIS, MAX_NODES, MIN_SPEED, Measured, Method,
+    Mode, Point, Quantity, Sliding, Solved, Table, curvature_from_pitch, radius_from_pitch,
 };

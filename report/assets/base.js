@@ -81,15 +81,17 @@ function metres(value, digits = 3) {
   return `${figure(1e6 * value, digits)} \u00b5m`;
 }
 
-/** Round positions between two ends, about `count` of them. */
+/** Round positions between two ends, about `count` of them: three at least where as many are asked for. */
 function ticks(from, to, count) {
   const span = to - from;
   if (!(span > 0)) return [from];
   const rough = span / Math.max(count, 1), ten = 10 ** Math.floor(Math.log10(rough));
-  const step = ten * [1, 2, 5, 10].find((k) => k * ten >= rough * 0.999);
-  const marks = [];
-  for (let k = Math.ceil(from / step - 1e-9); k * step <= to + 1e-9 * span; k++) marks.push(k * step);
-  return marks;
+  const steps = [0.5, 1, 2, 5, 10].map((k) => k * ten);
+  for (let s = steps.findIndex((step) => step >= rough * 0.999); ; s--) {
+    const marks = [];
+    for (let k = Math.ceil(from / steps[s] - 1e-9); k * steps[s] <= to + 1e-9 * span; k++) marks.push(k * steps[s]);
+    if (marks.length >= Math.min(count, 3) || s === 0) return marks;
+  }
 }
 
 /** Powers of ten between two ends, with 2 and 5 where they are few. */

@@ -1,6 +1,6 @@
 // The page of a lookup table.
 //
-// Data: { name, fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count, quantities: [{ name,
+// Data: { name, fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count, by_boundary_elements, quantities: [{ name,
 // unit, errors: { mode: number }, values: [layer][fz][curvature] }], solver_error, judged, interpolation_asked, case, case_sha256, version }.
 // A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity that the errors are asked of.
 // With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
@@ -26,7 +26,7 @@ function tablePage(main, data) {
   const fact = (text) => el("p", { class: "soft" }, text);
   const percent = (value) => (value === null || value === undefined ? "not measured" : `${figure(100 * value, 2)} %`);
   main.replaceChildren(
-    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.layers ? `, ${data.layered}` : ""}.`)),
+    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.layers ? `, ${data.layered}` : ""}.${data.by_boundary_elements ? ` Boundary elements solved ${data.by_boundary_elements} of nodes and checks, finite elements the others.` : ""}`)),
     el("ul", { class: "figures" }, figures([
       [`${plain(data.fz[0])} to ${plain(data.fz[data.fz.length - 1])} N`, `normal force, ${data.fz.length} breakpoints`],
       [`${figure(ends[0], 3)} to ${figure(ends[1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],

@@ -3,6 +3,7 @@
 //! ```sh
 //! fields one 0.001        # one Hertz contact at an accuracy: p_max [Pa] and seconds
 //! fields all 0.005        # 64 Hertz contacts: the largest true error and seconds
+//! fields anchored 0.005   # the same by boundary elements where finite elements confirm them at corners and middle, as a table is filled
 //! fields plane one        # the same by boundary elements alone: true error and seconds
 //! fields plane all
 //! ```
@@ -12,7 +13,8 @@ use std::time::Instant;
 
 use kufe_benches::ICE;
 use kufe_case::Case;
-use kufe_contact::{Options, Problem, boundary_elements, hertz, solve};
+use kufe_contact::{Anchored, Options, Problem, boundary_elements, hertz, solve};
+use kufe_lut::each;
 use rayon::prelude::*;
 
 const SECTION: f64 = 0.005;
@@ -26,11 +28,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let tolerance = tolerance.parse()?;
             all(&|problem| Ok(solve(problem, &options(tolerance))?.p_max))
         }
+        ["anchored", tolerance] => anchored(tolerance.parse()?),
         ["plane", "one"] => plane(),
         ["plane", "all"] => all(&|problem| Ok(boundary_elements(problem)?.p_max)),
         _ => {
             // Nothing by itself: benches/peers/compare.py asks.
-            println!("usage: fields one TOLERANCE | all TOLERANCE | plane one | plane all");
+            println!(
+                "usage: fields one TOLERANCE | all TOLERANCE | anchored TOLERANCE | plane one | plane all"
+            );
             Ok(())
         }
     }
@@ -85,13 +90,16 @@ fn plane() -> Result<(), Box<dyn std::error::Error>> {
 /// What finds a problem's peak pressure [Pa].
 type PeakOf<'a> = &'a (dyn Fn(&Problem) -> Result<f64, Box<dyn std::error::Error>> + Sync);
 
-/// Eight loads from 250 to 4000 N by eight effective radii from 15 to 250 m, each in geometric progression.
-fn all(p_max: PeakOf) -> Result<(), Box<dyn std::error::Error>> {
+/// Rocker radii [m] and loads [N] of 64 contacts: eight loads from 250 to 4000 N by eight effective radii from 15 to 250 m, each in geometric progression.
+fn points() -> Vec<(f64, f64)> {
     let spread = |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / 7.0);
+    let point = |n: usize| (spread(15.0, 250.0, n / 8), spread(250.0, 4000.0, n % 8));
+    (0..64).map(point).collect()
+}
+
+fn all(p_max: PeakOf) -> Result<(), Box<dyn std::error::Error>> {
     let begun = Instant::now();
-    let points: Vec<(f64, f64)> = (0..64)
-        .map(|n| (spread(15.0, 250.0, n / 8), spread(250.0, 4000.0, n % 8)))
-        .collect();
+    let points = points();
     let errors: Vec<f64> = points
         .par_iter()
         .map(|&(rocker, fz)| {
@@ -102,6 +110,33 @@ fn all(p_max: PeakOf) -> Result<(), Box<dyn std::error::Error>> {
         })
         .collect::<Result<_, String>>()?;
     let worst = errors.iter().copied().fold(0.0, f64::max);
+    println!("{worst} {}", begun.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Corners and middle of the 64 contacts by finite elements, the others by boundary elements where these confirm them.
+fn anchored(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
+    let begun = Instant::now();
+    let points = points();
+    let problems = points.iter().map(|&(rocker, fz)| problem(rocker, fz));
+    let problems = problems.collect::<Result<Vec<_>, _>>()?;
+    let corners = [0, 7, 56, 63, 36];
+    let solutions = each(&corners, |&n| solve(&problems[n], &options(tolerance)));
+    let solutions = solutions.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let pairs: Vec<_> = corners
+        .iter()
+        .zip(solutions)
+        .map(|(&n, s)| (problems[n].clone(), s))
+        .collect();
+    let anchored = Anchored::at(&pairs, tolerance).ok_or("the two methods part at an anchor")?;
+    let peaks = each(&problems, |problem| match anchored.answer(problem) {
+        Some(found) => Ok(found.p_max),
+        None => solve(problem, &options(tolerance)).map(|solution| solution.p_max),
+    });
+    let mut worst = 0.0f64;
+    for (peak, &(rocker, fz)) in peaks.into_iter().zip(&points) {
+        worst = worst.max((peak? / exact(rocker, fz) - 1.0).abs());
+    }
     println!("{worst} {}", begun.elapsed().as_secs_f64());
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Mode, Quantity, Table, read_fmu};
+use kufe_lut::{Method, Mode, Quantity, Table, read_fmu};
 use serde_json::{Map, Value, json};
 
 /// Axes, quantities with their ranges and interpolation errors, the solver's error, case and version.
@@ -53,6 +53,7 @@ fn facts(table: &Table, path: &Path) -> Result<Value, Failure> {
         "quantities": quantities,
         "nodes": table.nodes().len(),
         "checks": table.checks().len(),
+        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
         solver: table.solver_error(),
         "interpolation_asked": table.interpolation_asked,
         "case_sha256": table.case_sha256,

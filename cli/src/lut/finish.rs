@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_jobs::Failure;
-use kufe_lut::{Mode, Point, Quantity, Swept, Table};
+use kufe_lut::{Method, Mode, Point, Quantity, Swept, Table};
 use serde_json::{Value, json};
 
 use crate::lut::export::Forms;
@@ -107,6 +107,7 @@ fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
         "v_values": table.axes().speed().map(<[f64]>::len),
         "ice_values": table.axes().ice_c().map(<[f64]>::len),
         "checks": table.checks().len(),
+        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
         "interpolation_asked": table.interpolation_asked,
         "interpolation_smooth": error(Mode::Smooth)?,
         "interpolation_bilinear": error(Mode::Bilinear)?,
@@ -137,7 +138,7 @@ fn in_words(summary: &Value, judged: Quantity) -> String {
         "  nodes                 {} x {}{sizes} ({names}), {} checks between them\n  \
          solver error          {} of the {}, estimated\n  \
          interpolation error   {} smooth, {} bilinear, measured at the checks\n  \
-         time                  {:.1} s for {} solves",
+         time                  {:.1} s for {} solves{}",
         summary["fz_values"],
         summary["curvature_values"],
         summary["checks"],
@@ -147,5 +148,9 @@ fn in_words(summary: &Value, judged: Quantity) -> String {
         percent("interpolation_bilinear"),
         summary["seconds"].as_f64().unwrap_or(0.0),
         summary["solves"],
+        match summary["by_boundary_elements"].as_u64() {
+            Some(count @ 1..) => format!(", {count} of them by boundary elements"),
+            _ => String::new(),
+        }
     )
 }

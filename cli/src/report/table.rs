@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Axes, Flush, Mode, Quantity, Table};
+use kufe_lut::{Axes, Flush, Method, Mode, Quantity, Table};
 use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
@@ -53,6 +53,7 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
         "thinned": table.nodes().len() > taken.iter().map(Vec::len).product(),
         "nodes": table.nodes().len(),
         "check_count": table.checks().len(),
+        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
         "quantities": quantities,
         "solver_error": table.solver_error(),
         "judged": table.judged().name(),

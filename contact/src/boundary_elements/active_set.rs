@@ -141,27 +141,26 @@ impl<'a> Solve<'a> {
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             self.now.motion = balance.take_out(self.plane, &pressed, &residual);
-            let motion = &self.now.motion;
-            let left = |c: usize| residual[c] - self.plane.closing(c, motion);
-            let depth = pressed
-                .iter()
-                .map(|&c| self.plane.closing(c, motion) - self.plane.gap[c])
-                .fold(f64::MIN_POSITIVE, f64::max);
-            let square: f64 = pressed.iter().map(|&c| left(c).powi(2)).sum();
+            self.plane
+                .opened(&residual, &self.now.motion, &mut self.now.left);
+            let left = &self.now.left;
+            // How deep the hull's lowest place goes: closing - gap = residual - gap - left.
+            let (mut square, mut depth) = (0.0, f64::MIN_POSITIVE);
+            for &c in &pressed {
+                square += left[c] * left[c];
+                depth = f64::max(depth, residual[c] - self.plane.gap[c] - left[c]);
+            }
             if square.sqrt() <= tolerance * depth * (pressed.len() as f64).sqrt() {
-                self.now.left = (0..count).map(left).collect();
                 return Ok(());
             }
             let turn = square / before;
             before = square;
             for &c in &pressed {
-                self.direction[c] = turn * self.direction[c] - left(c);
+                self.direction[c] = turn * self.direction[c] - left[c];
             }
             self.operator.apply(&self.direction, &mut self.product);
-            let curvature: f64 = pressed
-                .iter()
-                .map(|&c| self.direction[c] * self.product[c])
-                .sum();
+            let along = pressed.iter().map(|&c| self.direction[c] * self.product[c]);
+            let curvature: f64 = along.sum();
             if curvature.is_nan() || curvature <= 0.0 {
                 return Err(NotChecked::NotSettled);
             }

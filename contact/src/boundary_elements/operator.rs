@@ -22,28 +22,30 @@ struct Modes {
 }
 
 impl Modes {
-    /// For `cells` cells, of which a mirror plane leaves half: even functions are all that is needed then.
-    fn new(cells: usize, mirrored: bool) -> Self {
+    /// For `cells` cells, of which a mirror plane leaves half: even functions are all that is needed then. `cosines` are those of the ring's
+    /// quarter cells.
+    fn new(cells: usize, mirrored: bool, cosines: &[f64]) -> Self {
         let norm = |k: usize| match k == 0 || k == cells {
             true => (0.5 / cells as f64).sqrt(),
             false => (1.0 / cells as f64).sqrt(),
         };
-        let angle = |k: usize, place: f64| PI * k as f64 * place / cells as f64;
+        // The cosine of wave k, `halves` half cells along the ring.
+        let cosine = |k: usize, halves: usize| cosines[k * halves % (4 * cells)];
         if mirrored {
             let wave: Vec<usize> = (0..cells).collect();
-            let at = |i: usize, k: usize| 2f64.sqrt() * norm(k) * angle(k, i as f64 + 0.5).cos();
+            let at = |i: usize, k: usize| 2f64.sqrt() * norm(k) * cosine(k, 2 * i + 1);
             let values = Mat::from_fn(cells / 2, cells, at);
             return Modes { values, wave };
         }
         let wave: Vec<usize> = (0..=cells).chain(1..cells).collect();
         let at = |i: usize, column: usize| {
-            let angle = angle(wave[column], i as f64);
-            let of = if column <= cells {
-                angle.cos()
-            } else {
-                angle.sin()
+            let k = wave[column];
+            // sin t = cos(t - pi / 2), a quarter of the ring's 4 n half cells.
+            let of = match column <= cells {
+                true => cosine(k, 2 * i),
+                false => cosines[(2 * k * i + 3 * cells) % (4 * cells)],
             };
-            norm(wave[column]) * of
+            norm(k) * of
         };
         let values = Mat::from_fn(cells, 2 * cells, at);
         Modes { values, wave }
@@ -64,16 +66,22 @@ impl Operator {
         let cells = window.cells;
         let [nx, ny] = cells;
         let table = kernel(cells, window.size(), surface)?;
+        let cosines = cells.map(|n| -> Vec<f64> {
+            let step = 0.5 * PI / n as f64;
+            (0..4 * n).map(|m| (step * m as f64).cos()).collect()
+        });
         // Sums over the ring: places 1..n stand for their images too.
-        let sums = |n: usize| {
+        let sums = |axis: usize| {
+            let n = cells[axis];
             Mat::from_fn(n + 1, n + 1, |place, k| {
                 let weight = if place == 0 || place == n { 1.0 } else { 2.0 };
-                weight * (PI * (place * k % (2 * n)) as f64 / n as f64).cos()
+                weight * cosines[axis][2 * place * k % (4 * n)]
             })
         };
         let table = MatRef::from_column_major_slice(&table, nx + 1, ny + 1);
-        let response = sums(nx).transpose() * table * sums(ny);
-        let modes = [0, 1].map(|axis| Modes::new(cells[axis], window.mirrored[axis]));
+        let response = sums(0).transpose() * table * sums(1);
+        let modes =
+            [0, 1].map(|axis| Modes::new(cells[axis], window.mirrored[axis], &cosines[axis]));
         let [mx, my] = [0, 1].map(|axis| modes[axis].wave.len());
         let response = Mat::from_fn(mx, my, |i, j| {
             response[(modes[0].wave[i], modes[1].wave[j])]

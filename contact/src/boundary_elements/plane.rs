@@ -63,6 +63,16 @@ impl Plane {
         }
     }
 
+    /// `left` = `residual` less what motions close, cell by cell [m].
+    pub fn opened(&self, residual: &[f64], motion: &[f64], left: &mut [f64]) {
+        left.copy_from_slice(residual);
+        for (row, q) in self.motions.iter().zip(motion) {
+            for (left, n) in left.iter_mut().zip(row) {
+                *left -= n * q;
+            }
+        }
+    }
+
     /// How much motions close the gap of a cell [m].
     pub fn closing(&self, cell: usize, motion: &[f64]) -> f64 {
         let terms = self.motions.iter().zip(motion);

@@ -3,12 +3,16 @@
 /// Displacements at the centres of a grid's cells under unit pressure on the first one, times pi E*: entry (i, j) is that of the cell i
 /// steps along x and j along y away, row by row of x, 0..=`cells` each way [m].
 ///
-/// Each is a sum over the rectangle's corners of x asinh(y/x) + y asinh(x/y) (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929).
+/// Each is a sum over the rectangle's corners of x asinh(y/x) + y asinh(x/y) = x ln((y + r)/x) + y ln((x + r)/y), which is odd in
+/// x and y (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929).
 pub(super) fn rectangles(cells: [usize; 2], size: [f64; 2]) -> Vec<f64> {
     let [nx, ny] = cells.map(|n| n + 1);
     let corner = |i: usize, j: usize| {
-        let (x, y) = ((i as f64 - 0.5) * size[0], (j as f64 - 0.5) * size[1]);
-        x * (y / x.abs()).asinh() + y * (x / y.abs()).asinh()
+        let (x, y) = (i as f64 - 0.5, j as f64 - 0.5);
+        let sign = x.signum() * y.signum();
+        let (x, y) = (x.abs() * size[0], y.abs() * size[1]);
+        let r = (x * x + y * y).sqrt();
+        sign * (x * ((y + r) / x).ln() + y * ((x + r) / y).ln())
     };
     let corners: Vec<f64> = (0..=ny)
         .flat_map(|j| (0..=nx).map(move |i| corner(i, j)))

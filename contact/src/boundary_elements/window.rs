@@ -7,6 +7,8 @@ use crate::{Load, Problem};
 const REACH: f64 = 2.0;
 /// Samples of the gap along x, each way and each manner.
 const SAMPLES: usize = 300;
+/// Halvings of a depth or a width in logarithms, for a first window: to a thousandth.
+const HALVINGS: usize = 16;
 /// A first window's size over the patch that is guessed.
 const AROUND: f64 = 1.5;
 /// Growth of a window that contact reaches the border of.
@@ -43,7 +45,7 @@ impl Window {
             Load::Approach { approach, .. } => line.cut(gap, approach),
             Load::Force { fz, .. } => {
                 let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
-                for _ in 0..50 {
+                for _ in 0..HALVINGS {
                     let middle = 0.5 * (low + high);
                     let [from, to, right, left] = line.cut(gap, middle.exp());
                     let bears = modulus * middle.exp() * ((to - from) * (left - right)).sqrt();
@@ -218,7 +220,7 @@ impl Line {
                 return end;
             }
             let (mut low, mut high) = (1e-9f64.min((end - self.y).abs()), (end - self.y).abs());
-            for _ in 0..40 {
+            for _ in 0..HALVINGS {
                 let middle = (low * high).sqrt();
                 match below(self.y + (end - self.y).signum() * middle) {
                     true => low = middle,

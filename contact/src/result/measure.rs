@@ -83,7 +83,7 @@ impl PressureField<'_> {
     }
 
     /// Area, length and width of the contact.
-    fn extents(&self, pressure: &[f64], by: By) -> [f64; 3] {
+    pub fn extents(&self, pressure: &[f64], by: By) -> [f64; 3] {
         let (columns, rows) = (
             self.chords_across(pressure, by),
             self.chords_along(pressure, by),

@@ -13,7 +13,7 @@ fn the_page_holds_the_catalogue() {
         columns_of_forces().join(" "),
         columns_of_sensors().join(" ")
     );
-    let tables = page::tables(CATALOGUE.iter().map(|effect| page::Row::of(effect)));
+    let tables = page::tables(CATALOGUE.iter().map(|effect| &effect.info));
     let wanted = page::with_section(&stands, "effects of the sled", &tables)
         .and_then(|page| page::with_section(&page, "columns of expressions", &columns))
         .expect("the page has its marks");

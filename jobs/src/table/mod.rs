@@ -1,5 +1,7 @@
 //! Lookup tables: the file that asks for one, and the contacts that fill it.
 
+mod anchors;
+mod best;
 mod fill;
 mod read;
 mod slide;

@@ -7,7 +7,8 @@ use kufe_lut::{Point, Sliding, Solved};
 use crate::case_file::LoadedCase;
 use crate::failure::Failure;
 use crate::slide::{Friction, Grooved, Ploughing, at, conditions, film_along, film_failure};
-use crate::table::solver::{LARGEST_ERROR, SolveError, Solver, figures, with_rocker};
+use crate::table::best::{LARGEST_ERROR, figures};
+use crate::table::solver::{SolveError, Solver, with_rocker};
 use crate::watch::Watch;
 
 impl Solver {

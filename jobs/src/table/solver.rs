@@ -1,6 +1,7 @@
 //! The contact solver as a sweep sees it.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kufe_case::{Case, CaseError, FittedHull, TrackTable};
@@ -11,11 +12,10 @@ use crate::case_file::LoadedCase;
 use crate::case_json::case_json;
 use crate::failure::Failure;
 use crate::slide::at;
+use crate::table::anchors::Anchors;
+use crate::table::best::{best, by_boundary_elements, figures};
 use crate::table::wanted::Wanted;
 use crate::watch::Watch;
-
-/// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
-pub(crate) const LARGEST_ERROR: f64 = 0.2;
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +42,8 @@ pub struct Solver {
     pub(crate) hull: Option<FittedHull>,
     pub(crate) tolerance: f64,
     content: String,
+    anchors: Vec<Point>,
+    anchored: OnceLock<Anchors>,
 }
 
 impl Solver {
@@ -90,6 +92,8 @@ impl Solver {
             runner,
             hull,
             content,
+            anchors: wanted.plan.anchors().map_err(Failure::bad_input)?,
+            anchored: OnceLock::new(),
         })
     }
 
@@ -150,6 +154,21 @@ impl Solver {
         if watch.stopped() {
             return Err(SolveError::Interrupted);
         }
+        let anchors = self.anchored.get_or_init(Anchors::none);
+        if let Some(solved) = anchors.figures(point) {
+            return Ok(solved);
+        }
+        let problem = self.problem(point)?;
+        if let Some(found) = anchors.answer(&problem) {
+            let hull = self.hull.as_ref();
+            self.loaded.fine_within(hull, found.approach, found.patch)?;
+            return Ok(by_boundary_elements(point, &found));
+        }
+        Ok(figures(&self.solution(&problem, watch)?))
+    }
+
+    /// What is pressed at a point.
+    fn problem(&self, point: &Point) -> Result<Problem, SolveError> {
         let mut problem = match point.rocker_radius {
             None => self.base.clone(),
             Some(radius) => with_rocker(&self.loaded.case, radius).problem(&self.loaded.base)?,
@@ -158,13 +177,41 @@ impl Solver {
         if let Load::Force { fz, .. } = &mut problem.load {
             *fz = point.fz;
         }
+        Ok(problem)
+    }
+
+    /// A contact by finite elements.
+    fn solution(&self, problem: &Problem, watch: &Watch) -> Result<Solution, SolveError> {
+        if watch.stopped() {
+            return Err(SolveError::Interrupted);
+        }
         let options = Options {
             p_max_tolerance: self.tolerance,
             ..self.loaded.case.options()
         };
-        let solution = best(&problem, &options)?;
+        let solution = best(problem, &options)?;
         self.loaded.fine_enough(self.hull.as_ref(), &solution)?;
-        Ok(figures(&solution))
+        Ok(solution)
+    }
+
+    /// Solves the plan's anchors, once, where anything is left that they serve.
+    ///
+    /// A runner that slides has none.
+    fn anchor(&self, store: &Store, watch: &Watch) -> Result<(), Failure> {
+        if self.anchored.get().is_some() || self.loaded.case.sliding.is_some() {
+            return Ok(());
+        }
+        let told = |point, source| self.failure(store, SweepError::Solve { point, source });
+        let problem = |point: &Point| {
+            let problem = self.problem(point);
+            Ok((*point, problem.map_err(|error| told(*point, error))?))
+        };
+        let points: Result<Vec<_>, Failure> = self.anchors.iter().map(problem).collect();
+        let solve = |problem: &Problem| self.solution(problem, watch);
+        let anchors = Anchors::at(points?, self.tolerance, solve);
+        let anchors = anchors.map_err(|(point, error)| told(point, error))?;
+        self.anchored.get_or_init(|| anchors);
+        Ok(())
     }
 
     /// Solves what a store lacks of these points, telling how far it is; returns how many were solved.
@@ -178,6 +225,11 @@ impl Solver {
         label: &str,
         watch: &Watch,
     ) -> Result<usize, Failure> {
+        // A point that cannot be read is one to be solved.
+        let left = |point: &Point| !matches!(store.get(point), Ok(Some(_)));
+        if points.iter().any(left) {
+            self.anchor(store, watch)?;
+        }
         let solved = AtomicUsize::new(0);
         let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
         show(0);
@@ -271,80 +323,10 @@ fn at_point(point: &Point, failure: Failure) -> Failure {
     }
 }
 
-/// The solution at this tolerance or, where the largest mesh does not reach it, the best one that there is.
-///
-/// Its `p_max_error` tells which of the two it is: a table without such points would be no table.
-fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::Error> {
-    match kufe_contact::solve(problem, options) {
-        Err(kufe_contact::Error::AccuracyNotReached { best, estimate, .. })
-            if estimate < LARGEST_ERROR =>
-        {
-            Ok(*best)
-        }
-        other => other,
-    }
-}
-
-/// The figures of a contact.
-pub(crate) fn figures(solution: &Solution) -> Solved {
-    Solved {
-        p_max: solution.p_max,
-        p_max_error: solution.p_max_error,
-        p_mean: solution.p_mean,
-        area: solution.area,
-        length: solution.length,
-        width: solution.width,
-        approach: solution.approach,
-        sliding: None,
-    }
-}
-
 pub(crate) fn with_rocker(case: &Case, radius: f64) -> Case {
     let mut case = case.clone();
     if let Some(shape) = &mut case.runner.shape {
         *shape.rocker_radius_m() = radius;
     }
     case
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::path::Path;
-
-    fn paraboloid() -> Problem {
-        let text = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }\n\
-                    [ice]\nyoungs_modulus_pa = 9e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n[load]\nfz_n = 1000";
-        let case = Case::parse(text).unwrap_or_else(|error| panic!("{error}"));
-        case.problem(Path::new(""))
-            .unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    #[test]
-    fn a_point_short_of_its_tolerance_keeps_the_best_answer_with_its_error() {
-        let asked = 1e-4;
-        let small = Options {
-            max_dofs: 100_000,
-            p_max_tolerance: asked,
-            ..Options::default()
-        };
-        let solution = best(&paraboloid(), &small).expect("an answer");
-        let error = solution.p_max_error / solution.p_max;
-        assert!(error > asked && error < LARGEST_ERROR, "{error}");
-        // Hertz's peak of this contact.
-        assert!((solution.p_max / 138.52e6 - 1.0).abs() < error);
-    }
-
-    #[test]
-    fn a_point_that_no_mesh_comes_near_is_an_error() {
-        let tiny = Options {
-            max_dofs: 100,
-            p_max_tolerance: 1e-4,
-            ..Options::default()
-        };
-        assert!(matches!(
-            best(&paraboloid(), &tiny),
-            Err(kufe_contact::Error::AccuracyNotReached { .. })
-        ));
-    }
 }

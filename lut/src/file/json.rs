@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::error::Error;
-use crate::table::solved::Point;
+use crate::table::solved::{Method, Point};
 
 pub(crate) fn wrong(place: &str, found: &str, expected: &str) -> Error {
     let mut found = found.to_string();
@@ -43,6 +43,14 @@ pub(crate) fn text<'a>(map: &'a Map<String, Value>, key: &str) -> Result<&'a str
     value
         .as_str()
         .ok_or_else(|| wrong(key, kind(value), "a string"))
+}
+
+pub(crate) fn read_method(value: &Value, place: &str) -> Result<Method, Error> {
+    let method = value.as_str().and_then(Method::named);
+    method.ok_or_else(|| {
+        let names = Method::ALL.map(Method::name).join(" or ");
+        wrong(place, &value.to_string(), &names)
+    })
 }
 
 pub(crate) fn number(value: &Value, place: &str) -> Result<f64, Error> {

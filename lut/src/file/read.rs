@@ -6,11 +6,11 @@ use serde_json::{Map, Value};
 
 use crate::error::Error;
 use crate::file::format::{FORMAT, FORMAT_VERSION, REDUCED_VERSION, SLIDING_VERSION, figure};
-use crate::file::json::{get, known, list, number, object, text, wrong};
+use crate::file::json::{get, known, list, number, object, read_method, text, wrong};
 use crate::table::axes::{Axes, MAX_AXIS};
 use crate::table::flush::Flush;
 use crate::table::nodes::{Check, Table};
-use crate::table::solved::{Point, Solved};
+use crate::table::solved::{Method, Point, Solved};
 
 /// Most bytes that a reader of tables takes in.
 pub const MAX_FILE_BYTES: u64 = 512 << 20;
@@ -43,7 +43,7 @@ impl Table {
 
 fn from_value(value: &Value) -> Result<Table, Error> {
     let top = object(value, "the file")?;
-    const KEYS: [&str; 9] = [
+    const KEYS: [&str; 10] = [
         "format",
         "format_version",
         "version",
@@ -52,6 +52,7 @@ fn from_value(value: &Value) -> Result<Table, Error> {
         "accuracy",
         "axes",
         "quantities",
+        "method",
         "checks",
     ];
     known(top, &KEYS, "the file")?;
@@ -69,11 +70,24 @@ fn from_value(value: &Value) -> Result<Table, Error> {
     };
     let axes = read_axes(get(top, "axes", "the file")?, version)?;
     let keys = Solved::keys(version == SLIDING_VERSION);
-    let nodes = read_nodes(
+    let mut nodes = read_nodes(
         &axes,
         keys,
         object(get(top, "quantities", "the file")?, "quantities")?,
     )?;
+    // Absent: finite elements throughout.
+    if let Some(methods) = top.get("method") {
+        let mut nodes = nodes.iter_mut();
+        let mut leaf = |value: &Value, place: &str| {
+            let method = read_method(value, place)?;
+            nodes
+                .next()
+                .into_iter()
+                .for_each(|node| node.method = method);
+            Ok(())
+        };
+        leaves(methods, &shape(&axes), "method", &mut leaf)?;
+    }
     let checks = list(get(top, "checks", "the file")?, "checks")?
         .iter()
         .enumerate()
@@ -178,7 +192,7 @@ fn read_nodes(
 ) -> Result<Vec<Solved>, Error> {
     let names: Vec<&str> = keys.iter().map(|key| figure(key).0).collect();
     known(quantities, &names, "quantities")?;
-    let shape: Vec<usize> = axes.named().iter().map(|(_, _, axis)| axis.len()).collect();
+    let shape = shape(axes);
     let mut figures = vec![vec![0.0; keys.len()]; axes.node_count()];
     for (n, key) in keys.iter().enumerate() {
         let (name, unit) = figure(key);
@@ -189,12 +203,12 @@ fn read_nodes(
             return Err(wrong(&place, text(map, "unit")?, unit));
         }
         let mut flat = Vec::new();
-        flatten(
-            get(map, "values", &place)?,
-            &shape,
-            &format!("{place}.values"),
-            &mut flat,
-        )?;
+        let mut leaf = |value: &Value, place: &str| {
+            flat.push(number(value, place)?);
+            Ok(())
+        };
+        let values = get(map, "values", &place)?;
+        leaves(values, &shape, &format!("{place}.values"), &mut leaf)?;
         for (k, (node, value)) in figures.iter_mut().zip(flat).enumerate() {
             credible(name, value, || format!("{place}.values, number {}", k + 1))?;
             node[n] = value;
@@ -219,10 +233,20 @@ fn credible(name: &str, value: f64, place: impl Fn() -> String) -> Result<(), Er
     Err(wrong(&place(), &value.to_string(), expected))
 }
 
-fn flatten(value: &Value, shape: &[usize], place: &str, into: &mut Vec<f64>) -> Result<(), Error> {
+/// Length of every axis.
+fn shape(axes: &Axes) -> Vec<usize> {
+    axes.named().iter().map(|(_, _, axis)| axis.len()).collect()
+}
+
+/// Lists of this shape within lists, what they hold given to `leaf` with its place, the last axis fastest.
+fn leaves(
+    value: &Value,
+    shape: &[usize],
+    place: &str,
+    leaf: &mut dyn FnMut(&Value, &str) -> Result<(), Error>,
+) -> Result<(), Error> {
     let Some((&length, inner)) = shape.split_first() else {
-        into.push(number(value, place)?);
-        return Ok(());
+        return leaf(value, place);
     };
     let values = list(value, place)?;
     if values.len() != length {
@@ -233,7 +257,7 @@ fn flatten(value: &Value, shape: &[usize], place: &str, into: &mut Vec<f64>) -> 
         ));
     }
     for (n, value) in values.iter().enumerate() {
-        flatten(value, inner, &format!("{place}[{n}]"), into)?;
+        leaves(value, inner, &format!("{place}[{n}]"), leaf)?;
     }
     Ok(())
 }
@@ -269,6 +293,12 @@ fn read_check(
             speed: within("v_mps", axes.speed())?,
             ice_c: within("ice_c", axes.ice_c())?,
         },
-        solved: Solved::from_figures(&figures),
+        solved: Solved {
+            method: match map.get("method") {
+                None => Method::default(),
+                Some(value) => read_method(value, &format!("{place}.method"))?,
+            },
+            ..Solved::from_figures(&figures)
+        },
     })
 }

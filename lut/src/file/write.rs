@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::error::Error;
@@ -11,7 +12,7 @@ use crate::table::axes::Axes;
 use crate::table::flush::Flush;
 use crate::table::mode::Mode;
 use crate::table::nodes::{Check, Table};
-use crate::table::solved::Solved;
+use crate::table::solved::{Method, Solved};
 
 impl Table {
     /// Writes the table as JSON; the same table gives the same bytes.
@@ -48,6 +49,11 @@ impl Table {
             )
         });
         write_lines(writer, "quantities", '{', '}', quantities.collect())?;
+        let methods = self.nodes().iter().map(|s| s.method);
+        if methods.clone().any(|method| method != Method::default()) {
+            let names: Vec<&str> = methods.map(Method::name).collect();
+            write!(writer, ",\n\"method\": {}", nested(self.axes(), &names))?;
+        }
         let checks = self.checks().iter().map(check_line).collect();
         write_lines(writer, "checks", '[', ']', checks)?;
         writeln!(writer, "\n}}")?;
@@ -120,12 +126,12 @@ fn reduced_line(axes: &Axes, flush: &Flush) -> String {
 }
 
 /// Rows of columns and so on along all axes, as `numpy.array` takes them.
-fn nested(axes: &Axes, values: &[f64]) -> Value {
+fn nested<T: Serialize>(axes: &Axes, values: &[T]) -> Value {
     let shape = axes.named().into_iter().map(|(_, _, axis)| axis.len());
     rows(&shape.collect::<Vec<_>>(), values)
 }
 
-fn rows(shape: &[usize], values: &[f64]) -> Value {
+fn rows<T: Serialize>(shape: &[usize], values: &[T]) -> Value {
     match shape {
         [] | [_] => json!(values),
         [rows_of, inner @ ..] => {
@@ -141,6 +147,9 @@ fn check_line(check: &Check) -> String {
         let keys = Solved::keys(check.solved.sliding.is_some());
         for (&key, value) in keys.iter().zip(check.solved.figures()) {
             map.insert(key.into(), json!(value));
+        }
+        if check.solved.method != Method::default() {
+            map.insert("method".into(), json!(check.solved.method.name()));
         }
     }
     record.to_string()

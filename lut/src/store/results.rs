@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::error::Error;
-use crate::file::json::{get, number, object, point_json, text};
+use crate::file::json::{get, number, object, point_json, read_method, text};
 use crate::table::quantity::Quantity;
 use crate::table::solved::{Point, Solved};
 
@@ -144,6 +144,7 @@ impl Store {
             .map(|(key, value)| (key.to_string(), json!(value)))
             .collect();
         body.insert("result".into(), Value::Object(figures));
+        body.insert("method".into(), json!(solved.method.name()));
         let checksum = sha256(Value::Object(body.clone()).to_string().as_bytes());
         body.insert("sha256".into(), json!(checksum));
         write_file(
@@ -190,7 +191,11 @@ fn read_figures(body: &Map<String, Value>) -> Result<Solved, Error> {
         .iter()
         .map(|key| number(get(result, key, "result")?, key))
         .collect();
-    Ok(Solved::from_figures(&figures?))
+    let method = read_method(get(body, "method", "the file")?, "method")?;
+    Ok(Solved {
+        method,
+        ..Solved::from_figures(&figures?)
+    })
 }
 
 /// SHA-256 as lower-case hexadecimal.

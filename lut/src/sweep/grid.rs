@@ -46,6 +46,29 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// The nodes at the corners of what is asked, and the one in its middle: each is solved in any case.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn anchors(&self) -> Result<Vec<Point>, Error> {
+        let grid = Grid::start(self)?;
+        let ends = std::array::from_fn(|axis| match grid.values[axis].len() {
+            1 => vec![0],
+            count => vec![0, count - 1],
+        });
+        let middle = std::array::from_fn(|axis| vec![grid.values[axis].len() / 2]);
+        let mut anchors: Vec<Point> = Vec::new();
+        for place in [ends, middle].iter().flat_map(|at| grid.product(at)) {
+            let point = grid.point(place);
+            if !anchors.contains(&point) {
+                anchors.push(point);
+            }
+        }
+        Ok(anchors)
+    }
+}
+
 impl Grid {
     /// Five points on every range, the given ones elsewhere.
     ///

@@ -10,4 +10,5 @@ pub(crate) mod plan;
 pub(crate) mod refine;
 
 pub use batches::{SweepError, Swept, sweep, sweep_batches};
+pub use each::each;
 pub use plan::{Plan, Spacing};

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::error::Error;
 use crate::table::axes::Axes;
 use crate::table::quantity::Quantity;
-use crate::table::solved::{Point, Solved};
+use crate::table::solved::{Method, Point, Solved};
 
 /// A solve that is not a node: what the interpolation is measured against.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +101,13 @@ impl Table {
     /// What an interpolation error is asked of: the coefficient of friction or, at rest, the peak pressure.
     pub fn judged(&self) -> Quantity {
         Quantity::judged(self.is_sliding())
+    }
+
+    /// How many nodes and checks a method solved.
+    pub fn solved_by(&self, method: Method) -> usize {
+        let checks = self.checks.iter().map(|check| &check.solved);
+        let all = self.nodes.iter().chain(checks);
+        all.filter(|solved| solved.method == method).count()
     }
 
     /// Largest estimated solver error over the nodes, relative, of what is [judged](Self::judged).

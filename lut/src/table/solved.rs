@@ -21,6 +21,36 @@ pub struct Solved {
     pub approach: f64,
     /// What sliding adds; `None` for a contact at rest.
     pub sliding: Option<Sliding>,
+    /// Which method solved it; no figure.
+    pub method: Method,
+}
+
+/// Which method solved a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Finite elements in ice and runner.
+    #[default]
+    FiniteElements,
+    /// Boundary elements on the contact plane, which finite elements confirmed at the ends of what was swept.
+    BoundaryElements,
+}
+
+impl Method {
+    /// Both.
+    pub const ALL: [Method; 2] = [Method::FiniteElements, Method::BoundaryElements];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::FiniteElements => "finite-elements",
+            Method::BoundaryElements => "boundary-elements",
+        }
+    }
+
+    /// The method of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Method::ALL.into_iter().find(|method| method.name() == name)
+    }
 }
 
 /// What a runner that slides adds to the figures of its contact.
@@ -114,7 +144,7 @@ impl Solved {
         figures
     }
 
-    /// The inverse of [`figures`](Self::figures).
+    /// The inverse of [`figures`](Self::figures), by finite elements.
     ///
     /// # Panics
     /// Where there are not as many as [`keys`](Self::keys).
@@ -151,6 +181,7 @@ impl Solved {
             width: figures[5],
             approach: figures[6],
             sliding,
+            method: Method::default(),
         }
     }
 }

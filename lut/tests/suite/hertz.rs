@@ -38,6 +38,7 @@ pub fn hertz(fz: f64, rocker: f64, section: f64) -> Solved {
         width: 2.0 * b,
         approach: 3.0 * fz * first / (2.0 * pi * a * e_star),
         sliding: None,
+        method: kufe_lut::Method::FiniteElements,
     }
 }
 

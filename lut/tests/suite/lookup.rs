@@ -29,6 +29,7 @@ fn of_values(fz: Vec<f64>, curvature: Vec<f64>, values: &[f64]) -> Table {
             width: 1.0,
             approach: 1.0,
             sliding: None,
+            method: kufe_lut::Method::FiniteElements,
         })
         .collect();
     Table::new(axes, nodes, vec![]).unwrap()

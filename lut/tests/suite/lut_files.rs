@@ -5,7 +5,7 @@ use kufe_lut::Table;
 
 #[test]
 fn a_file_read_back_is_the_same_table_to_the_bit() {
-    for table in [table(false), table(true), reduced()] {
+    for table in [table(false), table(true), reduced(), by_both(true)] {
         let mut bytes = Vec::new();
         table.write(&mut bytes).unwrap();
         let back = Table::read(&mut bytes.as_slice()).unwrap();
@@ -13,6 +13,60 @@ fn a_file_read_back_is_the_same_table_to_the_bit() {
         let mut again = Vec::new();
         back.write(&mut again).unwrap();
         assert_eq!(again, bytes);
+    }
+}
+
+/// A table of which boundary elements solved every third node, and the checks.
+fn by_both(rocker: bool) -> Table {
+    let of = table(rocker);
+    let method = kufe_lut::Method::BoundaryElements;
+    let mut nodes = of.nodes().to_vec();
+    nodes
+        .iter_mut()
+        .step_by(3)
+        .for_each(|node| node.method = method);
+    let mut checks = of.checks().to_vec();
+    checks
+        .iter_mut()
+        .for_each(|check| check.solved.method = method);
+    Table::new(of.axes().clone(), nodes, checks).unwrap()
+}
+
+#[test]
+fn methods_stand_in_the_shape_of_the_nodes_and_only_where_they_differ() {
+    let text = |table: &Table| {
+        let mut bytes = Vec::new();
+        table.write(&mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    };
+    assert!(!text(&table(false)).contains("method"));
+    let good = text(&by_both(false));
+    let value: serde_json::Value = serde_json::from_str(&good).unwrap();
+    assert_eq!(value["method"].as_array().map(Vec::len), Some(5));
+    assert_eq!(value["method"][0][3], "boundary-elements");
+    assert_eq!(value["method"][0][4], "finite-elements");
+    assert_eq!(value["checks"][0]["method"], "boundary-elements");
+    for (from, to, expected) in [
+        (
+            "[[\"boundary-elements\"",
+            "[[\"guesses\"",
+            "method[0][0]: found \"guesses\"",
+        ),
+        (
+            "[[\"boundary-elements\",",
+            "[[",
+            "method[0]: found 4 entries",
+        ),
+        (
+            "\"method\":\"boundary-elements\"",
+            "\"method\":1",
+            "checks[0].method: found 1",
+        ),
+    ] {
+        let bad = good.replacen(from, to, 1);
+        assert_ne!(bad, good);
+        let told = Table::read(&mut bad.as_bytes()).unwrap_err().to_string();
+        assert!(told.contains(expected), "{told}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Sweeps: given points, refinement, determinism, and what they refuse.
 
-use crate::hertz::runner;
+use crate::hertz::{hertz, runner};
 use kufe_lut::{Error, Lookup, Mode, Plan, Point, Quantity, Solved, Spacing, SweepError, sweep};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -352,4 +352,34 @@ fn the_solvers_own_error_is_not_chased() {
     );
     let text = swept.shortfall.unwrap().to_string();
     assert!(text.contains("the solver's own error"), "{text}");
+}
+
+#[test]
+fn anchors_are_nodes_at_the_corners_and_in_the_middle() {
+    let mut plan = Plan::new(
+        Spacing::Range {
+            from: 200.0,
+            to: 8000.0,
+        },
+        Spacing::Values(vec![0.0, 0.01, 0.03]),
+    );
+    let anchors = plan.anchors().unwrap();
+    let of: Vec<[f64; 2]> = anchors.iter().map(|p| [p.fz, p.curvature]).collect();
+    assert_eq!(
+        of[..4],
+        [[200.0, 0.0], [200.0, 0.03], [8000.0, 0.0], [8000.0, 0.03]]
+    );
+    assert!(
+        (of[4][0] - 1264.911).abs() < 1e-3 && of[4][1] == 0.01,
+        "{of:?}"
+    );
+    let swept = sweep(&plan, |point| {
+        Ok::<_, Infallible>(hertz(point.fz, 30.0, 0.005))
+    })
+    .unwrap();
+    let nodes = swept.table.axes().points();
+    assert!(anchors.iter().all(|anchor| nodes.contains(anchor)));
+    plan.curvature = Spacing::Values(vec![0.0]);
+    plan.fz = Spacing::Values(vec![500.0, 900.0]);
+    assert_eq!(plan.anchors().unwrap().len(), 2);
 }

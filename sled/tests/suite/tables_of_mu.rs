@@ -45,6 +45,7 @@ pub fn write_table(path: &Path, fastest: f64, slides: bool) {
             width: 2e-3,
             approach: 1e-5,
             sliding: slides.then_some(sliding),
+            method: kufe_lut::Method::FiniteElements,
         }
     });
     let table = Table::new(axes.clone(), nodes.collect(), vec![]).unwrap();

@@ -40,6 +40,7 @@ fn table() -> Table {
         width: 3e-4,
         approach: 1e-5,
         sliding: None,
+        method: kufe_lut::Method::FiniteElements,
     });
     Table::new(axes.clone(), nodes.collect(), vec![]).expect("a table")
 }

@@ -188,6 +188,63 @@ fn a_range_is_refined_until_it_is_as_good_as_asked() {
     }
 }
 
+/// Corners and middle by finite elements, what lies between by boundary elements, each as good as it says; all by finite elements where
+/// the ice yields.
+#[test]
+fn a_table_says_which_method_solved_each_contact() {
+    let axes = "[axes]\nfz_n = { values = [250.0, 500.0, 1000.0, 2000.0, 4000.0] }\n\
+                rocker_radius_m = { values = [15.0, 30.0, 60.0, 120.0] }\nradius_m = { values = [inf] }\n[accuracy]\np_max = 0.005\n";
+    let bench = bench(axes);
+    let said = bench.succeeds(&["lut", "table.toml", "-o", "both.lut"]);
+    assert!(said.contains("of them by boundary elements"), "{said}");
+    let table = json(&std::fs::read_to_string(bench.path("both.lut")).unwrap());
+    let (mut by_boundary, mut by_finite) = (Vec::new(), Vec::new());
+    for (i, fz) in [250.0, 500.0, 1000.0, 2000.0, 4000.0]
+        .into_iter()
+        .enumerate()
+    {
+        for (k, rocker) in [15.0, 30.0, 60.0, 120.0].into_iter().enumerate() {
+            let figure = |name: &str| {
+                table["quantities"][name]["values"][i][0][k]
+                    .as_f64()
+                    .unwrap()
+            };
+            let exact = kufe_contact::hertz(rocker, 0.005, 9e9 / (1.0 - 0.33 * 0.33), fz);
+            let off = (figure("p_max") - exact.p_max).abs();
+            assert!(
+                off <= figure("p_max_error") && figure("p_max_error") <= 0.005 * figure("p_max")
+            );
+            assert!(
+                (figure("area") / (std::f64::consts::PI * exact.a * exact.b) - 1.0).abs() < 0.03
+            );
+            assert!((figure("p_mean") * figure("area") / fz - 1.0).abs() < 0.01);
+            match table["method"][i][0][k].as_str() {
+                Some("boundary-elements") => by_boundary.push((i, k)),
+                Some("finite-elements") => by_finite.push((i, k)),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+    for corner in [(0, 0), (0, 3), (4, 0), (4, 3), (2, 2)] {
+        assert!(by_finite.contains(&corner), "{by_finite:?}");
+    }
+    assert!(by_boundary.len() >= 10, "{by_finite:?}");
+    let told = json(&bench.succeeds(&["info", "both.lut", "--json"]));
+    let checks = table["checks"].as_array().unwrap().iter();
+    let of_checks = checks
+        .filter(|c| c["method"] == "boundary-elements")
+        .count();
+    assert_eq!(told["by_boundary_elements"], by_boundary.len() + of_checks);
+    bench.write(
+        "case.toml",
+        PARABOLOID.replace("[load]", "hardness_pa = 50e6\n[load]"),
+    );
+    let said = bench.succeeds(&["lut", "table.toml", "-o", "yields.lut"]);
+    assert!(!said.contains("boundary"), "{said}");
+    let text = std::fs::read_to_string(bench.path("yields.lut")).unwrap();
+    assert!(!text.contains("\"method\""));
+}
+
 #[test]
 fn the_table_has_the_same_bytes_for_any_number_of_threads() {
     let bench = bench(

@@ -193,6 +193,12 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
                 wide.as_i64().expect("a number") <= 0,
                 "{page} is {wide} px too wide at {look:?}"
             );
+            // A single number under an axis tells no scale.
+            let unscaled = browser.evaluate(
+                "[...document.querySelectorAll('.chart svg')].filter((chart) => chart.querySelector('text') && \
+                 [...chart.querySelectorAll('text[text-anchor=middle]')].filter((t) => isFinite(t.textContent)).length < 2).length",
+            );
+            assert_eq!(unscaled.as_i64(), Some(0), "{page} at {look:?}");
             papers.push(browser.evaluate("getComputedStyle(document.body).backgroundColor"));
             assert_eq!(browser.errors(), Vec::<String>::new(), "{page} at {look:?}");
             if ["out/report.html", "front.html"].contains(&page) {

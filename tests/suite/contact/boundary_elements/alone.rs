@@ -1,7 +1,8 @@
 //! The contact on its plane alone, beside closed forms, Hankel transforms and the finite elements.
 
 use kufe_contact::{
-    Foundation, Ice, Load, NotChecked, Options, Problem, Tilt, boundary_elements, hertz, solve,
+    Foundation, Ice, Load, NotChecked, Options, Problem, Tilt, boundary_elements,
+    boundary_elements_to, hertz, solve,
 };
 use kufe_mesh::{BobRunner, Paraboloid};
 use kufe_tests::contact::{contact_modulus, on_half_space};
@@ -22,9 +23,34 @@ fn hertz_peaks_and_approaches_lie_within_two_in_a_thousand_at_every_aspect() {
     }
 }
 
+#[test]
+fn a_thousandth_is_stated_and_held_on_finer_grids() {
+    for (rocker, fz) in [
+        (15.0, 250.0),
+        (30.0, 1000.0),
+        (90.0, 4000.0),
+        (250.0, 700.0),
+    ] {
+        let problem = on_half_space(Paraboloid::new(rocker, 0.005).unwrap(), fz);
+        let first = boundary_elements(&problem).unwrap();
+        let found = boundary_elements_to(&problem, 1e-3).unwrap();
+        let exact = hertz(rocker, 0.005, contact_modulus(), fz);
+        let off = (found.p_max - exact.p_max).abs();
+        assert!(off <= found.p_max_error, "{rocker}: {off} {found:?}");
+        assert!(
+            found.p_max_error <= 1e-3 * found.p_max,
+            "{rocker}: {found:?}"
+        );
+        assert!(
+            found.p_max_error <= first.p_max_error,
+            "{rocker}: {first:?}"
+        );
+    }
+}
+
 /// Three times the range over three grids: one contact in twenty may be off.
 #[test]
-fn stated_errors_hold_in_95_of_100_random_contacts_and_stay_below_two_per_cent() {
+fn stated_errors_hold_in_95_of_100_random_contacts() {
     let (mut held, mut count, mut told) = (0, 0, Vec::new());
     for row in rows() {
         let found = match boundary_elements(&row.problem()) {
@@ -34,6 +60,7 @@ fn stated_errors_hold_in_95_of_100_random_contacts_and_stay_below_two_per_cent()
         };
         let figures = [
             (0, found.p_max, found.p_max_error),
+            (1, found.area, found.area_error),
             (2, found.approach, found.approach_error),
         ];
         for (figure, value, error) in figures {
@@ -46,10 +73,15 @@ fn stated_errors_hold_in_95_of_100_random_contacts_and_stay_below_two_per_cent()
                 false => told.push(format!("{}: {miss:?}", row.text)),
             }
             let Miss { off, stated } = miss;
-            assert!(off < 0.03 && stated < 0.04, "{}: {miss:?}", row.text);
+            let [most, largest] = if figure == 1 {
+                [0.1, 0.4]
+            } else {
+                [0.03, 0.04]
+            };
+            assert!(off < most && stated < largest, "{}: {miss:?}", row.text);
         }
     }
-    assert!(count >= 380, "{count} figures");
+    assert!(count >= 560, "{count} figures");
     assert!(100 * held >= 95 * count, "{held} of {count}: {told:?}");
 }
 
