@@ -9,7 +9,7 @@ use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
-use crate::evidence::runs::fit::refits::Refits;
+use crate::evidence::runs::fit::refit::Refits;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::clocks::spread_of_delays;
 use crate::evidence::runs::model::design::{Design, Products};

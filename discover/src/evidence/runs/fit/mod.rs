@@ -4,5 +4,6 @@ pub(crate) mod estimate;
 pub(crate) mod gains;
 pub(crate) mod gauss_newton;
 pub(crate) mod noise_products;
+pub(crate) mod refit;
 pub(crate) mod refits;
 pub(crate) mod simulated_runs;

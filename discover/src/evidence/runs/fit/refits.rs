@@ -1,63 +1,16 @@
 //! Full refits of base and effect together.
 
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::Arc;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gains::log_gains_of;
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
+use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
-use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-
-/// Base and effect fitted together.
-#[derive(Clone)]
-pub struct Refit {
-    /// What they leave.
-    pub misfit: f64,
-    /// The effect's size.
-    pub size: f64,
-    /// The model, the effect last.
-    pub model: ResidualModel,
-    /// Its rows' whitening.
-    pub whitener: Whitener,
-}
-
-impl Refit {
-    /// The base, and the effects before, as they stand beside the effect.
-    fn beside(&self) -> ResidualModel {
-        let mut model = self.model.clone();
-        model.effects.active.pop();
-        model
-    }
-
-    fn sized(mut self, candidate: &Candidate<Amplitude>) -> Option<Self> {
-        let last = self.model.effects.active.last()?;
-        self.size = last.values[candidate.act.parameter];
-        Some(self)
-    }
-}
-
-/// Refits beside one model, each made once.
-#[derive(Default)]
-pub struct Refits {
-    /// Of the model alone.
-    alone: OnceLock<Option<Refit>>,
-    /// With one candidate more.
-    with: Mutex<Vec<(Candidate<Amplitude>, Option<Arc<Refit>>)>>,
-}
-
-impl Refits {
-    fn found(&self, candidate: &Candidate<Amplitude>) -> Option<Option<Arc<Refit>>> {
-        let known = self.with.lock().expect("no refit panics");
-        let mut known = known.iter();
-        known
-            .find(|(other, _)| candidate.is(other))
-            .map(|(_, refit)| refit.clone())
-    }
-}
 
 impl Campaign<'_> {
     /// Base and candidate fitted together, the effect in its exact form, from about the size that a screen gave it; nothing where they
@@ -71,21 +24,16 @@ impl Campaign<'_> {
         candidate: &Candidate<Amplitude>,
         size: f64,
     ) -> Option<Arc<Refit>> {
-        if let Some(known) = at.refits.found(candidate) {
-            return known;
-        }
-        let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
-        let refit = self.refitted(at.residual_model, candidate, from, Effort::COMPARED);
-        let refit = refit.map(Arc::new);
-        let mut known = at.refits.with.lock().expect("no refit panics");
-        known.push((candidate.clone(), refit.clone()));
-        refit
+        at.refits.with(candidate, || {
+            let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+            self.refitted(at.residual_model, candidate, from, Effort::COMPARED)
+        })
     }
 
     /// The model as it is, fitted; its size is 0. Made once.
     pub fn refitted_alone<'r>(&self, at: &'r Current) -> Option<&'r Refit> {
         let alone = || self.beside_either(at.residual_model, Effort::COMPARED);
-        at.refits.alone.get_or_init(alone).as_ref()
+        at.refits.alone(alone)
     }
 
     /// A candidate fitted together with `model`, which lacks it, `from` being a first guess.

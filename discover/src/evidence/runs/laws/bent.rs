@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::Channel;
 
-use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::laws::term::{Term, said_by};

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;

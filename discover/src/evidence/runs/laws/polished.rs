@@ -1,7 +1,7 @@
 //! A formula's numbers by full refits, beside which those of linearised scores are a first guess.
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::shapes::moved;
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
 use crate::procedure::candidate::Candidate;

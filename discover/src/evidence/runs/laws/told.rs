@@ -5,7 +5,7 @@ use kufe_sled::effects::{Channel, Custom, Kind, Level};
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
-use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::formula::Formula;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::shape::{unit, unit_of};

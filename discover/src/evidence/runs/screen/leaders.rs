@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::refits::Refit;
+use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};

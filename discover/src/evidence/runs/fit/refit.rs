@@ -1,0 +1,69 @@
+//! A model fitted together with an effect, and all such fits beside one model.
+
+use std::sync::{Arc, Mutex, OnceLock};
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::procedure::candidate::Candidate;
+
+/// Base and effect fitted together.
+#[derive(Clone)]
+pub struct Refit {
+    /// What they leave.
+    pub misfit: f64,
+    /// The effect's size.
+    pub size: f64,
+    /// The model, the effect last.
+    pub model: ResidualModel,
+    /// Its rows' whitening.
+    pub whitener: Whitener,
+}
+
+impl Refit {
+    /// The base, and the effects before, as they stand beside the effect.
+    pub fn beside(&self) -> ResidualModel {
+        let mut model = self.model.clone();
+        model.effects.active.pop();
+        model
+    }
+
+    /// The same with the size that its effect has as a candidate.
+    pub fn sized(mut self, candidate: &Candidate<Amplitude>) -> Option<Self> {
+        let last = self.model.effects.active.last()?;
+        self.size = last.values[candidate.act.parameter];
+        Some(self)
+    }
+}
+
+/// A candidate with its refit; nothing where it could not be fitted.
+type Known = (Candidate<Amplitude>, Option<Arc<Refit>>);
+
+/// Refits beside one model, each made once.
+#[derive(Default)]
+pub struct Refits {
+    alone: OnceLock<Option<Refit>>,
+    with: Mutex<Vec<Known>>,
+}
+
+impl Refits {
+    /// The model alone, as it is known or as it is made.
+    pub fn alone(&self, make: impl FnOnce() -> Option<Refit>) -> Option<&Refit> {
+        self.alone.get_or_init(make).as_ref()
+    }
+
+    /// The model with one candidate more, as it is known or as it is made.
+    pub fn with(
+        &self,
+        candidate: &Candidate<Amplitude>,
+        make: impl FnOnce() -> Option<Refit>,
+    ) -> Option<Arc<Refit>> {
+        let mut known = self.with.lock().expect("no refit panics");
+        if let Some((_, refit)) = known.iter().find(|(other, _)| candidate.is(other)) {
+            return refit.clone();
+        }
+        let refit = make().map(Arc::new);
+        known.push((candidate.clone(), refit.clone()));
+        refit
+    }
+}
