@@ -31,6 +31,7 @@ pub fn table_of(
             length: 0.05,
             width: 3e-4,
             approach: 1e-5,
+            errors: None,
             sliding: None,
             method: kufe_lut::Method::FiniteElements,
         }

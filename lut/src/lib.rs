@@ -29,6 +29,6 @@ pub use store::{
 };
 pub use sweep::{Plan, Spacing, SweepError, Swept, each, sweep, sweep_batches};
 pub use table::{
-    Axes, Check, Flush, Layered, Looked, Lookup, MAX_AXIS, MAX_NODES, MIN_SPEED, Measured, Method,
-    Mode, Point, Quantity, Sliding, Solved, Table, curvature_from_pitch, radius_from_pitch,
+    Axes, Check, Errors, Flush, Layered, Looked, Lookup, MAX_AXIS, MAX_NODES, MIN_SPEED, Measured,
+    Method, Mode, Point, Quantity, Sliding, Solved, Table, curvature_from_pitch, radius_from_pitch,
 };

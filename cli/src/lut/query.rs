@@ -154,8 +154,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The key of a quantity's error, `p_max_error_pa` beside `p_max_pa`. What is known of those that are not judged is the error of
-/// looking them up, which the key says.
+/// The key of a quantity's error, `p_max_error_pa` beside `p_max_pa`. Where the solver's own is not kept what is known is the error of
+/// looking it up, which the key says.
 fn error_key(table: &Table, quantity: Quantity) -> String {
     let key = quantity.key();
     let (name, unit) = match quantity.unit() {
@@ -166,25 +166,23 @@ fn error_key(table: &Table, quantity: Quantity) -> String {
                 (name, format!("_{unit}"))
             }),
     };
-    if quantity == table.judged() {
-        format!("{name}_error{unit}")
-    } else {
-        format!("{name}_interpolation_error{unit}")
+    match table.solver_error_of(quantity) {
+        Some(_) => format!("{name}_error{unit}"),
+        None => format!("{name}_interpolation_error{unit}"),
     }
 }
 
-/// The largest interpolation error measured, relative, and for what is judged the solver's largest estimated one; `None` where
+/// The largest interpolation error measured, relative, and the solver's largest estimated one where it is kept; `None` where
 /// none was measured.
 fn relative_error(
     table: &Table,
     quantity: Quantity,
     mode: Mode,
 ) -> Result<Option<f64>, kufe_lut::Error> {
-    let measured = table.interpolation_error(quantity, mode)?;
-    Ok(if quantity == table.judged() {
-        Some(table.solver_error() + measured.map_or(0.0, |m| m.max))
-    } else {
-        measured.map(|m| m.max)
+    let measured = table.interpolation_error(quantity, mode)?.map(|m| m.max);
+    Ok(match table.solver_error_of(quantity) {
+        Some(solver) => Some(solver + measured.unwrap_or(0.0)),
+        None => measured,
     })
 }
 
@@ -216,8 +214,17 @@ fn in_words(answer: &Map<String, Value>, table: &Table) -> String {
         let value = scale * answer[quantity.key()].as_f64().unwrap_or(f64::NAN);
         text += &format!("{name:<15} {value:.digits$} {unit}{error}\n");
     }
-    let judged = shown(table.judged()).0;
-    text += &format!("in brackets: interpolation, and the solver's error too for the {judged}\n");
+    let kept = |q: &&Quantity| table.solver_error_of(**q).is_some();
+    let (with, without): (Vec<&Quantity>, Vec<&Quantity>) =
+        table.quantities().iter().partition(kept);
+    let of: Vec<&str> = with.iter().map(|q| shown(**q).0.trim()).collect();
+    text += &match without.is_empty() {
+        true => "in brackets: interpolation and the solver's error\n".to_owned(),
+        false => format!(
+            "in brackets: interpolation, and the solver's error too for the {}\n",
+            of.join(", ")
+        ),
+    };
     if answer["out_of_range"] == json!(true) {
         let fz = table.axes().fz();
         let at = answer["fz_n"].as_f64().unwrap_or(fz[0]);

@@ -1,7 +1,7 @@
 //! The best answer that there is for a point, and its figures.
 
 use kufe_contact::{BoundaryElements, Options, Problem, Solution};
-use kufe_lut::{Method, Point, Solved};
+use kufe_lut::{Errors, Method, Point, Solved};
 
 /// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
@@ -30,6 +30,13 @@ pub(crate) fn figures(solution: &Solution) -> Solved {
         length: solution.length,
         width: solution.width,
         approach: solution.approach,
+        errors: Some(Errors {
+            p_mean: solution.p_mean_error,
+            area: solution.area_error,
+            length: solution.length_error,
+            width: solution.width_error,
+            approach: solution.approach_error,
+        }),
         sliding: None,
         method: Method::FiniteElements,
     }
@@ -45,6 +52,13 @@ pub(crate) fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> S
         length: found.length,
         width: found.width,
         approach: found.approach,
+        errors: Some(Errors {
+            p_mean: point.fz / found.area * found.area_error / found.area,
+            area: found.area_error,
+            length: found.length_error,
+            width: found.width_error,
+            approach: found.approach_error,
+        }),
         sliding: None,
         method: Method::BoundaryElements,
     }

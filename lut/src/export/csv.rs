@@ -4,7 +4,6 @@ use std::io::Write;
 
 use crate::error::Error;
 use crate::table::nodes::Table;
-use crate::table::solved::Solved;
 
 impl Table {
     /// Writes the nodes as CSV: the axes, then the figures, each with its unit in its name.
@@ -15,7 +14,7 @@ impl Table {
         let mut csv = csv::Writer::from_writer(writer);
         let points = self.axes().points();
         let mut header: Vec<&str> = points[0].named().map(|(key, _)| key).collect();
-        header.extend(Solved::keys(self.is_sliding()));
+        header.extend(self.keys());
         csv.write_record(&header)?;
         for (point, node) in points.iter().zip(self.nodes()) {
             let mut row: Vec<f64> = point.named().map(|(_, value)| value).collect();

@@ -5,7 +5,6 @@ use std::io::Write;
 use crate::error::Error;
 use crate::export::mat_file::{characters, doubles, header};
 use crate::table::nodes::Table;
-use crate::table::solved::Solved;
 
 impl Table {
     /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as rows) and every figure as an array
@@ -33,7 +32,7 @@ impl Table {
             let curvatures = self.column_major(&shape, |node| points[node].curvature);
             writer.write_all(&doubles("curvature_1pm", &shape, &curvatures))?;
         }
-        for (n, key) in Solved::keys(self.is_sliding()).iter().enumerate() {
+        for (n, key) in self.keys().into_iter().enumerate() {
             writer.write_all(&doubles(
                 key,
                 &shape,

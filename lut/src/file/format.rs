@@ -16,7 +16,10 @@ pub(crate) const SLIDING_VERSION: u64 = 3;
 pub(crate) fn figure(key: &'static str) -> (&'static str, &'static str) {
     match Quantity::ALL.into_iter().find(|q| q.key() == key) {
         Some(quantity) => (quantity.name(), quantity.unit()),
-        None if key == "mu_error" => (key, "1"),
-        None => ("p_max_error", "Pa"),
+        None => match key.rsplit_once('_') {
+            Some((name, "pa")) => (name, "Pa"),
+            Some((name, unit @ ("m" | "m2"))) => (name, unit),
+            _ => (key, "1"),
+        },
     }
 }

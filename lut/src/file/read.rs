@@ -69,12 +69,12 @@ fn from_value(value: &Value) -> Result<Table, Error> {
         }
     };
     let axes = read_axes(get(top, "axes", "the file")?, version)?;
-    let keys = Solved::keys(version == SLIDING_VERSION);
-    let mut nodes = read_nodes(
-        &axes,
-        keys,
-        object(get(top, "quantities", "the file")?, "quantities")?,
-    )?;
+    let quantities = object(get(top, "quantities", "the file")?, "quantities")?;
+    let keys = Solved::keys(
+        version == SLIDING_VERSION,
+        quantities.contains_key("area_error"),
+    );
+    let mut nodes = read_nodes(&axes, &keys, quantities)?;
     // Absent: finite elements throughout.
     if let Some(methods) = top.get("method") {
         let mut nodes = nodes.iter_mut();
@@ -91,7 +91,7 @@ fn from_value(value: &Value) -> Result<Table, Error> {
     let checks = list(get(top, "checks", "the file")?, "checks")?
         .iter()
         .enumerate()
-        .map(|(n, check)| read_check(check, &format!("checks[{n}]"), &axes, keys))
+        .map(|(n, check)| read_check(check, &format!("checks[{n}]"), &axes, &keys))
         .collect::<Result<_, _>>()?;
     let accuracy = object(get(top, "accuracy", "the file")?, "accuracy")?;
     let asked = match accuracy.get("interpolation_asked") {
@@ -187,7 +187,7 @@ fn read_flush(value: &Value) -> Result<Flush, Error> {
 
 fn read_nodes(
     axes: &Axes,
-    keys: &'static [&'static str],
+    keys: &[&'static str],
     quantities: &Map<String, Value>,
 ) -> Result<Vec<Solved>, Error> {
     let names: Vec<&str> = keys.iter().map(|key| figure(key).0).collect();
@@ -222,9 +222,8 @@ fn read_nodes(
 fn credible(name: &str, value: f64, place: impl Fn() -> String) -> Result<(), Error> {
     let (holds, expected) = match name {
         "approach" => (true, ""),
-        "p_max_error" | "mu_error" | "mu_ploughing" | "groove_depth" => {
-            (value >= 0.0, "0 or a positive number")
-        }
+        "mu_ploughing" | "groove_depth" => (value >= 0.0, "0 or a positive number"),
+        _ if name.ends_with("_error") => (value >= 0.0, "0 or a positive number"),
         _ => (value > 0.0, "a positive number"),
     };
     if holds {
@@ -266,7 +265,7 @@ fn read_check(
     value: &Value,
     place: &str,
     axes: &Axes,
-    keys: &'static [&'static str],
+    keys: &[&'static str],
 ) -> Result<Check, Error> {
     let map = object(value, place)?;
     let at = |key: &str| number(get(map, key, place)?, &format!("{place}.{key}"));

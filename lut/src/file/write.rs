@@ -12,7 +12,7 @@ use crate::table::axes::Axes;
 use crate::table::flush::Flush;
 use crate::table::mode::Mode;
 use crate::table::nodes::{Check, Table};
-use crate::table::solved::{Method, Solved};
+use crate::table::solved::Method;
 
 impl Table {
     /// Writes the table as JSON; the same table gives the same bytes.
@@ -39,7 +39,7 @@ impl Table {
             write!(writer, "{start}\n\"{key}\": {value}")?;
         }
         write_lines(writer, "axes", '[', ']', axis_lines(self.axes()))?;
-        let keys = Solved::keys(self.is_sliding()).iter();
+        let keys = self.keys().into_iter();
         let quantities = keys.enumerate().map(|(n, key)| {
             let (name, unit) = figure(key);
             let values: Vec<f64> = self.nodes().iter().map(|s| s.figures()[n]).collect();
@@ -144,8 +144,8 @@ fn rows<T: Serialize>(shape: &[usize], values: &[T]) -> Value {
 fn check_line(check: &Check) -> String {
     let mut record = point_json(&check.point);
     if let Value::Object(map) = &mut record {
-        let keys = Solved::keys(check.solved.sliding.is_some());
-        for (&key, value) in keys.iter().zip(check.solved.figures()) {
+        let keys = check.solved.own_keys();
+        for (key, value) in keys.into_iter().zip(check.solved.figures()) {
             map.insert(key.into(), json!(value));
         }
         if check.solved.method != Method::default() {

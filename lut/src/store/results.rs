@@ -138,7 +138,8 @@ impl Store {
         body.insert("version".into(), json!(self.origin.version));
         body.insert("case_sha256".into(), json!(self.origin.case_sha256));
         body.insert("point".into(), point_json(point));
-        let figures: Map<String, Value> = Solved::keys(solved.sliding.is_some())
+        let figures: Map<String, Value> = solved
+            .own_keys()
             .iter()
             .zip(solved.figures())
             .map(|(key, value)| (key.to_string(), json!(value)))
@@ -186,7 +187,8 @@ fn split_checksum(record: &Value) -> Result<(Map<String, Value>, String), Error>
 
 fn read_figures(body: &Map<String, Value>) -> Result<Solved, Error> {
     let result = object(get(body, "result", "the file")?, "result")?;
-    let keys = Solved::keys(result.contains_key(Quantity::Mu.key()));
+    let has = |key| result.contains_key(key);
+    let keys = Solved::keys(has(Quantity::Mu.key()), has("area_error_m2"));
     let figures: Result<Vec<f64>, Error> = keys
         .iter()
         .map(|key| number(get(result, key, "result")?, key))

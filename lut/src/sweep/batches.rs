@@ -48,7 +48,7 @@ pub struct Swept {
 /// let plan = Plan::new(Spacing::Range { from: 200.0, to: 8000.0 }, Spacing::Values(vec![0.0, 0.01, 0.02]));
 /// let swept = sweep(&plan, |point| {
 ///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
-///     Ok::<_, std::convert::Infallible>(Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, sliding: None, method: Default::default() })
+///     Ok::<_, std::convert::Infallible>(Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, errors: None, sliding: None, method: Default::default() })
 /// })?;
 /// assert!(swept.shortfall.is_none());
 /// # Ok::<(), kufe_lut::SweepError<std::convert::Infallible>>(())

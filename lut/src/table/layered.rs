@@ -23,7 +23,7 @@ use crate::table::quantity::Quantity;
 /// let nodes = axes.points().iter().map(|point| {
 ///     let mu = 1e-3 * point.speed.unwrap_or(1.0).sqrt();
 ///     let sliding = Sliding { mu, mu_error: 0.0, mu_ploughing: 0.1 * mu, mu_viscous: 0.9 * mu, groove_depth: 3e-5, film_mean: 5e-7 };
-///     let rest = Solved { p_max: 1.5e7, p_max_error: 0.0, p_mean: 1e7, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, sliding: None, method: Default::default() };
+///     let rest = Solved { p_max: 1.5e7, p_max_error: 0.0, p_mean: 1e7, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, errors: None, sliding: None, method: Default::default() };
 ///     Solved { sliding: Some(sliding), ..rest }
 /// }).collect();
 /// let mu = Layered::new(&Table::new(axes, nodes, vec![])?, Quantity::Mu, Mode::Smooth, None)?;

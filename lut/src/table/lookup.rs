@@ -29,7 +29,7 @@ pub struct Looked {
 /// let axes = Axes::new(vec![250.0, 2000.0], vec![0.0, 0.02], None)?;
 /// let nodes = axes.points().iter().map(|point| {
 ///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
-///     Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, sliding: None, method: Default::default() }
+///     Solved { p_max, p_max_error: 0.0, p_mean: p_max / 1.5, area: 1e-5, length: 0.05, width: 3e-4, approach: 1e-5, errors: None, sliding: None, method: Default::default() }
 /// }).collect();
 /// let lookup = Lookup::new(&Table::new(axes, nodes, vec![])?, Quantity::PMax, Mode::Smooth)?;
 /// let looked = lookup.at(1000.0, 0.0);

@@ -22,4 +22,4 @@ pub use mode::Mode;
 pub use nodes::{Check, Table};
 pub use pitch::{MIN_SPEED, curvature_from_pitch, radius_from_pitch};
 pub use quantity::Quantity;
-pub use solved::{Method, Point, Sliding, Solved};
+pub use solved::{Errors, Method, Point, Sliding, Solved};

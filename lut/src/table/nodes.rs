@@ -42,6 +42,7 @@ impl Table {
     /// [`Error::NodeCount`] where `nodes` does not fit `axes`, [`Error::NotFinite`] where a figure
     /// of a node or a check is no finite number, [`Error::SlidingMixture`] where some slide and others do not.
     pub fn new(axes: Axes, nodes: Vec<Solved>, checks: Vec<Check>) -> Result<Self, Error> {
+        let (mut nodes, mut checks) = (nodes, checks);
         if nodes.len() != axes.node_count() {
             return Err(Error::NodeCount {
                 found: nodes.len(),
@@ -61,6 +62,12 @@ impl Table {
                     place: point.to_string(),
                 });
             }
+        }
+        let solved = checks.iter_mut().map(|check| &mut check.solved);
+        let all: Vec<&mut Solved> = nodes.iter_mut().chain(solved).collect();
+        // Errors that some lack are none of the table.
+        if all.iter().any(|solved| solved.errors.is_none()) {
+            all.into_iter().for_each(|solved| solved.errors = None);
         }
         Ok(Table {
             axes,
@@ -110,6 +117,18 @@ impl Table {
         all.filter(|solved| solved.method == method).count()
     }
 
+    /// Keys of the figures of every node and check.
+    pub fn keys(&self) -> Vec<&'static str> {
+        self.nodes[0].own_keys()
+    }
+
+    /// Largest estimated solver error of a quantity over the nodes, relative; `None` where it is not kept.
+    pub fn solver_error_of(&self, quantity: Quantity) -> Option<f64> {
+        let relative = |node: &Solved| Some((node.error(quantity)? / node.get(quantity)?).abs());
+        let all: Option<Vec<f64>> = self.nodes.iter().map(relative).collect();
+        Some(all?.into_iter().fold(0.0, f64::max))
+    }
+
     /// Largest estimated solver error over the nodes, relative, of what is [judged](Self::judged).
     pub fn solver_error(&self) -> f64 {
         let errors = self.nodes.iter().map(Solved::relative_error);
@@ -118,8 +137,7 @@ impl Table {
 }
 
 pub(crate) fn finite(point: &Point, solved: &Solved) -> Result<(), Error> {
-    let keys = Solved::keys(solved.sliding.is_some());
-    for (value, &key) in solved.figures().into_iter().zip(keys) {
+    for (value, key) in solved.figures().into_iter().zip(solved.own_keys()) {
         if !value.is_finite() {
             return Err(Error::NotFinite {
                 quantity: key,

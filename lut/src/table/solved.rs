@@ -19,10 +19,27 @@ pub struct Solved {
     pub width: f64,
     /// Rigid approach [m].
     pub approach: f64,
+    /// Estimated errors of mean pressure, area, length, width and approach; `None` in tables that were made without them.
+    pub errors: Option<Errors>,
     /// What sliding adds; `None` for a contact at rest.
     pub sliding: Option<Sliding>,
     /// Which method solved it; no figure.
     pub method: Method,
+}
+
+/// Estimated discretisation errors of a contact's figures beside its peak pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Of the mean pressure [Pa].
+    pub p_mean: f64,
+    /// Of the area [m2].
+    pub area: f64,
+    /// Of the length [m].
+    pub length: f64,
+    /// Of the width [m].
+    pub width: f64,
+    /// Of the approach [m].
+    pub approach: f64,
 }
 
 /// Which method solved a contact.
@@ -70,8 +87,8 @@ pub struct Sliding {
     pub film_mean: f64,
 }
 
-/// Keys of [`Solved::figures`] of a runner that slides.
-const KEYS: [&str; 13] = [
+/// Keys of figures that every contact has.
+const AT_REST: [&str; 7] = [
     "p_max_pa",
     "p_max_error_pa",
     "p_mean_pa",
@@ -79,6 +96,17 @@ const KEYS: [&str; 13] = [
     "length_m",
     "width_m",
     "approach_m",
+];
+/// Keys of [`Errors`].
+const ERRORS: [&str; 5] = [
+    "p_mean_error_pa",
+    "area_error_m2",
+    "length_error_m",
+    "width_error_m",
+    "approach_error_m",
+];
+/// Keys of [`Sliding`].
+const SLIDING: [&str; 6] = [
     "mu",
     "mu_error",
     "mu_ploughing",
@@ -86,13 +114,18 @@ const KEYS: [&str; 13] = [
     "groove_depth_m",
     "film_mean_m",
 ];
-/// How many of them a contact at rest has.
-const AT_REST: usize = 7;
 
 impl Solved {
-    /// Keys of [`figures`](Self::figures), sliding or at rest.
-    pub fn keys(sliding: bool) -> &'static [&'static str] {
-        if sliding { &KEYS } else { &KEYS[..AT_REST] }
+    /// Keys of [`figures`](Self::figures) of contacts that slide or rest, with or without [`errors`](Self::errors).
+    pub fn keys(sliding: bool, errors: bool) -> Vec<&'static str> {
+        let with = |keys: &'static [&'static str], are: bool| keys.iter().filter(move |_| are);
+        let further = with(&ERRORS, errors).chain(with(&SLIDING, sliding));
+        AT_REST.iter().chain(further).copied().collect()
+    }
+
+    /// Those of this contact.
+    pub fn own_keys(&self) -> Vec<&'static str> {
+        Self::keys(self.sliding.is_some(), self.errors.is_some())
     }
 
     /// One figure; `None` where a contact at rest has none of its kind.
@@ -112,6 +145,20 @@ impl Solved {
         })
     }
 
+    /// The solver's own estimated error of a figure; `None` where it is not kept.
+    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+        Some(match quantity {
+            Quantity::PMax => self.p_max_error,
+            Quantity::PMean => self.errors?.p_mean,
+            Quantity::Area => self.errors?.area,
+            Quantity::Length => self.errors?.length,
+            Quantity::Width => self.errors?.width,
+            Quantity::Approach => self.errors?.approach,
+            Quantity::Mu => self.sliding?.mu_error,
+            _ => return None,
+        })
+    }
+
     /// The solver's own estimated error, relative: of the coefficient of friction or, at rest, of the peak pressure.
     pub fn relative_error(&self) -> f64 {
         match &self.sliding {
@@ -120,7 +167,7 @@ impl Solved {
         }
     }
 
-    /// All figures in the order of [`keys`](Self::keys).
+    /// All figures in the order of [`own_keys`](Self::own_keys).
     pub fn figures(&self) -> Vec<f64> {
         let mut figures = vec![
             self.p_max,
@@ -131,6 +178,15 @@ impl Solved {
             self.width,
             self.approach,
         ];
+        if let Some(errors) = &self.errors {
+            figures.extend([
+                errors.p_mean,
+                errors.area,
+                errors.length,
+                errors.width,
+                errors.approach,
+            ]);
+        }
         if let Some(sliding) = &self.sliding {
             figures.extend([
                 sliding.mu,
@@ -149,7 +205,23 @@ impl Solved {
     /// # Panics
     /// Where there are not as many as [`keys`](Self::keys).
     pub fn from_figures(figures: &[f64]) -> Self {
-        let sliding = match figures[AT_REST..] {
+        let (at_rest, further) = figures.split_at(AT_REST.len());
+        let all = ERRORS.len() + SLIDING.len();
+        let (errors, further) = match further.len() {
+            n if n == ERRORS.len() || n == all => further.split_at(ERRORS.len()),
+            _ => (&[][..], further),
+        };
+        let errors = match *errors {
+            [p_mean, area, length, width, approach] => Some(Errors {
+                p_mean,
+                area,
+                length,
+                width,
+                approach,
+            }),
+            _ => None,
+        };
+        let sliding = match *further {
             [] => None,
             [
                 mu,
@@ -166,20 +238,17 @@ impl Solved {
                 groove_depth,
                 film_mean,
             }),
-            _ => panic!(
-                "{} figures, expected {AT_REST} or {}",
-                figures.len(),
-                KEYS.len()
-            ),
+            _ => panic!("{} figures, expected 7, 12, 13 or 18", figures.len()),
         };
         Solved {
-            p_max: figures[0],
-            p_max_error: figures[1],
-            p_mean: figures[2],
-            area: figures[3],
-            length: figures[4],
-            width: figures[5],
-            approach: figures[6],
+            p_max: at_rest[0],
+            p_max_error: at_rest[1],
+            p_mean: at_rest[2],
+            area: at_rest[3],
+            length: at_rest[4],
+            width: at_rest[5],
+            approach: at_rest[6],
+            errors,
             sliding,
             method: Method::default(),
         }

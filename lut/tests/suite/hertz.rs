@@ -37,6 +37,7 @@ pub fn hertz(fz: f64, rocker: f64, section: f64) -> Solved {
         length: 2.0 * a,
         width: 2.0 * b,
         approach: 3.0 * fz * first / (2.0 * pi * a * e_star),
+        errors: None,
         sliding: None,
         method: kufe_lut::Method::FiniteElements,
     }

@@ -28,6 +28,7 @@ fn of_values(fz: Vec<f64>, curvature: Vec<f64>, values: &[f64]) -> Table {
             length: 1.0,
             width: 1.0,
             approach: 1.0,
+            errors: None,
             sliding: None,
             method: kufe_lut::Method::FiniteElements,
         })

@@ -44,6 +44,7 @@ pub fn write_table(path: &Path, fastest: f64, slides: bool) {
             length: 0.05,
             width: 2e-3,
             approach: 1e-5,
+            errors: None,
             sliding: slides.then_some(sliding),
             method: kufe_lut::Method::FiniteElements,
         }

@@ -39,6 +39,13 @@ fn table() -> Table {
         length: 0.05,
         width: 3e-4,
         approach: 1e-5,
+        errors: Some(kufe_lut::Errors {
+            p_mean: 1e4,
+            area: 1e-7,
+            length: 1e-4,
+            width: 1e-6,
+            approach: 1e-8,
+        }),
         sliding: None,
         method: kufe_lut::Method::FiniteElements,
     });
