@@ -1,6 +1,6 @@
 //! How an amplitude of an effect acts on a sled.
 
-use kufe_sled::effects::{Active, Judged, Kind, Level};
+use kufe_sled::effects::{Active, Channel, Judged, Kind, Level};
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
@@ -22,11 +22,27 @@ pub struct Amplitude {
     pub carrier: Option<String>,
 }
 
+impl Amplitude {
+    /// Whether it stands between a sensor and the truth or changes a constant of the sled.
+    pub fn moves_signals(&self) -> bool {
+        match &self.kind {
+            Kind::Catalogue(effect) => effect.moves_signals(),
+            Kind::Custom(own) => matches!(own.channel, Channel::Sensor(_)),
+        }
+    }
+}
+
 impl Candidate<Amplitude> {
-    /// Whether another is the same amplitude of the same effect in the same place.
+    /// Whether another is the same amplitude of the same effect, with the same settings, in the same place.
     pub fn is(&self, other: &Self) -> bool {
-        let place = |c: &Self| (c.act.track.clone(), c.act.parameter, c.window());
-        self.effect == other.effect && place(self) == place(other)
+        let (own, its) = (&self.act, &other.act);
+        let same = match (&own.kind, &its.kind) {
+            (Kind::Custom(a), Kind::Custom(b)) => a.text == b.text && a.channel == b.channel,
+            _ => self.effect == other.effect,
+        };
+        same && own.parameter == its.parameter
+            && own.values == its.values
+            && own.track == its.track
     }
 
     /// The effect at an amplitude.

@@ -1,6 +1,6 @@
 //! A law beyond the catalogue, claimed: a smooth one that stands out, as the simplest formula that does as well.
 
-use kufe_sled::effects::Channel;
+use kufe_sled::effects::{Channel, Kind};
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
@@ -87,8 +87,9 @@ impl Campaign<'_> {
             let explained = named.map_or(0.0, |named| without.misfit - named.misfit);
             let [more, error] = self.more_than(named, &shown);
             if !self.gives_way(claim, explained, [more, error]) {
-                let beside =
-                    !claim.candidate.is_column() && more > self.rules().laws.as_good * error;
+                let beside = !claim.candidate.is_column()
+                    && !straight_part(&claim.candidate, &shown.candidate)
+                    && more > self.rules().laws.as_good * error;
                 return beside.then_some(Law::Beside(shown.candidate.effect));
             }
         }
@@ -269,6 +270,16 @@ impl Teller<'_> {
         }
         class
     }
+}
+
+/// Whether a fault of a sensor is what a law of what that sensor says itself is beside its bend.
+fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bool {
+    let (Kind::Catalogue(effect), Kind::Custom(own)) = (&fault.act.kind, &law.act.kind) else {
+        return false;
+    };
+    effect.on_sensors.iter().any(|fault| {
+        own.channel == Channel::Sensor(fault.of) && law.effect == unknown(fault.of.name())
+    })
 }
 
 /// Whether a law's name holds another one's column.

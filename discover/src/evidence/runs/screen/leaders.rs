@@ -42,11 +42,11 @@ impl Campaign<'_> {
         claim: Option<&Claim<Amplitude>>,
         options: &ScreenOptions,
     ) -> Option<(Claim<Amplitude>, f64)> {
-        let mut order: Vec<usize> = (0..regular.len())
-            .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
-            .collect();
+        let named = (0..regular.len()).filter(|c| !regular[*c].is_column());
+        let (mut order, mut others): (Vec<usize>, Vec<usize>) =
+            named.partition(|c| screen.seen[*c].usable);
         order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
-        order.truncate(self.rules().leaders);
+        others.extend(order.split_off(order.len().min(self.rules().leaders)));
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
         if no_model || self.least_p() > options.alpha || !self.is_large(at, most) {
@@ -54,26 +54,31 @@ impl Campaign<'_> {
         }
         let without = self.refitted_alone(at)?;
         let bare = self.misfit_by_run(without);
-        let leaders: Vec<Leader> = order
-            .iter()
-            .filter_map(|c| {
-                let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
-                let with = self.misfit_by_run(&refit);
-                Some(Leader {
-                    candidate: &regular[*c],
-                    at: *c,
-                    gains: bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect(),
-                    refit,
-                })
+        let leader = |c: &usize| {
+            let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
+            let with = self.misfit_by_run(&refit);
+            Some(Leader {
+                candidate: &regular[*c],
+                at: *c,
+                gains: bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect(),
+                refit,
             })
-            .collect();
+        };
+        let gain = |leader: &Leader| 2.0 * (without.misfit - leader.refit.misfit);
+        let mut leaders: Vec<Leader> = order.iter().filter_map(leader).collect();
+        if !leaders.iter().any(|l| self.is_large(at, gain(l))) {
+            return None;
+        }
+        // What stands between a sensor and the truth moves every force at once: at the bent base its score may say nothing.
+        others.retain(|c| regular[*c].act.moves_signals());
+        leaders.extend(others.iter().filter_map(leader));
         let (place, best) = leaders
             .iter()
             .enumerate()
             .min_by(|a, b| a.1.refit.misfit.total_cmp(&b.1.refit.misfit))?;
-        let gain = 2.0 * (without.misfit - best.refit.misfit);
+        let gain = gain(best);
         let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
-        if !self.is_large(at, gain) || claimed.is_some_and(|c| c.misfit <= best.refit.misfit) {
+        if claimed.is_some_and(|c| c.misfit <= best.refit.misfit) {
             return None;
         }
         let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
