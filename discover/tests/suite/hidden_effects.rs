@@ -3,11 +3,16 @@
 use std::collections::BTreeMap;
 
 use kufe_discover::{Options, Report, Rules, Verdict, runs};
-use kufe_sled::Model;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
+use kufe_sled::{Model, Run};
 
 /// Runs driven with the effects of `hidden` (TOML), searched with the published model that lacks them.
 fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
+    search(&driven(hidden, seed, runs_kept), seed)
+}
+
+/// Runs driven with the effects of `hidden` (TOML).
+fn driven(hidden: &str, seed: u64, runs_kept: usize) -> Vec<Run> {
     let base = Model::published();
     let truth = Model::from_toml(&(base.to_toml() + hidden), "truth").unwrap();
     let mut plan = sample_plan(seed);
@@ -25,7 +30,12 @@ fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
         planned.options.contacts.clear();
         *count.entry(planned.session.clone()).or_insert(0) += 1;
     }
-    let recorded = drive_sample(&plan, &truth).unwrap();
+    drive_sample(&plan, &truth).unwrap()
+}
+
+/// What the published model lacks in these runs.
+fn search(recorded: &[Run], seed: u64) -> Report {
+    let base = Model::published();
     let mut surveys = BTreeMap::new();
     for name in ["east", "west"] {
         let track = sample_track(name);
@@ -39,7 +49,7 @@ fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
                 .collect(),
         );
     }
-    let data = runs::prepare(&recorded, &base, &surveys, &Rules::default()).unwrap();
+    let data = runs::prepare(recorded, &base, &surveys, &Rules::default()).unwrap();
     let options = Options {
         twins: 16,
         flips: 999,
@@ -93,6 +103,26 @@ fn a_hidden_drag_area_is_in_the_class_that_is_named() {
 #[ignore = "slow study: .ci/slow"]
 fn a_hidden_grip_that_falls_with_speed_is_in_the_class_that_is_named() {
     is_in_the_class_that_is_named("speed-grip", "[effects.speed-grip]\nslope_s_per_m = 0.015");
+}
+
+#[test]
+fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
+    let hidden = 0.012;
+    let mut recorded = driven(&format!("[effects.speed-scale]\nfactor = {hidden}"), 6, 16);
+    for run in &mut recorded {
+        run.columns.remove("s_m");
+    }
+    let report = search(&recorded, 6);
+    let first = &report.steps[0];
+    let of_speed = |name: &String| ["speed-scale", "speed-bias"].contains(&name.as_str());
+    assert!(first.class.iter().all(of_speed), "{}", told(&report));
+    assert_eq!(first.effect, "speed-scale", "{}", told(&report));
+    let factor = &first.parameters[0];
+    assert!(
+        (factor.low..factor.high).contains(&hidden) && factor.high - factor.low < hidden,
+        "{}",
+        told(&report)
+    );
 }
 
 #[test]

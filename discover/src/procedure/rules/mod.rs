@@ -235,7 +235,7 @@ impl Default for RunRules {
                 ..RivalRule::default()
             },
             track_rivals: RivalRule {
-                needed_t: 2.0,
+                needed_t: 3.0,
                 ..RivalRule::default()
             },
             track_agrees: 3.0,

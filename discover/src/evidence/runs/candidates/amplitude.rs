@@ -40,9 +40,7 @@ impl Candidate<Amplitude> {
             (Kind::Custom(a), Kind::Custom(b)) => a.text == b.text && a.channel == b.channel,
             _ => self.effect == other.effect,
         };
-        same && own.parameter == its.parameter
-            && own.values == its.values
-            && own.track == its.track
+        same && own.parameter == its.parameter && own.values == its.values && own.track == its.track
     }
 
     /// The effect at an amplitude.

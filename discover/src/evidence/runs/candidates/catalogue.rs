@@ -84,7 +84,7 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 Judged::InWindow => out.local.push(candidate),
                 Judged::BetweenSessions | Judged::BetweenRuns => out.levels.push(candidate),
                 Judged::WithinRuns => {
-                    if reads_ahead(effect, index) {
+                    if against_slope(effect, index) {
                         out.track.push(candidate.clone());
                     }
                     out.regular.extend(shapes(candidate, effect));
@@ -107,13 +107,16 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     out
 }
 
-/// Whether an amplitude is a fault of the accelerometer ahead, which the track channel holds against the slope; its scale goes with
-/// what the sled feels there, which is little.
-fn reads_ahead(effect: &Effect, parameter: usize) -> bool {
+/// Whether an amplitude is a fault of the speed or of the accelerometer ahead, which the track channel holds against the slope; the
+/// scale of the latter goes with what the sled feels there, which is little.
+fn against_slope(effect: &Effect, parameter: usize) -> bool {
     let mut faults = effect.on_sensors.iter();
     faults.any(|fault| {
-        let ahead = fault.of == Sensor::Ax && fault.parameter == parameter;
-        ahead && fault.reading != Reading::Scaled
+        let shows = match fault.of {
+            Sensor::Ax => fault.reading != Reading::Scaled,
+            sensor => sensor == Sensor::Speed,
+        };
+        shows && fault.parameter == parameter
     })
 }
 

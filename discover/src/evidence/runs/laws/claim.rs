@@ -278,7 +278,8 @@ fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bo
         return false;
     };
     effect.on_sensors.iter().any(|fault| {
-        own.channel == Channel::Sensor(fault.of) && law.effect == unknown(fault.of.name())
+        own.channel == Channel::Sensor(fault.of)
+            && law.effect.strip_prefix("unknown:") == Some(fault.of.name())
     })
 }
 

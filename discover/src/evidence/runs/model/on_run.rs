@@ -3,6 +3,9 @@
 //! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
 //! signals is not the smoothed product.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use kufe_sled::effects::{self, Active, Conditions, Constants, Forces, Sensor, Signals};
 use kufe_sled::{
     Balance, BaseParameter, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
@@ -13,6 +16,7 @@ use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
 };
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::survey::interpolate;
 
 impl ResidualModel {
     /// Residuals of one run, low-passed and thinned to rows.
@@ -65,6 +69,7 @@ pub struct ModelOnRun<'a> {
     humidity: Option<&'a Vec<f64>>,
     ice: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
+    slopes: OnceLock<Cow<'a, [f64]>>,
 }
 
 impl<'a> ModelOnRun<'a> {
@@ -100,7 +105,30 @@ impl<'a> ModelOnRun<'a> {
             humidity: frame.extra.get("humidity_pct"),
             ice: frame.extra.get("ice_c"),
             wear: frame.extra.get("distance_m"),
+            slopes: OnceLock::new(),
         }
+    }
+
+    /// The surveyed slope where the run was: of a distance that is the speed's sum, by the corrected speed.
+    fn slopes(&self) -> &[f64] {
+        self.slopes.get_or_init(|| {
+            let frame = self.frame;
+            let as_read = Cow::Borrowed(frame.slope.as_slice());
+            if frame.slope.is_empty() || !frame.s_of_speed {
+                return as_read;
+            }
+            let more: Vec<f64> = (0..frame.len())
+                .map(|i| self.measured(i)[Sensor::Speed] - frame.v[i])
+                .collect();
+            if more.iter().all(|more| *more == 0.0) {
+                return as_read;
+            }
+            let there = frame.s.iter().zip(&more).scan(0.0, |ahead, (s, more)| {
+                *ahead += more * frame.sample_s();
+                Some(interpolate(&frame.survey, s + *ahead))
+            });
+            Cow::Owned(there.collect())
+        })
     }
 
     /// The signals of a sample, corrected by the active effects.
@@ -229,7 +257,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// What the track channel leaves [m/s2]; 0 without a survey.
     fn track(&self, i: usize, at: &Instant) -> f64 {
-        let Some(slope) = self.frame.slope.get(i) else {
+        let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);

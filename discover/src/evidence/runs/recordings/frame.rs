@@ -62,6 +62,10 @@ pub struct Frame {
     pub roll_split: Vec<f64>,
     /// Slope of the track as surveyed [rad]; empty where there is no survey.
     pub slope: Vec<f64>,
+    /// The survey itself, slope [rad] over distance [m].
+    pub survey: Vec<(f64, f64)>,
+    /// Whether the distance is the speed's sum, so that a speed that is off has led to other places.
+    pub s_of_speed: bool,
     /// The run's own contacts with walls, once places of such are known.
     pub contacts: Vec<OwnContact>,
     /// Stretches on which something pushed this run alone, from and to \[m\].

@@ -21,6 +21,8 @@ pub fn signal_kernel(dt: f64, rules: &RecordingRules) -> Kernel {
 
 /// Fewest rows that a run may have: a second of them.
 pub const LEAST_ROWS: usize = 10;
+/// How far a recorded distance may be from the sum of the speed that it is said to be [m]; below the length of a sled.
+const SAME_PLACE_M: f64 = 1.0;
 /// Kept samples beside one that does not take part that take none either: an installation's delay moves a channel by less
 /// than a kept sample, by a cubic through the two on each side.
 const DELAY_REACH: usize = 2;
@@ -77,19 +79,16 @@ pub fn frame(
     let smooth = |name: &str, default: f64| kernel.smooth(&raw(name, default));
     let slope_of = |name: &str| kernel.slope(&raw(name, 0.0));
     let v = raw("v_mps", 0.0);
-    let s_raw = run
-        .columns
-        .get("s_m")
-        .map(|s| bridged(s))
-        .unwrap_or_else(|| {
-            let mut s = 0.0;
-            v.iter()
-                .map(|v| {
-                    s += v * run.dt_s;
-                    s
-                })
-                .collect()
-        });
+    let summed: Vec<f64> = v
+        .iter()
+        .scan(0.0, |s, v| {
+            *s += v * run.dt_s;
+            Some(*s)
+        })
+        .collect();
+    let s_raw = run.columns.get("s_m").map(|s| bridged(s));
+    let s_of_speed = s_raw.as_ref().is_none_or(|s| goes_with(s, &summed));
+    let s_raw = s_raw.unwrap_or(summed);
     let s = kernel.smooth(&s_raw);
     let known: Vec<&str> = kufe_sled::COLUMNS.iter().copied().chain(["s_m"]).collect();
     let mut extra: BTreeMap<String, Vec<f64>> = run
@@ -106,11 +105,11 @@ pub fn frame(
     {
         extra.insert("ice_c".to_owned(), ice);
     }
-    let slope = surveys
-        .get(&run.entry.track)
-        .map_or_else(Vec::new, |profile| {
-            s.iter().map(|s| interpolate(profile, *s)).collect()
-        });
+    let survey = surveys.get(&run.entry.track).cloned().unwrap_or_default();
+    let slope = match survey.is_empty() {
+        true => Vec::new(),
+        false => s.iter().map(|s| interpolate(&survey, *s)).collect(),
+    };
     let taking_part = taking_part(kernel, &recorded);
     let centres = sieve.clear_centres(&taking_part);
     if centres.len() < LEAST_ROWS {
@@ -160,10 +159,24 @@ pub fn frame(
         roll_split: smooth("gamma_rad", 0.0),
         s,
         slope,
+        survey,
+        s_of_speed,
         contacts: Vec::new(),
         pushed: Vec::new(),
         extra,
     })
+}
+
+/// Whether a recorded distance is no more than the sum of the speed: what it departs by is below the breadth of a place.
+fn goes_with(s: &[f64], summed: &[f64]) -> bool {
+    let (Some(first), Some(begun)) = (s.first(), summed.first()) else {
+        return false;
+    };
+    let apart = s
+        .iter()
+        .zip(summed)
+        .map(|(s, own)| ((s - first) - (own - begun)).abs());
+    apart.fold(0.0, f64::max) < SAME_PLACE_M
 }
 
 #[cfg(test)]

@@ -67,10 +67,10 @@ pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<St
     }
     if agreement < 0.0 {
         remarks.push("the track's slope is counted positive uphill, as the speeds show".to_owned());
-        frames
-            .iter_mut()
-            .flat_map(|f| &mut f.slope)
-            .for_each(|slope| *slope = -*slope);
+        for frame in frames {
+            let survey = frame.survey.iter_mut().map(|(_, slope)| slope);
+            survey.chain(&mut frame.slope).for_each(|x| *x = -*x);
+        }
     }
     agreement < 0.0
 }

@@ -1,13 +1,10 @@
-//! Claims in the track channel: slope, profile and the accelerometer's faults that look like them.
+//! Claims in the track channel: slope, profile, and the faults of the accelerometer and of the speed that look like them.
 
 use kufe_sled::GRAVITY;
-use kufe_sled::effects::Sensor;
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track_channel::TrackChannel;
@@ -19,7 +16,7 @@ use crate::procedure::rivals::NamedEffect;
 /// The track channel of a screen, where it can be used.
 pub struct Surveyed {
     channel: TrackChannel,
-    /// Slope and the accelerometer's faults that look like it.
+    /// Slope and the sensors' faults that look like it.
     list: Vec<Candidate<Amplitude>>,
     /// How well the slope is known \[rad\].
     sd: f64,
@@ -50,18 +47,14 @@ impl Campaign<'_> {
         if !self.used[3] || !residual_model.frozen.is_empty() {
             return None;
         }
-        // A speed that is at fault has led to other places of the track.
-        if self.speed_at_fault(residual_model) {
-            return None;
-        }
         let list: Vec<Candidate<Amplitude>> = self
             .fresh(residual_model, &self.candidates.track)
             .into_iter()
             .filter(|c| !c.is_profile())
             .collect();
-        let mut channel = TrackChannel::new(residual_model, &self.training, &list, self.rules())?;
-        channel.tolerances = list.iter().map(|c| self.tolerance(c)).collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
+        let sd = stated.unwrap_or(self.rules().slope_sd_rad);
+        let channel = self.linearised(residual_model, &list, sd)?;
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
                 "no [survey] in the model: a slope deviation of {} rad is assumed",
@@ -89,21 +82,41 @@ impl Campaign<'_> {
         Some(Surveyed {
             channel,
             list,
-            sd: stated.unwrap_or(self.rules().slope_sd_rad),
+            sd,
             within: self.rules().track_and_forces,
         })
     }
 
-    /// Whether an effect of the model stands between the speed and its sensor.
-    fn speed_at_fault(&self, residual_model: &ResidualModel) -> bool {
-        let effects = ResidualModel {
-            installation: Installation::default(),
-            ..residual_model.clone()
+    /// The channel with each candidate's change taken over the size that it has by the channel itself: a speed that is off by a per cent
+    /// moves every place by more than the slope takes to change.
+    fn linearised(
+        &self,
+        residual_model: &ResidualModel,
+        list: &[Candidate<Amplitude>],
+        sd: f64,
+    ) -> Option<TrackChannel> {
+        /// Rounds from a small size; the third moves a size by less than a tenth of its error.
+        const ROUNDS: usize = 3;
+        let small = |c: &Candidate<Amplitude>| 0.01 * c.typical;
+        let mut sized: Vec<_> = list.iter().map(|c| (c.clone(), small(c))).collect();
+        let channel_of = |sized: &[(Candidate<Amplitude>, f64)]| {
+            let mut channel =
+                TrackChannel::new(residual_model, &self.training, sized, self.rules())?;
+            channel.tolerances = list.iter().map(|c| self.tolerance(c)).collect();
+            Some(channel)
         };
-        self.training.iter().any(|frame| {
-            let (on_run, middle) = (ModelOnRun::new(&effects, frame), frame.len() / 2);
-            on_run.measured(middle)[Sensor::Speed] != frame.v[middle]
-        })
+        let mut channel = channel_of(&sized)?;
+        for _ in 1..ROUNDS {
+            for (c, (candidate, size)) in sized.iter_mut().enumerate() {
+                let seen = channel.judge(c, sd).size;
+                let seen = seen.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+                if seen.abs() > small(candidate) {
+                    *size = seen;
+                }
+            }
+            channel = channel_of(&sized)?;
+        }
+        Some(channel)
     }
 
     /// What the accelerometer's tolerance leaves open of a candidate of the track channel, a standard deviation in its unit.

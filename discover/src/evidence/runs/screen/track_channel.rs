@@ -46,11 +46,11 @@ pub struct TrackChannel {
 }
 
 impl TrackChannel {
-    /// Averages residuals and directions; `None` where there is no survey.
+    /// Averages residuals, and what each candidate changes by the size beside it; `None` where there is no survey.
     pub fn new(
         residual_model: &ResidualModel,
         frames: &[Frame],
-        candidates: &[Candidate<Amplitude>],
+        candidates: &[(Candidate<Amplitude>, f64)],
         rules: &RunRules,
     ) -> Option<Self> {
         let (width, reach) = (rules.track_bin_m, rules.track_near);
@@ -60,16 +60,13 @@ impl TrackChannel {
         let directions_of = |frame: &Frame| -> Vec<Vec<f64>> {
             let rest = &residual_model.residuals(frame)[3];
             let mut out = vec![rest.clone()];
-            for candidate in candidates {
+            for (candidate, size) in candidates {
                 let moved = residual_model
-                    .with(candidate.active(0.01 * candidate.typical))
+                    .with(candidate.active(*size))
                     .residuals(frame);
-                out.push(
-                    rest.iter()
-                        .zip(&moved[3])
-                        .map(|(r, m)| (r - m) / 0.01)
-                        .collect(),
-                );
+                let per_typical = candidate.typical / size;
+                let both = rest.iter().zip(&moved[3]);
+                out.push(both.map(|(r, m)| (r - m) * per_typical).collect());
             }
             out
         };
@@ -152,7 +149,7 @@ impl TrackChannel {
         Some(Self {
             bins,
             directions,
-            typical: candidates.iter().map(|c| c.typical).collect(),
+            typical: candidates.iter().map(|(c, _)| c.typical).collect(),
             tolerances: vec![0.0; candidates.len()],
             inflation: (1.0 + rho) / (1.0 - rho),
             scatter: common.sqrt(),
@@ -192,15 +189,22 @@ impl TrackChannel {
             .map(|((d, w), b)| d * w * b.2)
             .sum();
         let tolerance = self.tolerances[c] / self.typical[c];
-        let error = (self.inflation / information.max(1e-300))
-            .sqrt()
-            .hypot(tolerance);
         let size = score / information.max(1e-300);
+        let scatter = self.inflation * self.beyond_survey(d, size, &w);
+        let error = (scatter / information.max(1e-300)).sqrt().hypot(tolerance);
         TrackScore {
             size: size * self.typical[c],
             error: error * self.typical[c],
             p_value: (two_sided(size / error) * self.directions.len() as f64).min(1.0),
         }
+    }
+
+    /// How much more the bins scatter about a candidate of this size than their own scatter and the survey's allow, 1 at least: a profile
+    /// that is off along the track goes with any candidate by chance (Birge's ratio, squared).
+    fn beyond_survey(&self, direction: &[f64], size: f64, w: &[f64]) -> f64 {
+        let left = self.bins.iter().zip(direction).zip(w);
+        let squares: f64 = left.map(|((b, d), w)| w * (b.2 - d * size).powi(2)).sum();
+        (squares / (self.bins.len() as f64 - 1.0)).max(1.0)
     }
 
     /// z of candidate `a` once `b` has taken its part.
@@ -216,7 +220,9 @@ impl TrackChannel {
         if information < 1e-6 * dot(x, x) {
             return 0.0;
         }
-        (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * self.inflation).sqrt()
+        let size = dot(x, &y) / dot(x, x);
+        let scatter = self.inflation * self.beyond_survey(x, size, &w);
+        (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * scatter).sqrt()
     }
 
     /// Correlation of two candidates over the bins.
