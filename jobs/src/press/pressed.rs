@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use kufe_case::FittedHull;
-use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher, runner_loads, solve};
+use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher};
+use kufe_contact::{boundary_elements_to_compare, runner_loads, solve};
 
 use crate::case_file::{LoadedCase, depth, patch};
 use crate::failure::Failure;
@@ -104,7 +105,10 @@ pub fn press_prepared(
                 let failure = loaded.failure(&error);
                 match error {
                     Error::AccuracyNotReached { best, .. } => (*best, None, Some(failure)),
-                    _ => return Err(failure),
+                    Error::Stopped => return Err(failure),
+                    _ => {
+                        return Err(too_coarse(&loaded, hull.as_ref(), &problem).unwrap_or(failure));
+                    }
                 }
             }
         },
@@ -128,6 +132,12 @@ pub fn press_prepared(
     let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
     let untold = unstated && sliding.is_none() && moved_by.is_none();
     let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
+    // Not told now: the command ends with it.
+    warnings.extend(
+        short
+            .as_ref()
+            .map(|short| format!("the accuracy asked was not reached: {short}")),
+    );
     let remarks = [
         beyond_ice(&problem, &solution),
         own_hexahedra(&loaded),
@@ -165,6 +175,16 @@ pub fn press_prepared(
         content: prepared.content.clone(),
         warnings,
     })
+}
+
+/// That the hull is too coarse for its load, by the contact that boundary elements find on it: why there is no answer, then.
+fn too_coarse(
+    loaded: &LoadedCase,
+    hull: Option<&FittedHull>,
+    problem: &Problem,
+) -> Option<Failure> {
+    let found = boundary_elements_to_compare(problem).ok()?;
+    loaded.fine_within(hull, found.approach, found.patch).err()
 }
 
 /// A warning where the elastic answer is beyond what ice bears.
