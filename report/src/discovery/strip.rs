@@ -46,7 +46,7 @@ fn drawn(plot: Data, width: f64) -> String {
     let mut seen = std::collections::HashSet::new();
     sessions.retain(|session| seen.insert(*session));
     let mut svg = format!(
-        "<svg class=\"strip\" viewBox=\"0 0 {width} {3}\" width=\"{width}\" role=\"img\" aria-label=\"what is left along track {0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n\
+        "<svg viewBox=\"0 0 {width} {3}\" width=\"{width}\" role=\"img\" aria-label=\"what is left along track {0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n\
 <text x=\"8\" y=\"14\">measured less simulated, {1} [{2}], along track {0}</text>\n",
         escape(plot.text("track")),
         escape(plot.text("channel")),
