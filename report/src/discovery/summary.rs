@@ -203,7 +203,12 @@ fn judged(held: Data) -> Option<Data> {
 /// The gap that is left.
 fn left_over(report: Data) -> String {
     let held = report.part("held_out");
-    quantity(held.number("gap_after"), held.text("unit"))
+    match report.list("training").first() {
+        Some(learned) if held.texts("runs").is_empty() => {
+            quantity(learned.number("after"), learned.text("unit"))
+        }
+        _ => quantity(held.number("gap_after"), held.text("unit")),
+    }
 }
 
 /// What is left beyond the sensors' noise where that is more than the noise.
@@ -260,6 +265,37 @@ fn counted(count: usize, what: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_without_a_bin_is_told_by_its_size() {
+        let mut report = serde_json::json!({
+            "verdict": "named", "steps": [{ "effect": "hardness" }], "clean": false,
+            "training": [{ "channel": "p", "unit": "Pa", "before": 9e6, "after": 3e6 }],
+        });
+        let told = |report: &serde_json::Value| {
+            let mut out = String::new();
+            summary(&mut out, Data(report));
+            out
+        };
+        assert!(
+            told(&report).contains("3.000 MPa are left"),
+            "{}",
+            told(&report)
+        );
+        report["held_out"] =
+            serde_json::json!({ "what": "map", "runs": ["row 5"], "unit": "Pa", "gap_after": 4e6 });
+        assert!(
+            told(&report).contains("4.000 MPa are left"),
+            "{}",
+            told(&report)
+        );
+        report["bins_after"] = serde_json::json!([{}]);
+        assert!(
+            told(&report).contains("one bin still stands out"),
+            "{}",
+            told(&report)
+        );
+    }
 
     #[test]
     fn places_name_each_track_once_and_leave_other_words_alone() {
