@@ -17,7 +17,7 @@ pub struct Global {
     /// Number of threads (default: one a core)
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<usize>,
-    /// Print nothing but the result and errors
+    /// Print nothing but the result, warnings and errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Say on standard error what is being done, a line a step

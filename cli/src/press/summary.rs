@@ -39,10 +39,14 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         (
             "peak pressure",
             format!(
-                "{:.2} MPa +- {:.2} (estimated error {:.2} %)",
+                "{:.2} MPa +- {:.2} (estimated error {:.2} %){}",
                 solution.p_max / 1e6,
                 solution.p_max_error / 1e6,
-                1e2 * solution.p_max_error / solution.p_max
+                1e2 * solution.p_max_error / solution.p_max,
+                match pressed.short {
+                    Some(_) => ": the accuracy asked was not reached",
+                    None => "",
+                }
             ),
         ),
         (

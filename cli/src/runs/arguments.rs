@@ -60,11 +60,7 @@ impl RunArgs {
         let loaded = selection.load(
             &Watch {
                 progress: Some(&|text| bar.set_message(text.to_owned())),
-                warn: Some(&|text| {
-                    if !global.quiet {
-                        bar.suspend(|| eprintln!("kufe: note: {text}"));
-                    }
-                }),
+                warn: Some(&|text| bar.suspend(|| eprintln!("kufe: warning: {text}"))),
                 ..Watch::default()
             },
             wanted,

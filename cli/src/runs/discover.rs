@@ -106,8 +106,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .map_err(failure)?;
     let (report, next, case) = (found.report, found.next_model, found.next_case);
     bar.finish_and_clear();
-    if !report.gaps.is_empty() && !global.quiet {
-        eprintln!("kufe: note: {}", kufe_sled::gaps_line(&report.gaps));
+    if !report.gaps.is_empty() {
+        eprintln!("kufe: warning: {}", kufe_sled::gaps_line(&report.gaps));
     }
     let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;

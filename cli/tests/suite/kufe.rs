@@ -100,6 +100,17 @@ pub fn json(path: &Path) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
+/// Runs lines in Octave in a folder, where there is one, and expects every `assert` of them to hold.
+pub fn octave(folder: &Path, lines: &str) {
+    if let Some(mut octave) = kufe_outside::program("octave-cli") {
+        let ran = octave
+            .args(["--quiet", "--eval", lines])
+            .current_dir(folder);
+        let output = ran.output().expect("Octave runs");
+        assert!(output.status.success(), "{}", errors(&output));
+    }
+}
+
 /// What a run said on standard error.
 pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()

@@ -102,6 +102,9 @@ impl<'a> Joint<'a> {
         account.remarks.extend(own.remarks.into_iter().map(of));
         account.depends.extend(own.depends.into_iter().map(of));
         if let Some(why) = own.unexplained {
+            // Told beside the names that other kinds of data have found.
+            let remark = of(format!("something is left without a name: {why}"));
+            account.remarks.push(remark);
             account.unexplained.get_or_insert(of(why));
         }
     }

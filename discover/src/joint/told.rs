@@ -56,6 +56,11 @@ pub fn described(
                 parameter.name = format!("{} ({name})", parameter.name);
             }
         }
+        for picture in &mut one.pictures {
+            if several {
+                picture.title = format!("{} ({name})", picture.title);
+            }
+        }
         let untestable = one.untestable.into_iter();
         all.untestable
             .extend(untestable.map(|(effect, why)| (effect, format!("{name}: {why}"))));

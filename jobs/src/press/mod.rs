@@ -2,9 +2,11 @@
 
 mod check;
 mod hull_error;
+mod prepared;
 mod pressed;
 mod result;
 mod runner;
 
-pub use pressed::{Pressed, press, press_with};
+pub use prepared::Prepared;
+pub use pressed::{Pressed, press, press_prepared, press_with};
 pub use runner::runner_keys;

@@ -2,14 +2,15 @@
 
 use std::time::Instant;
 
-use kufe_case::{FittedHull, StatedProblem};
-use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher, runner_loads, solve};
-use kufe_mesh::Noise;
+use kufe_case::FittedHull;
+use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher};
+use kufe_contact::{boundary_elements_to_compare, runner_loads, solve};
 
 use crate::case_file::{LoadedCase, depth, patch};
 use crate::failure::Failure;
 use crate::press::check::Check;
 use crate::press::hull_error::{HullError, between_vertices, moved};
+use crate::press::prepared::Prepared;
 use crate::slide::{Slid, solve_sliding};
 use crate::watch::Watch;
 
@@ -73,8 +74,22 @@ pub fn press(
 /// # Errors
 /// As [`press`] for all else; [`Failure::Partial`] where it was stopped.
 pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
-    let content = loaded.content()?;
-    let StatedProblem { problem, hull } = loaded.stated_sliding()?;
+    let prepared = Prepared::of(&loaded)?;
+    press_prepared(loaded, &prepared, watch, options)
+}
+
+/// As [`press_with`], of a runner that is read and fitted already.
+///
+/// # Errors
+/// As [`press_with`].
+pub fn press_prepared(
+    loaded: LoadedCase,
+    prepared: &Prepared,
+    watch: &Watch,
+    options: Options,
+) -> Result<Pressed, Failure> {
+    let problem = prepared.problem(&loaded)?;
+    let hull = prepared.hull.clone();
     let mut warnings = loaded.hull_warnings(hull.as_ref());
     warnings.iter().for_each(|warning| watch.warn(warning));
     let started = Instant::now();
@@ -90,7 +105,10 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
                 let failure = loaded.failure(&error);
                 match error {
                     Error::AccuracyNotReached { best, .. } => (*best, None, Some(failure)),
-                    _ => return Err(failure),
+                    Error::Stopped => return Err(failure),
+                    _ => {
+                        return Err(too_coarse(&loaded, hull.as_ref(), &problem).unwrap_or(failure));
+                    }
                 }
             }
         },
@@ -107,13 +125,19 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
     let resting = hull.as_ref().filter(|_| sliding.is_none());
     let between = resting
         .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
-    let moved_by = told.filter(|_| sliding.is_none()).and_then(|hull| {
+    let moved_by = told.filter(|_| sliding.is_none()).and_then(|_| {
         watch.progress("scans made up, to see how far noise moves the peak");
-        moved(&problem, hull, found_noise(hull))
+        moved(&problem, || prepared.scans())
     });
     let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
     let untold = unstated && sliding.is_none() && moved_by.is_none();
     let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
+    // Not told now: the command ends with it.
+    warnings.extend(
+        short
+            .as_ref()
+            .map(|short| format!("the accuracy asked was not reached: {short}")),
+    );
     let remarks = [
         beyond_ice(&problem, &solution),
         own_hexahedra(&loaded),
@@ -148,9 +172,19 @@ pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result
         sliding,
         seconds,
         short,
-        content,
+        content: prepared.content.clone(),
         warnings,
     })
+}
+
+/// That the hull is too coarse for its load, by the contact that boundary elements find on it: why there is no answer, then.
+fn too_coarse(
+    loaded: &LoadedCase,
+    hull: Option<&FittedHull>,
+    problem: &Problem,
+) -> Option<Failure> {
+    let found = boundary_elements_to_compare(problem).ok()?;
+    loaded.fine_within(hull, found.approach, found.patch).err()
 }
 
 /// A warning where the elastic answer is beyond what ice bears.
@@ -194,12 +228,6 @@ fn beyond_discretisation(
         1e6 * left,
         100.0 * left / solution.approach
     )
-}
-
-/// The largest of a hull's noise, what would not show of it and what its fit has found [m].
-fn found_noise(hull: &FittedHull) -> f64 {
-    let Noise { found, unseen } = hull.noise;
-    found.max(unseen).max(hull.underside.quality().residual_rms)
 }
 
 /// What noise moves that a hull may have and its vertices do not show.

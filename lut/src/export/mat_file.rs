@@ -79,7 +79,11 @@ impl MatValue {
             MatValue::Numbers(shape, values) => doubles(name, shape, values),
             MatValue::Text(text) => characters(name, text),
             MatValue::Structures(names, rows) => {
-                let mut data = part(MI_INT32, &(LONGEST as i32 + 1).to_le_bytes());
+                // In one word with its tag, as MATLAB does: Octave takes the length of names in no other form.
+                let mut data = [MI_INT32 | 4 << 16, LONGEST as u32 + 1]
+                    .iter()
+                    .flat_map(|word| word.to_le_bytes())
+                    .collect::<Vec<u8>>();
                 let mut table = vec![0; names.len() * (LONGEST + 1)];
                 for (to, name) in table.chunks_exact_mut(LONGEST + 1).zip(names) {
                     let name = variable_name(name);

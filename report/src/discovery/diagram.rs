@@ -57,10 +57,12 @@ struct Frame {
     y: [f64; 2],
 }
 
-const LEFT: f64 = 70.0;
-const RIGHT: f64 = 745.0;
+const LEFT: f64 = 58.0;
+const RIGHT: f64 = 472.0;
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 250.0;
+/// Ticks that leave three numbers on any axis.
+const TICKS: usize = 8;
 
 impl Frame {
     /// Ranges that hold all values with a margin.
@@ -80,7 +82,7 @@ impl Frame {
     /// The opening tag.
     fn open(&self, label: &str) -> String {
         format!(
-            "<svg viewBox=\"0 0 760 300\" width=\"760\" role=\"img\" aria-label=\"{label}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n"
+            "<svg viewBox=\"0 0 480 300\" width=\"480\" role=\"img\" aria-label=\"{label}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n"
         )
     }
 
@@ -102,7 +104,7 @@ impl Frame {
             BOTTOM - TOP,
             0.5 * (LEFT + RIGHT),
         );
-        for tick in axis_ticks(self.x[0], self.x[1], 8) {
+        for tick in axis_ticks(self.x[0], self.x[1], TICKS) {
             let (at, _) = self.at(tick, self.y[0]);
             let _ = writeln!(
                 svg,
@@ -112,7 +114,7 @@ impl Frame {
                 plain(tick)
             );
         }
-        for tick in axis_ticks(self.y[0], self.y[1], 5) {
+        for tick in axis_ticks(self.y[0], self.y[1], TICKS) {
             let (_, at) = self.at(self.x[0], tick);
             let _ = writeln!(
                 svg,
@@ -180,7 +182,7 @@ impl Frame {
     }
 
     fn key(&self, svg: &mut String, name: &str, colour: usize) {
-        let x = RIGHT - 300.0 + 150.0 * colour as f64;
+        let x = RIGHT - 285.0 + 140.0 * colour as f64;
         let _ = writeln!(
             svg,
             "<rect x=\"{x}\" y=\"6\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{}\" y=\"16\">{name}</text>",

@@ -40,9 +40,7 @@ pub fn comparison(plot: Data) -> String {
     let (first, second) = (less("before"), less("after"));
     let largest = |values: &[f64]| values.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
     let (top, off) = (largest(&measured), largest(&first));
-    let mut svg = String::from(
-        "<svg viewBox=\"0 0 760 240\" width=\"760\" role=\"img\" aria-label=\"measured pressure and its difference from the simulation\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"currentColor\">\n",
-    );
+    let mut out = String::from("<div class=\"panels\">\n");
     let mut panels = vec![
         (
             "measured",
@@ -50,30 +48,23 @@ pub fn comparison(plot: Data) -> String {
             Scale::Upwards(top),
         ),
         (
-            "measured - simulated, before",
+            "measured less simulated, before",
             colours(&first, |d| diverging(d / off)),
             Scale::Both(off),
         ),
     ];
     if !second.is_empty() {
         panels.push((
-            "measured - simulated, after",
+            "measured less simulated, after",
             colours(&second, |d| diverging(d / off)),
             Scale::Both(off),
         ));
     }
-    for (k, (title, pixels, scale)) in panels.into_iter().enumerate() {
-        panel(
-            &mut svg,
-            56.0 + 252.0 * k as f64,
-            title,
-            &grid,
-            &pixels,
-            &scale,
-        );
+    for (title, pixels, scale) in panels {
+        panel(&mut out, title, &grid, &pixels, &scale);
     }
-    svg.push_str("</svg>\n");
-    svg
+    out.push_str("</div>\n");
+    out
 }
 
 /// Range of a colour bar [Pa].
@@ -82,8 +73,13 @@ enum Scale {
     Both(f64),
 }
 
-fn panel(svg: &mut String, x: f64, title: &str, grid: &Grid, pixels: &[[u8; 3]], scale: &Scale) {
+fn panel(svg: &mut String, title: &str, grid: &Grid, pixels: &[[u8; 3]], scale: &Scale) {
     let (width, height) = PANEL;
+    let x = 56.0;
+    let _ = writeln!(
+        svg,
+        "<svg viewBox=\"0 0 252 240\" width=\"252\" role=\"img\" aria-label=\"{title}\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"currentColor\">"
+    );
     let y = 28.0;
     let image = base64::engine::general_purpose::STANDARD.encode(bitmap(grid.pixels, pixels));
     let [along, across] = [0, 1].map(|axis| {
@@ -131,7 +127,7 @@ fn panel(svg: &mut String, x: f64, title: &str, grid: &Grid, pixels: &[[u8; 3]],
     }
     let _ = writeln!(
         svg,
-        "<text x=\"{x}\" y=\"{below}\">{}</text><text x=\"{middle}\" y=\"{below}\" text-anchor=\"middle\">p [MPa]</text><text x=\"{right}\" y=\"{below}\" text-anchor=\"end\">{}</text>",
+        "<text x=\"{x}\" y=\"{below}\">{}</text><text x=\"{middle}\" y=\"{below}\" text-anchor=\"middle\">p [MPa]</text><text x=\"{right}\" y=\"{below}\" text-anchor=\"end\">{}</text></svg>",
         number3(from),
         number3(to),
         below = y + height + 48.0,

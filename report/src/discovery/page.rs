@@ -28,25 +28,8 @@ pub fn discovery_page(report: &Value) -> String {
         .list("pictures")
         .into_iter()
         .partition(|picture| picture.part("plot").text("kind") == "strip");
-    for picture in strips {
-        wide(&mut out, &strip(picture.part("plot")));
-    }
-    for picture in others {
-        let plot = picture.part("plot");
-        let svg = match plot.text("kind") {
-            "maps" => comparison(plot),
-            _ => diagram(plot),
-        };
-        let _ = writeln!(out, "<h2>{}</h2>", escape(picture.text("title")));
-        wide(&mut out, &svg);
-        if !picture.text("caption").is_empty() {
-            let _ = writeln!(
-                out,
-                "<p><small>{}</small></p>",
-                escape(picture.text("caption"))
-            );
-        }
-    }
+    along_tracks(&mut out, strips);
+    figures(&mut out, &others);
     for (number, one) in report.list("steps").iter().enumerate() {
         step(&mut out, number + 1, *one, report);
     }
@@ -59,6 +42,43 @@ pub fn discovery_page(report: &Value) -> String {
         escape(report.text("data"))
     );
     plain_page("What the model lacks", &out)
+}
+
+/// What is left along the track where most effects are; along others, folded.
+fn along_tracks(out: &mut String, strips: Vec<Data>) {
+    let mut plots: Vec<Data> = strips.iter().map(|strip| strip.part("plot")).collect();
+    plots.sort_by_key(|plot| std::cmp::Reverse(plot.list("places").len()));
+    let mut plots = plots.into_iter();
+    if let Some(first) = plots.next() {
+        out.push_str(&strip(first));
+    }
+    for plot in plots {
+        let title = format!("The same along track {}", plot.text("track"));
+        fold(out, &title, |out| out.push_str(&strip(plot)));
+    }
+}
+
+/// Diagrams side by side, maps one below the other.
+fn figures(out: &mut String, pictures: &[Data]) {
+    if pictures.is_empty() {
+        return;
+    }
+    out.push_str("<div class=\"figures\">\n");
+    for picture in pictures {
+        let plot = picture.part("plot");
+        let (class, svg) = match plot.text("kind") {
+            "maps" => (" class=\"whole\"", comparison(plot)),
+            _ => ("", diagram(plot)),
+        };
+        let title = escape(picture.text("title"));
+        let _ = writeln!(out, "<div{class}><h2>{title}</h2>\n{svg}");
+        if !picture.text("caption").is_empty() {
+            let caption = escape(picture.text("caption"));
+            let _ = writeln!(out, "<p><small>{caption}</small></p>");
+        }
+        out.push_str("</div>\n");
+    }
+    out.push_str("</div>\n");
 }
 
 /// Tables of numbers, folded.

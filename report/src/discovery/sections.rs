@@ -21,11 +21,10 @@ pub fn step(out: &mut String, number: usize, step: Data, report: Data) {
     };
     let _ = write!(
         out,
-        "<h2>{number}. {}</h2>\n<p>Channel {}; where: {}; p {}. The gap on the data it was learned from went from {} to {}. \
+        "<h2>{number}. {}</h2>\n<p>Channel {}; p {}. The gap on the data it was learned from went from {} to {}. \
 Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}.</p>\n",
         escape(step.text("effect")),
         escape(step.text("channel")),
-        escape(step.text("where")),
         p_is(step.number("p_value")),
         escape(&quantity(step.number("gap_before"), step.text("unit"))),
         escape(&quantity(step.number("gap_after"), step.text("unit"))),
@@ -33,8 +32,10 @@ Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}
         100.0 * step.part("explainable_gap_closed").number("low"),
         100.0 * step.part("explainable_gap_closed").number("high")
     );
-    parameters(out, &step.list("parameters"));
     evidence(out, &step.list("evidence"));
+    fold(out, "Its size, with the interval", |out| {
+        parameters(out, &step.list("parameters"));
+    });
     if step.list("rivals").is_empty() {
         return;
     }

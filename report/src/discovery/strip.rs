@@ -7,18 +7,23 @@ use kufe_plot::{axis_ticks, number4, tick_text};
 use super::data::Data;
 use crate::page::escape;
 
-const WIDTH: f64 = 940.0;
+/// Widths of a page and of a phone, whose letters stay as large.
+const WIDTHS: [f64; 2] = [940.0, 470.0];
 const LEFT: f64 = 64.0;
-const RIGHT: f64 = 928.0;
 /// Top edges of the two panels, and their height.
 const TOPS: [f64; 2] = [44.0, 184.0];
 const HIGH: f64 = 118.0;
-/// Most sessions that are told apart by name.
-const NAMED: usize = 8;
+/// Ticks upwards that leave three numbers on a scale about 0.
+const TICKS: usize = 5;
 
 /// Two panels over the distance along the track: every run in its session's colour and the mean of all, before and after; places of
-/// effects are shaded. Both panels have the same scale.
+/// effects are shaded. Both panels have the same scale. Drawn twice: the page shows the one that fits.
 pub fn strip(plot: Data) -> String {
+    let [page, phone] = WIDTHS.map(|width| drawn(plot, width));
+    format!("<div class=\"page\">{page}</div><div class=\"phone\">{phone}</div>")
+}
+
+fn drawn(plot: Data, width: f64) -> String {
     let runs = plot.list("runs");
     let (from, step) = (plot.number("from_m"), plot.number("step_m"));
     let panels = ["before", "after"]
@@ -35,16 +40,18 @@ pub fn strip(plot: Data) -> String {
         from,
         to,
         most: 1.05 * most,
+        right: width - 12.0,
     };
     let mut sessions: Vec<&str> = runs.iter().map(|run| run.text("session")).collect();
     let mut seen = std::collections::HashSet::new();
     sessions.retain(|session| seen.insert(*session));
     let mut svg = format!(
-        "<svg class=\"strip\" viewBox=\"0 0 {WIDTH} 346\" width=\"{WIDTH}\" role=\"img\" aria-label=\"what is left along track {0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n\
+        "<svg viewBox=\"0 0 {width} {3}\" width=\"{width}\" role=\"img\" aria-label=\"what is left along track {0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n\
 <text x=\"8\" y=\"14\">measured less simulated, {1} [{2}], along track {0}</text>\n",
         escape(plot.text("track")),
         escape(plot.text("channel")),
-        escape(plot.text("unit"))
+        escape(plot.text("unit")),
+        scale.legend() + 6.0
     );
     for (top, (name, panel)) in TOPS
         .into_iter()
@@ -71,7 +78,7 @@ pub fn strip(plot: Data) -> String {
         );
     }
     scale.distance(&mut svg);
-    legend(&mut svg, &sessions);
+    scale.sessions(&mut svg, &sessions);
     svg.push_str("</svg>\n");
     svg
 }
@@ -81,11 +88,13 @@ struct Scale {
     from: f64,
     to: f64,
     most: f64,
+    /// Right edge of the panels.
+    right: f64,
 }
 
 impl Scale {
     fn x(&self, s: f64) -> f64 {
-        LEFT + (RIGHT - LEFT) * (s - self.from) / (self.to - self.from)
+        LEFT + (self.right - LEFT) * (s - self.from) / (self.to - self.from)
     }
 
     fn y(&self, value: f64, top: f64) -> f64 {
@@ -97,15 +106,16 @@ impl Scale {
             svg,
             "<rect x=\"{LEFT}\" y=\"{top}\" width=\"{:.1}\" height=\"{HIGH}\" fill=\"none\" stroke=\"currentColor\" opacity=\"0.4\"/>\
 <text x=\"{:.1}\" y=\"{:.1}\" font-weight=\"bold\">{name}</text>",
-            RIGHT - LEFT,
+            self.right - LEFT,
             LEFT + 6.0,
             top + 16.0
         );
-        for tick in axis_ticks(-self.most, self.most, 4) {
+        let right = self.right;
+        for tick in axis_ticks(-self.most, self.most, TICKS) {
             let y = self.y(tick, top);
             let _ = writeln!(
                 svg,
-                "<line x1=\"{LEFT}\" x2=\"{RIGHT}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"currentColor\" opacity=\"0.15\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                "<line x1=\"{LEFT}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"currentColor\" opacity=\"0.15\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
                 LEFT - 6.0,
                 y + 4.0,
                 tick_text(tick, 2.0 * self.most)
@@ -128,7 +138,7 @@ impl Scale {
             let _ = writeln!(
                 svg,
                 "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"12\">{}</text>",
-                (from + 0.5 * wide).clamp(LEFT + 40.0, RIGHT - 40.0),
+                (from + 0.5 * wide).clamp(LEFT + 40.0, self.right - 40.0),
                 top - 5.0,
                 escape(place.text("effect"))
             );
@@ -152,7 +162,7 @@ impl Scale {
 
     fn distance(&self, svg: &mut String) {
         let bottom = TOPS[1] + HIGH;
-        for tick in axis_ticks(self.from, self.to, 10) {
+        for tick in axis_ticks(self.from, self.to, if self.is_narrow() { 8 } else { 10 }) {
             let x = self.x(tick);
             let _ = writeln!(
                 svg,
@@ -164,9 +174,54 @@ impl Scale {
         }
         let _ = writeln!(
             svg,
-            "<text x=\"{RIGHT}\" y=\"{}\" text-anchor=\"end\">distance along the track [m]</text>",
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">distance along the track [m]</text>",
+            self.right,
             bottom + 38.0
         );
+    }
+
+    /// Where the legend stands: beside the name of the axis, or where there is no room below it.
+    fn legend(&self) -> f64 {
+        let beside = TOPS[1] + HIGH + 38.0;
+        match self.is_narrow() {
+            true => beside + 22.0,
+            false => beside,
+        }
+    }
+
+    fn is_narrow(&self) -> bool {
+        self.right < 0.75 * WIDTHS[0]
+    }
+
+    /// The mean's and the sessions' colours, as many as there is room for.
+    fn sessions(&self, svg: &mut String, sessions: &[&str]) {
+        let y = self.legend();
+        let entry = |svg: &mut String, x: f64, colour: &str, name: &str| {
+            let _ = writeln!(
+                svg,
+                "<line x1=\"{x}\" x2=\"{}\" y1=\"{2}\" y2=\"{2}\" stroke=\"{colour}\" stroke-width=\"2\"/><text x=\"{1}\" y=\"{y}\">{3}</text>",
+                x + 14.0,
+                x + 18.0,
+                y - 4.0,
+                escape(name)
+            );
+        };
+        let left = if self.is_narrow() { 8.0 } else { LEFT };
+        entry(svg, left, "currentColor", "mean of all runs");
+        let name_of_axis = if self.is_narrow() { 0.0 } else { 190.0 };
+        let end = self.right - name_of_axis - 120.0;
+        let mut x = left + 140.0;
+        for (k, session) in sessions.iter().enumerate() {
+            let wide = 34.0 + 7.5 * session.chars().count() as f64;
+            let last = k + 1 == sessions.len();
+            if x + wide > end + if last { 120.0 } else { 0.0 } {
+                let more = sessions.len() - k;
+                let _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\">and {more} sessions</text>");
+                break;
+            }
+            entry(svg, x, &colour(k, sessions.len()), session);
+            x += wide;
+        }
     }
 }
 
@@ -188,42 +243,31 @@ fn colour(k: usize, count: usize) -> String {
     format!("hsl({:.0} 60% 50%)", hue % 360.0)
 }
 
-fn legend(svg: &mut String, sessions: &[&str]) {
-    let y = TOPS[1] + HIGH + 38.0;
-    let _ = writeln!(
-        svg,
-        "<line x1=\"{LEFT}\" x2=\"{}\" y1=\"{1}\" y2=\"{1}\" stroke=\"currentColor\" stroke-width=\"2\"/><text x=\"{2}\" y=\"{y}\">mean of all runs</text>",
-        LEFT + 18.0,
-        y - 4.0,
-        LEFT + 24.0
-    );
-    let mut x = LEFT + 150.0;
-    for (k, session) in sessions.iter().enumerate().take(NAMED) {
-        let _ = writeln!(
-            svg,
-            "<line x1=\"{x}\" x2=\"{}\" y1=\"{1}\" y2=\"{1}\" stroke=\"{2}\" stroke-width=\"2\"/><text x=\"{3}\" y=\"{y}\">{4}</text>",
-            x + 14.0,
-            y - 4.0,
-            colour(k, sessions.len()),
-            x + 18.0,
-            escape(session)
-        );
-        x += 34.0 + 7.5 * session.chars().count() as f64;
-    }
-    if sessions.len() > NAMED {
-        let _ = writeln!(
-            svg,
-            "<text x=\"{x}\" y=\"{y}\">and {} sessions more</text>",
-            sessions.len() - NAMED
-        );
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
     use super::*;
+
+    /// A scale about 0 has three numbers wherever it ends, and names do not run out of a phone's picture.
+    #[test]
+    fn scales_have_three_numbers_and_legends_room() {
+        for largest in [1.0, 2.3, 3.9, 4.1, 7.7, 9.9] {
+            assert!(axis_ticks(-largest, largest, TICKS).len() >= 3, "{largest}");
+        }
+        let runs: Vec<_> = (0..30)
+            .map(|k| json!({ "run": "r", "session": format!("session {k}"), "before": [1.0], "after": [0.5] }))
+            .collect();
+        let plot = json!({ "from_m": 0.0, "step_m": 10.0, "runs": runs, "places": [] });
+        for width in WIDTHS {
+            let svg = drawn(Data(&plot), width);
+            let told = svg.matches(">session ").count();
+            assert!(told > 0 && svg.contains(&format!(">and {} sessions<", 30 - told)));
+            let places = svg.split("<text x=\"").skip(1);
+            let x = places.filter_map(|text| text.split('"').next()?.parse::<f64>().ok());
+            assert!(x.fold(0.0, f64::max) <= width - 12.0);
+        }
+    }
 
     /// Four stretches of 10 m, one without a value: the line is broken there, and its ends lie where their values say.
     #[test]
@@ -236,7 +280,7 @@ mod tests {
             ],
         });
         let svg = strip(Data(&plot));
-        let wide = RIGHT - LEFT;
+        let wide = WIDTHS[0] - 12.0 - LEFT;
         let first = format!("M{:.0} {:.0}M", LEFT + 0.125 * wide, TOPS[0] + 0.5 * HIGH);
         assert!(svg.contains(&first), "{svg}");
         let peak = format!(

@@ -45,7 +45,14 @@ pub fn summary(out: &mut String, report: Data) {
             ),
             false => (
                 "not clean".to_owned(),
-                format!("{left} bins still stand out: something else is missing, too"),
+                match left {
+                    0 => format!(
+                        "{} are left, more than the noise: something else may be missing",
+                        left_over(report)
+                    ),
+                    1 => "one bin still stands out: something else is missing, too".to_owned(),
+                    _ => format!("{left} bins still stand out: something else is missing, too"),
+                },
             ),
         };
         tile(out, &text, &why);
@@ -94,10 +101,33 @@ fn effect(step: Data) -> String {
         let _ = write!(
             text,
             "<br><small>where: {}</small>",
-            escape(step.text("where"))
+            escape(&places(step.text("where")))
         );
     }
     text
+}
+
+/// Places along tracks, each track named once: `s 10-20 m on track a; s 30-40 m on track a` is `track a at 10-20, 30-40 m`.
+fn places(text: &str) -> String {
+    let mut parts: Vec<(&str, Vec<&str>)> = Vec::new();
+    for part in text.split("; ") {
+        let place = part.strip_prefix("s ");
+        match place.and_then(|place| place.split_once(" m on track ")) {
+            None => parts.push((part, Vec::new())),
+            Some((place, track)) => match parts
+                .iter_mut()
+                .find(|(name, at)| *name == track && !at.is_empty())
+            {
+                Some((_, at)) => at.push(place),
+                None => parts.push((track, vec![place])),
+            },
+        }
+    }
+    let told = parts.iter().map(|(name, at)| match at.is_empty() {
+        true => (*name).to_owned(),
+        false => format!("track {name} at {} m", at.join(", ")),
+    });
+    told.collect::<Vec<_>>().join("; ")
 }
 
 /// How many runs met how many places and how hard, of an effect that varies from run to run.
@@ -121,7 +151,12 @@ fn size(parameter: Data) -> String {
     let name = parameter.text("name");
     let (low, high) = (show("low"), show("high"));
     let text = format!("{name} = {} {unit}", number4(value));
-    format!("{} ({low} to {high})", text.trim_end())
+    let text = format!("{} ({low} to {high})", text.trim_end());
+    match unit {
+        // Nobody knows ice by the inverse of its hardness.
+        "1/Pa" => format!("{text}, the inverse of {}", quantity(1.0 / value, "Pa")),
+        _ => text,
+    }
 }
 
 fn gap_tile(out: &mut String, report: Data) {
@@ -163,6 +198,17 @@ fn judged(held: Data) -> Option<Data> {
     let channels = held.list("channels");
     let told = |c: &&Data| c.number("before") == held.number("gap_before");
     channels.iter().find(told).copied()
+}
+
+/// The gap that is left.
+fn left_over(report: Data) -> String {
+    let held = report.part("held_out");
+    match report.list("training").first() {
+        Some(learned) if held.texts("runs").is_empty() => {
+            quantity(learned.number("after"), learned.text("unit"))
+        }
+        _ => quantity(held.number("gap_after"), held.text("unit")),
+    }
 }
 
 /// What is left beyond the sensors' noise where that is more than the noise.
@@ -213,5 +259,52 @@ fn counted(count: usize, what: &str) -> String {
     match count {
         1 => format!("one {what}"),
         _ => format!("{count} {what}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_without_a_bin_is_told_by_its_size() {
+        let mut report = serde_json::json!({
+            "verdict": "named", "steps": [{ "effect": "hardness" }], "clean": false,
+            "training": [{ "channel": "p", "unit": "Pa", "before": 9e6, "after": 3e6 }],
+        });
+        let told = |report: &serde_json::Value| {
+            let mut out = String::new();
+            summary(&mut out, Data(report));
+            out
+        };
+        assert!(
+            told(&report).contains("3.000 MPa are left"),
+            "{}",
+            told(&report)
+        );
+        report["held_out"] =
+            serde_json::json!({ "what": "map", "runs": ["row 5"], "unit": "Pa", "gap_after": 4e6 });
+        assert!(
+            told(&report).contains("4.000 MPa are left"),
+            "{}",
+            told(&report)
+        );
+        report["bins_after"] = serde_json::json!([{}]);
+        assert!(
+            told(&report).contains("one bin still stands out"),
+            "{}",
+            told(&report)
+        );
+    }
+
+    #[test]
+    fn places_name_each_track_once_and_leave_other_words_alone() {
+        let told =
+            "all runs of session 3; s 10-20 m on track a; s 5-6 m on track b; s 30-40 m on track a";
+        assert_eq!(
+            places(told),
+            "all runs of session 3; track a at 10-20, 30-40 m; track b at 5-6 m"
+        );
+        assert_eq!(places("s 480-520 m"), "s 480-520 m");
     }
 }

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use kufe_case::TiltWord;
 use kufe_contact::Options;
 use kufe_jobs::{
-    Failure, Pressed, Watch, case_file::LoadedCase, case_json, press_with, write_whole,
+    Failure, Prepared, Pressed, Watch, case_file::LoadedCase, case_json, press_prepared,
+    write_whole,
 };
 use kufe_mesh::write_pvd;
 use serde_json::Value;
@@ -30,6 +31,7 @@ struct Step {
     values: Vec<(&'static str, f64)>,
     folder: String,
     loaded: LoadedCase,
+    runner: Arc<Prepared>,
 }
 
 /// What a series is asked for, and what it is made from.
@@ -140,7 +142,8 @@ fn solve_steps(
             continue;
         }
         watch.progress(&format!("step {} of {}", k + 1, steps.len()));
-        match press_with(step.loaded.clone(), &quieter, options.clone()) {
+        let loaded = step.loaded.clone();
+        match press_prepared(loaded, &step.runner, &quieter, options.clone()) {
             Ok(pressed) => {
                 let written = write_step(&folder, &pressed, asked)?;
                 let told = pressed.short.map(|why| format!("{}: {why}", step.folder));
@@ -195,13 +198,14 @@ fn steps(lists: &Lists, loaded: &LoadedCase, options: &Options) -> Result<Vec<St
                 set(&mut loaded, key, value)?;
             }
             let folder = format!("step-{:0digits$}", k + 1);
-            first
+            let runner = first
                 .check(&loaded, options)
                 .map_err(|failure| failure.within(&folder))?;
             Ok(Step {
                 values,
                 folder,
                 loaded,
+                runner,
             })
         })
         .collect()

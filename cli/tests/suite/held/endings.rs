@@ -159,6 +159,15 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
     let result = json(&bench.path("out/result.json"));
     assert_eq!(result["accuracy_reached"], false);
     assert_eq!(result["accuracy_asked"], 0.02);
+    for said in [
+        String::from_utf8_lossy(&output.stdout).into_owned(),
+        result["warnings"].to_string(),
+    ] {
+        assert!(
+            said.contains("the accuracy asked was not reached"),
+            "{said}"
+        );
+    }
     let figure = |key: &str| result[key].as_f64().expect("a number");
     assert!(figure("p_max_error_pa") > 0.02 * figure("p_max_pa"));
     assert!((figure("fz_n") / 1000.0 - 1.0).abs() < 1e-6);

@@ -1,5 +1,6 @@
 //! Pages to look at, in a browser where there is one.
 
 mod browser;
+mod finding;
 mod report;
 mod view;

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::kufe::{Bench, errors};
+use crate::kufe::{Bench, CASE, errors, json};
 use crate::press::elastic::{case, number, result};
 
 /// Points of an arc of `radius` [m].
@@ -255,4 +255,43 @@ fn elastic_hulls_that_cannot_be_filled_are_refused_with_the_way_out() {
         number(&result(&bench), "p_max_pa")
     });
     assert!((peaks[0] / peaks[1] - 1.0).abs() < 1e-3, "{peaks:?}");
+}
+
+/// The outline of a bobsled runner narrowed towards its ends: its keel is a Hertz contact still, where its triangles are fine enough, and a hull
+/// on which no mesh converges is told as what it is.
+#[test]
+fn an_outline_that_tapers_presses_as_its_keel_or_is_too_coarse() {
+    let bench = Bench::new();
+    let tapered = |edge: &str, narrowed: &dyn Fn(f64) -> f64| {
+        bench.succeeds(&["hull", "bob", "-o", "bob.obj", "--edge-length-m", edge]);
+        let text = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+        let line = |line: &str| match line.strip_prefix("v ") {
+            None => format!("{line}\n"),
+            Some(place) => {
+                let place: Vec<f64> = place
+                    .split(' ')
+                    .map(|n| n.parse().expect("a number"))
+                    .collect();
+                let y = place[1] * (1.0 - narrowed(place[0] / 0.5));
+                format!("v {} {y} {}\n", place[0], place[2])
+            }
+        };
+        bench.write("tapered.obj", text.lines().map(line).collect::<String>());
+        let shape = CASE.lines().nth(1).expect("a shape");
+        bench.write("case.toml", CASE.replace(shape, "hull = \"tapered.obj\""));
+        bench.kufe(&["press", "case.toml", "-o", "out"])
+    };
+    let output = tapered("0.0005", &|x| 0.2 * x * x);
+    assert!(output.status.success(), "{}", errors(&output));
+    let result = json(&bench.path("out/result.json"));
+    let figure = |key: &str| result[key].as_f64().expect("a number");
+    let off = (figure("p_max_pa") - 138.52e6).abs();
+    assert!(
+        off < figure("p_max_error_pa") + figure("p_max_hull_pa"),
+        "{result}"
+    );
+    let output = tapered("0.002", &|x| if x > 0.0 { 0.6 * x } else { -0.3 * x });
+    let told = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{told}");
+    assert!(told.contains("too coarse for its load"), "{told}");
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::kufe::{Bench, CASE, errors, names};
+use crate::kufe::{Bench, CASE, errors, names, octave};
 
 fn result(bench: &Bench, folder: &str) -> Value {
     let text = std::fs::read_to_string(bench.path(folder).join("result.json")).expect("a result");
@@ -291,12 +291,20 @@ fn exrheader_reads_the_map() {
     }
 }
 
-/// SciPy reads what result.json and pressure.exr hold, with units.
+/// SciPy and Octave read what result.json and pressure.exr hold, with units.
 #[test]
-fn scipy_reads_figures_errors_and_the_map_from_result_mat() {
+fn scipy_and_octave_read_figures_errors_and_the_map_from_result_mat() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     bench.succeeds(&["press", "case.toml", "--mat", "-o", "."]);
+    octave(
+        bench.folder.path(),
+        "m = load('result.mat'); r = jsondecode(fileread('result.json'));\
+         assert(m.p_max_pa == r.p_max_pa && m.history(end).dofs == r.history(end).dofs);\
+         assert(strcmp(m.units.area_error_m2, 'm^2') && strcmp(m.version, r.version));\
+         assert(m.case.load.fz_n == 1000);\
+         assert(all(size(m.pressure_pa) == [numel(m.y_m), numel(m.x_m)]));",
+    );
     let script = "import json, numpy as np, sys\n\
         from scipy.io import loadmat\n\
         m = loadmat('result.mat', simplify_cells=True)\n\

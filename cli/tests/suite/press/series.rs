@@ -3,7 +3,7 @@
 use kufe_outside::python;
 use serde_json::Value;
 
-use crate::kufe::{Bench, CASE, errors, names};
+use crate::kufe::{Bench, CASE, errors, json, names};
 
 fn table(bench: &Bench, folder: &str) -> Vec<Value> {
     let text = std::fs::read(bench.path(folder).join("table.json")).expect("a table");
@@ -119,6 +119,37 @@ fn lists_multiply_and_a_smaller_rocker_radius_presses_harder() {
     assert!(rises(&[p_max[0], p_max[2], p_max[4]]), "{p_max:?}");
     // A round section has no keel: rolling it moves the contact and changes nothing else.
     assert!((p_max[1] / p_max[0] - 1.0).abs() < 0.02, "{p_max:?}");
+}
+
+/// A hull is read and fitted once for all steps, and its scans are made up once: each step is the contact alone.
+#[test]
+fn steps_over_a_hull_say_what_its_contacts_say_alone() {
+    let bench = Bench::new();
+    let made = ["hull", "bob", "-o", "bob.obj", "--length-m", "0.3"];
+    bench.succeeds(&[&made[..], &["--edge-length-m", "0.001"]].concat());
+    let shape = CASE.lines().nth(1).expect("a shape");
+    let hull = CASE.replace(shape, "hull = \"bob.obj\"\nnoise_m = 5e-8");
+    bench.write("case.toml", &hull);
+    bench.succeeds(&["press", "case.toml", "-o", "out", "--fz-n", "500,1000"]);
+    let figures = |folder: &str| {
+        let result = json(&bench.path(folder).join("result.json"));
+        [
+            "p_max_pa",
+            "p_max_error_pa",
+            "p_max_noise_pa",
+            "p_max_hull_pa",
+        ]
+        .map(|key| {
+            let figure = result[key].as_f64();
+            figure.unwrap_or_else(|| panic!("{key}: {result}"))
+        })
+    };
+    for (step, load) in [("out/step-001", "500.0"), ("out/step-002", "1000.0")] {
+        bench.write("one.toml", hull.replace("1000.0", load));
+        bench.succeeds(&["press", "one.toml", "-o", "one"]);
+        assert_eq!(figures(step), figures("one"), "{load} N");
+    }
+    assert_ne!(figures("out/step-001")[2], figures("out/step-002")[2]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `kufe simulate`, `fit lateral`, `validate` and `evaluate` as a user meets them.
 
-use crate::kufe::{json, refused, succeeds};
+use crate::kufe::{json, octave, refused, succeeds};
 
 #[test]
 fn sample_data_goes_through_fit_validation_and_evaluation() {
@@ -189,9 +189,9 @@ fn a_simulated_run_is_read_like_a_measured_one_and_repeats_bit_by_bit() {
     );
 }
 
-/// SciPy reads runs and forces as the CSV files and validation.json have them.
+/// SciPy and Octave read runs and forces as the CSV files and validation.json have them.
 #[test]
-fn scipy_reads_simulated_runs_and_their_validation() {
+fn scipy_and_octave_read_simulated_runs_and_their_validation() {
     let Some(interpreter) = kufe_outside::python("scipy") else {
         return;
     };
@@ -210,6 +210,14 @@ fn scipy_reads_simulated_runs_and_their_validation() {
     succeeds(
         folder,
         &["validate", runs, "--model", model, "--mat", "-o", "out"],
+    );
+    octave(
+        folder,
+        "m = load('out/simulation.mat'); v = load('out/validation.mat'); j = jsondecode(fileread('out/validation.json'));\
+         assert({m.series.run}, {'run_001', 'run_002'}); assert(strcmp(m.units.ax_mps2, 'm/s^2'));\
+         assert([v.runs.rmse_n], [j.runs.rmse_n], -1e-12);\
+         for s = v.series, assert(numel(s.measured_n), numel(s.model_n)); end;\
+         assert(abs(sqrt(mean((v.series(2).measured_n - v.series(2).model_n) .^ 2)) / v.runs(2).rmse_n - 1) < 1e-6);",
     );
     let script = "import csv, json\n\
         import numpy as np\n\

@@ -35,6 +35,25 @@ fn nothing_is_found_in_the_seven_points_and_the_next_model_is_accepted() -> Outc
     Ok(())
 }
 
+/// One mu beside a law over pressure: no effect explains what is left, which is no answer that all is well.
+#[test]
+fn a_base_that_does_not_fit_is_told_and_a_law_over_pressure_mends_it() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("experiments.csv"), table(|_, _| 1.0))?;
+    let law = "b = 0.088\nc = 2.01\nd = 14.66\nmu_cap = 0.007";
+    let found = report(folder.path(), &MODEL.replace(law, "mu = 0.004"))?;
+    assert_eq!(
+        found["verdict"], "not-identifiable",
+        "{}",
+        found["sentence"]
+    );
+    let told = found["sentence"].as_str().ok_or("no sentence")?;
+    assert!(told.contains("chi2") && told.contains("b, c, d"), "{told}");
+    assert_eq!(found["clean"], false);
+    assert_eq!(report(folder.path(), MODEL)?["verdict"], "none");
+    Ok(())
+}
+
 #[test]
 fn two_runs_of_the_command_write_the_same_bytes() -> Outcome {
     let folder = tempfile::tempdir()?;

@@ -114,6 +114,12 @@ impl<'a> Experiments<'a> {
         self.training.len() + self.held.len()
     }
 
+    /// Whether a fit leaves no more than a few times what the rows' own deviations make.
+    fn is_clean(&self, fit: &TableFit) -> bool {
+        let left = self.training.len() as f64 - (self.setting.base + fit.chosen.len()) as f64;
+        fit.fit.chi2 < self.options.rules.experiments.unclean * left.max(1.0)
+    }
+
     fn freedom(&self) -> usize {
         self.training.len() - self.setting.base
     }
@@ -233,6 +239,14 @@ impl Evidence for Experiments<'_> {
             fit.chosen.remove(weak);
             fit = self.fitted(fit.chosen);
         }
+        if account.steps.is_empty() && !self.is_clean(&fit) {
+            account.unexplained = Some(format!(
+                "the model's friction leaves chi2 {:.1} on {} degrees of freedom; a law over pressure (b, c, d) where it has one mu, columns for what \
+                 else differed from row to row, and mu_sd as large as repeated rows scatter would tell",
+                fit.fit.chi2,
+                self.freedom()
+            ));
+        }
         Ok(fit)
     }
 
@@ -309,7 +323,7 @@ impl Evidence for Experiments<'_> {
             bins: bins(setting, rows, first, &[], of_bins),
             bins_after: bins(setting, rows, &last.fit, &last.chosen, of_bins),
             pictures: pictures(setting, rows, first, (&last.fit, &last.chosen)),
-            clean: last.fit.chi2 < rules.experiments.unclean * left.max(1.0),
+            clean: self.is_clean(last),
             untestable: self.untestable.clone(),
             effects: effects.collect(),
             words: Words {

@@ -65,6 +65,13 @@ impl Fit {
         (own, own + setting.known.add(row, mu) + more)
     }
 
+    /// What the `k`-th chosen effect adds to a row's mu.
+    pub fn added(&self, setting: &Setting, row: &Row, chosen: &[usize], k: usize) -> f64 {
+        let (own, _) = self.predict(setting, row, &[]);
+        let size = self.step[setting.base + k];
+        setting.candidates[chosen[k]].change(row, own.max(1e-5), size)
+    }
+
     /// Standard deviation of a row's mu, its own and that of its pressure.
     pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
         deviation(row, &self.step, setting.base)

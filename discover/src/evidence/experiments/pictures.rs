@@ -4,7 +4,7 @@ use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
 use crate::finding::picture::{Curve, Picture, Plot, Series};
 
-/// The measured coefficients with the law, and the residual before and after over each named effect's strongest column.
+/// The measured coefficients with the law, and each named effect over its strongest column.
 pub fn pictures(
     setting: &Setting,
     rows: &[Row],
@@ -12,39 +12,63 @@ pub fn pictures(
     (last, chosen): (&Fit, &[usize]),
 ) -> Vec<Picture> {
     let mut pictures = vec![law(setting, rows, first)];
-    let left = |fit: &Fit, chosen: &[usize]| -> Vec<f64> {
-        rows.iter()
-            .map(|row| 1e3 * (row.mu - fit.predict(setting, row, chosen).1))
-            .collect()
-    };
-    let (before, after) = (left(first, &[]), left(last, chosen));
-    for c in chosen {
-        let change: Vec<f64> = rows
-            .iter()
-            .map(|row| setting.candidates[*c].slope(row, 0.004, 0.0))
-            .collect();
-        let Some((column, values)) = strongest_column(rows, &change) else {
-            continue;
-        };
-        let series = [("before", &before), ("after", &after)].map(|(name, y)| Series {
-            name: name.to_owned(),
-            y: y.clone(),
-            sd: Vec::new(),
-        });
-        pictures.push(Picture {
-            title: format!("{} over {column}", setting.candidates[*c].effect),
-            caption: String::new(),
-            plot: Plot::Scatter {
-                label: "what is left of mu".to_owned(),
-                x_name: column,
-                y_name: "mu - fitted [1e-3]".to_owned(),
-                x: values,
-                series: series.into(),
-                curve: None,
-            },
-        });
+    for k in 0..chosen.len() {
+        pictures.extend(driven(setting, rows, (last, chosen), k));
     }
     pictures
+}
+
+/// Rows of the mean that the line is drawn through.
+const ROWS: usize = 5;
+
+/// What an effect adds over the column that it follows most closely, with what the rows say: the residual that is left when the effect alone is
+/// taken out of the fit.
+fn driven(
+    setting: &Setting,
+    rows: &[Row],
+    (last, chosen): (&Fit, &[usize]),
+    k: usize,
+) -> Option<Picture> {
+    let adds = |row: &Row| 1e3 * last.added(setting, row, chosen, k);
+    let left = |row: &Row| 1e3 * (row.mu - last.predict(setting, row, chosen).1);
+    let added: Vec<f64> = rows.iter().map(adds).collect();
+    let (column, x) = strongest_column(rows, &added)?;
+    let mut ordered: Vec<(f64, f64)> = x.iter().copied().zip(added.iter().copied()).collect();
+    ordered.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let means = ordered.chunks(ROWS).map(|part| {
+        let mean =
+            |of: &dyn Fn(&(f64, f64)) -> f64| part.iter().map(of).sum::<f64>() / part.len() as f64;
+        (mean(&|row| row.0), mean(&|row| row.1))
+    });
+    let (line_x, line_y) = means.unzip();
+    let effect = &setting.candidates[chosen[k]].effect;
+    Some(Picture {
+        title: format!("{effect} over {column}"),
+        caption: format!(
+            "Points: what is left of each row when {effect} is taken out of the model, with a standard deviation. Line: what it adds, \
+             the mean of {ROWS} rows."
+        ),
+        plot: Plot::Scatter {
+            label: format!("what is left of mu without {effect}"),
+            x_name: column,
+            y_name: "mu without it [1e-3]".to_owned(),
+            x,
+            series: vec![Series {
+                name: "measured".to_owned(),
+                y: rows
+                    .iter()
+                    .zip(&added)
+                    .map(|(row, added)| left(row) + added)
+                    .collect(),
+                sd: rows.iter().map(|row| 1e3 * row.mu_sd).collect(),
+            }],
+            curve: Some(Curve {
+                name: "the effect".to_owned(),
+                x: line_x,
+                y: line_y,
+            }),
+        },
+    })
 }
 
 fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {

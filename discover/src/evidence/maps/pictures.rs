@@ -17,8 +17,8 @@ pub fn pictures(
 ) -> Result<Vec<Picture>, Error> {
     let mut pictures = Vec::new();
     for (simulations, kind) in [
-        (simulations, "a map used for learning"),
-        (locked, "a locked-away map"),
+        (simulations, "a map that it learned from"),
+        (locked, "a map that the search had not seen"),
     ] {
         let before = simulations.maps(&SizedEffects::new(), simulations.rules.reporting_cells)?;
         let after = simulations.maps(active, simulations.rules.reporting_cells)?;

@@ -120,7 +120,10 @@ pub fn read(
             });
         }
         rows.push(Row {
-            name: format!("row {} ({:.0} N, radius {} m)", i + 2, fz[i], radius[i]),
+            name: match radius[i].is_finite() {
+                true => format!("row {} ({:.0} N, radius {} m)", i + 2, fz[i], radius[i]),
+                false => format!("row {} ({:.0} N, straight)", i + 2, fz[i]),
+            },
             problem,
             p_max: p_max[i],
             p_max_sd: p_max_sd[i].max(0.015 * p_max[i]),

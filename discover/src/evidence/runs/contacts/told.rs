@@ -6,6 +6,9 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::picture::{Picture, Plot, Series};
 use crate::finding::report::{ContactPlace, DriverContacts, Fitted, RunContact, Step};
 
+/// Fewest contacts that a picture is made of.
+const FEWEST: usize = 3;
+
 impl Campaign<'_> {
     /// Lever and friction of the step that claimed contacts.
     pub fn contact_parameters(&self, last: &RunFit, parameters: &mut [Vec<Fitted>]) {
@@ -56,7 +59,7 @@ impl Campaign<'_> {
                 .flat_map(|p| &p.contacts)
                 .collect();
             own.sort_by(|a, b| (a.from_m + a.to_m).total_cmp(&(b.from_m + b.to_m)));
-            Picture {
+            (own.len() >= FEWEST).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),
                 caption: "The force of every contact, set by the side balance of its run, with a standard error.".to_owned(),
                 plot: Plot::Scatter {
@@ -71,9 +74,9 @@ series: vec![Series {
                     }],
                     curve: None,
                 },
-            }
+            })
         };
-        tracks.into_iter().map(picture).collect()
+        tracks.into_iter().filter_map(picture).collect()
     }
 }
 
