@@ -20,8 +20,7 @@ pub fn closes_along_path(
     let closure = |along_path: bool| {
         let mut residual_model = residual_model.clone();
         residual_model.along_path = along_path;
-        TrackChannel::new(&residual_model, frames, &[], rules)
-            .map_or(f64::INFINITY, |c| c.closure())
+        TrackChannel::new(&residual_model, frames, rules).map_or(f64::INFINITY, |c| c.closure())
     };
     closure(true) < closure(false)
 }

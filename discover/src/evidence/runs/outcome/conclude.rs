@@ -216,7 +216,7 @@ fn track_closed(
     rules: &RunRules,
 ) -> Interval {
     let of = |residual_model: &ResidualModel| {
-        TrackChannel::new(residual_model, frames, &[], rules).map(|c| c.closure().powi(2))
+        TrackChannel::new(residual_model, frames, rules).map(|c| c.closure().powi(2))
     };
     let value = match (of(before), of(after)) {
         (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),

@@ -54,7 +54,11 @@ impl Campaign<'_> {
             .collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
-        let channel = self.linearised(residual_model, &list, sd)?;
+        let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
+        for candidate in &list {
+            let known = [self.tolerance(candidate), sd];
+            channel.take(residual_model, &self.training, candidate, known);
+        }
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
                 "no [survey] in the model: a slope deviation of {} rad is assumed",
@@ -68,7 +72,7 @@ impl Campaign<'_> {
             .enumerate()
             .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
             .collect();
-        let expected = TrackChannel::new(residual_model, &twins, &[], self.rules())?.scatter();
+        let expected = TrackChannel::new(residual_model, &twins, self.rules())?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
             let told = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
@@ -85,38 +89,6 @@ impl Campaign<'_> {
             sd,
             within: self.rules().track_and_forces,
         })
-    }
-
-    /// The channel with each candidate's change taken over the size that it has by the channel itself: a speed that is off by a per cent
-    /// moves every place by more than the slope takes to change.
-    fn linearised(
-        &self,
-        residual_model: &ResidualModel,
-        list: &[Candidate<Amplitude>],
-        sd: f64,
-    ) -> Option<TrackChannel> {
-        /// Rounds from a small size; the third moves a size by less than a tenth of its error.
-        const ROUNDS: usize = 3;
-        let small = |c: &Candidate<Amplitude>| 0.01 * c.typical;
-        let mut sized: Vec<_> = list.iter().map(|c| (c.clone(), small(c))).collect();
-        let channel_of = |sized: &[(Candidate<Amplitude>, f64)]| {
-            let mut channel =
-                TrackChannel::new(residual_model, &self.training, sized, self.rules())?;
-            channel.tolerances = list.iter().map(|c| self.tolerance(c)).collect();
-            Some(channel)
-        };
-        let mut channel = channel_of(&sized)?;
-        for _ in 1..ROUNDS {
-            for (c, (candidate, size)) in sized.iter_mut().enumerate() {
-                let seen = channel.judge(c, sd).size;
-                let seen = seen.clamp(0.5 * candidate.low, 0.5 * candidate.high);
-                if seen.abs() > small(candidate) {
-                    *size = seen;
-                }
-            }
-            channel = channel_of(&sized)?;
-        }
-        Some(channel)
     }
 
     /// What the accelerometer's tolerance leaves open of a candidate of the track channel, a standard deviation in its unit.

@@ -16,8 +16,14 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
-/// A driver and the means of one of his runs in a bin.
-type OfDriver<'a> = (&'a str, Vec<f64>);
+/// A driver and the mean of one of his runs in a bin.
+type OfDriver<'a> = (&'a str, f64);
+
+/// Runs that a bin must have.
+const LEAST_RUNS: usize = 3;
+
+/// Means of runs by track and bin.
+type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<OfDriver<'a>>>;
 
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
@@ -34,93 +40,75 @@ pub struct TrackScore {
 pub struct TrackChannel {
     /// Bin means, by bin: track, from [m], mean [m/s2], variance of the mean.
     bins: Vec<(String, f64, f64, f64)>,
-    /// Directions by candidate and bin, per typical size.
+    /// Rows of each run.
+    rows: Vec<Vec<f64>>,
+    /// What each candidate changes in each bin, per unit.
     directions: Vec<Vec<f64>>,
-    typical: Vec<f64>,
     /// Standard deviation that an installation leaves open of each candidate, in its unit.
-    pub tolerances: Vec<f64>,
+    tolerances: Vec<f64>,
     inflation: f64,
     scatter: f64,
     /// Of a bin [m].
     width: f64,
 }
 
+/// Means of these rows of runs, by track and bin.
+fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'a> {
+    let mut by_bin = ByBin::new();
+    for (frame, rows) in frames.iter().zip(rows) {
+        let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
+        for (s, r) in frame.rows(&frame.s).iter().zip(rows) {
+            let (count, sum) = sums.entry((s / width).floor() as i64).or_default();
+            (*count, *sum) = (*count + 1.0, *sum + r);
+        }
+        // Where a run begins and ends it crosses a part of a bin, and beside a gap it has a part: a mean of few samples,
+        // noisier than the others.
+        let mut parts: Vec<i64> = [sums.keys().next(), sums.keys().last()]
+            .into_iter()
+            .flatten()
+            .copied()
+            .collect();
+        let gone = frame.rows_left_out(&frame.s);
+        parts.extend(gone.iter().map(|s| (s / width).floor() as i64));
+        for (bin, (count, sum)) in sums {
+            if !parts.contains(&bin) {
+                let runs = by_bin.entry((frame.track.as_str(), bin)).or_default();
+                runs.push((frame.driver.as_str(), sum / count));
+            }
+        }
+    }
+    by_bin.retain(|_, runs| runs.len() >= LEAST_RUNS);
+    by_bin
+}
+
+fn mean(runs: &[OfDriver]) -> f64 {
+    runs.iter().map(|(_, r)| r).sum::<f64>() / runs.len() as f64
+}
+
+fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
+    let of_run = |frame| {
+        let [.., rows] = residual_model.residuals(frame);
+        rows
+    };
+    frames.par_iter().map(of_run).collect()
+}
+
 impl TrackChannel {
-    /// Averages residuals, and what each candidate changes by the size beside it; `None` where there is no survey.
-    pub fn new(
-        residual_model: &ResidualModel,
-        frames: &[Frame],
-        candidates: &[(Candidate<Amplitude>, f64)],
-        rules: &RunRules,
-    ) -> Option<Self> {
+    /// Averages residuals; `None` where there is no survey.
+    pub fn new(residual_model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Self> {
         let (width, reach) = (rules.track_bin_m, rules.track_near);
         if frames.iter().any(|f| f.slope.len() != f.len()) {
             return None;
         }
-        let directions_of = |frame: &Frame| -> Vec<Vec<f64>> {
-            let rest = &residual_model.residuals(frame)[3];
-            let mut out = vec![rest.clone()];
-            for (candidate, size) in candidates {
-                let moved = residual_model
-                    .with(candidate.active(*size))
-                    .residuals(frame);
-                let per_typical = candidate.typical / size;
-                let both = rest.iter().zip(&moved[3]);
-                out.push(both.map(|(r, m)| (r - m) * per_typical).collect());
-            }
-            out
-        };
-        let all: Vec<Vec<Vec<f64>>> = frames.par_iter().map(directions_of).collect();
-        // By track and bin: one mean a run, then the mean and scatter over runs.
-        let mut by_bin: BTreeMap<(String, i64), Vec<OfDriver>> = BTreeMap::new();
-        for (frame, columns) in frames.iter().zip(&all) {
-            let mut sums: BTreeMap<i64, (f64, Vec<f64>)> = BTreeMap::new();
-            for (i, s) in frame.rows(&frame.s).iter().enumerate() {
-                let bin = (s / width).floor() as i64;
-                let entry = sums
-                    .entry(bin)
-                    .or_insert_with(|| (0.0, vec![0.0; columns.len()]));
-                entry.0 += 1.0;
-                for (sum, column) in entry.1.iter_mut().zip(columns) {
-                    *sum += column[i];
-                }
-            }
-            // Where a run begins and ends it crosses a part of a bin, and beside a gap it has a part: a mean of few samples,
-            // noisier than the others.
-            let mut parts: Vec<i64> = [sums.keys().next(), sums.keys().last()]
-                .into_iter()
-                .flatten()
-                .copied()
-                .collect();
-            let gone = frame.rows_left_out(&frame.s);
-            parts.extend(gone.iter().map(|s| (s / width).floor() as i64));
-            for (bin, (count, sum)) in sums {
-                if parts.contains(&bin) {
-                    continue;
-                }
-                by_bin
-                    .entry((frame.track.clone(), bin))
-                    .or_default()
-                    .push((&frame.driver, sum.iter().map(|x| x / count).collect()));
-            }
-        }
+        let rows = rows_of(residual_model, frames);
         let mut bins = Vec::new();
-        let mut directions = vec![Vec::new(); candidates.len()];
         let (mut scatter, mut by_driver) = (Vec::new(), Vec::new());
-        for ((track, bin), runs) in &by_bin {
-            let n = runs.len() as f64;
-            if runs.len() < 3 {
-                continue;
-            }
-            let mean = |k: usize| runs.iter().map(|(_, r)| r[k]).sum::<f64>() / n;
-            let m = mean(0);
-            let variance = runs.iter().map(|(_, r)| (r[0] - m).powi(2)).sum::<f64>() / (n - 1.0);
+        for ((track, bin), runs) in &by_bin(frames, &rows, width) {
+            let (m, n) = (mean(runs), runs.len() as f64);
+            let variance = runs.iter().map(|(_, r)| (r - m).powi(2)).sum::<f64>() / (n - 1.0);
             scatter.push(variance);
             by_driver.push(between_drivers(runs));
-            bins.push((track.clone(), *bin as f64 * width, m, n));
-            for (c, direction) in directions.iter_mut().enumerate() {
-                direction.push(mean(c + 1));
-            }
+            bins.push(((*track).to_owned(), *bin as f64 * width, m, n));
         }
         if bins.len() < 8 {
             return None;
@@ -148,13 +136,59 @@ impl TrackChannel {
         let rho = (lag / square.max(1e-300)).clamp(0.0, 0.9);
         Some(Self {
             bins,
-            directions,
-            typical: candidates.iter().map(|(c, _)| c.typical).collect(),
-            tolerances: vec![0.0; candidates.len()],
+            rows,
+            directions: Vec::new(),
+            tolerances: Vec::new(),
             inflation: (1.0 + rho) / (1.0 - rho),
             scatter: common.sqrt(),
             width,
         })
+    }
+
+    /// Takes a candidate in, of which an installation leaves `tolerance` open: what it changes per unit, over the size that it has by the
+    /// channel itself: a speed that is off by a per cent moves every place by more than the slope takes to change.
+    pub fn take(
+        &mut self,
+        residual_model: &ResidualModel,
+        frames: &[Frame],
+        candidate: &Candidate<Amplitude>,
+        [tolerance, slope_sd]: [f64; 2],
+    ) {
+        /// Rounds at most, and the share of its error by which a size may still move.
+        const ROUNDS: usize = 4;
+        const STAYS: f64 = 0.1;
+        let at = self.directions.len();
+        self.tolerances.push(tolerance);
+        self.directions.push(Vec::new());
+        let small = 0.01 * candidate.typical;
+        let mut size = small;
+        for _ in 0..ROUNDS {
+            let change = self.change(residual_model, frames, candidate, size);
+            self.directions[at] = change.iter().map(|x| x / size).collect();
+            let seen = self.judge(at, slope_sd);
+            let next = seen.size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+            if next.abs() < small || (next - size).abs() < STAYS * seen.error {
+                break;
+            }
+            size = next;
+        }
+    }
+
+    /// What a candidate of this size takes off each bin's mean.
+    fn change(
+        &self,
+        residual_model: &ResidualModel,
+        frames: &[Frame],
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+    ) -> Vec<f64> {
+        let moved = rows_of(&residual_model.with(candidate.active(size)), frames);
+        let of_run = |(rest, moved): (&Vec<f64>, &Vec<f64>)| {
+            rest.iter().zip(moved).map(|(r, m)| r - m).collect()
+        };
+        let change: Vec<Vec<f64>> = self.rows.iter().zip(&moved).map(of_run).collect();
+        let means = by_bin(frames, &change, self.width);
+        means.values().map(|runs| mean(runs)).collect()
     }
 
     /// Root mean square of the bins' means as a slope [rad], their own scatter taken off: how well the channel closes.
@@ -188,13 +222,14 @@ impl TrackChannel {
             .zip(&self.bins)
             .map(|((d, w), b)| d * w * b.2)
             .sum();
-        let tolerance = self.tolerances[c] / self.typical[c];
         let size = score / information.max(1e-300);
         let scatter = self.inflation * self.beyond_survey(d, size, &w);
-        let error = (scatter / information.max(1e-300)).sqrt().hypot(tolerance);
+        let error = (scatter / information.max(1e-300))
+            .sqrt()
+            .hypot(self.tolerances[c]);
         TrackScore {
-            size: size * self.typical[c],
-            error: error * self.typical[c],
+            size,
+            error,
             p_value: (two_sided(size / error) * self.directions.len() as f64).min(1.0),
         }
     }
@@ -304,7 +339,7 @@ fn between_drivers(runs: &[OfDriver]) -> Option<f64> {
     let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
     for (driver, run) in runs {
         let sum = drivers.entry(driver).or_default();
-        (sum.0, sum.1) = (sum.0 + run[0], sum.1 + 1.0);
+        (sum.0, sum.1) = (sum.0 + run, sum.1 + 1.0);
     }
     let means: Vec<f64> = drivers.values().map(|(sum, count)| sum / count).collect();
     let n = means.len() as f64;
