@@ -116,7 +116,7 @@ pub struct RunRules {
     pub large: f64,
     /// Share of what a formula explains that its rivals must, to be held against it. Chosen.
     pub leads: f64,
-    /// Effects of the catalogue, the strongest first, that are refitted where something is large. Chosen.
+    /// Effects of the catalogue, the strongest first, that are refitted where something is large, beside all that move signals. Chosen.
     pub leaders: usize,
     /// t that a catalogue effect must lose, and a column beyond the catalogue keep, for the column to be named instead.
     /// Chosen.
