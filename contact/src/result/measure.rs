@@ -20,6 +20,9 @@ pub(crate) struct PressureField<'a> {
     pub hardness: f64,
 }
 
+/// What the line of an index holds, by its chords.
+type Holds<'a> = dyn Fn(usize, &[[f64; 2]]) -> f64 + 'a;
+
 /// The figures of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Figures {
@@ -155,13 +158,8 @@ impl PressureField<'_> {
     }
 
     /// What lines, each by its chords, make over the contact: the mean of columns (`of` first) and rows.
-    fn integral(
-        &self,
-        columns: &[Vec<[f64; 2]>],
-        rows: &[Vec<[f64; 2]>],
-        of: [&dyn Fn(usize, &[[f64; 2]]) -> f64; 2],
-    ) -> f64 {
-        let lines = |chords: &[Vec<[f64; 2]>], of: &dyn Fn(usize, &[[f64; 2]]) -> f64| {
+    fn integral(&self, columns: &[Vec<[f64; 2]>], rows: &[Vec<[f64; 2]>], of: [&Holds; 2]) -> f64 {
+        let lines = |chords: &[Vec<[f64; 2]>], of: &Holds| {
             let values = chords.iter().enumerate().map(|(k, line)| of(k, line));
             values.collect::<Vec<f64>>()
         };
