@@ -62,12 +62,12 @@ impl Sequence {
             let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
             let three = [*first, *second, third];
             let used = similar.iter().filter(|mesh| mesh.cells >= first.cells);
-            let used: Vec<f64> = used.map(|mesh| mesh.value).collect();
+            let used: Vec<Raw> = used.copied().collect();
+            let settles =
+                |meshes: &[Raw]| is_monotone(&meshes.iter().map(|m| m.value).collect::<Vec<f64>>());
             return Some(match self.alternating {
                 // Three that seem to settle say nothing where those between them go to and fro.
-                true if is_monotone(&three.map(|m| m.value)) && !is_monotone(&used) => {
-                    self.spread_from(self.meshes.len() - 3)
-                }
+                true if settles(&three) && !settles(&used) => Limit::of_scatter(&used),
                 true => Limit::of_alternating(three),
                 false => Limit::of_similar(three),
             });

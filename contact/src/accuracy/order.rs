@@ -75,15 +75,34 @@ impl Limit {
 
     /// The same for a figure that no rim between nodes moves: values that go to and fro by less each time have their limit between the
     /// last two (Leibniz), and SAFETY times their last step is the error, at least what the coarser two meshes leave to the finest: that
-    /// a last step is next to nothing says no more on one side of 0 than on the other.
+    /// a last step is next to nothing says no more on one side of 0 than on the other. Where the last step is the larger one the
+    /// limit is that [`of_scatter`](Limit::of_scatter).
     pub fn of_alternating(meshes: [Raw; 3]) -> Self {
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
-        match (-1.0..0.0).contains(&((f3 - f2) / (f2 - f1))) {
-            true => Limit {
+        let observed = (f3 - f2) / (f2 - f1);
+        match observed {
+            -1.0..0.0 => Limit {
                 value: f3,
                 error: (SAFETY * (f3 - f2).abs()).max(expected(meshes)),
             },
-            false => Limit::of_similar(meshes),
+            _ if observed < 0.0 => Limit::of_scatter(&meshes),
+            _ => Limit::of_similar(meshes),
+        }
+    }
+
+    /// The last of some values whose errors have either sign and go with the square of the cells, as those of a sum over the nodes of a
+    /// round patch do whose rim lies anywhere between nodes. Two meshes are apart by at most the sum of their errors A h^2, which makes A
+    /// known: the error is UNKNOWN A h^2 of the last.
+    pub fn of_scatter(meshes: &[Raw]) -> Self {
+        let size = |mesh: &Raw| mesh.cells.powf(-FORMAL);
+        let apart = |a: &Raw, b: &Raw| (a.value - b.value).abs() / (size(a) + size(b));
+        let pairs = meshes
+            .iter()
+            .flat_map(|a| meshes.iter().map(move |b| apart(a, b)));
+        let last = meshes.last();
+        Limit {
+            value: last.map_or(f64::NAN, |mesh| mesh.value),
+            error: UNKNOWN * pairs.fold(0.0, f64::max) * last.map_or(f64::INFINITY, size),
         }
     }
 
@@ -189,6 +208,19 @@ mod tests {
                 limit.error < (2.0 * SAFETY * ratio.abs()).max(0.4),
                 "{ratio} {limit:?}"
             );
+        }
+    }
+
+    #[test]
+    fn values_that_scatter_within_the_square_of_their_cells_have_it_as_error() {
+        for (first, second, third) in [(-1.0, -0.9, 1.0), (0.5, -1.0, 1.0), (-0.2, -0.3, 0.5)] {
+            let scattered = [(4.0, first), (6.0, second), (9.0, third)];
+            let limit = Limit::of_scatter(&scattered.map(|(cells, part)| Raw {
+                cells,
+                value: 5.0 + part / (cells * cells),
+            }));
+            let off = (limit.value - 5.0).abs();
+            assert!(off < limit.error && limit.error < 6.5 * off, "{limit:?}");
         }
     }
 

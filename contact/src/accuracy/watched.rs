@@ -9,6 +9,8 @@ pub(crate) struct Watched {
     peak: Sequence,
     approach: Sequence,
     area: Sequence,
+    /// What two ways to find rims make of each mesh's area, one less the other.
+    area_off: Vec<Raw>,
     length: Sequence,
     width: Sequence,
     tilt: [Sequence; 2],
@@ -77,6 +79,7 @@ impl Watched {
             peak: Sequence::alternating(),
             approach: Sequence::default(),
             area: Sequence::default(),
+            area_off: Vec::new(),
             length: Sequence::default(),
             width: Sequence::default(),
             tilt: [Sequence::default(), Sequence::default()],
@@ -101,6 +104,8 @@ impl Watched {
         ] {
             sequence.push(Raw { cells, value }, graded_anew);
         }
+        let value = figures.off[0];
+        self.area_off.push(Raw { cells, value });
         self.last = Some(figures);
         self.missed = place.missed;
     }
@@ -143,14 +148,13 @@ impl Watched {
         self.last.map_or([f64::INFINITY; 3], |last| last.off)
     }
 
-    /// What the area scatters by, over it, where rims are beyond ice that yields: on n lines of a quarter of an ellipse, of n^2 pi / 4
-    /// cells, each rim is somewhere within a cell, by a standard deviation of 1 / sqrt(12); twice that of their sum.
-    fn scatter(&self) -> f64 {
-        let cells = self.area.cells();
-        match self.is_fixed() {
-            true => 2.0 * (cells / 12.0).sqrt() / (0.25 * std::f64::consts::PI * cells * cells),
-            false => 0.0,
-        }
+    /// What two ways to find rims make of the last mesh's area. Beyond ice that yields they can agree by accident on one mesh: of three it is
+    /// the most, less by the cells that a rim is known to.
+    fn area_off(&self) -> f64 {
+        let meshes = if self.is_fixed() { 3 } else { 1 };
+        let off = |mesh: &Raw| mesh.value * mesh.cells / self.area.cells();
+        let last = self.area_off.iter().rev().take(meshes);
+        last.map(off).fold(0.0, f64::max)
     }
 
     /// Whether the ice's hardness fixes the peak.
@@ -160,20 +164,20 @@ impl Watched {
     }
 
     /// The error of the last mesh's length or width. A rim beyond ice that yields is known to half a cell, at either end, even
-    /// where meshes that were made for it agree.
+    /// where meshes that were made for it agree, and to a whole one, wherever coarser meshes had it within theirs.
     fn extent_error(&self, extent: &Sequence, off: f64) -> f64 {
-        let cell = match self.is_fixed() {
-            true => 0.5 * extent.value() / extent.cells(),
-            false => 0.0,
+        let cell = 0.5 * extent.value() / extent.cells();
+        let found = match self.is_fixed() {
+            true => rims_error(extent, off).clamp(cell, 2.0 * cell),
+            false => rims_error(extent, off),
         };
-        let found = rims_error(extent, off).max(cell);
         with(found, 0.5 * self.left.peak * extent.value())
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
-        let [area_off, length_off, _] = last.off;
-        let area_error = rims_error(&self.area, area_off).max(self.scatter() * last.area);
+        let [_, length_off, _] = last.off;
+        let area_error = rims_error(&self.area, self.area_off());
         let area_error = with(area_error, self.left.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
@@ -244,6 +248,21 @@ mod tests {
         assert!(length > 1.0 / 36.0 && length < 0.15, "{limits:?}");
         assert!(area > 0.5 / 36.0 && area < 0.07, "{limits:?}");
         assert!((limits.relative / (BESIDE * area) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_rim_beyond_ice_that_yields_is_known_to_a_cell_whatever_coarser_meshes_say() {
+        let of = |hardness: f64| {
+            let mut watched = Watched::new(Some(hardness), Left::default());
+            for (cells, off) in [(3.0, 0.0), (4.0, 0.3), (6.0, -0.6)] {
+                pushed(&mut watched, cells, [0.5, 0.5, off * cells * cells]);
+            }
+            let limits = watched.limits().expect("three meshes");
+            limits.length_error / watched.length.value() * 2.0 * watched.length.cells()
+        };
+        // Of these lengths: a whole cell of the finest mesh at either end, and where nothing yields three times their range.
+        assert!((of(20e6) - 2.0).abs() < 1e-12);
+        assert!(of(1e9) > 20.0);
     }
 
     #[test]

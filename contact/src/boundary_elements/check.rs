@@ -103,6 +103,10 @@ pub fn boundary_elements_to_compare(problem: &Problem) -> Result<BoundaryElement
     solved(problem, f64::INFINITY).map(|(found, _)| found)
 }
 
+/// Depth of a place beyond the window over the approach that counts as contact: with forces that go with its power 3/2, of a thousandth of
+/// the load under radii alike.
+const DEEP: f64 = 0.01;
+
 /// The figures, and how steep the pressure is at its rim: [`OnWindow::at_rim`].
 fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), NotChecked> {
     let gap = Gap::new(problem).map_err(|_| NotChecked::NotSettled)?;
@@ -124,6 +128,9 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
         }
     }
     let [p_max, approach, area, length, width] = found[found.len() - 1];
+    if last.elsewhere(&gap, surface.compliance) > DEEP * approach {
+        return Err(NotChecked::Elsewhere);
+    }
     // Whatever grids say of them, rims are read to a part of a cell.
     let [along, across] = last.window.size().map(|size| 2.0 * READ * size);
     let least = 0.5 * (along * width + across * length);
@@ -203,6 +210,35 @@ impl OnWindow {
         let p_max = top(&self.squares()).sqrt().min(self.plane.hardness);
         let [area, length, width] = self.extents();
         [p_max, top(&closing), area, length, width]
+    }
+
+    /// How deep the hull lies in the ice beyond the window, which the pressures lower there as on a half-space: by p dA / (pi E* r) [m].
+    fn elsewhere(&self, gap: &Gap, compliance: f64) -> f64 {
+        let (window, plane) = (&self.window, &self.plane);
+        let [dx, dy] = window.size();
+        let mirrors = window
+            .mirrored
+            .map(|m| if m { &[1.0, -1.0][..] } else { &[1.0] });
+        let lowered = |[x, y]: [f64; 2]| {
+            let pressed = self.pressed.pressure.iter().enumerate();
+            let sum: f64 = pressed
+                .filter(|(_, p)| **p > 0.0)
+                .map(|(c, p)| {
+                    let u = window.centre(0, c % plane.width);
+                    let v = window.centre(1, c / plane.width);
+                    let copies = mirrors[0]
+                        .iter()
+                        .flat_map(|s| mirrors[1].iter().map(move |t| (x - s * u).hypot(y - t * v)));
+                    p * copies.map(|r| 1.0 / r).sum::<f64>()
+                })
+                .sum();
+            sum * dx * dy * compliance / std::f64::consts::PI
+        };
+        let deep = |place: [f64; 2]| match plane.depth(gap, &self.pressed.motion, place) {
+            depth if depth > 0.0 => depth - lowered(place),
+            _ => 0.0,
+        };
+        window.beyond().map(deep).fold(0.0, f64::max)
     }
 
     /// Area, length and width, from where p^2 reaches zero along the cells' lines.

@@ -13,6 +13,10 @@ pub(super) struct Plane {
     pub gap: Vec<f64>,
     /// How the motions that follow from balance close the gap, one list a motion.
     pub motions: Vec<Vec<f64>>,
+    /// Which motions these are: approach, and tilts by x and by y.
+    free: Vec<usize>,
+    /// The motion that is held [m].
+    held: f64,
     /// What the cells' pressures times those rows sum to [Pa], [Pa m].
     pub balance: Vec<f64>,
     /// Largest pressure [Pa].
@@ -46,18 +50,21 @@ impl Plane {
             .map(|m| if m { 2.0 } else { 1.0 })
             .iter()
             .product();
-        let mut balance = vec![0.0; free.len()];
+        let (mut balance, mut held) = (vec![0.0; free.len()], 0.0);
         match problem.load {
             Load::Force { fz, .. } => balance[0] = fz / (copies * dx * dy),
             Load::Approach { approach, .. } => {
                 let lowest = gaps.iter().copied().fold(window.lowest, f64::min);
-                gaps.iter_mut().for_each(|g| *g -= approach + lowest);
+                held = approach + lowest;
+                gaps.iter_mut().for_each(|g| *g -= held);
             }
         }
         Plane {
             width: nx,
             gap: gaps,
             motions,
+            free,
+            held,
             balance,
             hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
         }
@@ -77,5 +84,12 @@ impl Plane {
     pub fn closing(&self, cell: usize, motion: &[f64]) -> f64 {
         let terms = self.motions.iter().zip(motion);
         terms.map(|(row, q)| row[cell] * q).sum()
+    }
+
+    /// How deep the hull lies below the undeformed ice anywhere on the plane [m].
+    pub fn depth(&self, gap: &Gap, motion: &[f64], [x, y]: [f64; 2]) -> f64 {
+        let row = gap.motion_row(x, y);
+        let closed: f64 = self.free.iter().zip(motion).map(|(a, q)| row[*a] * q).sum();
+        closed + self.held - gap.at(x, y)
     }
 }

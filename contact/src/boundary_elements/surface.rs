@@ -16,6 +16,9 @@ pub enum NotChecked {
     /// A peak of pressure no wider than a few cells, as at the ends of a runner.
     #[error("the pressure's peak is narrower than the cells")]
     NarrowPeak,
+    /// The hull lies in the ice beyond the cells, too: a second patch, or an end that touches.
+    #[error("the runner touches elsewhere too")]
+    Elsewhere,
     /// The patch or its set does not settle.
     #[error("the contact set does not settle")]
     NotSettled,

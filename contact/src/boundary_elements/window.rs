@@ -98,6 +98,19 @@ impl Window {
         from + (cell as f64 + 0.5) * self.size()[axis]
     }
 
+    /// Places along the hull, on the lines through this window's middle and sides, that are half its size and more away from it.
+    pub fn beyond(&self) -> impl Iterator<Item = [f64; 2]> {
+        let middle = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));
+        let lines = [self.low[1], middle[1], self.high[1]];
+        let around = self.high[0] - self.low[0];
+        let [from, to] = [self.extent[0], self.extent[1]]
+            .map(|end| (end - middle[0]).clamp(-REACH, REACH) + middle[0]);
+        let along = (0..=2 * SAMPLES)
+            .map(move |k| from + (to - from) * k as f64 / (2 * SAMPLES) as f64)
+            .filter(move |x| (x - middle[0]).abs() > around);
+        along.flat_map(move |x| lines.map(|y| [x, y]))
+    }
+
     /// The window that fits contact from the first to the last cell of each axis; `None` where this one does.
     pub fn fitted(&self, contact: [[usize; 2]; 2]) -> Option<Self> {
         let mut next = *self;

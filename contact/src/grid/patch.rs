@@ -52,8 +52,8 @@ impl Patch {
     /// What peak and approach of a mesh with so many cells over half the patch are off by, relative, since the contact has the rims of `found`
     /// and the mesh was made for these.
     ///
-    /// Nodes carry forces up to the middle of a cell, so that a rim is missed by d: its distance from the one expected, at most half a
-    /// cell. The right rim makes the energy least, so that d counts squared: under a force F a paraboloid of radius R that touches within c
+    /// Nodes carry forces up to the middle of a cell, so that a rim is missed by d: its distance from the one expected; where that is most of
+    /// a cell the lines of nodes miss it by anything up to half of one, in the mean of squares by 1 / sqrt(12). The right rim makes the energy least, so that d counts squared: under a force F a paraboloid of radius R that touches within c
     /// has the approach F / (2 E* c) + c^2 / (3 R) (I. N. Sneddon, Int. J. Eng. Sci. 3, 1965), at c = a + d (d / a)^2 of a^2 / R more than
     /// at a; and in its middle the pressure 2 E* c / (pi R) + (F - F_c) / (2 pi c^2), F_c = 4 E* c^3 / (3 R), (d / a)^2 more too. Here the means
     /// over both ends, and along and across.
@@ -61,7 +61,9 @@ impl Patch {
         let missed = |mine: &Stretch, theirs: &Stretch| {
             let at = |here: f64, there: f64| {
                 let cell = mine.size(here) / cells;
-                ((there - here).abs() / mine.half()).min(0.5 * cell).powi(2)
+                ((there - here).abs() / mine.half())
+                    .min(cell / 12f64.sqrt())
+                    .powi(2)
             };
             0.5 * (at(mine.low, theirs.low) + at(mine.high, theirs.high))
         };

@@ -5,7 +5,7 @@ use kufe_contact::{
     boundary_elements_to, hertz, solve,
 };
 use kufe_mesh::{BobRunner, Paraboloid};
-use kufe_tests::contact::{contact_modulus, on_half_space};
+use kufe_tests::contact::{Formula, contact_modulus, on_half_space};
 use kufe_tests::coverage::{Miss, rows};
 
 #[test]
@@ -156,6 +156,32 @@ fn what_cells_cannot_resolve_or_is_no_half_space_has_no_second_answer() {
 }
 
 /// Most of the patch yields: finite elements and boundary elements agree on how deep the runner goes.
+#[test]
+fn a_second_patch_beyond_the_cells_leaves_no_second_answer() {
+    // Of a runner held level whose approach is 12.5 um a bump at x = 0.4 m is higher than that, or lower.
+    let with_bump = |low: f64| {
+        let hull = Formula {
+            height: move |x: f64, y: f64| {
+                let bump = low + (x - 0.4).powi(2) / 2.0;
+                (x * x / 60.0).min(bump) + y * y / 0.01
+            },
+            extent: [-0.5, 0.5, -0.005, 0.005],
+            symmetric: [false, true],
+        };
+        Problem {
+            load: Load::central(1000.0, Tilt::LEVEL),
+            ..on_half_space(hull, 1000.0)
+        }
+    };
+    let apart = boundary_elements(&with_bump(16e-6)).unwrap();
+    let truth = hertz(30.0, 0.005, contact_modulus(), 1000.0).p_max;
+    assert!((apart.p_max - truth).abs() < apart.p_max_error);
+    assert_eq!(
+        boundary_elements(&with_bump(8e-6)),
+        Err(NotChecked::Elsewhere)
+    );
+}
+
 #[test]
 fn ice_that_yields_under_most_of_the_patch_has_the_approach_of_finite_elements() {
     let hardness = 25e6;
