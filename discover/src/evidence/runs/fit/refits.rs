@@ -9,6 +9,7 @@ use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
@@ -85,18 +86,29 @@ impl Campaign<'_> {
 
     /// The misfit by run, but for a constant: of what the installation costs each has the same share.
     pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
-        let cost = refit.model.installation.cost() / self.training.len().max(1) as f64;
+        self.misfit_of(&refit.model, &refit.whitener)
+    }
+
+    /// The same where what the installation is off by is found anew beside the refit's effect; nothing where that cannot be fitted.
+    pub fn misfit_installed_anew(&self, refit: &Refit) -> Option<Vec<f64>> {
+        let fit = self.least_squares(&refit.model, Vec::new()).ok()?;
+        let found = self.installed(&fit).ok()?;
+        Some(self.misfit_of(&found.residual_model, &found.whitener))
+    }
+
+    fn misfit_of(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
+        let cost = model.installation.cost() / self.training.len().max(1) as f64;
         let of_run = |(frame, rows): (&Frame, &ChannelRows)| {
-            let gains = log_gains_of(&refit.model, frame);
+            let gains = log_gains_of(model, frame);
             let channels = (0..BALANCES).filter(|c| self.used[*c]);
             let each = channels.map(|c| {
-                let sd = refit.whitener.sd[c];
+                let sd = whitener.sd[c];
                 let squares: f64 = rows[c].iter().map(|x| (x / sd).powi(2)).sum();
                 0.5 * squares + rows[c].len() as f64 * (sd.ln() - gains[c])
             });
             cost + each.sum::<f64>()
         };
-        let all = residuals(&refit.model, &self.training);
+        let all = residuals(model, &self.training);
         self.training.iter().zip(&all).map(of_run).collect()
     }
 }

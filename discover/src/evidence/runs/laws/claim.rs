@@ -85,7 +85,14 @@ impl Campaign<'_> {
         }
         if let Some(claim) = claim {
             let explained = named.map_or(0.0, |named| without.misfit - named.misfit);
-            let [more, error] = self.more_than(named, &shown);
+            let [mut more, mut error] = self.more_than(named, &shown);
+            if self.gives_way(claim, explained, [more, error])
+                && !claim.candidate.is_column()
+                && let Some((named, law)) = named.zip(shown.refit.as_ref())
+            {
+                [more, error] = self.more_anew(named, law)?;
+            }
+            eprintln!("DBG law {} vs {} explained {explained} more {more} {error}", shown.candidate.effect, claim.candidate.effect);
             if !self.gives_way(claim, explained, [more, error]) {
                 let beside = !claim.candidate.is_column()
                     && !straight_part(&claim.candidate, &shown.candidate)
@@ -151,6 +158,13 @@ impl Campaign<'_> {
                 difference(&gains[0], &gains[1])
             }
         }
+    }
+
+    /// The same with what the installation is off by found anew beside each: found without either it stands for a part of what is missing,
+    /// and a law on a sensor takes the other part.
+    fn more_anew(&self, named: &Refit, law: &Refit) -> Option<[f64; 2]> {
+        let named = self.misfit_installed_anew(named)?;
+        Some(difference(&named, &self.misfit_installed_anew(law)?))
     }
 
     /// What is said where a smooth curve explains more than the formula.
