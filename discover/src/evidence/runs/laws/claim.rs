@@ -92,7 +92,6 @@ impl Campaign<'_> {
             {
                 [more, error] = self.more_anew(named, law)?;
             }
-            eprintln!("DBG law {} vs {} explained {explained} more {more} {error}", shown.candidate.effect, claim.candidate.effect);
             if !self.gives_way(claim, explained, [more, error]) {
                 let beside = !claim.candidate.is_column()
                     && !straight_part(&claim.candidate, &shown.candidate)
