@@ -12,7 +12,7 @@ use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -54,6 +54,7 @@ impl<'a> Campaign<'a> {
             along_path: false,
             installation: Installation::default(),
             contacts: None,
+            own_noise: [1.0; BALANCES],
             frozen: Vec::new(),
         };
         for frame in &data.frames {
@@ -137,6 +138,9 @@ impl Evidence for Campaign<'_> {
             ));
             base = self.fitted(&base.residual_model, Vec::new())?;
         }
+        let simulator = self.simulator(&base.residual_model);
+        self.given.own_noise = simulator.own_noise(&self.training, &base.residual_model);
+        base.residual_model.own_noise = self.given.own_noise;
         let base = self.installed(&base)?;
         if self.data.noise_estimated {
             let n = &self.data.noise;

@@ -118,6 +118,11 @@ pub struct RunRules {
     pub leads: f64,
     /// Effects of the catalogue, the strongest first, that are refitted where something is large, beside all that move signals. Chosen.
     pub leaders: usize,
+    /// Of these, those that leave least, beside which what the installation is off by is found anew. Chosen.
+    pub finalists: usize,
+    /// Standard deviations beyond which no part of an installation is merely off by its tolerance. Derived: of 25 parts within theirs, one is
+    /// in 1.6 of 1000 campaigns.
+    pub belief: f64,
     /// t that a catalogue effect must lose, and a column beyond the catalogue keep, for the column to be named instead.
     /// Chosen.
     pub column_wins: [f64; 2],
@@ -219,6 +224,8 @@ impl Default for RunRules {
             large: 0.02,
             leads: 0.5,
             leaders: 6,
+            finalists: 3,
+            belief: 4.0,
             column_wins: [2.0, 3.0],
             laws: LawRules::default(),
             rivals: RivalRule {

@@ -1,11 +1,18 @@
-//! What a balance takes of the acceleration that it is about: a model that counts less of what was measured leaves less, and
-//! explains nothing by it.
+//! What a balance takes of the acceleration that it is about: a model that counts less of a noisy measurement leaves less, and explains
+//! nothing by it.
 //!
-//! With the density of what was measured, not of what is left, the criterion of a fit is
+//! With noise of known deviations in the acceleration a and in what the forces are made of, and the true motion unknown, the criterion of a
+//! fit is that of the residual r over the deviation that the noise gives it with this model,
 //!
 //! ```text
-//! p(a) = p(r(a)) |dr/da|        sum_c n_c (ln(rms_c) - mean ln |dr_c/da_c|)
+//! sum_c n_c (ln(rms_c) - ln(v_c) / 2)        v = (dr/da)^2 var(a) + var(forces)
 //! ```
+//!
+//! of which the part that a takes, with its share w of v, counts here: `ln(v) / 2` changes by `w ln|dr/da|`. What a model makes of noise in
+//! the forces is taken off by corrected scores.
+//!
+//! Source: R. J. Carroll and others, Measurement Error in Nonlinear Models (2006), section 3.4: orthogonal regression with known ratios
+//! of the variances.
 
 use rayon::prelude::*;
 
@@ -13,7 +20,7 @@ use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Means over the runs of `ln |dr/da|`, by channel in use.
+/// Means over the runs of `w ln |dr/da|`, by channel in use.
 pub fn log_gains(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> Vec<f64> {
     let each: Vec<[f64; BALANCES]> = frames.par_iter().map(|f| log_gains_of(model, f)).collect();
     let rows = frames.iter().map(|frame| frame.row_count() as f64);
@@ -27,7 +34,7 @@ pub fn log_gains(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]
         .collect()
 }
 
-/// Means over one run of `ln |dr/da|`, by balance.
+/// Means over one run of `w ln |dr/da|`, by balance.
 pub fn log_gains_of(model: &ResidualModel, frame: &Frame) -> [f64; BALANCES] {
     /// Samples of a run: masses and scales are the same all along, and what a bent sensor reads is not by much.
     const SAMPLES: usize = 16;
@@ -36,8 +43,9 @@ pub fn log_gains_of(model: &ResidualModel, frame: &Frame) -> [f64; BALANCES] {
     let taken: Vec<usize> = frame.samples().step_by(stride.max(1)).collect();
     let mut means = [0.0; BALANCES];
     for i in &taken {
-        for (mean, gain) in means.iter_mut().zip(on_run.gains(*i)) {
-            *mean += gain.abs().max(1e-300).ln() / taken.len() as f64;
+        let own = on_run.gains(*i).into_iter().zip(model.own_noise);
+        for (mean, (gain, share)) in means.iter_mut().zip(own) {
+            *mean += share * gain.abs().max(1e-300).ln() / taken.len() as f64;
         }
     }
     means

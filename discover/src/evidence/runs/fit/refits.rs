@@ -9,7 +9,6 @@ use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
-use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
@@ -86,17 +85,7 @@ impl Campaign<'_> {
 
     /// The misfit by run, but for a constant: of what the installation costs each has the same share.
     pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
-        self.misfit_of(&refit.model, &refit.whitener)
-    }
-
-    /// The same where what the installation is off by is found anew beside the refit's effect; nothing where that cannot be fitted.
-    pub fn misfit_installed_anew(&self, refit: &Refit) -> Option<Vec<f64>> {
-        let fit = self.least_squares(&refit.model, Vec::new()).ok()?;
-        let found = self.installed(&fit).ok()?;
-        Some(self.misfit_of(&found.residual_model, &found.whitener))
-    }
-
-    fn misfit_of(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
+        let (model, whitener) = (&refit.model, &refit.whitener);
         let cost = model.installation.cost() / self.training.len().max(1) as f64;
         let of_run = |(frame, rows): (&Frame, &ChannelRows)| {
             let gains = log_gains_of(model, frame);
@@ -110,5 +99,17 @@ impl Campaign<'_> {
         };
         let all = residuals(model, &self.training);
         self.training.iter().zip(&all).map(of_run).collect()
+    }
+
+    /// A refit beside which what the installation is off by is found anew; nothing where that cannot be fitted. Its misfit and size are
+    /// those of before.
+    pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
+        let fit = self.least_squares(&refit.model, Vec::new()).ok()?;
+        let found = self.installed(&fit).ok()?;
+        Some(Refit {
+            model: found.residual_model,
+            whitener: found.whitener,
+            ..*refit
+        })
     }
 }

@@ -11,7 +11,9 @@ use kufe_sled::effects::{Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
+use crate::evidence::runs::model::residual_model::{
+    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, normal, sign, stream};
@@ -28,6 +30,16 @@ pub struct RunSimulator {
     /// Shortest piece of a run to be simulated [s].
     pub piece_s: f64,
 }
+
+/// Sensors without noise.
+const SILENT: Noise = Noise {
+    accel_mps2: 0.0,
+    rate_radps: 0.0,
+    speed_mps: 0.0,
+    slip_rad: 0.0,
+    steer_rad: 0.0,
+    roll_split_rad: 0.0,
+};
 
 /// A run without noise and with it, in both signs.
 pub struct SimulatedPair {
@@ -55,26 +67,50 @@ impl RunSimulator {
             signals: rules.recordings,
             piece_s: rules.noise_piece_s,
         };
-        let powers: Vec<[[f64; CHANNELS]; 2]> = frames
-            .par_iter()
-            .enumerate()
-            .map(|(i, frame)| {
-                let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
-                let pair = simulator.pair(frame, residual_model, 1_000_003, i);
-                [
-                    power(residual_model.residuals(frame)),
-                    power(residual_model.residuals(&pair.plus)),
-                ]
-            })
-            .collect();
+        let explained = simulator.explained(frames, residual_model);
         for (c, used) in used.iter().enumerate() {
-            let have: f64 = powers.iter().map(|p| p[0][c]).sum();
-            let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
-            if *used && have > 0.0 {
-                simulator.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
+            if *used {
+                simulator.beyond[c] = (1.0 - explained[c]).max(0.0).sqrt();
             }
         }
         simulator
+    }
+
+    /// Share of each channel's residual, as a variance, that the sensors' noise explains; 1 of none.
+    fn explained(&self, frames: &[Frame], residual_model: &ResidualModel) -> [f64; CHANNELS] {
+        let of_run = |(i, frame): (usize, &Frame)| {
+            let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
+            let pair = self.pair(frame, residual_model, 1_000_003, i);
+            [
+                power(residual_model.residuals(frame)),
+                power(residual_model.residuals(&pair.plus)),
+            ]
+        };
+        let powers: Vec<[[f64; CHANNELS]; 2]> = frames.par_iter().enumerate().map(of_run).collect();
+        std::array::from_fn(|c| {
+            let [have, explained] = [0, 1].map(|k| powers.iter().map(|p| p[k][c]).sum::<f64>());
+            if have > 0.0 { explained / have } else { 1.0 }
+        })
+    }
+
+    /// Share of each balance's residual that is noise of the acceleration that it is about: of the accelerometer, or of the gyroscope's slope.
+    pub fn own_noise(&self, frames: &[Frame], residual_model: &ResidualModel) -> [f64; BALANCES] {
+        let alone = |accel_mps2: f64, rate_radps: f64| {
+            let noise = Noise {
+                accel_mps2,
+                rate_radps,
+                ..SILENT
+            };
+            let alone = Self {
+                noise,
+                ..self.sensors_only()
+            };
+            alone
+                .explained(frames, residual_model)
+                .map(|share| share.min(1.0))
+        };
+        let [along, side, ..] = alone(self.noise.accel_mps2, 0.0);
+        [along, side, alone(0.0, self.noise.rate_radps)[2]]
     }
 
     /// By which factor the sensors' noise, as a variance, may be larger before it explains more than the whole residual of every channel.

@@ -162,8 +162,11 @@ impl Campaign<'_> {
     /// The same with what the installation is off by found anew beside each: found without either it stands for a part of what is missing,
     /// and a law on a sensor takes the other part.
     fn more_anew(&self, named: &Refit, law: &Refit) -> Option<[f64; 2]> {
-        let named = self.misfit_installed_anew(named)?;
-        Some(difference(&named, &self.misfit_installed_anew(law)?))
+        let [named, law] = [named, law].map(|refit| self.installed_anew(refit));
+        Some(difference(
+            &self.misfit_by_run(&named?),
+            &self.misfit_by_run(&law?),
+        ))
     }
 
     /// What is said where a smooth curve explains more than the formula.

@@ -167,9 +167,28 @@ impl Installation {
         }
     }
 
-    /// What its sizes cost, as the logarithm of a density.
+    /// What its sizes cost, as the logarithm of a density, and the deviations beyond those stated.
     pub fn cost(&self) -> f64 {
-        0.5 * self.sizes.iter().map(|size| size * size).sum::<f64>()
+        let squares: f64 = self.sizes.iter().map(|size| size * size).sum();
+        let wider: f64 = self.parts.iter().map(|p| (p.sd / p.stated).ln()).sum();
+        0.5 * squares + wider
+    }
+
+    /// Whether a part is off by more than so many of its standard deviations.
+    pub fn is_beyond(&self, deviations: f64) -> bool {
+        self.sizes.iter().any(|size| size.abs() > deviations)
+    }
+
+    /// The same with such parts as they are stated.
+    pub fn within(&self, deviations: f64) -> Self {
+        let mut within = self.clone();
+        let beyond = |size: &&mut f64| size.abs() > deviations;
+        within
+            .sizes
+            .iter_mut()
+            .filter(beyond)
+            .for_each(|s| *s = 0.0);
+        within
     }
 
     /// By how much a combination is off, in standard deviations.

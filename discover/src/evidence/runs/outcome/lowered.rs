@@ -31,16 +31,24 @@ type Place<'a> = (usize, &'a str, i64);
 impl Campaign<'_> {
     /// By how much the locked-away runs' gap is lower with `to` than with `from`.
     ///
-    /// Models freed of what noisy inputs add are held against one another, or, where one has not been, both without.
+    /// Models freed of what noisy inputs add are held against one another, or, where one has not been, both without; neither beside an
+    /// installation that is off beyond belief.
     pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
         let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
-        let model = |fit: &RunFit| match freed {
-            true => fit.settled.clone(),
-            false => fit.residual_model.clone(),
+        let model = |fit: &RunFit| {
+            let model = match freed {
+                true => &fit.settled,
+                false => &fit.residual_model,
+            };
+            match self.is_beyond_belief(model) {
+                true => self.within_belief(model),
+                false => Some(model.clone()),
+            }
         };
-        let lowered = self.lowered_between(&model(from), &model(to), to.told.as_ref())?;
+        let before = model(from)?;
+        let lowered = self.lowered_between(&before, &model(to)?, to.told.as_ref())?;
         Some(Lowered {
-            tolerated: self.tolerated(&model(from)),
+            tolerated: self.tolerated(&before),
             ..lowered
         })
     }

@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
-use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::finding::report::Rival;
 use crate::null::sign_flips::chances_of_gains;
@@ -31,9 +31,9 @@ impl Campaign<'_> {
         most >= self.rules().large * (rows * at.whitener.count()) as f64
     }
 
-    /// Where something is large, the effect of the catalogue that leaves less, in a full refit, than the claim and all others whose scores
-    /// are large, and stands out run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the
-    /// claim, or something small.
+    /// Where something is large, or the installation is off beyond belief, the effect of the catalogue that leaves less, in a full refit
+    /// beside which what the installation is off by is found anew, than the claim and all others whose scores are large, and stands out
+    /// run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the claim, or something small.
     pub fn leading(
         &self,
         at: &Current,
@@ -49,42 +49,78 @@ impl Campaign<'_> {
         others.extend(order.split_off(order.len().min(self.rules().leaders)));
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
-        if no_model || self.least_p() > options.alpha || !self.is_large(at, most) {
+        let strange = self.is_beyond_belief(at.residual_model);
+        if no_model || self.least_p() > options.alpha || !(strange || self.is_large(at, most)) {
             return None;
         }
         let without = self.refitted_alone(at)?;
         let bare = self.misfit_by_run(without);
+        let gains = |refit: &Refit, bare: &[f64]| -> Vec<f64> {
+            let with = self.misfit_by_run(refit);
+            bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect()
+        };
         let leader = |c: &usize| {
             let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
-            let with = self.misfit_by_run(&refit);
             Some(Leader {
                 candidate: &regular[*c],
                 at: *c,
-                gains: bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect(),
+                gains: gains(&refit, &bare),
                 refit,
             })
         };
-        let gain = |leader: &Leader| 2.0 * (without.misfit - leader.refit.misfit);
         let mut leaders: Vec<Leader> = order.iter().filter_map(leader).collect();
-        if !leaders.iter().any(|l| self.is_large(at, gain(l))) {
+        if !strange && !leaders.iter().any(|l| self.is_large(at, total(&l.gains))) {
             return None;
         }
         // What stands between a sensor and the truth moves every force at once: at the bent base its score may say nothing.
         others.retain(|c| regular[*c].act.moves_signals());
         leaders.extend(others.iter().filter_map(leader));
+        // Beside an installation that was found without them all look alike: of those that lead, by their scores or as they are refitted,
+        // and of the claim, it is found anew.
+        let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
+        let anew = |refit: &Refit| self.installed_anew(refit);
+        let bare = self.misfit_by_run(&anew(without)?);
+        leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
+        let seen = |l: &Leader| {
+            screen.seen[l.at].usable && screen.seen[l.at].gain >= self.rules().leads * most
+        };
+        for (place, leader) in leaders.iter_mut().enumerate() {
+            let leads = place < self.rules().finalists || seen(leader);
+            let found = leads.then(|| anew(&leader.refit)).flatten();
+            if let Some(refit) = found.and_then(|refit| refit.sized(leader.candidate)) {
+                leader.gains = gains(&refit, &bare);
+                leader.refit = Arc::new(refit);
+            }
+        }
         let (place, best) = leaders
             .iter()
             .enumerate()
-            .min_by(|a, b| a.1.refit.misfit.total_cmp(&b.1.refit.misfit))?;
-        let gain = gain(best);
-        let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
-        if claimed.is_some_and(|c| c.misfit <= best.refit.misfit) {
+            .max_by(|a, b| total(&a.1.gains).total_cmp(&total(&b.1.gains)))?;
+        let gain = total(&best.gains);
+        let of_claim = claimed.and_then(|refit| anew(&refit));
+        if of_claim.is_some_and(|refit| total(&gains(&refit, &bare)) >= gain) {
             return None;
         }
         let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
         let p_value = chances_of_gains(&gains, options.flips, options.seed)[place];
         let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
         (p_value <= options.alpha).then(|| (claim(), gain))
+    }
+
+    /// Whether a part of a model's installation is off by more than its tolerance can mean: then it stands for something that has a name.
+    /// Where the noise is not what it is said to be a part may stand for that.
+    pub fn is_beyond_belief(&self, model: &ResidualModel) -> bool {
+        !self.data.noise_doubted && model.installation.is_beyond(self.rules().belief)
+    }
+
+    /// A model whose installation is off by what its tolerances can mean and no more, its base refitted beside that.
+    pub fn within_belief(&self, model: &ResidualModel) -> Option<ResidualModel> {
+        let within = ResidualModel {
+            installation: model.installation.within(self.rules().belief),
+            ..model.clone()
+        };
+        let fit = self.least_squares(&within, Vec::new()).ok()?;
+        Some(fit.residual_model)
     }
 
     fn claim_of(
