@@ -58,6 +58,7 @@ pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use model::vehicle::{BaseParameter, Vehicle};
 pub use motion::balance::{Balance, Left};
 pub use motion::law_forces::LawForces;
+pub use motion::left_by::LeftBy;
 pub use motion::measured::from_sensors;
 pub use motion::outside::{OutsideTable, outside_tables};
 pub use motion::state::{AxleForces, Motion, State};

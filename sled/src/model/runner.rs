@@ -82,6 +82,25 @@ impl RunnerFriction {
         self.mu_scale * mu
     }
 
+    /// How [`RunnerFriction::mu`] changes with the normal force [1/N], the curvature [m] and the speed [s/m]: of a table by central
+    /// differences over a thousandth of each.
+    pub fn mu_by(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> [f64; 3] {
+        if self.table().is_none() {
+            return [0.0; 3];
+        }
+        let at = [fz, curvature, speed];
+        let least = [1.0, 1e-6, 1e-3];
+        std::array::from_fn(|k| {
+            let step = (1e-3 * at[k].abs()).max(least[k]);
+            let moved = |by: f64| {
+                let mut there = at;
+                there[k] += by;
+                self.mu(there[0], there[1], there[2], ice_c)
+            };
+            (moved(step) - moved(-step)) / (2.0 * step)
+        })
+    }
+
     /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is asked; NaN without a table.
     #[inline]
     pub fn film(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {

@@ -37,9 +37,9 @@ pub struct Balance {
     /// Sine and cosine of the slip angles at the runners.
     pub(crate) slips: [(f64, f64); 2],
     /// Sine and cosine of the slip angle at the centre of gravity.
-    chassis: (f64, f64),
+    pub(crate) chassis: (f64, f64),
     /// Drag of the base model, never positive [N].
-    drag: f64,
+    pub(crate) drag: f64,
 }
 
 /// What the three balances of the sled in its plane leave: measured less modelled.

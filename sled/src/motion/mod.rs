@@ -5,6 +5,7 @@ pub(crate) mod axles;
 pub(crate) mod balance;
 pub(crate) mod law_forces;
 pub(crate) mod laws;
+pub(crate) mod left_by;
 pub(crate) mod measured;
 pub mod one_track;
 pub(crate) mod outside;

@@ -3,6 +3,7 @@
 mod align;
 mod effects_in_commands;
 mod effects_in_the_loop;
+mod left_by;
 mod real_car;
 mod recorded;
 mod replay;

@@ -234,7 +234,9 @@ impl RunSimulator {
 /// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
 ///
 /// A residual belongs to a moment that a late sensor tells later.
-pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) -> Frame {
+///
+/// `rows` are the residuals along, aside and about the vertical at every kept sample.
+pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
     let mut twin = frame.clone();
     let sled = &residual_model.vehicle.sled;
     let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
@@ -245,13 +247,17 @@ pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) 
             false => ahead(&rest, -delay / frame.sample_s()),
         }
     };
-    let yaw: Vec<f64> = rows[2].iter().map(|m| m / sled.j_zz_kgm2).collect();
+    let yaw: Vec<f64> = rows[2]
+        .as_ref()
+        .iter()
+        .map(|m| m / sled.j_zz_kgm2)
+        .collect();
     let aligned = |place: f64, rows: &[f64]| -> Vec<f64> {
         let both = rows.iter().zip(&yaw);
         both.map(|(r, yaw)| place * yaw - r / mass_kg).collect()
     };
-    let along = aligned(sled.accel_y_m, &rows[0]);
-    let side = aligned(-sled.accel_x_m, &rows[1]);
+    let along = aligned(sled.accel_y_m, rows[0].as_ref());
+    let side = aligned(-sled.accel_x_m, rows[1].as_ref());
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
     let [ahead_of, left_of, _] = &mut twin.acceleration;
     for (to, rest) in [
@@ -261,8 +267,8 @@ pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &ChannelRows) 
     ] {
         to.iter_mut().zip(rest).for_each(|(x, by)| *x += by);
     }
-    if !rows[3].is_empty() {
-        let left = residual_model.raw(&twin)[3].clone();
+    if !frame.slope.is_empty() {
+        let left = residual_model.track(&twin);
         for (slope, r) in twin.v_slope.iter_mut().zip(told(Sensor::Speed, left)) {
             *slope -= r;
         }

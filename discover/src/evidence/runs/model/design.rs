@@ -92,8 +92,7 @@ impl Design<'_> {
             .collect();
         let n = frame.len();
         let first_trial = BASE + moved.len() + residual_model.installation.fitted();
-        // A delay and what an installation is off by ask for the channels at other times. As the model has the accelerations:
-        // with the measured ones, which hold the residual, these columns would follow it.
+        // A delay and what an installation is off by ask for the channels at other times.
         let delays = residual_model.effects.delays();
         let late_moved = moved
             .iter()
@@ -109,14 +108,6 @@ impl Design<'_> {
             .chain((BASE + moved.len()..).zip(installed))
             .chain(late_trials)
             .collect();
-        let modelled =
-            (!shifted.is_empty()).then(|| truth(frame, residual_model, &residual_model.raw(frame)));
-        let modelled = modelled.as_ref().unwrap_or(frame);
-        let on_modelled = ModelOnRun::new(residual_model, modelled);
-        let shifted: Vec<(usize, ModelOnRun)> = shifted
-            .iter()
-            .map(|(k, other)| (*k, ModelOnRun::new(other, modelled)))
-            .collect();
         let moved: Vec<(usize, ModelOnRun)> = (BASE..)
             .zip(&moved)
             .filter(|(_, other)| other.effects.delays() == delays)
@@ -127,6 +118,7 @@ impl Design<'_> {
             let samples = if self.whitener.used[c] { n } else { 0 };
             vec![vec![0.0; samples]; count]
         });
+        let mut left: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
         for i in 0..n {
             let at = on_run.instant(i, &on_run.measured(i));
             let own = on_run.forces(&at);
@@ -153,15 +145,6 @@ impl Design<'_> {
             for (k, other) in &moved {
                 put(*k, other.balances_beside(i, &at), 0.01);
             }
-            if !shifted.is_empty() {
-                let there = on_modelled.instant(i, &on_modelled.measured(i));
-                let modelled = on_modelled.balances(&there, &on_modelled.forces(&there));
-                for (k, other) in &shifted {
-                    let values = other.balances_near(i, &other.measured(i), &there);
-                    let moved_by = |c: usize| rest[c] + values[c] - modelled[c];
-                    put(*k, [moved_by(0), moved_by(1), moved_by(2)], 0.01);
-                }
-            }
             for b in 0..BASE {
                 put(b, on_run.balances_with_base(&at, b, STEP), STEP);
             }
@@ -170,7 +153,11 @@ impl Design<'_> {
                     *to = rest[c];
                 }
             }
+            for (left, rest) in left.iter_mut().zip(rest) {
+                left.push(rest);
+            }
         }
+        self.put_shifted(frame, &shifted, &left, &mut raw);
         // Low-passed, thinned and whitened, the channels one below the other.
         let per_channel = frame.row_count();
         let mut all: Vec<Vec<f64>> = vec![Vec::new(); count];
@@ -203,6 +190,39 @@ impl Design<'_> {
         };
         let locals: Vec<&[f64]> = all[regular..count - 1].iter().map(Vec::as_slice).collect();
         (gather(&order), gather(&locals))
+    }
+
+    /// The columns of models that ask for the channels at other times or places, by their places, where the balances leave `left`.
+    ///
+    /// As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
+    fn put_shifted(
+        &self,
+        frame: &Frame,
+        shifted: &[(usize, ResidualModel)],
+        left: &[Vec<f64>; BALANCES],
+        raw: &mut [Vec<Vec<f64>>; BALANCES],
+    ) {
+        if shifted.is_empty() {
+            return;
+        }
+        let modelled = truth(frame, self.residual_model, left);
+        let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
+        let shifted: Vec<(usize, ModelOnRun)> = shifted
+            .iter()
+            .map(|(k, other)| (*k, ModelOnRun::new(other, &modelled)))
+            .collect();
+        for i in 0..frame.len() {
+            let there = on_modelled.instant(i, &on_modelled.measured(i));
+            let own = on_modelled.balances(&there, &on_modelled.forces(&there));
+            for (k, other) in &shifted {
+                let values = other.balances_near(i, &other.measured(i), &there);
+                for (c, raw) in raw.iter_mut().enumerate() {
+                    if let Some(to) = raw[*k].get_mut(i) {
+                        *to = (left[c][i] - (left[c][i] + values[c] - own[c])) / 0.01;
+                    }
+                }
+            }
+        }
     }
 
     /// Plain products of the columns of all runs, and of their windows.

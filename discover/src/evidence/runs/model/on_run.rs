@@ -39,6 +39,16 @@ impl ResidualModel {
         }
         rows
     }
+
+    /// The track channel of [`raw`](Self::raw) alone, which no force enters; zeros without a survey.
+    pub fn track(&self, frame: &Frame) -> Vec<f64> {
+        let on_run = ModelOnRun::new(self, frame);
+        let of = |i: usize| {
+            let signals = on_run.measured(i);
+            on_run.track(i, &on_run.balance(i, &signals), &signals)
+        };
+        (0..frame.len()).map(of).collect()
+    }
 }
 
 /// One sample: its balance, the base laws there and what effects see.
@@ -256,15 +266,15 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// What the track channel leaves [m/s2]; 0 without a survey.
-    fn track(&self, i: usize, at: &Instant) -> f64 {
+    fn track(&self, i: usize, balance: &Balance, signals: &Signals) -> f64 {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
         if self.residual_model.along_path {
-            at.balance.left_along_way(&at.signals, slope)
+            balance.left_along_way(signals, slope)
         } else {
-            at.balance.left_along_axis(&at.signals, slope)
+            balance.left_along_axis(signals, slope)
         }
     }
 
@@ -272,7 +282,7 @@ impl<'a> ModelOnRun<'a> {
     pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
         let at = self.instant(i, &self.measured(i));
         let [along, side, yaw] = self.balances(&at, &self.forces(&at));
-        [along, side, yaw, self.track(i, &at)]
+        [along, side, yaw, self.track(i, &at.balance, &at.signals)]
     }
 
     /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes.
