@@ -126,6 +126,15 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
 }
 
 #[test]
+fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_place() {
+    let hidden = 0.037;
+    let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);
+    assert_eq!(report.steps[0].class, ["yaw-rate-lag"], "{}", told(&report));
+    let time = &report.steps[0].parameters[0];
+    assert!((time.low..time.high).contains(&hidden), "{}", told(&report));
+}
+
+#[test]
 fn a_delay_within_its_tolerance_is_told_and_not_named() {
     let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
     assert!(report.steps.is_empty(), "{}", told(&report));

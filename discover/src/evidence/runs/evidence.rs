@@ -1,7 +1,10 @@
 //! Runs as evidence.
 
+use std::sync::Arc;
+
 use kufe_sled::effects::{CATALOGUE, Effects, Kind};
 use kufe_sled::{Model, State, Vehicle, outside_tables, refuse_effects};
+use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Told, gap_of};
@@ -10,9 +13,10 @@ use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
+use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -54,7 +58,6 @@ impl<'a> Campaign<'a> {
             along_path: false,
             installation: Installation::default(),
             contacts: None,
-            own_noise: [1.0; BALANCES],
             frozen: Vec::new(),
         };
         for frame in &data.frames {
@@ -64,9 +67,12 @@ impl<'a> Campaign<'a> {
                 .refuse_unstated_ice(stated, &format!("run {}", frame.name))?;
         }
         let locked = &data.locked;
-        let pick = |which: &[usize]| -> Vec<Frame> {
-            which.iter().map(|i| data.frames[*i].clone()).collect()
+        let sensors = RunSimulator::of_sensors(data.noise, (options.seed, &options.rules.runs));
+        let noisy = |i: &usize| Frame {
+            noisy: Some(Arc::new(sensors.upon(&data.frames[*i], *i))),
+            ..data.frames[*i].clone()
         };
+        let pick = |which: &[usize]| -> Vec<Frame> { which.par_iter().map(noisy).collect() };
         let (training, held) = (pick(&locked.training), pick(&locked.held));
         if training.len() < 2 {
             return Err(Error::TooFew {
@@ -138,9 +144,6 @@ impl Evidence for Campaign<'_> {
             ));
             base = self.fitted(&base.residual_model, Vec::new())?;
         }
-        let simulator = self.simulator(&base.residual_model);
-        self.given.own_noise = simulator.own_noise(&self.training, &base.residual_model);
-        base.residual_model.own_noise = self.given.own_noise;
         let base = self.installed(&base)?;
         if self.data.noise_estimated {
             let n = &self.data.noise;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::runs::fit::gains::{by_amplitudes, log_gains};
+use crate::evidence::runs::fit::row_noise::{by_amplitudes, log_noise};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{
     BASE, BOUNDS, CHANNELS, ChannelRows, ResidualModel,
@@ -100,7 +100,7 @@ pub struct Fit {
 
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c (ln(rms_c) - gain_c)` ([`log_gains`]), whose minimum is that of least squares with the deviations found along
+/// Minimises `sum_c n_c (ln(rms_c) - gain_c)` ([`log_noise`]), whose minimum is that of least squares with the deviations found along
 /// the way where no effect scales what is measured. Steps are halved until it falls; amplitudes stay in their bounds.
 ///
 /// # Errors
@@ -149,7 +149,7 @@ pub fn fit(
         let mut whitener = plain.clone();
         let mut total = DMatrix::zeros(m, m);
         let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
-        let gains = log_gains(&trial, frames, used);
+        let gains = log_noise(&trial, frames, used);
         for (k, ((gram, n), gain)) in sums.iter().zip(&gains).enumerate() {
             let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
             let sd = if square > 0.0 { square.sqrt() } else { 1.0 };

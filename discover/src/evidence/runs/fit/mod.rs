@@ -1,9 +1,10 @@
 //! Base and effects fitted together, with what noisy inputs add taken off.
 
 pub(crate) mod estimate;
-pub(crate) mod gains;
 pub(crate) mod gauss_newton;
 pub(crate) mod noise_products;
+pub(crate) mod piece;
 pub(crate) mod refit;
 pub(crate) mod refits;
+pub(crate) mod row_noise;
 pub(crate) mod simulated_runs;

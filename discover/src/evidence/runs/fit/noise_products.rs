@@ -13,10 +13,10 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::evidence::runs::fit::piece::piece;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::null::random::{below, stream};
 use crate::regression::gram::squares;
 
 /// D_i of every run, local candidates last, from one pair of twins of a third of it, scaled to the whole.
@@ -32,7 +32,7 @@ pub fn noise_products(
         .par_iter()
         .enumerate()
         .map(|(i, frame)| {
-            let piece = piece(frame, simulator, round, i);
+            let piece = piece(frame, simulator.piece_s, round, i);
             let pair = simulator.pair(&piece, design.residual_model, round, i);
             let square = |frame: &Frame| {
                 let (columns, locals) = design.columns_and_locals(frame);
@@ -46,20 +46,6 @@ pub fn noise_products(
             (mean - square(&pair.truth)) * share
         })
         .collect()
-}
-
-/// The piece of the `i`-th run that stands for it: a third of it, or so many seconds.
-pub fn piece(frame: &Frame, simulator: &RunSimulator, round: u64, i: usize) -> Frame {
-    let n = frame.len();
-    let span = frame.t[n - 1] - frame.t[0];
-    let wanted = (n as f64 * (simulator.piece_s / span.max(1e-9)).max(1.0 / 3.0)) as usize;
-    let length = wanted.clamp(1, n);
-    let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
-    match frame.piece(from, from + length) {
-        // All of it lies in a gap.
-        piece if piece.row_count() == 0 => frame.clone(),
-        piece => piece,
-    }
 }
 
 /// The mean of [`noise_products`] over several pairs of twins.

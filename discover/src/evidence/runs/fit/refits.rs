@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gains::log_gains_of;
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refit;
+use crate::evidence::runs::fit::row_noise::log_noise_of;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
@@ -88,7 +88,7 @@ impl Campaign<'_> {
         let (model, whitener) = (&refit.model, &refit.whitener);
         let cost = model.installation.cost() / self.training.len().max(1) as f64;
         let of_run = |(frame, rows): (&Frame, &ChannelRows)| {
-            let gains = log_gains_of(model, frame);
+            let gains = log_noise_of(model, frame);
             let channels = (0..BALANCES).filter(|c| self.used[*c]);
             let each = channels.map(|c| {
                 let sd = whitener.sd[c];

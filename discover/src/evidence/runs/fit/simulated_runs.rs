@@ -11,9 +11,8 @@ use kufe_sled::effects::{Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::evidence::runs::model::residual_model::{
-    BALANCES, CHANNELS, ChannelRows, ResidualModel,
-};
+use crate::evidence::runs::fit::piece::piece;
+use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, normal, sign, stream};
@@ -31,14 +30,14 @@ pub struct RunSimulator {
     pub piece_s: f64,
 }
 
-/// Sensors without noise.
-const SILENT: Noise = Noise {
-    accel_mps2: 0.0,
-    rate_radps: 0.0,
-    speed_mps: 0.0,
-    slip_rad: 0.0,
-    steer_rad: 0.0,
-    roll_split_rad: 0.0,
+/// What is taken for the noise of sensors that have none: models are told apart by ratios alone.
+const LEAST_NOISE: Noise = Noise {
+    accel_mps2: 1e-4,
+    rate_radps: 1e-6,
+    speed_mps: 1e-4,
+    slip_rad: 1e-6,
+    steer_rad: 1e-6,
+    roll_split_rad: 1e-6,
 };
 
 /// A run without noise and with it, in both signs.
@@ -60,57 +59,64 @@ impl RunSimulator {
         used: [bool; CHANNELS],
         (seed, rules): (u64, &RunRules),
     ) -> Self {
-        let mut simulator = Self {
-            noise,
-            beyond: [0.0; CHANNELS],
-            seed,
-            signals: rules.recordings,
-            piece_s: rules.noise_piece_s,
-        };
-        let explained = simulator.explained(frames, residual_model);
+        let mut simulator = Self::of_sensors(noise, (seed, rules));
+        let powers: Vec<[[f64; CHANNELS]; 2]> = frames
+            .par_iter()
+            .enumerate()
+            .map(|(i, frame)| {
+                let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
+                let pair = simulator.pair(frame, residual_model, 1_000_003, i);
+                [
+                    power(residual_model.residuals(frame)),
+                    power(residual_model.residuals(&pair.plus)),
+                ]
+            })
+            .collect();
         for (c, used) in used.iter().enumerate() {
-            if *used {
-                simulator.beyond[c] = (1.0 - explained[c]).max(0.0).sqrt();
+            let have: f64 = powers.iter().map(|p| p[0][c]).sum();
+            let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
+            if *used && have > 0.0 {
+                simulator.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
             }
         }
         simulator
     }
 
-    /// Share of each channel's residual, as a variance, that the sensors' noise explains; 1 of none.
-    fn explained(&self, frames: &[Frame], residual_model: &ResidualModel) -> [f64; CHANNELS] {
-        let of_run = |(i, frame): (usize, &Frame)| {
-            let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
-            let pair = self.pair(frame, residual_model, 1_000_003, i);
-            [
-                power(residual_model.residuals(frame)),
-                power(residual_model.residuals(&pair.plus)),
-            ]
-        };
-        let powers: Vec<[[f64; CHANNELS]; 2]> = frames.par_iter().enumerate().map(of_run).collect();
-        std::array::from_fn(|c| {
-            let [have, explained] = [0, 1].map(|k| powers.iter().map(|p| p[k][c]).sum::<f64>());
-            if have > 0.0 { explained / have } else { 1.0 }
-        })
+    /// The sensors' noise alone.
+    pub fn of_sensors(noise: Noise, (seed, rules): (u64, &RunRules)) -> Self {
+        Self {
+            noise,
+            beyond: [0.0; CHANNELS],
+            seed,
+            signals: rules.recordings,
+            piece_s: rules.noise_piece_s,
+        }
     }
 
-    /// Share of each balance's residual that is noise of the acceleration that it is about: of the accelerometer, or of the gyroscope's slope.
-    pub fn own_noise(&self, frames: &[Frame], residual_model: &ResidualModel) -> [f64; BALANCES] {
-        let alone = |accel_mps2: f64, rate_radps: f64| {
-            let noise = Noise {
-                accel_mps2,
-                rate_radps,
-                ..SILENT
-            };
-            let alone = Self {
-                noise,
-                ..self.sensors_only()
-            };
-            alone
-                .explained(frames, residual_model)
-                .map(|share| share.min(1.0))
-        };
-        let [along, side, ..] = alone(self.noise.accel_mps2, 0.0);
-        [along, side, alone(0.0, self.noise.rate_radps)[2]]
+    /// A piece of the `i`-th run as it was recorded, with noise of both signs upon it.
+    pub fn upon(&self, frame: &Frame, i: usize) -> [Frame; 2] {
+        const ROUND: u64 = 2_000_003;
+        let piece = piece(frame, self.piece_s, ROUND, i);
+        let mut both = [piece.clone(), piece];
+        let [plus, minus] = &mut both;
+        self.at_least(LEAST_NOISE)
+            .add_noise(plus, minus, &mut stream(self.seed, ROUND, i as u64));
+        both
+    }
+
+    fn at_least(&self, least: Noise) -> Self {
+        let own = &self.noise;
+        Self {
+            noise: Noise {
+                accel_mps2: own.accel_mps2.max(least.accel_mps2),
+                rate_radps: own.rate_radps.max(least.rate_radps),
+                speed_mps: own.speed_mps.max(least.speed_mps),
+                slip_rad: own.slip_rad.max(least.slip_rad),
+                steer_rad: own.steer_rad.max(least.steer_rad),
+                roll_split_rad: own.roll_split_rad.max(least.roll_split_rad),
+            },
+            ..self.clone()
+        }
     }
 
     /// By which factor the sensors' noise, as a variance, may be larger before it explains more than the whole residual of every channel.

@@ -4,7 +4,7 @@ use kufe_sled::effects::{Channel, Sensor};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::evidence::runs::fit::noise_products::piece;
+use crate::evidence::runs::fit::piece::piece;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::laws::sums::LawSums;
@@ -45,7 +45,7 @@ impl<'a> Terms<'a> {
         const ROUND: u64 = 7_000_003;
         let on = |frame: &Frame| TermsOnRun::new(design, frame, channels, extra);
         let of_run = |(i, frame): (usize, &'a Frame)| {
-            let piece = piece(frame, simulator, ROUND, i);
+            let piece = piece(frame, simulator.piece_s, ROUND, i);
             let pair = simulator.pair(&piece, design.residual_model, ROUND, i);
             OfRun {
                 own: on(frame),

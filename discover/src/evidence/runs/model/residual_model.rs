@@ -46,8 +46,6 @@ pub struct ResidualModel {
     pub installation: Installation,
     /// Contacts with walls that each run has its own of.
     pub contacts: Option<Contacts>,
-    /// Share of each balance's residual, as a variance, that is noise of the acceleration that it is about.
-    pub own_noise: [f64; BALANCES],
     /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
     pub frozen: Vec<String>,
 }

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
 use crate::evidence::runs::contacts::own::{rows_beneath, without_pushes};
-use crate::evidence::runs::fit::gains::log_gains_of;
 use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::fit::row_noise::log_noise_of;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
@@ -86,7 +86,7 @@ impl Campaign<'_> {
                 let mut rows = whitened(&before.residuals(frame), &whitener);
                 let mut left = whitened(&after.residuals(frame), &whitener);
                 // A model that counts less of what was measured leaves less, and explains nothing by it.
-                let [gains, of_after] = [before, after].map(|model| log_gains_of(model, frame));
+                let [gains, of_after] = [before, after].map(|model| log_noise_of(model, frame));
                 for (rows, (after, before)) in left.iter_mut().zip(of_after.iter().zip(&gains)) {
                     let share = (before - after).exp();
                     rows.iter_mut().for_each(|r| *r *= share);

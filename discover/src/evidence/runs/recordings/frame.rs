@@ -1,6 +1,7 @@
 //! One run, smoothed and thinned: what all later work sees of it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::recordings::smooth::Kernel;
@@ -70,6 +71,8 @@ pub struct Frame {
     pub contacts: Vec<OwnContact>,
     /// Stretches on which something pushed this run alone, from and to \[m\].
     pub pushed: Vec<[f64; 2]>,
+    /// A piece of it with noise of both signs upon it, by which a model's criterion knows what noise makes of its residuals.
+    pub noisy: Option<Arc<[Frame; 2]>>,
     /// Further columns of the file.
     pub extra: BTreeMap<String, Vec<f64>>,
 }

@@ -163,6 +163,7 @@ pub fn frame(
         s_of_speed,
         contacts: Vec::new(),
         pushed: Vec::new(),
+        noisy: None,
         extra,
     })
 }

@@ -1,0 +1,18 @@
+//! A piece of a run that stands for it where noise is simulated.
+
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::random::{below, stream};
+
+/// The piece of the `i`-th run that stands for it: a third of it, or so many seconds.
+pub fn piece(frame: &Frame, shortest_s: f64, round: u64, i: usize) -> Frame {
+    let n = frame.len();
+    let span = frame.t[n - 1] - frame.t[0];
+    let wanted = (n as f64 * (shortest_s / span.max(1e-9)).max(1.0 / 3.0)) as usize;
+    let length = wanted.clamp(1, n);
+    let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
+    match frame.piece(from, from + length) {
+        // All of it lies in a gap.
+        piece if piece.row_count() == 0 => frame.clone(),
+        piece => piece,
+    }
+}
