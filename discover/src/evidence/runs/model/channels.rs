@@ -4,14 +4,13 @@ use std::borrow::Cow;
 
 use kufe_sled::effects::{Constants, Sensor, Signals, ahead};
 
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Channels of a run; only those that something moves are copied.
 pub struct Channels<'a> {
     /// Time between samples [s].
     sample_s: f64,
-    /// What each reads over what is true.
-    scales: [f64; Sensor::ALL.len()],
     /// Values and their derivatives, in the order of the sensors; a channel without derivatives has none.
     values: [Channel<'a>; Sensor::ALL.len()],
 }
@@ -29,7 +28,6 @@ impl<'a> Channels<'a> {
         };
         Self {
             sample_s: frame.sample_s(),
-            scales: [1.0; Sensor::ALL.len()],
             values: Sensor::ALL.map(|sensor| match sensor {
                 Sensor::Ax => of(&frame.acceleration[0], None),
                 Sensor::Ay => of(&frame.acceleration[1], None),
@@ -50,6 +48,20 @@ impl<'a> Channels<'a> {
         &self.values[sensor as usize].0
     }
 
+    /// A sensor's channel brought to what was true: what the installation is off by, then this delay [s] by effects.
+    pub fn correct(&mut self, sensor: Sensor, installation: &Installation, delay_s: f64) {
+        installation.correct(sensor, self);
+        if delay_s != 0.0 {
+            self.catch_up(sensor, delay_s);
+        }
+    }
+
+    /// A sensor's values, and their derivatives where it has any.
+    pub fn series(&self, sensor: Sensor) -> [&[f64]; 2] {
+        let (value, slope) = &self.values[sensor as usize];
+        [value, slope.as_deref().unwrap_or_default()]
+    }
+
     /// A channel that is late by so much [s], brought back in time.
     pub fn catch_up(&mut self, sensor: Sensor, delay_s: f64) {
         let samples = delay_s / self.sample_s;
@@ -67,16 +79,10 @@ impl<'a> Channels<'a> {
 
     /// A channel that reads `scale` times what is true.
     pub fn divide(&mut self, sensor: Sensor, scale: f64) {
-        self.scales[sensor as usize] *= scale;
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
             x.to_mut().iter_mut().for_each(|x| *x /= scale);
         }
-    }
-
-    /// What a sensor reads over what is true.
-    pub fn scale(&self, sensor: Sensor) -> f64 {
-        self.scales[sensor as usize]
     }
 
     /// The signals of a sample.

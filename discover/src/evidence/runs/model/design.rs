@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::otherwise::ReadsOtherwise;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
@@ -80,8 +81,14 @@ impl Design<'_> {
                 moved
             })
             .collect();
-        let installed = (0..residual_model.installation.fitted()).map(|part| ResidualModel {
-            installation: residual_model.installation.moved(part, 0.01),
+        // Every part by itself; the combinations that are fitted are made of their rows.
+        let installation = &residual_model.installation;
+        let parts = match installation.fitted() {
+            0 => 0,
+            _ => installation.parts.len(),
+        };
+        let installed = (0..parts).map(|part| ResidualModel {
+            installation: installation.moved(part, 0.01),
             ..residual_model.clone()
         });
         let trials: Vec<(Active, Option<&[f64]>)> = self
@@ -91,7 +98,8 @@ impl Design<'_> {
             .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
             .collect();
         let n = frame.len();
-        let first_trial = BASE + moved.len() + residual_model.installation.fitted();
+        let first_part = BASE + moved.len();
+        let first_trial = first_part + parts;
         // A delay and what an installation is off by ask for the channels at other times.
         let delays = residual_model.effects.delays();
         let late_moved = moved
@@ -105,7 +113,7 @@ impl Design<'_> {
             .filter(|(_, (trial, _))| trial.is_late())
             .map(|(k, (trial, _))| (first_trial + k, residual_model.with(trial.clone())));
         let shifted: Vec<(usize, ResidualModel)> = late_moved
-            .chain((BASE + moved.len()..).zip(installed))
+            .chain((first_part..).zip(installed))
             .chain(late_trials)
             .collect();
         let moved: Vec<(usize, ModelOnRun)> = (BASE..)
@@ -119,9 +127,15 @@ impl Design<'_> {
             vec![vec![0.0; samples]; count]
         });
         let mut left: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
+        let in_time: Vec<_> = (first_trial..)
+            .zip(&trials)
+            .filter(|(_, (trial, _))| !trial.is_late())
+            .collect();
+        let any_reads = in_time.iter().any(|(_, (trial, _))| trial.moves_signals());
         for i in 0..n {
             let at = on_run.instant(i, &on_run.measured(i));
             let own = on_run.forces(&at);
+            let by = any_reads.then(|| on_run.left_by(&at, &own)).flatten();
             let rest = on_run.balances(&at, &own);
             let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
                 for (c, raw) in raw.iter_mut().enumerate() {
@@ -130,17 +144,16 @@ impl Design<'_> {
                     }
                 }
             };
-            let in_time = |(_, (trial, _)): &(usize, &(Active, _))| !trial.is_late();
             let mut carrying = at;
-            for (k, (trial, carried)) in trials.iter().enumerate().filter(in_time) {
+            for (k, (trial, carried)) in &in_time {
                 let moved = match carried {
-                    None => on_run.balances_with(i, trial, &at, &own),
+                    None => on_run.balances_with(i, trial, &at, &own, by.as_ref()),
                     Some(x) => {
                         carrying.seen.carried = x[i];
-                        on_run.balances_with(i, trial, &carrying, &own)
+                        on_run.balances_with(i, trial, &carrying, &own, by.as_ref())
                     }
                 };
-                put(first_trial + k, moved, 0.01);
+                put(*k, moved, 0.01);
             }
             for (k, other) in &moved {
                 put(*k, other.balances_beside(i, &at), 0.01);
@@ -174,11 +187,14 @@ impl Design<'_> {
         let grip: Vec<f64> = (0..rows)
             .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
             .collect();
+        let installed = installation.combined(&all[first_part..first_trial]);
         let regular = first_trial + self.candidates.len();
         let order: Vec<&[f64]> = [all[0].as_slice(), grip.as_slice()]
             .into_iter()
             .chain(self.free_base.iter().map(|b| all[*b].as_slice()))
-            .chain(all[BASE..regular].iter().map(Vec::as_slice))
+            .chain(all[BASE..first_part].iter().map(Vec::as_slice))
+            .chain(installed.iter().map(Vec::as_slice))
+            .chain(all[first_trial..regular].iter().map(Vec::as_slice))
             .chain([all[count - 1].as_slice()])
             .collect();
         let gather = |columns: &[&[f64]]| {
@@ -207,18 +223,27 @@ impl Design<'_> {
         }
         let modelled = truth(frame, self.residual_model, left);
         let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
-        let shifted: Vec<(usize, ModelOnRun)> = shifted
+        let shifted: Vec<(usize, ReadsOtherwise)> = shifted
             .iter()
-            .map(|(k, other)| (*k, ModelOnRun::new(other, &modelled)))
+            .map(|(k, other)| {
+                (
+                    *k,
+                    ReadsOtherwise::new(self.residual_model, other, &modelled),
+                )
+            })
             .collect();
         for i in 0..frame.len() {
-            let there = on_modelled.instant(i, &on_modelled.measured(i));
-            let own = on_modelled.balances(&there, &on_modelled.forces(&there));
-            for (k, other) in &shifted {
-                let values = other.balances_near(i, &other.measured(i), &there);
-                for (c, raw) in raw.iter_mut().enumerate() {
+            let at = on_modelled.instant(i, &on_modelled.measured(i));
+            let forces = on_modelled.forces(&at);
+            let (own, by) = (
+                on_modelled.balances(&at, &forces),
+                on_modelled.left_by(&at, &forces),
+            );
+            for (k, reads) in &shifted {
+                let more = on_modelled.read_otherwise(i, reads, &at, own, by.as_ref());
+                for (raw, more) in raw.iter_mut().zip(more) {
                     if let Some(to) = raw[*k].get_mut(i) {
-                        *to = (left[c][i] - (left[c][i] + values[c] - own[c])) / 0.01;
+                        *to = -more / 0.01;
                     }
                 }
             }

@@ -57,6 +57,14 @@ impl Part {
     pub fn is_delay(&self) -> bool {
         matches!(self.wrong, Wrong::Late(_))
     }
+
+    /// The sensor that it stands before.
+    pub fn sensor(&self) -> Option<Sensor> {
+        match self.wrong {
+            Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor) => Some(sensor),
+            _ => None,
+        }
+    }
 }
 
 /// Everything that may be off, and by how much it is.
@@ -232,13 +240,27 @@ impl Installation {
         }
     }
 
-    /// The same with one combination moved by so many standard deviations.
-    pub fn moved(&self, direction: usize, by: f64) -> Self {
+    /// The same with one part moved by so many standard deviations.
+    pub fn moved(&self, part: usize, by: f64) -> Self {
         let mut moved = self.clone();
-        for (size, share) in moved.sizes.iter_mut().zip(&self.directions[direction]) {
-            *size += by * share;
-        }
+        moved.sizes[part] += by;
         moved
+    }
+
+    /// Each combination that is fitted, of series of the parts.
+    pub fn combined(&self, parts: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let combined = |direction: &Vec<f64>| {
+            let mut sum = vec![0.0; parts[0].len()];
+            let taking_part = direction.iter().zip(parts).filter(|(by, _)| **by != 0.0);
+            for (by, part) in taking_part {
+                for (sum, x) in sum.iter_mut().zip(part) {
+                    *sum += by * x;
+                }
+            }
+            sum
+        };
+        let fitted = &self.directions[..self.fitted()];
+        fitted.iter().map(combined).collect()
     }
 
     /// Size and standard error of each part, in its unit, from the errors of the combinations in standard deviations: what no
@@ -284,14 +306,10 @@ impl Installation {
         late.map(|(part, size)| part.sd * size).sum()
     }
 
-    /// From what the sensors said to what was true.
-    pub fn correct(&self, channels: &mut Channels) {
-        for (part, size) in self
-            .parts
-            .iter()
-            .zip(&self.sizes)
-            .filter(|(_, s)| **s != 0.0)
-        {
+    /// From what a sensor said to what was true.
+    pub fn correct(&self, of: Sensor, channels: &mut Channels) {
+        let parts = self.parts.iter().zip(&self.sizes);
+        for (part, size) in parts.filter(|(part, s)| **s != 0.0 && part.sensor() == Some(of)) {
             let size = size * part.sd;
             match part.wrong {
                 Wrong::Late(sensor) => channels.catch_up(sensor, size),

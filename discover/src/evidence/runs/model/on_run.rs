@@ -8,15 +8,19 @@ use std::sync::OnceLock;
 
 use kufe_sled::effects::{self, Active, Conditions, Constants, Forces, Sensor, Signals};
 use kufe_sled::{
-    Balance, BaseParameter, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
+    Balance, BaseParameter, LawForces, LeftBy, Motion, Sled, State, Vehicle, aero, from_sensors,
 };
 
 use crate::evidence::runs::model::channels::Channels;
+use crate::evidence::runs::model::otherwise::ReadsOtherwise;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
 };
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::survey::interpolate;
+
+/// A slip angle needs a speed [m/s].
+const LEAST_SPEED: f64 = 0.5;
 
 impl ResidualModel {
     /// Residuals of one run, low-passed and thinned to rows.
@@ -76,6 +80,8 @@ pub struct ModelOnRun<'a> {
     constants: Constants,
     vehicle: Vehicle,
     air_density: f64,
+    /// Whether an effect stands between a sensor and the truth.
+    corrects: bool,
     humidity: Option<&'a Vec<f64>>,
     ice: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
@@ -99,17 +105,15 @@ impl<'a> ModelOnRun<'a> {
         let installation = &residual_model.installation;
         installation.find_constants(&mut constants);
         let mut channels = Channels::new(frame);
-        installation.correct(&mut channels);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
-            if delay != 0.0 {
-                channels.catch_up(sensor, delay);
-            }
+            channels.correct(sensor, installation, delay);
         }
         Self {
             residual_model,
             frame,
             channels,
             constants,
+            corrects: vehicle.effects.active.iter().any(Active::moves_signals),
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),
             humidity: frame.extra.get("humidity_pct"),
@@ -191,9 +195,8 @@ impl<'a> ModelOnRun<'a> {
     fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let mut sled = self.vehicle.sled;
         sled.set_constants(&signals.sled);
-        // A slip angle needs a speed.
         let mut moving = *signals;
-        moving[Sensor::Speed] = signals[Sensor::Speed].max(0.5);
+        moving[Sensor::Speed] = signals[Sensor::Speed].max(LEAST_SPEED);
         let at = self.conditions(i, moving[Sensor::Speed]);
         let (state, motion) = from_sensors(&sled, &moving, &at);
         (sled, state, motion)
@@ -229,7 +232,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// Balances of a sample from the laws of a motion close by, as of [`instant_near`](Self::instant_near).
-    pub fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
+    fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         let mut forces = laws.forces;
@@ -238,6 +241,38 @@ impl<'a> ModelOnRun<'a> {
             self.vehicle.effects.act("", &seen, &mut forces);
         }
         balance.left(&forces).values()
+    }
+
+    /// Derivatives of the balances of a sample by what its sensors say; nothing where effects act on the forces, which have derivatives of
+    /// their own, and where the sled stands.
+    pub fn left_by(&self, at: &Instant, forces: &Forces) -> Option<LeftBy> {
+        let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
+        let plain = moves && *forces == at.laws.forces;
+        plain.then(|| at.balance.left_by(&self.vehicle, &at.laws, &at.signals))
+    }
+
+    /// By how much the balances of a sample, `own` as it is, change where its sensors read otherwise and the sled is another.
+    pub fn read_otherwise(
+        &self,
+        i: usize,
+        reads: &ReadsOtherwise,
+        at: &Instant,
+        own: [f64; BALANCES],
+        by: Option<&LeftBy>,
+    ) -> [f64; BALANCES] {
+        if let (Some(by), false) = (by, self.corrects) {
+            return reads.left(i, by);
+        }
+        let mut read = self.channels.signals(i, self.constants);
+        reads.add(i, &mut read);
+        let signals = self.corrected(i, read);
+        match by {
+            Some(by) => by.between(&at.signals, &signals),
+            None => {
+                let moved = self.balances_near(i, &signals, at);
+                std::array::from_fn(|c| moved[c] - own[c])
+            }
+        }
     }
 
     /// These forces with the model's effects.
@@ -285,26 +320,6 @@ impl<'a> ModelOnRun<'a> {
         [along, side, yaw, self.track(i, &at.balance, &at.signals)]
     }
 
-    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes.
-    pub fn gains(&self, i: usize) -> [f64; BALANCES] {
-        const STEP: f64 = 1e-3;
-        let read = self.channels.signals(i, self.constants);
-        let left = |signals: Signals| {
-            let at = self.instant(i, &self.corrected(i, signals));
-            self.balances(&at, &self.forces(&at))
-        };
-        let own = left(read);
-        const OF: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
-        std::array::from_fn(|c| {
-            let mut more = read;
-            match OF[c] {
-                Sensor::YawRate => more.rate[Sensor::YawRate as usize] += STEP,
-                sensor => more[sensor] += STEP,
-            }
-            (left(more)[c] - own[c]) / (STEP * self.channels.scale(OF[c]))
-        })
-    }
-
     /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
     pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
         let signals = self.measured(i);
@@ -315,13 +330,15 @@ impl<'a> ModelOnRun<'a> {
         self.balances(&other, &self.forces(&other))
     }
 
-    /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it.
+    /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it and `by` their derivatives,
+    /// where they are known.
     pub fn balances_with(
         &self,
         i: usize,
         effect: &Active,
         at: &Instant,
         forces: &Forces,
+        by: Option<&LeftBy>,
     ) -> [f64; BALANCES] {
         if !effect.acts_on(&self.frame.track) {
             return self.balances(at, forces);
@@ -333,7 +350,11 @@ impl<'a> ModelOnRun<'a> {
         if signals == at.signals {
             return at.balance.left_with(effect, &at.seen, forces).values();
         }
-        // Another signal is another motion.
+        // Another signal is another motion; what stands before a sensor acts on no force.
+        if let Some(by) = by {
+            let (own, moved) = (self.balances(at, forces), by.between(&at.signals, &signals));
+            return std::array::from_fn(|c| own[c] + moved[c]);
+        }
         let other = self.instant_near(i, &signals, at);
         let forces = self.forces(&other);
         other

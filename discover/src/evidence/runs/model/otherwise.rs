@@ -1,0 +1,95 @@
+//! What the sensors of a run would say, and what its sled would be, were something else off a little.
+
+use kufe_sled::LeftBy;
+use kufe_sled::effects::{Constants, Sensor, Signals};
+
+use crate::evidence::runs::model::channels::Channels;
+use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// By how much values, their derivatives and constants differ between two models' corrections of a run.
+pub struct ReadsOtherwise {
+    sensors: Vec<(Sensor, [Vec<f64>; 2])>,
+    constants: Constants,
+}
+
+impl ReadsOtherwise {
+    /// From a model's corrections of a run to those of another, which delays by effects or one part of the installation tell apart: sensors
+    /// differ, or constants.
+    pub fn new(own: &ResidualModel, other: &ResidualModel, frame: &Frame) -> Self {
+        let models = [own, other];
+        let delays = models.map(|model| model.effects.on_track(&frame.track).delays());
+        let moved = |sensor: &Sensor| {
+            let k = *sensor as usize;
+            let [own, other] = models.map(|model| &model.installation);
+            let mut parts = own.parts.iter().zip(own.sizes.iter().zip(&other.sizes));
+            delays[0][k] != delays[1][k]
+                || parts.any(|(part, (a, b))| a != b && part.sensor() == Some(*sensor))
+        };
+        let between = |sensor: Sensor| {
+            let k = sensor as usize;
+            let [own, other] = [0, 1].map(|m| {
+                let mut channels = Channels::new(frame);
+                channels.correct(sensor, &models[m].installation, delays[m][k]);
+                channels
+            });
+            let (own, other) = (own.series(sensor), other.series(sensor));
+            let by = [0, 1].map(|k| {
+                let both = other[k].iter().zip(own[k]);
+                both.map(|(other, own)| other - own).collect()
+            });
+            (sensor, by)
+        };
+        let sled = own.vehicle.sled.constants();
+        let [a, b] = models.map(|model| {
+            let mut constants = Constants {
+                mass: frame.mass_kg.unwrap_or(sled.mass),
+                ..sled
+            };
+            model.installation.find_constants(&mut constants);
+            constants
+        });
+        Self {
+            sensors: Sensor::ALL.into_iter().filter(moved).map(between).collect(),
+            constants: Constants {
+                mass: b.mass - a.mass,
+                pitch_inertia: b.pitch_inertia - a.pitch_inertia,
+                yaw_inertia: b.yaw_inertia - a.yaw_inertia,
+                axles: [0, 1].map(|k| b.axles[k] - a.axles[k]),
+                accelerometer: [0, 1, 2].map(|k| b.accelerometer[k] - a.accelerometer[k]),
+                slip_sensor: b.slip_sensor - a.slip_sensor,
+            },
+        }
+    }
+
+    /// What the balances of a sample leave more, from their derivatives.
+    pub fn left(&self, i: usize, by: &LeftBy) -> [f64; BALANCES] {
+        let mut left = match self.sensors.is_empty() {
+            true => by.of_constants(&self.constants),
+            false => [0.0; BALANCES],
+        };
+        for (sensor, [value, rate]) in &self.sensors {
+            let rate = rate.get(i).copied().unwrap_or(0.0);
+            let more = by.of_sensor(*sensor, value[i], rate);
+            left.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
+        }
+        left
+    }
+
+    /// Adds it to the signals of a sample.
+    pub fn add(&self, i: usize, signals: &mut Signals) {
+        for (sensor, [value, rate]) in &self.sensors {
+            signals[*sensor] += value[i];
+            if let Some(rate) = rate.get(i) {
+                signals.rate[*sensor as usize] += rate;
+            }
+        }
+        let (sled, by) = (&mut signals.sled, &self.constants);
+        sled.mass += by.mass;
+        sled.pitch_inertia += by.pitch_inertia;
+        sled.yaw_inertia += by.yaw_inertia;
+        (0..2).for_each(|k| sled.axles[k] += by.axles[k]);
+        (0..3).for_each(|k| sled.accelerometer[k] += by.accelerometer[k]);
+        sled.slip_sensor += by.slip_sensor;
+    }
+}
