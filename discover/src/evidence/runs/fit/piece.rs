@@ -5,9 +5,14 @@ use crate::null::random::{below, stream};
 
 /// The piece of the `i`-th run that stands for it: a third of it, or so many seconds.
 pub fn piece(frame: &Frame, shortest_s: f64, round: u64, i: usize) -> Frame {
+    piece_of(frame, 1.0 / 3.0, shortest_s, round, i)
+}
+
+/// The same of a share of the run, or so many seconds.
+pub fn piece_of(frame: &Frame, share: f64, shortest_s: f64, round: u64, i: usize) -> Frame {
     let n = frame.len();
     let span = frame.t[n - 1] - frame.t[0];
-    let wanted = (n as f64 * (shortest_s / span.max(1e-9)).max(1.0 / 3.0)) as usize;
+    let wanted = (n as f64 * (shortest_s / span.max(1e-9)).max(share)) as usize;
     let length = wanted.clamp(1, n);
     let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
     match frame.piece(from, from + length) {

@@ -11,7 +11,7 @@ use kufe_sled::effects::{Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::evidence::runs::fit::piece::piece;
+use crate::evidence::runs::fit::piece::piece_of;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
@@ -96,7 +96,9 @@ impl RunSimulator {
     /// A piece of the `i`-th run as it was recorded, with noise of both signs upon it.
     pub fn upon(&self, frame: &Frame, i: usize) -> [Frame; 2] {
         const ROUND: u64 = 2_000_003;
-        let piece = piece(frame, self.piece_s, ROUND, i);
+        /// Of a run: of all runs some hundreds of rows are enough for a ratio of two models' noise.
+        const SHARE: f64 = 0.1;
+        let piece = piece_of(frame, SHARE, 0.5 * self.piece_s, ROUND, i);
         let mut both = [piece.clone(), piece];
         let [plus, minus] = &mut both;
         self.at_least(LEAST_NOISE)
