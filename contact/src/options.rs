@@ -17,8 +17,7 @@ pub enum Method {
     Accelerated,
     /// Active set on surface responses from a sparse Cholesky factor: slow, for checking small meshes.
     CholeskyActiveSet,
-    /// Plain projected SOR on the stiffness, at the rigid motion of [`Method::Accelerated`]: very slow, for checking
-    /// small meshes.
+    /// Plain projected SOR on the stiffness and the rigid motion: very slow, for checking small meshes of ice that does not yield.
     PlainSor,
 }
 

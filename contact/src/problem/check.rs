@@ -168,6 +168,10 @@ fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
             method: options.method,
         });
     }
+    if let (Method::PlainSor, Some(hardness)) = (options.method, problem.ice.hardness) {
+        let expected = "none with plain SOR, whose forces have no upper bound";
+        within(false, "ice hardness", hardness, expected)?;
+    }
     #[cfg(feature = "gpu")]
     if options.device.is_some() {
         let found = match (elastic, options.method) {
