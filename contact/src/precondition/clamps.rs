@@ -4,7 +4,7 @@ use faer::Mat;
 use kufe_fem::FastDiagonal;
 
 use crate::precondition::beam_space::BeamSpace;
-use crate::precondition::dense_llt::DenseLlt;
+use crate::precondition::dense_cholesky::DenseCholesky;
 use crate::precondition::plane_modes::PlaneModes;
 
 /// Held displacements of one horizontal plane.
@@ -20,7 +20,7 @@ pub(crate) struct Clamps {
     /// Z's rows of the held displacements, in their order; none without a beam.
     rows: Vec<Vec<(usize, f64)>>,
     /// G as it is, and with P's part scaled to elasticity's response.
-    factors: [DenseLlt; 2],
+    factors: [DenseCholesky; 2],
     /// Nodes along x and y.
     shape: [usize; 2],
 }
@@ -64,7 +64,7 @@ impl Clamps {
             if let Some(beam) = &of_beam {
                 green += beam;
             }
-            DenseLlt::new(&green)
+            DenseCholesky::new(&green)
         };
         Some(Clamps {
             factors: [factor(scales[0])?, factor(scales[1])?],

@@ -4,7 +4,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::active_set::motion::{Motion, dot};
-use crate::precondition::dense_llt::DenseLlt;
+use crate::precondition::dense_cholesky::DenseCholesky;
 
 /// The contact problem: gap = `gap` - N q + S f, 0 <= f_i <= bound_i, N^T f = balance for the motions that are free.
 pub(crate) struct OwnSet<'a> {
@@ -83,7 +83,7 @@ impl OwnSet<'_> {
         if m == 0 {
             return None;
         }
-        let factor = DenseLlt::new(&Mat::from_fn(m, m, |i, j| s[(closed[i], closed[j])]))?;
+        let factor = DenseCholesky::new(&Mat::from_fn(m, m, |i, j| s[(closed[i], closed[j])]))?;
         let solved = factor.solve(&Mat::from_fn(m, 4, |k, column| match column {
             3 => {
                 let i = closed[k];

@@ -194,6 +194,10 @@ fn numbers_of_ice_and_track() {
         for number in NUMBERS {
             let mut problem = rigid();
             *field(&mut problem) = number;
+            if name.starts_with("bed") {
+                // Sliding on a bed that gives a million times more than the ice takes half a minute.
+                problem.ice.hardness = None;
+            }
             survives(&format!("{name} {number:e}"), &problem, &quick());
         }
     }

@@ -7,14 +7,16 @@ use faer::{Mat, MatRef, Par, Side};
 
 /// A = L L^T.
 #[derive(Clone, Debug)]
-pub(crate) struct DenseLlt(Llt<f64>);
+pub(crate) struct DenseCholesky(Llt<f64>);
 
-impl DenseLlt {
+impl DenseCholesky {
     /// Factorises a symmetric matrix by its lower half; `None` where it is not positive definite.
     ///
     /// On all threads: they share the factor's blocks among them, and each block is summed by one of them.
     pub fn new(matrix: &Mat<f64>) -> Option<Self> {
-        Llt::new(matrix.as_ref(), Side::Lower).ok().map(DenseLlt)
+        Llt::new(matrix.as_ref(), Side::Lower)
+            .ok()
+            .map(DenseCholesky)
     }
 
     /// L, with zeros above its diagonal.
@@ -49,7 +51,7 @@ mod tests {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                     let pool = pool.build().unwrap();
                     pool.install(|| {
-                        let factor = DenseLlt::new(&a).unwrap();
+                        let factor = DenseCholesky::new(&a).unwrap();
                         (factor.lower().to_owned(), factor.solve(&sides))
                     })
                 };
@@ -64,6 +66,8 @@ mod tests {
                 assert!(left.norm_max() < 1e-12);
             }
         }
-        assert!(DenseLlt::new(&Mat::from_fn(3, 3, |i, j| -f64::from(u8::from(i == j)))).is_none());
+        assert!(
+            DenseCholesky::new(&Mat::from_fn(3, 3, |i, j| -f64::from(u8::from(i == j)))).is_none()
+        );
     }
 }
