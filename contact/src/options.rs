@@ -7,7 +7,7 @@ use crate::Iterate;
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so that results kept on disk
 /// by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 10;
+pub const NUMERICS: u32 = 11;
 
 /// The way to the solution of one mesh's equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,8 +17,7 @@ pub enum Method {
     Accelerated,
     /// Active set on surface responses from a sparse Cholesky factor: slow, for checking small meshes.
     CholeskyActiveSet,
-    /// Plain projected SOR on the stiffness, at the rigid motion of [`Method::Accelerated`]: very slow, for checking
-    /// small meshes.
+    /// Plain projected SOR on the stiffness and the rigid motion: very slow, for checking small meshes of ice that does not yield.
     PlainSor,
 }
 

@@ -46,6 +46,29 @@ impl Sequence {
     /// three and of what lies between them and the last coarser one. `None` before there are three, and where all have the same
     /// cells and tell nothing of finer ones.
     pub fn limit(&self) -> Option<Limit> {
+        let settles =
+            |meshes: &[Raw]| is_monotone(&meshes.iter().map(|m| m.value).collect::<Vec<f64>>());
+        match self.three() {
+            Some((three, used)) => Some(match self.alternating {
+                // Three that seem to settle say nothing where those between them go to and fro.
+                true if settles(&three) && !settles(&used) => Limit::of_scatter(&used),
+                true => Limit::of_alternating(three),
+                false => Limit::of_similar(three),
+            }),
+            None => self.spread(),
+        }
+    }
+
+    /// As [`last`](Sequence::last), of a figure that the rim moves by as much as the cells do.
+    pub fn last_by_rim(&self) -> Limit {
+        match self.three() {
+            Some((three, _)) => Limit::of_rim(three),
+            None => self.last(),
+        }
+    }
+
+    /// Of the similar meshes those that tell the order, and all from the first of them on.
+    fn three(&self) -> Option<([Raw; 3], Vec<Raw>)> {
         let &[.., third] = &self.meshes[..] else {
             return None;
         };
@@ -60,18 +83,15 @@ impl Sequence {
                 .iter()
                 .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
             let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let three = [*first, *second, third];
             let used = similar.iter().filter(|mesh| mesh.cells >= first.cells);
-            let used: Vec<Raw> = used.copied().collect();
-            let settles =
-                |meshes: &[Raw]| is_monotone(&meshes.iter().map(|m| m.value).collect::<Vec<f64>>());
-            return Some(match self.alternating {
-                // Three that seem to settle say nothing where those between them go to and fro.
-                true if settles(&three) && !settles(&used) => Limit::of_scatter(&used),
-                true => Limit::of_alternating(three),
-                false => Limit::of_similar(three),
-            });
+            return Some(([*first, *second, third], used.copied().collect()));
         }
+        None
+    }
+
+    /// The last mesh's value with the spread of the last three and of what lies between them and the last coarser one.
+    fn spread(&self) -> Option<Limit> {
+        let third = self.meshes.last()?;
         let third_last = self.meshes.len().checked_sub(3)?;
         let coarser = self.meshes.iter().rposition(|m| m.cells < third.cells)?;
         Some(self.spread_from(coarser.min(third_last)))

@@ -57,7 +57,12 @@ impl MeshSolve<'_> {
     pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
         let greens = contact.greens(self.stored);
-        let (mut state, counts) = self.begin(&greens[1], motion);
+        let (mut state, counts) = match self.options.method {
+            Method::Accelerated => self.begin(&greens[1], motion),
+            Method::CholeskyActiveSet | Method::PlainSor => {
+                (self.untouched(motion), Counts::default())
+            }
+        };
         self.hold_outer_faces(forces, &mut state);
         let mut progress = self.with_held_faces(&greens, &mut state, counts)?;
         if matches!(self.problem.load, Load::Approach { .. })
@@ -97,10 +102,17 @@ impl MeshSolve<'_> {
         let contact = &self.mesh.contact;
         let start = PlaneState::new(vec![0.0; contact.candidates.len()], [motion, 0.0, 0.0]);
         let found = contact.plane_contact(scaled, &contact.unpressed_gap(), start);
-        let counts = found.counts;
         let mut state = contact.state_of(&found.force, found.motion);
         state.displacement = vec![0.0; contact.len()];
-        (state, counts)
+        (state, found.counts)
+    }
+
+    /// Nothing known but an approach.
+    fn untouched(&self, motion: f64) -> State {
+        let contact = &self.mesh.contact;
+        let mut state = contact.state_of(&[], [motion, 0.0, 0.0]);
+        state.displacement = vec![0.0; contact.len()];
+        state
     }
 
     /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner, which couples no components, is
@@ -173,11 +185,8 @@ impl MeshSolve<'_> {
                 Progress::direct(active_set(self.mesh, self.material, element, state))
             }
             Method::PlainSor => {
-                let held = state.displacement.clone();
-                contact.solve(state, greens, begun, &control);
                 let tolerance = 1e-3 * options.residual;
-                let sweeps =
-                    projected_sor(self.mesh, self.material, &held, state, tolerance, SWEEPS);
+                let sweeps = projected_sor(self.mesh, self.material, state, tolerance, SWEEPS);
                 Progress {
                     iterations: sweeps.unwrap_or(SWEEPS),
                     ..Progress::direct(sweeps.is_some())

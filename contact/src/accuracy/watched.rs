@@ -137,7 +137,7 @@ impl Watched {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
             width_error: self.extent_error(&self.width, self.off()[2]),
             approach_error: with(
-                self.approach.last().error,
+                self.approach().error,
                 self.left.approach * self.approach.value(),
             ) + self.missed * self.approach.value(),
         }
@@ -161,6 +161,15 @@ impl Watched {
     fn is_fixed(&self) -> bool {
         self.last
             .is_some_and(|last| last.p_max >= self.hardness * (1.0 - 1e-9))
+    }
+
+    /// The limit of the approach. Where the pressure ends at the hardness, it is as far from 0 at a rim as anywhere, and the rim's
+    /// place between nodes moves the approach by as much as the cells do.
+    fn approach(&self) -> Limit {
+        match self.is_fixed() {
+            true => self.approach.last_by_rim(),
+            false => self.approach.last(),
+        }
     }
 
     /// The error of the last mesh's length or width. A rim beyond ice that yields is known to half a cell, at either end, even
@@ -190,7 +199,7 @@ impl Watched {
         };
         Some(Limits {
             peak: Limit { value, error },
-            approach: self.approach.last().value,
+            approach: self.approach().value,
             area_error,
             length_error,
             relative,

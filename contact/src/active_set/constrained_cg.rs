@@ -1,7 +1,6 @@
 //! Conjugate gradients that keep the contact closed.
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::active_set::motion::dot;
 use crate::active_set::motion::solve_motion;
@@ -12,6 +11,7 @@ use crate::bodies::elastic_body::BodyWork;
 use crate::green::closed_set::ClosedSet;
 use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
+use crate::precondition::dense_cholesky::DenseCholesky;
 
 /// The constraint of one contact set.
 pub(crate) struct Constraint<'a> {
@@ -24,7 +24,7 @@ pub(crate) struct Constraint<'a> {
 enum Closed<'a> {
     /// The factor of G on the set, with G^-1 N.
     Factored {
-        factor: Llt<f64>,
+        factor: DenseCholesky,
         motion_columns: Mat<f64>,
     },
     /// Inner conjugate gradients.
@@ -63,7 +63,7 @@ impl ContactMesh {
             Green::Dense(green) => {
                 let n = inside.len();
                 let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
-                let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
+                let factor = DenseCholesky::new(&matrix)?;
                 let columns = Mat::from_fn(n, 3, |i, j| rows[i][j]);
                 let motion_columns = factor.solve(&columns);
                 Closed::Factored {

@@ -1,7 +1,6 @@
 //! Accelerated projective SOR on the contact plane.
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::active_set::balance::{Answer, Balance};
 use crate::active_set::motion::{Motion, dot, solve_motion};
@@ -9,6 +8,7 @@ use crate::active_set::progress::Counts;
 use crate::active_set::sets::{Sets, clip};
 use crate::green::closed_set::ClosedSet;
 use crate::green::matrix::Green;
+use crate::precondition::dense_cholesky::DenseCholesky;
 
 /// The contact problem on the contact plane alone.
 ///
@@ -351,7 +351,7 @@ impl PlaneProblem<'_> {
                 return Some((force, motion));
             }
         };
-        let factor = Llt::new(matrix.as_ref(), Side::Lower).ok()?;
+        let factor = DenseCholesky::new(&matrix)?;
         let sides = Mat::from_fn(n, 4, |i, j| match j {
             0 => self.gap[inside[i]] + pressed[inside[i]],
             _ => self.rows[inside[i]][j - 1],

@@ -6,10 +6,11 @@ use super::operator::Operator;
 use super::plane::Plane;
 use super::surface::Surface;
 use super::window::Window;
-use crate::Problem;
+use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::chords::By;
 use crate::result::measure::PressureField;
+use crate::{Options, Problem};
 
 /// Figures of a contact from its plane alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +110,7 @@ const DEEP: f64 = 0.01;
 
 /// The figures, and how steep the pressure is at its rim: [`OnWindow::at_rim`].
 fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), NotChecked> {
+    check(problem, &Options::default()).map_err(|_| NotChecked::NotSettled)?;
     let gap = Gap::new(problem).map_err(|_| NotChecked::NotSettled)?;
     let surface = Surface::of(problem)?;
     let search = Search {

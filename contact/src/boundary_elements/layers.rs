@@ -15,6 +15,8 @@ pub(super) struct Layer {
 
 /// Largest wave number times thickness that one step in depth takes: its exponentials stay near 1.
 const STEP: f64 = 2.0;
+/// Thickness times k beyond which nothing of what lies below is felt: e^-80 of it.
+const DEEP: f64 = 40.0;
 
 impl Layer {
     /// k times the displacement of a half-space of this material under a pressure of amplitude 1 and any wave number k:
@@ -55,8 +57,9 @@ impl Layer {
             -1.0,
             0.0,
         );
-        let steps = (k * self.thickness / STEP).ceil().max(1.0);
-        let t = k * self.thickness / steps;
+        let deep = (k * self.thickness).min(DEEP);
+        let steps = (deep / STEP).ceil().max(1.0);
+        let t = deep / steps;
         let n = a * a - Matrix4::identity();
         let through = Matrix4::identity() * t.cosh()
             + a * t.sinh()

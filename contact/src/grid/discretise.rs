@@ -83,7 +83,7 @@ impl MeshPlan<'_> {
         if self.problem.ice.element_kind() == ElementKind::Hex8Dilatation {
             operator = operator.with_mean_dilatation();
         }
-        let mut contact = self.contact_mesh(&grid, operator);
+        let mut contact = self.contact_mesh(&grid, operator)?;
         let mut runner_mesh = None;
         if let Some(elastic) = &self.problem.runner.elastic {
             let (body, mesh) = match &elastic.solid {
@@ -154,8 +154,14 @@ impl MeshPlan<'_> {
             .filter_map(|s| widened(s, symmetric, self.resolution))
             .collect();
         part(&mut zones);
-        let mut low = stretches[0].low - self.margin();
-        let mut high = stretches[stretches.len() - 1].high + self.margin();
+        let (Some(first), Some(last)) = (stretches.first(), stretches.last()) else {
+            return Err(Error::NoAnswer {
+                name: "stretches of the hull near the ice",
+                value: 0.0,
+                expected: "1 or more",
+            });
+        };
+        let (mut low, mut high) = (first.low - self.margin(), last.high + self.margin());
         let hull = [extent[2 * axis], extent[2 * axis + 1]];
         let bounded = hull.iter().all(|end| end.is_finite());
         if (meshed || self.reach == Reach::WholeHull) && bounded {
@@ -212,7 +218,11 @@ impl MeshPlan<'_> {
     }
 
     /// The ice alone, with what the runner's hull and the load say on the contact plane.
-    fn contact_mesh(&self, grid: &TensorGrid, operator: TensorOperator) -> ContactMesh {
+    fn contact_mesh(
+        &self,
+        grid: &TensorGrid,
+        operator: TensorOperator,
+    ) -> Result<ContactMesh, Error> {
         let (problem, gap, patch) = (self.problem, self.gap, self.patch);
         let symmetry = gap.symmetry();
         let [nx, ny, _] = grid.shape();
@@ -231,6 +241,13 @@ impl MeshPlan<'_> {
                     || (i == 0 && !symmetry[0])
                     || (j == 0 && !symmetry[1]);
                 let value = if outer { f64::INFINITY } else { gap.at(x, y) };
+                if value.is_nan() || value == f64::NEG_INFINITY {
+                    return Err(Error::OutOfRange {
+                        name: "height of the hull over the ice",
+                        value,
+                        expected: "a number of m, or infinity where there is no hull",
+                    });
+                }
                 if value.is_finite() && (everywhere || expected(patch, x, y)) {
                     candidates.push(gaps.len());
                 }
@@ -258,7 +275,7 @@ impl MeshPlan<'_> {
         };
         let lumped = [0, 1].map(|axis| operator.axes[axis].lumped_mass.clone());
         let ice = ElasticBody::on_grid(operator, self.material, Side::Below, columns);
-        ContactMesh {
+        Ok(ContactMesh {
             bodies: vec![ice],
             lumped,
             gap: gaps,
@@ -269,7 +286,7 @@ impl MeshPlan<'_> {
                 free,
                 balance: [fz * share, 0.0, 0.0],
             },
-        }
+        })
     }
 }
 

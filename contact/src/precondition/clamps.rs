@@ -1,10 +1,10 @@
 //! Places of a body's top that a mount holds, as a constraint of its preconditioner.
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use faer::Mat;
 use kufe_fem::FastDiagonal;
 
 use crate::precondition::beam_space::BeamSpace;
+use crate::precondition::dense_cholesky::DenseCholesky;
 use crate::precondition::plane_modes::PlaneModes;
 
 /// Held displacements of one horizontal plane.
@@ -20,7 +20,7 @@ pub(crate) struct Clamps {
     /// Z's rows of the held displacements, in their order; none without a beam.
     rows: Vec<Vec<(usize, f64)>>,
     /// G as it is, and with P's part scaled to elasticity's response.
-    factors: [Llt<f64>; 2],
+    factors: [DenseCholesky; 2],
     /// Nodes along x and y.
     shape: [usize; 2],
 }
@@ -64,7 +64,7 @@ impl Clamps {
             if let Some(beam) = &of_beam {
                 green += beam;
             }
-            Llt::new(green.as_ref(), Side::Lower).ok()
+            DenseCholesky::new(&green)
         };
         Some(Clamps {
             factors: [factor(scales[0])?, factor(scales[1])?],
@@ -150,7 +150,7 @@ impl Clamps {
         // Half of the factor on either side, so that the share is symmetric: Y = L^-1 X^T, share = Y^T Y.
         let mut half = cross;
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-            self.factors[kind].L(),
+            self.factors[kind].lower(),
             half.as_mut(),
             faer::Par::Seq,
         );

@@ -2,6 +2,7 @@
 
 pub(crate) mod beam_space;
 pub(crate) mod clamps;
+pub(crate) mod dense_cholesky;
 pub(crate) mod dense_lu;
 pub(crate) mod factored;
 pub(crate) mod inverse;

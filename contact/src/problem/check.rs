@@ -26,7 +26,9 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
         }
     }
     check_load(&problem.load)?;
+    check_extent(problem)?;
     if let Some(elastic) = &problem.runner.elastic {
+        check_elastic(problem, elastic)?;
         check_mount(problem, elastic)?;
     }
     check_method(problem, options)?;
@@ -168,6 +170,10 @@ fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
             method: options.method,
         });
     }
+    if let (Method::PlainSor, Some(hardness)) = (options.method, problem.ice.hardness) {
+        let expected = "none with plain SOR, whose forces have no upper bound";
+        within(false, "ice hardness", hardness, expected)?;
+    }
     #[cfg(feature = "gpu")]
     if options.device.is_some() {
         let found = match (elastic, options.method) {
@@ -184,6 +190,48 @@ fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// The hull has a length and a width.
+fn check_extent(problem: &Problem) -> Result<(), Error> {
+    let [x_low, x_high, y_low, y_high] = problem.runner.underside.extent();
+    for (name, size) in [
+        ("length of the hull", x_high - x_low),
+        ("width of the hull", y_high - y_low),
+    ] {
+        within(size > 0.0, name, size, "a positive number of m")?;
+    }
+    Ok(())
+}
+
+/// A runner's material is a solid's; on the ice's columns its top and its flank are numbers.
+fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
+    let (modulus, ratio) = (elastic.youngs_modulus, elastic.poissons_ratio);
+    positive(
+        "runner's Young's modulus",
+        modulus,
+        "a positive number of Pa",
+    )?;
+    within(
+        ratio > -1.0 && ratio < 0.5,
+        "runner's Poisson's ratio",
+        ratio,
+        RATIO,
+    )?;
+    let bounded = problem
+        .runner
+        .underside
+        .extent()
+        .iter()
+        .all(|end| end.is_finite());
+    if elastic.solid.is_none() && bounded {
+        let top = elastic.top;
+        within(top.is_finite(), "runner's top", top, "a finite number of m")?;
+    }
+    match elastic.flank {
+        Some(flank) => positive("slope of the runner's flank", flank, "a positive number"),
+        None => Ok(()),
+    }
 }
 
 /// Places lie on the hull and are longer than nothing; loads without a mount balance the load.

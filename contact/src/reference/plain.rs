@@ -1,18 +1,15 @@
 //! Two slow ways to the same answer, for tests: plain projected SOR on the stiffness, and an active set on
-//! exact surface responses by sparse Cholesky.
-
-use std::borrow::Cow;
+//! exact surface responses by sparse Cholesky. Both find motion and set by themselves; of the fast way they share the mesh.
 
 use faer::Mat;
 use kufe_fem::{BlockMatrix, Constraints, ElementKind, Factor, Material, assemble, to_components};
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::motion::dot;
-use crate::active_set::plane_problem::PlaneState;
 use crate::bodies::hexahedra::hexahedra;
-use crate::green::matrix::Green;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
+use crate::reference::own_set::OwnSet;
 use crate::reference::plain_runner::PlainRunner;
 
 const RELAXATION: f64 = 1.7;
@@ -107,16 +104,33 @@ pub(crate) fn active_set(
         }
         runner = Some(part);
     }
-    let force = contact.candidates.iter().map(|&c| state.force[c]).collect();
-    let start = PlaneState::new(force, state.motion);
-    let found = contact.plane_contact(&Green::Dense(Cow::Owned(response)), &base, start);
+    let rows: Vec<[f64; 3]> = contact
+        .candidates
+        .iter()
+        .map(|&c| contact.rows[c])
+        .collect();
+    let bound: Vec<f64> = contact
+        .candidates
+        .iter()
+        .map(|&c| contact.bound[c])
+        .collect();
+    let set = OwnSet {
+        response: &response,
+        gap: &base,
+        rows: &rows,
+        bound: &bound,
+        motion: &contact.motion,
+    };
+    let Some((found, motion)) = set.solve(state.motion) else {
+        return false;
+    };
     let mut loads = vec![0.0; 3 * nodes];
     state.force.fill(0.0);
-    for (i, &force) in found.force.iter().enumerate() {
+    for (i, &force) in found.iter().enumerate() {
         loads[vertical(i)] = -force;
-        state.force[contact.candidates[i]] = force;
+        state.force[contact.candidates[i]] = force.max(0.0);
     }
-    state.motion = found.motion;
+    state.motion = motion;
     let u = factor.displacement(&ice.stiffness, &ice.constraints, &map, &loads);
     let (on_ice, on_runner) = state.displacement.split_at_mut(3 * nodes);
     to_components(&u, on_ice);
@@ -125,24 +139,25 @@ pub(crate) fn active_set(
         let forces: Vec<(usize, f64)> = forces.filter(|(_, f)| *f != 0.0).collect();
         on_runner.copy_from_slice(&part.displacement(&forces));
     }
-    found.settled
+    true
 }
 
-/// Plain projected SOR on the stiffness at the motion of `state`, from the held displacements.
+/// Plain projected SOR on the stiffness, from the held displacements and the motion of `state`.
 ///
 /// Every unknown in turn is relaxed towards its equation; the vertical displacement of a candidate is then
-/// pushed down to the runner where it would penetrate. Ends when a sweep changes nothing by more than `tolerance`
+/// pushed down to the runner where it would penetrate. A motion that is free is an unknown like the others: it is relaxed towards its
+/// balance with the gaps of all candidates as they are, that is with the ice below moving along, so that what is projected stays the
+/// gap of one node at a time and the energy falls. Ends when a sweep changes nothing by more than `tolerance`
 /// times the largest displacement. Returns the sweeps, or `None` where `limit` was reached.
 pub(crate) fn projected_sor(
     mesh: &Discretisation,
     material: Material,
-    held: &[f64],
     state: &mut State,
     tolerance: f64,
     limit: usize,
 ) -> Option<usize> {
     let contact = &mesh.contact;
-    let ice = assembled(&mesh.grid, contact, material, held)?;
+    let ice = assembled(&mesh.grid, contact, material, &state.displacement)?;
     let map = ice.constraints.dof_map();
     let nodes = ice.points.len();
     let mut u = vec![0.0; 3 * nodes];
@@ -152,6 +167,33 @@ pub(crate) fn projected_sor(
         ceiling[ice.top + c] = contact.gap[c] - dot(contact.rows[c], state.motion);
     }
     let graph = &ice.stiffness.graph;
+    let vertical = |u: &[f64], node: usize| -> f64 {
+        let range = graph.row_start[node]..graph.row_start[node + 1];
+        let blocks = ice.stiffness.blocks[range.clone()].iter();
+        let others = blocks.zip(&graph.neighbours[range]);
+        let terms = others.map(|(block, &other)| {
+            let at = 3 * other as usize;
+            block[2][0] * u[at] + block[2][1] * u[at + 1] + block[2][2] * u[at + 2]
+        });
+        terms.sum()
+    };
+    // A line of N^T K u, over the candidates.
+    let pushed = |a: usize, u: &[f64]| -> f64 {
+        let candidates = contact.candidates.iter();
+        let terms = candidates.map(|&c| contact.rows[c][a] * vertical(u, ice.top + c));
+        terms.sum()
+    };
+    let free = (0..3).filter(|&a| contact.motion.free[a]);
+    let turns: Vec<(usize, f64)> = free
+        .map(|a| {
+            let mut along = vec![0.0; 3 * nodes];
+            for &c in &contact.candidates {
+                along[3 * (ice.top + c) + 2] = contact.rows[c][a];
+            }
+            (a, pushed(a, &along))
+        })
+        .filter(|(_, stiffness)| *stiffness > 0.0)
+        .collect();
     let mut sweeps = None;
     for sweep in 1..=limit {
         let (mut change, mut largest) = (0.0f64, 0.0f64);
@@ -181,6 +223,17 @@ pub(crate) fn projected_sor(
                 change = change.max((value - u[3 * node + c]).abs());
                 largest = largest.max(value.abs());
                 u[3 * node + c] = value;
+            }
+        }
+        for &(a, stiffness) in &turns {
+            let out = contact.motion.balance[a] + pushed(a, &u);
+            let turn = RELAXATION * out / stiffness;
+            state.motion[a] += turn;
+            for &c in &contact.candidates {
+                let down = contact.rows[c][a] * turn;
+                u[3 * (ice.top + c) + 2] -= down;
+                ceiling[ice.top + c] -= down;
+                change = change.max(down.abs());
             }
         }
         if change <= tolerance * largest {

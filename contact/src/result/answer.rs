@@ -90,9 +90,9 @@ impl Answer<'_> {
             approach: limits.approach,
             approach_error: limits.approach * limits.relative,
             pitch,
-            pitch_error: pitch.abs() * limits.relative,
+            pitch_error: turned(pitch, limits.relative),
             roll,
-            roll_error: roll.abs() * limits.relative,
+            roll_error: turned(roll, limits.relative),
             fz,
             centre_of_pressure,
             kkt_residual,
@@ -191,5 +191,13 @@ fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 3]) -> S
         pressure,
         gap,
         uz,
+    }
+}
+
+/// The error of a tilt by a relative one; of one mesh nothing is known, of a tilt of 0 neither.
+fn turned(tilt: f64, relative: f64) -> f64 {
+    match relative.is_finite() {
+        true => tilt.abs() * relative,
+        false => relative,
     }
 }

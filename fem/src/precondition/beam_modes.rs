@@ -1,9 +1,10 @@
 //! A coarse space of beam motions for slender bodies.
 
-use faer::{Mat, Side};
+use faer::Mat;
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::tensor::eigen::eigenpairs;
 
 /// Additive coarse correction by the motions of a beam along x.
 ///
@@ -283,10 +284,8 @@ fn pseudo_inverse(a: &Mat<f64>) -> Result<Mat<f64>, Error> {
         })
         .collect();
     let scaled = Mat::from_fn(n, n, |i, j| scale[i] * a[(i, j)] * scale[j]);
-    let eigen = scaled
-        .self_adjoint_eigen(Side::Lower)
-        .map_err(|_| Error::NotPositiveDefinite { free_dofs: n })?;
-    let (values, vectors) = (eigen.S(), eigen.U());
+    let (values, vectors) =
+        eigenpairs(&scaled).ok_or(Error::NotPositiveDefinite { free_dofs: n })?;
     let weighted = Mat::from_fn(n, n, |i, k| match values[k] {
         value if value > STRAINS => scale[i] * vectors[(i, k)] / value.sqrt(),
         _ => 0.0,

@@ -1,7 +1,8 @@
 //! One axis of a tensor grid: the 1-D matrices of linear elements and their eigenvectors.
 
-use faer::linalg::solvers::SelfAdjointEigen;
-use faer::{Mat, Side};
+use faer::Mat;
+
+use crate::tensor::eigen::eigenpairs;
 
 /// A tridiagonal matrix by rows: `(below, on, above)` the diagonal.
 ///
@@ -146,10 +147,9 @@ impl Axis {
                 a[(j, i)] = mean;
             }
         }
-        let eigen = SelfAdjointEigen::new(a.as_ref(), Side::Lower)
-            .unwrap_or_else(|_| panic!("eigenvalues of a {free} x {free} axis did not converge"));
+        let (values, q) = eigenpairs(&a)
+            .unwrap_or_else(|| panic!("eigenvalues of a {free} x {free} axis did not converge"));
         let mut vectors = Mat::<f64>::zeros(n, free);
-        let q = eigen.U();
         for m in 0..free {
             let mut next = 0.0;
             for i in (0..free).rev() {
@@ -162,7 +162,7 @@ impl Axis {
                 vectors[(first + i, m)] = next * scale[i];
             }
         }
-        let values = (0..free).map(|m| eigen.S()[m].max(0.0)).collect();
+        let values = values.into_iter().map(|value| value.max(0.0)).collect();
         AxisModes { values, vectors }
     }
 }

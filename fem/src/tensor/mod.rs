@@ -1,6 +1,7 @@
 //! The stiffness on a tensor grid, as products of the 1-D matrices of its axes.
 
 pub mod axis;
+pub(crate) mod eigen;
 mod faces;
 mod factors;
 mod kernel;

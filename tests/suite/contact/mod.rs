@@ -5,6 +5,7 @@ mod boundary_elements;
 mod coverage;
 mod energy;
 mod hertz;
+mod hostile;
 mod ice;
 mod methods;
 mod mounts;

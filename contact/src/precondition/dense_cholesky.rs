@@ -1,0 +1,73 @@
+//! Dense Cholesky factors in an order of operations that does not depend on the number of threads.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::solve::{solve_in_place, solve_in_place_scratch};
+use faer::linalg::solvers::Llt;
+use faer::{Mat, MatRef, Par, Side};
+
+/// A = L L^T.
+#[derive(Clone, Debug)]
+pub(crate) struct DenseCholesky(Llt<f64>);
+
+impl DenseCholesky {
+    /// Factorises a symmetric matrix by its lower half; `None` where it is not positive definite.
+    ///
+    /// On all threads: they share the factor's blocks among them, and each block is summed by one of them.
+    pub fn new(matrix: &Mat<f64>) -> Option<Self> {
+        Llt::new(matrix.as_ref(), Side::Lower)
+            .ok()
+            .map(DenseCholesky)
+    }
+
+    /// L, with zeros above its diagonal.
+    pub fn lower(&self) -> MatRef<'_, f64> {
+        self.0.L()
+    }
+
+    /// A^-1 `sides`, on one thread: more of them would share the sum of one row.
+    pub fn solve(&self, sides: &Mat<f64>) -> Mat<f64> {
+        let mut solved = sides.clone();
+        let n = self.lower().nrows();
+        let request = solve_in_place_scratch::<f64>(n, sides.ncols(), Par::Seq);
+        let mut memory = MemBuffer::new(request);
+        let stack = MemStack::new(&mut memory);
+        solve_in_place(self.lower(), solved.as_mut(), Par::Seq, stack);
+        solved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From the smallest sizes on which faer would share a product among threads.
+    #[test]
+    fn factors_and_solutions_have_the_same_bits_on_any_number_of_threads_and_are_such() {
+        for n in [30, 300, 900] {
+            let a = Mat::from_fn(n, n, |i, j| (1.0 + i.abs_diff(j) as f64).recip());
+            for columns in [1, 3, 4] {
+                let sides = Mat::from_fn(n, columns, |i, j| (0.37 * i as f64 + j as f64).sin());
+                let on = |threads: usize| {
+                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+                    let pool = pool.build().unwrap();
+                    pool.install(|| {
+                        let factor = DenseCholesky::new(&a).unwrap();
+                        (factor.lower().to_owned(), factor.solve(&sides))
+                    })
+                };
+                let one = on(1);
+                for threads in [2, 3] {
+                    assert!(
+                        one == on(threads),
+                        "{n} x {n}, {columns} sides, {threads} threads"
+                    );
+                }
+                let left = &a * &one.1 - &sides;
+                assert!(left.norm_max() < 1e-12);
+            }
+        }
+        assert!(
+            DenseCholesky::new(&Mat::from_fn(3, 3, |i, j| -f64::from(u8::from(i == j)))).is_none()
+        );
+    }
+}
