@@ -198,3 +198,32 @@ fn list(value: &Value) -> &[Value] {
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("")
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn runs_of_which_there_is_something_to_tell_stand_first_and_open() {
+        let channels = json!({ "v_mps": { "missing": 0, "leaps": 0, "dropouts": 0 } });
+        let check = json!({ "wrong": 0, "runs": [
+            { "run": "still", "file": "a.csv", "channels": channels },
+            { "run": "odd", "file": "b.csv", "notes": [{ "column": "v_mps", "what": "stands still" }], "channels": channels },
+        ] });
+        let page = record_page(&check);
+        let at = |text: &str| {
+            page.find(text)
+                .unwrap_or_else(|| panic!("{text} in {page}"))
+        };
+        assert!(at("<h2>odd</h2>") < at("stands still"));
+        assert!(at("stands still") < at("<details><summary>still</summary>"));
+        // Of either the channels are there, once.
+        assert_eq!(page.matches("<td>v_mps</td>").count(), 2);
+        assert_eq!(
+            page.matches("<details>").count(),
+            page.matches("</details>").count()
+        );
+    }
+}
