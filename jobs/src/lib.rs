@@ -34,7 +34,9 @@ mod write_whole;
 
 pub use case_json::case_json;
 pub use failure::Failure;
-pub use press::{Prepared, Pressed, press, press_prepared, press_with, runner_keys};
+pub use press::{
+    Prepared, Pressed, percent, press, press_prepared, press_with, progress_line, runner_keys,
+};
 pub use watch::Watch;
 pub use write_whole::write_whole;
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use kufe_contact::{Iterate, Watcher};
-use kufe_jobs::{Pressed, case_file::LoadedCase};
+use kufe_jobs::{Pressed, case_file::LoadedCase, progress_line};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
@@ -177,25 +177,15 @@ fn solved(
     loaded: LoadedCase,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
-    let watched = progress.is_some();
+    let (watched, asked) = (progress.is_some(), loaded.case.accuracy.p_max);
     let worked = work(py, progress, |watch, teller| {
-        let watcher: Option<Watcher> = watched
-            .then(|| -> Watcher { Arc::new(move |state: &Iterate| teller.progress(line(state))) });
+        let watcher: Option<Watcher> = watched.then(|| -> Watcher {
+            Arc::new(move |state: &Iterate| teller.progress(progress_line(state, asked)))
+        });
         kufe_jobs::press(loaded, watch, watcher)
     })?;
     let pressed = worked.value.map_err(raised)?;
     Ok(Contact { pressed })
-}
-
-fn line(state: &Iterate) -> String {
-    format!(
-        "mesh {}: {} unknowns, {} nodes touch, p_max {:.1} MPa, residual {:.0e}",
-        state.level + 1,
-        state.dofs,
-        state.contact_nodes,
-        state.p_max / 1e6,
-        state.residual
-    )
 }
 
 #[pymethods]

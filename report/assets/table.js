@@ -26,7 +26,7 @@ function tablePage(main, data) {
   const fact = (text) => el("p", { class: "soft" }, text);
   const percent = (value) => (value === null || value === undefined ? "not measured" : `${figure(100 * value, 2)} %`);
   main.replaceChildren(
-    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.layers ? `, ${data.layered}` : ""}.${data.by_boundary_elements ? ` Boundary elements solved ${data.by_boundary_elements} of nodes and checks, finite elements the others.` : ""}`)),
+    el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.layers ? `, ${data.layered}` : ""}.${data.by_boundary_elements ? ` Of nodes and checks ${data.by_boundary_elements} were solved by boundary elements, the others by finite elements.` : ""}`)),
     el("ul", { class: "figures" }, figures([
       [`${plain(data.fz[0])} to ${plain(data.fz[data.fz.length - 1])} N`, `normal force, ${data.fz.length} breakpoints`],
       [`${figure(ends[0], 3)} to ${figure(ends[1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],

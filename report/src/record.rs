@@ -33,8 +33,19 @@ pub fn record_page(check: &Value) -> String {
         escape(text(&check["index"]))
     );
     out.push_str("<p><small>Wrong is what channels prove of one another; odd is what only you can judge. The worst run comes first.</small></p>\n");
-    for run in runs {
+    let (clean, told): (Vec<&Value>, Vec<&Value>) = runs.iter().partition(|run| is_clean(run));
+    for run in told {
+        let _ = writeln!(out, "<h2>{}</h2>", escape(text(&run["run"])));
         one_run(&mut out, run);
+    }
+    if !clean.is_empty() {
+        out.push_str("<h2>Runs of which there is nothing to tell</h2>\n");
+    }
+    for run in clean {
+        let name = escape(text(&run["run"]));
+        let _ = writeln!(out, "<details><summary>{name}</summary>");
+        one_run(&mut out, run);
+        out.push_str("</details>\n");
     }
     let _ = writeln!(
         out,
@@ -45,9 +56,15 @@ A delay is that of the channel if it alone is late. kufe {}</small></p>",
     plain_page("Recorded runs", &out)
 }
 
+/// Whether nothing is wrong or odd.
+fn is_clean(run: &Value) -> bool {
+    let silent = |key: &str| list(&run[key]).is_empty();
+    run["refused"].is_null() && silent("faults") && silent("notes")
+}
+
+/// What a run is like, below its name.
 fn one_run(out: &mut String, run: &Value) {
     let number = |key: &str| run[key].as_f64().unwrap_or(0.0);
-    let _ = writeln!(out, "<h2>{}</h2>", escape(text(&run["run"])));
     if let Some(reason) = run["refused"].as_str() {
         told(out, "wrong", "Refused", reason, "");
     } else {
@@ -91,15 +108,19 @@ fn one_run(out: &mut String, run: &Value) {
     else {
         return;
     };
-    let open = if list(&run["faults"]).is_empty() {
-        ""
-    } else {
-        " open"
+    let folded = match (is_clean(run), list(&run["faults"]).is_empty()) {
+        (true, _) => ["", ""],
+        (false, true) => ["<details><summary>Every channel</summary>\n", "</details>"],
+        (false, false) => [
+            "<details open><summary>Every channel</summary>\n",
+            "</details>",
+        ],
     };
     let _ = writeln!(
         out,
-        "<details{open}><summary>Every channel</summary>\n<div class=\"wide\"><table><tr><th>channel</th><th class=\"n\">missing</th><th class=\"n\">noise</th>\
-<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">drop-outs</th><th class=\"n\">at its stop</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>"
+        "{}<div class=\"wide\"><table><tr><th>channel</th><th class=\"n\">missing</th><th class=\"n\">noise</th>\
+<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">drop-outs</th><th class=\"n\">at its stop</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>",
+        folded[0]
     );
     for (name, channel) in channels {
         let known = |key: &str| channel[key].as_f64().map_or(String::new(), number4);
@@ -127,7 +148,7 @@ fn one_run(out: &mut String, run: &Value) {
             strip(list(&channel["octaves"]))
         );
     }
-    out.push_str("</table></div></details>\n");
+    let _ = writeln!(out, "</table></div>{}", folded[1]);
 }
 
 fn told(out: &mut String, class: &str, head: &str, what: &str, mend: &str) {
@@ -176,4 +197,33 @@ fn list(value: &Value) -> &[Value] {
 
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("")
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn runs_of_which_there_is_something_to_tell_stand_first_and_open() {
+        let channels = json!({ "v_mps": { "missing": 0, "leaps": 0, "dropouts": 0 } });
+        let check = json!({ "wrong": 0, "runs": [
+            { "run": "still", "file": "a.csv", "channels": channels },
+            { "run": "odd", "file": "b.csv", "notes": [{ "column": "v_mps", "what": "stands still" }], "channels": channels },
+        ] });
+        let page = record_page(&check);
+        let at = |text: &str| {
+            page.find(text)
+                .unwrap_or_else(|| panic!("{text} in {page}"))
+        };
+        assert!(at("<h2>odd</h2>") < at("stands still"));
+        assert!(at("stands still") < at("<details><summary>still</summary>"));
+        // Of either the channels are there, once.
+        assert_eq!(page.matches("<td>v_mps</td>").count(), 2);
+        assert_eq!(
+            page.matches("<details>").count(),
+            page.matches("</details>").count()
+        );
+    }
 }

@@ -26,7 +26,7 @@ pub fn results_page(
     for (name, png) in pictures {
         let _ = writeln!(
             out,
-            "<p><img alt=\"{}\" src=\"data:image/png;base64,{}\"></p>",
+            "<div class=\"wide\"><img alt=\"{}\" src=\"data:image/png;base64,{}\"></div>",
             escape(name),
             STANDARD.encode(png)
         );
@@ -51,13 +51,7 @@ fn object(out: &mut String, fields: &Map<String, Value>) {
     if !single.is_empty() {
         out.push_str("<div class=\"wide\"><table>\n");
         for (key, value) in single {
-            let _ = writeln!(
-                out,
-                "<tr><td>{}<td{}>{}",
-                escape(key),
-                class(value),
-                cell(value)
-            );
+            let _ = writeln!(out, "<tr><td>{}<td>{}", escape(key), cell(value));
         }
         out.push_str("</table></div>\n");
     }
@@ -148,6 +142,7 @@ fn cell(value: &Value) -> String {
             None => number.to_string(),
         },
         Value::String(text) => escape(text),
+        Value::Array(values) if values.is_empty() => "none".to_owned(),
         Value::Array(values) if values.len() > MOST_VALUES => format!("{} values", values.len()),
         Value::Array(values) => values.iter().map(cell).collect::<Vec<_>>().join(", "),
         Value::Object(fields) => fields
@@ -167,7 +162,7 @@ mod tests {
     #[test]
     fn rows_that_differ_share_a_table_and_nothing_becomes_markup() {
         let document = json!({
-            "mu": 0.00412345, "runs": 12, "of": { "driver": "<A>" },
+            "mu": 0.00412345, "runs": 12, "left_out": [], "of": { "driver": "<A>" },
             "points": [{ "v_mps": 5.0, "mu": 4.1e-3 }, { "v_mps": 10.0, "note": "x & y" }],
             "tracks": [{ "track": "east", "runs": [{ "run": "A1" }] }],
         });
@@ -178,7 +173,8 @@ mod tests {
         assert!(page.contains("<tr><td class=n>10<td><td>x &amp; y\n"));
         assert!(page.contains("<summary>east: runs</summary>") && page.contains("<tr><td>A1\n"));
         assert!(
-            page.contains("<td>runs<td class=n>12") && page.contains("<td>driver<td>&lt;A&gt;")
+            page.contains("<td>runs<td>12\n<tr><td>left_out<td>none\n")
+                && page.contains("<td>driver<td>&lt;A&gt;")
         );
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kufe_contact::{Iterate, Options, Watcher};
-use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with};
+use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with, progress_line};
 
 use crate::output::apart::case_inputs;
 use crate::output::global::Global;
@@ -33,9 +33,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     staging.replaces(contact_files(&args.out));
     staging.remove_on_interrupt();
     let bar = global.progress();
-    let shown = bar.clone();
+    let (shown, asked) = (bar.clone(), loaded.case.accuracy.p_max);
     let watcher: Watcher = Arc::new(move |state: &Iterate| {
-        shown.set_message(summary::progress_line(state));
+        shown.set_message(progress_line(state, asked));
     });
     let watch = Watch {
         warn: Some(&|warning| eprintln!("kufe: warning: {warning}")),

@@ -72,18 +72,21 @@ pub fn write(
     staging.text("result.json", &text)
 }
 
-/// Writes maps, fields and the hull, side by side; returns their names, and the largest pressure of the map [Pa].
+/// Writes maps, fields and the surfaces, side by side; returns their names, and the largest pressure of the map [Pa].
 fn fields(
     staging: &Staging,
     pressed: &Pressed,
     shear: bool,
 ) -> Result<(Vec<&'static str>, f64), Failure> {
-    let (maps, bodies) = rayon::join(
-        || maps(staging, pressed),
-        || bodies(staging, pressed, shear),
-    );
+    let bodies = || {
+        rayon::join(
+            || volumes(staging, pressed, shear),
+            || surfaces(staging, pressed),
+        )
+    };
+    let (maps, (volumes, surfaces)) = rayon::join(|| maps(staging, pressed), bodies);
     let (maps, largest) = maps?;
-    Ok(([maps, bodies?].concat(), largest))
+    Ok(([maps, volumes?, surfaces?].concat(), largest))
 }
 
 /// Writes what is a picture of the contact plane; returns names and the largest pressure [Pa].
@@ -121,27 +124,38 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64)
     Ok((names, largest))
 }
 
-/// Writes what ParaView and viewers of hulls open.
-fn bodies(staging: &Staging, pressed: &Pressed, shear: bool) -> Result<Vec<&'static str>, Failure> {
+/// Writes the hexahedra of ice and runner.
+fn volumes(
+    staging: &Staging,
+    pressed: &Pressed,
+    shear: bool,
+) -> Result<Vec<&'static str>, Failure> {
     let solution = &pressed.solution;
-    let mut names = vec!["field.vtu", "contact.vtp"];
+    let mut names = vec!["field.vtu"];
     staging.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
         volume_vtu::write_ice(&mut file, solution, groove, shear)
     })?;
-    staging.write("contact.vtp", |mut file| {
-        contact_vtp::write(&mut file, &solution.surface)
-    })?;
-    if let Some(hull) = placed_hull(&pressed.problem, solution) {
-        staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
-        names.push("hull.glb");
-    }
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
     {
         staging.write("runner.vtu", |mut file| {
             volume_vtu::write_runner(&mut file, field, elastic, solution.symmetry, shear)
         })?;
         names.push("runner.vtu");
+    }
+    Ok(names)
+}
+
+/// Writes the patch, and the hull where it stands.
+fn surfaces(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
+    let solution = &pressed.solution;
+    let mut names = vec!["contact.vtp"];
+    staging.write("contact.vtp", |mut file| {
+        contact_vtp::write(&mut file, &solution.surface)
+    })?;
+    if let Some(hull) = placed_hull(&pressed.problem, solution) {
+        staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
+        names.push("hull.glb");
     }
     Ok(names)
 }

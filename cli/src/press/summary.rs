@@ -2,23 +2,11 @@
 
 use std::path::Path;
 
-use kufe_contact::{Iterate, Measure, RunnerLoads, Solution};
-use kufe_jobs::Pressed;
+use kufe_contact::{Measure, RunnerLoads, Solution};
 use kufe_jobs::slide::Slid;
+use kufe_jobs::{Pressed, percent};
 
 use crate::press::series::table::Row;
-
-/// One line while the solver works.
-pub fn progress_line(state: &Iterate) -> String {
-    format!(
-        "mesh {}: {} unknowns, {} nodes touch, p_max {:.1} MPa, residual {:.0e}",
-        state.level + 1,
-        state.dofs,
-        state.contact_nodes,
-        state.p_max / 1e6,
-        state.residual
-    )
-}
 
 /// The picture's title.
 pub fn title(solution: &Solution) -> String {
@@ -39,10 +27,10 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         (
             "peak pressure",
             format!(
-                "{:.2} MPa +- {:.2} (estimated error {:.2} %){}",
+                "{:.2} MPa +- {:.2} (estimated error {}){}",
                 solution.p_max / 1e6,
                 solution.p_max_error / 1e6,
-                1e2 * solution.p_max_error / solution.p_max,
+                percent(solution.p_max_error / solution.p_max),
                 match pressed.short {
                     Some(_) => ": the accuracy asked was not reached",
                     None => "",
@@ -53,17 +41,22 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
             "on this mesh",
             format!("{:.2} MPa, as in the maps", solution.p_max_mesh / 1e6),
         ),
-        ("mean pressure", format!("{:.2} MPa", solution.p_mean / 1e6)),
         (
-            "contact length",
+            "mean pressure",
             format!(
-                "{} +- {:.*}",
-                length(solution.length),
-                digits(solution.length),
-                1e3 * solution.length_error
+                "{:.2} MPa +- {:.2}",
+                solution.p_mean / 1e6,
+                solution.p_mean_error / 1e6
             ),
         ),
-        ("contact width", length(solution.width)),
+        (
+            "contact length",
+            length_within(solution.length, solution.length_error),
+        ),
+        (
+            "contact width",
+            length_within(solution.width, solution.width_error),
+        ),
         (
             "contact area",
             format!(
@@ -72,7 +65,14 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
                 solution.area_error * 1e6
             ),
         ),
-        ("approach", format!("{:.3} um", solution.approach * 1e6)),
+        (
+            "approach",
+            format!(
+                "{:.3} um +- {:.3}",
+                solution.approach * 1e6,
+                solution.approach_error * 1e6
+            ),
+        ),
         (
             "pitch, roll",
             format!("{}, {}", angle(solution.pitch), angle(solution.roll)),
@@ -141,7 +141,13 @@ fn steel(loads: &RunnerLoads) -> Vec<(&'static str, String)> {
     );
     let mut rows = vec![("runner's stress", stress)];
     for mount in &loads.mounts {
-        let ([fx, fy, fz], [mx, my, mz]) = (mount.force, mount.moment);
+        // A rounding error below 0 is 0.
+        let shown = |value: f64, digits: i32| {
+            let scale = 10_f64.powi(digits);
+            (value * scale).round() / scale + 0.0
+        };
+        let [fx, fy, fz] = mount.force.map(|force| shown(force, 1));
+        let [mx, my, mz] = mount.moment.map(|moment| shown(moment, 2));
         let said = format!(
             "{fz:.1} N upwards, {fx:.1} and {fy:.1} along x and y, moments {mx:.2}, {my:.2}, {mz:.2} N m, at {}",
             at(mount.at)
@@ -270,6 +276,10 @@ fn angle(radians: f64) -> String {
         0.0 => "0 rad".into(),
         _ => format!("{radians:.3e} rad"),
     }
+}
+
+fn length_within(metres: f64, error: f64) -> String {
+    format!("{} +- {:.*}", length(metres), digits(metres), 1e3 * error)
 }
 
 fn length(metres: f64) -> String {

@@ -18,8 +18,8 @@ pub struct Args {
     #[arg(long)]
     model: Option<PathBuf>,
     /// Folder for report.json, report.html and model.next.toml, and case.next.toml for pressures in a campaign
-    #[arg(short, long, default_value = "out")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FOLDER", default_value = "out")]
+    out: PathBuf,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -98,7 +98,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if campaign {
         inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
     }
-    let staging = Staging::beside(&inputs, &args.output, &WRITTEN)?;
+    let staging = Staging::beside(&inputs, &args.out, &WRITTEN)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
@@ -121,7 +121,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if global.json {
         say(&format!("{json}\n"));
     } else if !global.quiet {
-        tell(&report, &args.output);
+        tell(&report, &args.out);
     }
     Ok(())
 }

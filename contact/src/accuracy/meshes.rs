@@ -133,10 +133,12 @@ impl<'a> Meshes<'a> {
             .iter()
             .map(|&s| if s { 2.0 } else { 1.0 })
             .product();
+        let error_before = self.solved.limits().map(|limits| limits.relative);
         let tell = |update: &SetUpdate, state: &State| {
             let iterate = Iterate {
                 level: self.number,
                 dofs,
+                error_before,
                 contact_nodes: update.contact_nodes,
                 iterations: update.iterations,
                 residual: update.residual,

@@ -95,6 +95,9 @@ pub struct Iterate {
     pub level: usize,
     /// Unknowns of that mesh.
     pub dofs: usize,
+    /// Relative error of the peak that the meshes before this one leave, of the area where the ice's hardness fixes the peak; nothing before
+    /// there are enough to tell.
+    pub error_before: Option<f64>,
     /// Nodes in the contact set.
     pub contact_nodes: usize,
     /// Conjugate-gradient iterations since the last update.

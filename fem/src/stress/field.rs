@@ -115,35 +115,50 @@ fn cell_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
     hex8::gauss_points().map(|xi| material.stress(field.strain(xi)))
 }
 
-/// Stresses of one cell's Gauss points continued to its corners.
-///
-/// In a plain box u's derivative along an edge is bilinear in the other two directions, which continues to the corners as it is: what the two
-/// ends of the edge differ by, over its length.
-fn corner_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
-    let section = body.sections()[cell];
-    let lengths = match section.kind {
-        ElementKind::Hex8 => hex8::box_lengths(&body.corners(cell)),
-        _ => None,
-    };
-    let Some(lengths) = lengths else {
-        return extrapolate_to_corners(&cell_stresses(body, cell, u));
-    };
-    let displacement = body.gather(cell, u);
-    std::array::from_fn(|corner| {
-        // d u_i / d x_j
-        let derivative = |i: usize, j: usize| {
-            let [low, high] = hex8::EDGES[corner][j];
-            (displacement[3 * high + i] - displacement[3 * low + i]) / lengths[j]
+/// Stresses at a cell's corners: those of its Gauss points, continued.
+enum CornerStresses {
+    /// Of a plain box its lengths [m]: u's derivative along an edge is bilinear in the other two directions, which continues to the corners as
+    /// it is: what the two ends of the edge differ by, over its length.
+    Edges([f64; 3]),
+    /// Of any other cell [Pa].
+    Continued(Box<[[f64; 6]; 8]>),
+}
+
+impl CornerStresses {
+    fn new(body: &Body, cell: usize, u: &[f64]) -> Self {
+        let lengths = match body.sections()[cell].kind {
+            ElementKind::Hex8 => hex8::box_lengths(&body.corners(cell)),
+            _ => None,
         };
-        section.material.stress([
-            derivative(0, 0),
-            derivative(1, 1),
-            derivative(2, 2),
-            derivative(1, 2) + derivative(2, 1),
-            derivative(0, 2) + derivative(2, 0),
-            derivative(0, 1) + derivative(1, 0),
+        match lengths {
+            Some(lengths) => CornerStresses::Edges(lengths),
+            None => {
+                let stresses = extrapolate_to_corners(&cell_stresses(body, cell, u));
+                CornerStresses::Continued(Box::new(stresses))
+            }
+        }
+    }
+
+    fn at(&self, body: &Body, cell: usize, corner: usize, u: &[f64]) -> [f64; 6] {
+        let lengths = match self {
+            CornerStresses::Edges(lengths) => lengths,
+            CornerStresses::Continued(stresses) => return stresses[corner],
+        };
+        let nodes = &body.mesh().cells[cell];
+        // h[j][i] = d u_i / d x_j
+        let h: [[f64; 3]; 3] = std::array::from_fn(|j| {
+            let [low, high] = hex8::EDGES[corner][j].map(|end| 3 * nodes[end]);
+            std::array::from_fn(|i| (u[high + i] - u[low + i]) / lengths[j])
+        });
+        body.sections()[cell].material.stress([
+            h[0][0],
+            h[1][1],
+            h[2][2],
+            h[2][1] + h[1][2],
+            h[2][0] + h[0][2],
+            h[1][0] + h[0][1],
         ])
-    })
+    }
 }
 
 /// Gauss-point values continued trilinearly to the eight corners of their cell.
@@ -164,9 +179,9 @@ pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
 /// As [`gauss_point_stresses`].
 pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
     assert_eq!(u.len(), body.dofs());
-    let corners: Vec<[[f64; 6]; 8]> = (0..body.mesh().cells.len())
+    let corners: Vec<CornerStresses> = (0..body.mesh().cells.len())
         .into_par_iter()
-        .map(|cell| corner_stresses(body, cell, u))
+        .map(|cell| CornerStresses::new(body, cell, u))
         .collect();
     let cells = NodeCells::new(body.mesh());
     (0..body.node_count())
@@ -174,8 +189,9 @@ pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
         .map(|node| {
             let (mut sum, mut count) = ([0.0; 6], 0);
             for (cell, corner) in cells.of(node) {
+                let stress = corners[cell].at(body, cell, corner, u);
                 for i in 0..6 {
-                    sum[i] += corners[cell][corner][i];
+                    sum[i] += stress[i];
                 }
                 count += 1;
             }
@@ -199,9 +215,11 @@ mod tests {
             .map(|k| 1e-6 * (1.7 * k as f64 + (k * k) as f64).sin())
             .collect();
         for cell in 0..body.mesh().cells.len() {
-            assert!(hex8::box_lengths(&body.corners(cell)).is_some());
             let expected = extrapolate_to_corners(&cell_stresses(&body, cell, &u));
-            let found = corner_stresses(&body, cell, &u);
+            let stresses = CornerStresses::new(&body, cell, &u);
+            assert!(matches!(stresses, CornerStresses::Edges(_)));
+            let found: [[f64; 6]; 8] =
+                std::array::from_fn(|corner| stresses.at(&body, cell, corner, &u));
             let largest = expected
                 .as_flattened()
                 .iter()

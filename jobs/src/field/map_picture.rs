@@ -71,24 +71,25 @@ fn draw_map(area: &PngRoot, map: &PressureMap, scale: f64) -> Result<(), Error> 
     let mut chart = builder.build_cartesian_2d(x_from..x_to, y_from..y_to)?;
     let (columns, rows) = chart.plotting_area().get_pixel_range();
     let (width, height) = (columns.end - columns.start, rows.end - rows.start);
+    let at = |column: i32, row: i32| {
+        (
+            columns.start + column - area_left(area),
+            rows.start + row - area_top(area),
+        )
+    };
+    area.draw(&Rectangle::new(
+        [at(0, 0), at(width, height)],
+        BACKGROUND.filled(),
+    ))?;
     let stretch = ((x_to - x_from) / f64::from(width)) / ((y_to - y_from) / f64::from(height));
     for row in 0..height {
         let y = y_to - (f64::from(row) + 0.5) / f64::from(height) * (y_to - y_from);
         for column in 0..width {
             let x = x_from + (f64::from(column) + 0.5) / f64::from(width) * (x_to - x_from);
             let p = map.pressure_at(1e-3 * x, 1e-3 * y) / 1e6;
-            let colour = if p > EDGE * scale {
-                viridis(p / scale)
-            } else {
-                BACKGROUND
-            };
-            area.draw_pixel(
-                (
-                    columns.start + column - area_left(area),
-                    rows.start + row - area_top(area),
-                ),
-                &colour,
-            )?;
+            if p > EDGE * scale {
+                area.draw_pixel(at(column, row), &viridis(p / scale))?;
+            }
         }
     }
     for line in outline(map, EDGE * scale * 1e6) {

@@ -11,6 +11,9 @@ use crate::page::escape;
 /// Bins that a picture shows.
 const SHOWN: usize = 12;
 
+/// Most of a picture's width that names of bins take.
+const NAMES: f64 = 420.0;
+
 /// Horizontal bars, each channel in its own scale: before, after, and what the sensors' noise alone would give.
 pub fn gap(title: &str, channels: &[Data]) -> String {
     let height = 34 + channels.len() * 74;
@@ -67,6 +70,12 @@ pub fn gap(title: &str, channels: &[Data]) -> String {
 pub fn bins(bins: &[Data]) -> String {
     let shown = &bins[..bins.len().min(SHOWN)];
     let height = 30 + 22 * shown.len();
+    let named = |bin: &Data| format!("{}: {}", bin.text("channel"), range(*bin));
+    let longest = shown.iter().map(|bin| named(bin).chars().count()).max();
+    // The names' end, and the middle and half of what is left beside them.
+    let names = (7.0 * longest.unwrap_or(0) as f64).min(NAMES);
+    let half = 0.5 * (630.0 - names);
+    let middle = names + 5.0 + half;
     let mut svg = format!(
         "<svg viewBox=\"0 0 640 {height}\" width=\"640\" role=\"img\" aria-label=\"mean residual by bin\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"currentColor\"><text x=\"0\" y=\"14\">mean residual with two standard errors, relative to the largest of its channel</text>\n"
     );
@@ -78,14 +87,13 @@ pub fn bins(bins: &[Data]) -> String {
                 m.max(o.number("mean").abs() + 2.0 * o.number("error"))
             });
         let y = 36 + 22 * k;
-        let x = |v: f64| 475.0 + 160.0 * v / largest;
+        let x = |v: f64| middle + half * v / largest;
         let _ = writeln!(
             svg,
-            "<text x=\"305\" y=\"{}\" text-anchor=\"end\">{}: {}</text><line x1=\"475\" x2=\"475\" y1=\"{}\" y2=\"{}\" stroke=\"currentColor\" opacity=\"0.4\"/>\
+            "<text x=\"{names}\" y=\"{}\" text-anchor=\"end\">{}</text><line x1=\"{middle}\" x2=\"{middle}\" y1=\"{}\" y2=\"{}\" stroke=\"currentColor\" opacity=\"0.4\"/>\
 <line x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"/><circle cx=\"{:.1}\" cy=\"{y}\" r=\"4\" fill=\"{}\"/>",
             y + 4,
-            escape(b.text("channel")),
-            escape(&range(*b)),
+            escape(&named(b)),
             y - 10,
             y + 12,
             x(b.number("mean") - 2.0 * b.number("error")),

@@ -72,7 +72,7 @@ fn in_words(report: Data) -> &'static str {
         "named" if report.list("steps").len() > 1 => "Effects are missing from the model",
         "named" => "An effect is missing from the model",
         "one-of" => "An effect is missing: one of a few",
-        "depends-on" => "What is missing depends on what is assumed",
+        "depends-on" => "What is missing depends on how well the track was surveyed",
         "law" => "Something beyond the catalogue is missing: a law for it",
         "located" => "Something is missing at some places, and has no name",
         "none" => "Nothing is missing that these data could show",

@@ -43,7 +43,7 @@ pub fn write_vtu(
     ] {
         fits(fields, count)?;
     }
-    let mut out = std::io::BufWriter::new(writer);
+    let mut out = std::io::BufWriter::with_capacity(1 << 20, writer);
     write_file(mesh, point_data, cell_data, field_data, &mut out)
         .and_then(|()| out.flush())
         .map_err(|e| MeshError::Vtu(e.to_string()))
@@ -170,7 +170,10 @@ fn write_array<T: Copy + Sync, const N: usize>(
     }
     writeln!(out, " format=\"binary\">")?;
     let packed = |block: &[T]| {
-        let bytes: Vec<u8> = block.iter().flat_map(|&value| number(value)).collect();
+        let mut bytes = vec![0; N * block.len()];
+        for (place, &value) in bytes.chunks_exact_mut(N).zip(block) {
+            place.copy_from_slice(&number(value));
+        }
         let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len()), Compression::fast());
         encoder.write_all(&bytes)?;
         encoder.finish()
