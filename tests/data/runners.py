@@ -1,8 +1,8 @@
 """How often `kufe press` states errors that hold: runners that deform and hulls that are scanned, beside answers that share no code with it.
 
-    python runners.py KUFE SEED COUNT [CLASS]
+    python runners.py KUFE SEED COUNT [CLASS ...] [--asked 0.02]
 
-Draws COUNT contacts of each class, writes each as a case with its files, presses it to 2 % and prints what does not hold and a table.
+Draws COUNT contacts of each class, writes each as a case with its files, presses it to the accuracy asked and prints what does not hold and a table.
 
 - *held at its top*: a round underside, its flat top held: Hankel transforms of ice and runner (`layered.py`).
 - *carried*: a bar that two places press down: Hertz with the rocker's curvature less the bar's own, M / (E I). Within its height of the load a
@@ -12,11 +12,11 @@ Draws COUNT contacts of each class, writes each as a case with its files, presse
 - *scanned hull*: a paraboloid's triangles with normal noise on their vertices, of 1e-4 to 3e-2 of the approach: Hertz without the noise.
 - *unstated scan*: the same, the noise not in the case.
 """
+import argparse
 import json
 import pathlib
 import re
 import subprocess
-import sys
 import tempfile
 
 import numpy as np
@@ -50,7 +50,7 @@ thickness_m = "half-space"
 fz_n = {force}
 tilt = {tilt}
 [accuracy]
-p_max = 0.02
+p_max = ASKED
 """
 
 
@@ -179,15 +179,22 @@ CLASSES = {"held at its top": held_at_top, "carried": carried, "meshed runner": 
 
 
 def main():
-    kufe, seed, count = pathlib.Path(sys.argv[1]).resolve(), int(sys.argv[2]), int(sys.argv[3])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("kufe", type=pathlib.Path)
+    parser.add_argument("seed", type=int)
+    parser.add_argument("count", type=int)
+    parser.add_argument("classes", nargs="*", default=list(CLASSES))
+    parser.add_argument("--asked", default="0.02")
+    given = parser.parse_args()
+    kufe, seed, count = given.kufe.resolve(), given.seed, given.count
     table = ["| class | contacts | answered | reached | peak | area | approach | stated over true, peak |", "|---|---|---|---|---|---|---|---|"]
-    for kind in sys.argv[4:] or CLASSES:
+    for kind in given.classes:
         draw, held, ratios, refused, reached = Draw(seed), {}, [], 0, 0
         for _ in range(count):
             with tempfile.TemporaryDirectory() as folder:
                 folder = pathlib.Path(folder)
                 text, truth, error = CLASSES[kind](draw, folder)
-                (folder / "case.toml").write_text(text)
+                (folder / "case.toml").write_text(text.replace("ASKED", given.asked))
                 done = subprocess.run([kufe, "press", "case.toml", "-o", "out", "--quiet"], cwd=folder, capture_output=True, text=True)
                 if done.returncode not in (0, 4) or not (folder / "out/result.json").exists():
                     refused += 1

@@ -13,10 +13,11 @@ use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
+use crate::evidence::runs::fit::row_noise::beyond_noise;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -58,6 +59,7 @@ impl<'a> Campaign<'a> {
             along_path: false,
             installation: Installation::default(),
             contacts: None,
+            beyond_noise: [0.0; BALANCES],
             frozen: Vec::new(),
         };
         for frame in &data.frames {
@@ -144,7 +146,11 @@ impl Evidence for Campaign<'_> {
             ));
             base = self.fitted(&base.residual_model, Vec::new())?;
         }
-        let base = self.installed(&base)?;
+        let mut base = self.installed(&base)?;
+        self.given.beyond_noise = beyond_noise(&base.residual_model, &self.training);
+        for model in [&mut base.residual_model, &mut base.settled] {
+            model.beyond_noise = self.given.beyond_noise;
+        }
         if self.data.noise_estimated {
             let n = &self.data.noise;
             let [low, high] = self.rules().estimated_noise_trust;

@@ -101,8 +101,8 @@ impl Campaign<'_> {
         self.training.iter().zip(&all).map(of_run).collect()
     }
 
-    /// A refit beside which what the installation is off by is found anew; nothing where that cannot be fitted. Its misfit and size are
-    /// those of before.
+    /// A refit beside which what the installation is off by is found anew, to be judged by [`misfit_by_run`](Self::misfit_by_run) (its own
+    /// misfit and size are those of before); nothing where that cannot be fitted.
     pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
         let fit = self.least_squares(&refit.model, Vec::new()).ok()?;
         let found = self.installed(&fit).ok()?;

@@ -11,6 +11,8 @@ use crate::evidence::runs::recordings::frame::Frame;
 pub struct Channels<'a> {
     /// Time between samples [s].
     sample_s: f64,
+    /// What each reads over what is true.
+    scales: [f64; Sensor::ALL.len()],
     /// Values and their derivatives, in the order of the sensors; a channel without derivatives has none.
     values: [Channel<'a>; Sensor::ALL.len()],
 }
@@ -28,6 +30,7 @@ impl<'a> Channels<'a> {
         };
         Self {
             sample_s: frame.sample_s(),
+            scales: [1.0; Sensor::ALL.len()],
             values: Sensor::ALL.map(|sensor| match sensor {
                 Sensor::Ax => of(&frame.acceleration[0], None),
                 Sensor::Ay => of(&frame.acceleration[1], None),
@@ -79,10 +82,16 @@ impl<'a> Channels<'a> {
 
     /// A channel that reads `scale` times what is true.
     pub fn divide(&mut self, sensor: Sensor, scale: f64) {
+        self.scales[sensor as usize] *= scale;
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
             x.to_mut().iter_mut().for_each(|x| *x /= scale);
         }
+    }
+
+    /// What a sensor reads over what is true.
+    pub fn scale(&self, sensor: Sensor) -> f64 {
+        self.scales[sensor as usize]
     }
 
     /// The signals of a sample.

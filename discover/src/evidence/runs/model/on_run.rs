@@ -320,6 +320,26 @@ impl<'a> ModelOnRun<'a> {
         [along, side, yaw, self.track(i, &at.balance, &at.signals)]
     }
 
+    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes.
+    pub fn gains(&self, i: usize) -> [f64; BALANCES] {
+        const STEP: f64 = 1e-3;
+        let read = self.channels.signals(i, self.constants);
+        let left = |signals: Signals| {
+            let at = self.instant(i, &self.corrected(i, signals));
+            self.balances(&at, &self.forces(&at))
+        };
+        let own = left(read);
+        const OF: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
+        std::array::from_fn(|c| {
+            let mut more = read;
+            match OF[c] {
+                Sensor::YawRate => more.rate[Sensor::YawRate as usize] += STEP,
+                sensor => more[sensor] += STEP,
+            }
+            (left(more)[c] - own[c]) / (STEP * self.channels.scale(OF[c]))
+        })
+    }
+
     /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
     pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
         let signals = self.measured(i);

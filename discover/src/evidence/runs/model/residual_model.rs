@@ -46,6 +46,8 @@ pub struct ResidualModel {
     pub installation: Installation,
     /// Contacts with walls that each run has its own of.
     pub contacts: Option<Contacts>,
+    /// Variance that each balance leaves beyond the sensors' noise, over the square of what it takes of its acceleration.
+    pub beyond_noise: [f64; BALANCES],
     /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
     pub frozen: Vec<String>,
 }

@@ -55,16 +55,12 @@ impl Campaign<'_> {
         }
         let without = self.refitted_alone(at)?;
         let bare = self.misfit_by_run(without);
-        let gains = |refit: &Refit, bare: &[f64]| -> Vec<f64> {
-            let with = self.misfit_by_run(refit);
-            bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect()
-        };
         let leader = |c: &usize| {
             let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
             Some(Leader {
                 candidate: &regular[*c],
                 at: *c,
-                gains: gains(&refit, &bare),
+                gains: self.gains(&refit, &bare),
                 refit,
             })
         };
@@ -78,33 +74,37 @@ impl Campaign<'_> {
         // Beside an installation that was found without them all look alike: of those that lead, by their scores or as they are refitted,
         // and of the claim, it is found anew.
         let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
-        let anew = |refit: &Refit| self.installed_anew(refit);
-        let bare = self.misfit_by_run(&anew(without)?);
+        let bare = self.misfit_by_run(&self.installed_anew(without)?);
         leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
-        let seen = |l: &Leader| {
-            screen.seen[l.at].usable && screen.seen[l.at].gain >= self.rules().leads * most
-        };
         for (place, leader) in leaders.iter_mut().enumerate() {
-            let leads = place < self.rules().finalists || seen(leader);
-            let found = leads.then(|| anew(&leader.refit)).flatten();
+            let seen = &screen.seen[leader.at];
+            let stands = seen.usable && seen.gain >= self.rules().leads * most;
+            let leads = stands || place < self.rules().finalists;
+            let found = leads.then(|| self.installed_anew(&leader.refit)).flatten();
             if let Some(refit) = found.and_then(|refit| refit.sized(leader.candidate)) {
-                leader.gains = gains(&refit, &bare);
                 leader.refit = Arc::new(refit);
             }
+            leader.gains = self.gains(&leader.refit, &bare);
         }
         let (place, best) = leaders
             .iter()
             .enumerate()
             .max_by(|a, b| total(&a.1.gains).total_cmp(&total(&b.1.gains)))?;
         let gain = total(&best.gains);
-        let of_claim = claimed.and_then(|refit| anew(&refit));
-        if of_claim.is_some_and(|refit| total(&gains(&refit, &bare)) >= gain) {
+        let of_claim = claimed.and_then(|refit| self.installed_anew(&refit));
+        if of_claim.is_some_and(|refit| total(&self.gains(&refit, &bare)) >= gain) {
             return None;
         }
         let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
         let p_value = chances_of_gains(&gains, options.flips, options.seed)[place];
         let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
         (p_value <= options.alpha).then(|| (claim(), gain))
+    }
+
+    /// What a refit explains of what is left without it, by run, in units of the noise's variance.
+    fn gains(&self, refit: &Refit, bare: &[f64]) -> Vec<f64> {
+        let with = self.misfit_by_run(refit);
+        bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect()
     }
 
     /// Whether a part of a model's installation is off by more than its tolerance can mean: then it stands for something that has a name.
