@@ -1,9 +1,10 @@
 //! Which channels of the residual can be judged.
 
 use kufe_friction::Longitudinal;
-use kufe_sled::Model;
 use kufe_sled::effects::Column;
+use kufe_sled::{Model, State, outside_tables};
 
+use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
@@ -52,4 +53,19 @@ pub fn remarks_on_channels(model: &Model, along: bool) -> Vec<String> {
 fn is_silent(model: &Model) -> bool {
     let longitudinal = model.friction.longitudinal.model();
     model.sled.cda_m2 == 0.0 && matches!(longitudinal, Ok(Longitudinal::Fixed(mu)) if mu <= 1e-9)
+}
+
+/// What a reader should know of tables that do not span every sample.
+pub fn outside(given: &ResidualModel, frames: &[Frame]) -> Vec<String> {
+    if given.vehicle.tables().iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let of_run = |frame: &Frame| {
+        let model = ModelOnRun::new(given, frame);
+        let states: Vec<State> = frame.samples().map(|i| model.state(i)).collect();
+        states
+    };
+    let states: Vec<State> = frames.iter().flat_map(of_run).collect();
+    let outside = outside_tables(&given.vehicle, states.iter());
+    outside.iter().map(ToString::to_string).collect()
 }

@@ -3,20 +3,21 @@
 use std::sync::Arc;
 
 use kufe_sled::effects::{CATALOGUE, Effects, Kind};
-use kufe_sled::{Model, State, Vehicle, outside_tables, refuse_effects};
+use kufe_sled::{Model, Vehicle, refuse_effects};
 use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Told, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
-use crate::evidence::runs::channels::{channels_in_use, closes_along_path, remarks_on_channels};
+use crate::evidence::runs::channels::{
+    channels_in_use, closes_along_path, outside, remarks_on_channels,
+};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
 use crate::evidence::runs::fit::row_noise::beyond_noise;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{BALANCES, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
@@ -109,21 +110,6 @@ impl<'a> Campaign<'a> {
         }
         Ok(campaign)
     }
-}
-
-/// What a reader should know of tables that do not span every sample.
-fn outside(given: &ResidualModel, frames: &[Frame]) -> Vec<String> {
-    if given.vehicle.tables().iter().all(Option::is_none) {
-        return Vec::new();
-    }
-    let of_run = |frame: &Frame| {
-        let model = ModelOnRun::new(given, frame);
-        let states: Vec<State> = frame.samples().map(|i| model.state(i)).collect();
-        states
-    };
-    let states: Vec<State> = frames.iter().flat_map(of_run).collect();
-    let outside = outside_tables(&given.vehicle, states.iter());
-    outside.iter().map(ToString::to_string).collect()
 }
 
 impl Evidence for Campaign<'_> {

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 
 use kufe_sled::effects::{Constants, Sensor, Signals, ahead};
 
-use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Channels of a run; only those that something moves are copied.
@@ -49,14 +48,6 @@ impl<'a> Channels<'a> {
     /// The values of a sensor.
     pub fn value(&self, sensor: Sensor) -> &[f64] {
         &self.values[sensor as usize].0
-    }
-
-    /// A sensor's channel brought to what was true: what the installation is off by, then this delay [s] by effects.
-    pub fn correct(&mut self, sensor: Sensor, installation: &Installation, delay_s: f64) {
-        installation.correct(sensor, self);
-        if delay_s != 0.0 {
-            self.catch_up(sensor, delay_s);
-        }
     }
 
     /// A sensor's values, and their derivatives where it has any.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::otherwise::ReadsOtherwise;
+use crate::evidence::runs::model::readings::Differences;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
@@ -223,14 +223,9 @@ impl Design<'_> {
         }
         let modelled = truth(frame, self.residual_model, left);
         let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
-        let shifted: Vec<(usize, ReadsOtherwise)> = shifted
+        let shifted: Vec<(usize, Differences)> = shifted
             .iter()
-            .map(|(k, other)| {
-                (
-                    *k,
-                    ReadsOtherwise::new(self.residual_model, other, &modelled),
-                )
-            })
+            .map(|(k, other)| (*k, Differences::new(self.residual_model, other, &modelled)))
             .collect();
         for i in 0..frame.len() {
             let at = on_modelled.instant(i, &on_modelled.measured(i));
@@ -240,7 +235,7 @@ impl Design<'_> {
                 on_modelled.left_by(&at, &forces),
             );
             for (k, reads) in &shifted {
-                let more = on_modelled.read_otherwise(i, reads, &at, own, by.as_ref());
+                let more = on_modelled.balances_more(i, reads, &at, own, by.as_ref());
                 for (raw, more) in raw.iter_mut().zip(more) {
                     if let Some(to) = raw[*k].get_mut(i) {
                         *to = -more / 0.01;

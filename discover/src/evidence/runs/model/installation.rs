@@ -306,8 +306,8 @@ impl Installation {
         late.map(|(part, size)| part.sd * size).sum()
     }
 
-    /// From what a sensor said to what was true.
-    pub fn correct(&self, of: Sensor, channels: &mut Channels) {
+    /// From what a sensor said to what was true: what the installation is off by, then this delay [s] by effects.
+    pub fn correct(&self, of: Sensor, delay_s: f64, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes);
         for (part, size) in parts.filter(|(part, s)| **s != 0.0 && part.sensor() == Some(of)) {
             let size = size * part.sd;
@@ -318,6 +318,9 @@ impl Installation {
                 Wrong::Accelerometer(_) | Wrong::SlipSensor | Wrong::Centre => {}
                 Wrong::Mass | Wrong::PitchInertia | Wrong::YawInertia => {}
             }
+        }
+        if delay_s != 0.0 {
+            channels.catch_up(of, delay_s);
         }
     }
 }

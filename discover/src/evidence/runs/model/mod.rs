@@ -5,7 +5,7 @@ pub(crate) mod clocks;
 pub(crate) mod design;
 pub(crate) mod installation;
 pub(crate) mod on_run;
-pub(crate) mod otherwise;
+pub(crate) mod readings;
 pub(crate) mod residual_model;
 pub(crate) mod whiten;
 pub(crate) mod windows;

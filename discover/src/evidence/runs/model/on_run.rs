@@ -12,7 +12,7 @@ use kufe_sled::{
 };
 
 use crate::evidence::runs::model::channels::Channels;
-use crate::evidence::runs::model::otherwise::ReadsOtherwise;
+use crate::evidence::runs::model::readings::Differences;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
 };
@@ -106,7 +106,7 @@ impl<'a> ModelOnRun<'a> {
         installation.find_constants(&mut constants);
         let mut channels = Channels::new(frame);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
-            channels.correct(sensor, installation, delay);
+            installation.correct(sensor, delay, &mut channels);
         }
         Self {
             residual_model,
@@ -252,10 +252,10 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// By how much the balances of a sample, `own` as it is, change where its sensors read otherwise and the sled is another.
-    pub fn read_otherwise(
+    pub fn balances_more(
         &self,
         i: usize,
-        reads: &ReadsOtherwise,
+        reads: &Differences,
         at: &Instant,
         own: [f64; BALANCES],
         by: Option<&LeftBy>,

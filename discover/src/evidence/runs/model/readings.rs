@@ -8,12 +8,12 @@ use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// By how much values, their derivatives and constants differ between two models' corrections of a run.
-pub struct ReadsOtherwise {
+pub struct Differences {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
     constants: Constants,
 }
 
-impl ReadsOtherwise {
+impl Differences {
     /// From a model's corrections of a run to those of another, which delays by effects or one part of the installation tell apart: sensors
     /// differ, or constants.
     pub fn new(own: &ResidualModel, other: &ResidualModel, frame: &Frame) -> Self {
@@ -30,7 +30,8 @@ impl ReadsOtherwise {
             let k = sensor as usize;
             let [own, other] = [0, 1].map(|m| {
                 let mut channels = Channels::new(frame);
-                channels.correct(sensor, &models[m].installation, delays[m][k]);
+                let installation = &models[m].installation;
+                installation.correct(sensor, delays[m][k], &mut channels);
                 channels
             });
             let (own, other) = (own.series(sensor), other.series(sensor));
