@@ -90,7 +90,7 @@ impl Effort {
 /// Base and effects as they fit.
 #[derive(Clone)]
 pub struct Fit {
-    /// `sum_c n_c (ln(rms_c) - gain_c)`.
+    /// `sum_c n_c (ln(rms_c) - noise_c)`.
     pub criterion: f64,
     /// The model.
     pub model: ResidualModel,
@@ -100,7 +100,7 @@ pub struct Fit {
 
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c (ln(rms_c) - gain_c)` ([`log_noise`]), whose minimum is that of least squares with the deviations found along
+/// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]), whose minimum is that of least squares with the deviations found along
 /// the way where no effect scales what is measured. Steps are halved until it falls; amplitudes stay in their bounds.
 ///
 /// # Errors
@@ -160,7 +160,7 @@ pub fn fit(
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
-            // What each amplitude takes of the measurements.
+            // How what is to be expected of noise changes with each amplitude.
             let mut counted = DVector::zeros(p);
             let by_amplitudes = by_amplitudes(&trial, frames, used, &gains);
             for (k, by) in by_amplitudes.iter().enumerate() {
