@@ -200,7 +200,12 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let plain = self.least_squares(residual_model, owners)?;
-        if residual_model.installation.directions.is_empty() {
+        self.beside_installation(plain)
+    }
+
+    /// A model fitted beside its installation as it stands, with what that is off by.
+    fn beside_installation(&self, plain: RunFit) -> Result<RunFit, Error> {
+        if plain.residual_model.installation.directions.is_empty() {
             return Ok(plain);
         }
         // By corrected scores: least squares would shrink what scales the residual's own noise.
@@ -225,7 +230,14 @@ impl Campaign<'_> {
     ) -> Result<RunFit, Error> {
         let held = residual_model.hold(true);
         let fitted = |model: &ResidualModel, free: &[usize]| {
-            fit(model, &self.training, free, self.used, Effort::FULL)
+            fit(
+                model,
+                &self.training,
+                free,
+                self.used,
+                Effort::FULL,
+                f64::INFINITY,
+            )
         };
         let mut found = fitted(&held, &self.free)?;
         let free = self.free.iter().copied();
@@ -295,37 +307,51 @@ impl Campaign<'_> {
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
         /// A deviation known to a tenth.
         const ENOUGH: f64 = 1.1;
-        let tolerances = self.model.tolerances.unwrap_or_default();
-        let stated = Installation::new(&tolerances);
+        let stated = self.stated_installation();
         if stated.fitted() == 0 {
             return Ok(fit.clone());
         }
-        let (next, products) = self.installed_as(fit, stated.clone())?;
+        let without = ResidualModel {
+            installation: stated.clone(),
+            ..fit.residual_model.clone()
+        };
+        let plain = self.least_squares(&without, fit.owners.clone())?;
+        let (next, products) = self.installed_as(&plain, stated.clone())?;
         let found = &next.residual_model.installation;
         let wider = spread_of_delays(found, &products).sqrt();
         match wider < ENOUGH {
             true => Ok(next),
-            false => Ok(self.installed_as(fit, stated.with_delays(wider))?.0),
+            false => Ok(self.installed_as(&plain, stated.with_delays(wider))?.0),
         }
     }
 
-    /// The same for an installation of these deviations, with the products of its parts beyond the base.
+    /// What the stated tolerances leave open.
+    pub fn stated_installation(&self) -> Installation {
+        Installation::new(&self.model.tolerances.unwrap_or_default())
+    }
+
+    /// The same for an installation of these deviations beside a fit without one, with the products of its parts beyond the base.
     fn installed_as(
         &self,
-        fit: &RunFit,
+        plain: &RunFit,
         installation: Installation,
     ) -> Result<(RunFit, DMatrix<f64>), Error> {
         const LEAST: f64 = 1.0;
         let all = ResidualModel {
             installation,
-            ..fit.residual_model.clone()
+            ..plain.residual_model.clone()
         };
-        let beyond = self.installation_beyond_base(&all, &fit.whitener, &self.training);
-        let start = ResidualModel {
-            installation: all.installation.told_apart(&beyond, LEAST),
+        let beyond = self.installation_beyond_base(&all, &plain.whitener, &self.training);
+        let residual_model = ResidualModel {
+            installation: all.installation.told_apart(&beyond, LEAST).hold(true),
             ..all
         };
-        Ok((self.fitted(&start, fit.owners.clone())?, beyond))
+        let start = RunFit {
+            settled: residual_model.clone(),
+            residual_model,
+            ..plain.clone()
+        };
+        Ok((self.beside_installation(start)?, beyond))
     }
 
     /// Products of one standard deviation of every part of a model's installation, beyond the base, over the rows of these runs.

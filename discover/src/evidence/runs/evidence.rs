@@ -212,7 +212,7 @@ impl Evidence for Campaign<'_> {
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
         // A large effect has bent the base and hidden what the installation is off by: both are found anew.
-        let refit = self.beside_either(&next, Effort::COMPARED);
+        let refit = self.beside_either(&next, Effort::COMPARED, f64::INFINITY);
         let start = refit.map_or(next, |refit| refit.model);
         let next = self.installed(&self.least_squares(&start, owners)?)?;
         let stretch = claim.candidate.act.track.is_some();

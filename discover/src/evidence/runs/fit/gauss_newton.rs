@@ -100,8 +100,9 @@ pub struct Fit {
 
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]), whose minimum is that of least squares with the deviations found along
-/// the way where no effect scales what is measured. Steps are halved until it falls; amplitudes stay in their bounds.
+/// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]) over the effects, and `sum_c n_c ln(rms_c)` over the base: least squares with
+/// the deviations found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where twice what a
+/// step promises would leave more than `beat`.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -111,6 +112,7 @@ pub fn fit(
     free_base: &[usize],
     used: [bool; CHANNELS],
     effort: Effort,
+    beat: f64,
 ) -> Result<Fit, Error> {
     let plain = Whitener::plain(used);
     let mut best: Option<(Fit, DVector<f64>)> = None;
@@ -149,25 +151,29 @@ pub fn fit(
         let mut whitener = plain.clone();
         let mut total = DMatrix::zeros(m, m);
         let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
-        let gains = log_noise(&trial, frames, used);
-        for (k, ((gram, n), gain)) in sums.iter().zip(&gains).enumerate() {
+        let based = ResidualModel {
+            base: residual_model.base,
+            ..trial.clone()
+        };
+        let noise = log_noise(&based, frames, used);
+        for (k, ((gram, n), noise)) in sums.iter().zip(&noise).enumerate() {
             let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
             let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
             whitener.sd[plain.channel(k)] = sd;
             total += gram / (sd * sd);
-            criterion += *n as f64 * (sd.ln() - gain);
+            criterion += *n as f64 * (sd.ln() - noise);
         }
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
             // How what is to be expected of noise changes with each amplitude.
             let mut counted = DVector::zeros(p);
-            let by_amplitudes = by_amplitudes(&trial, frames, used, &gains);
+            let by_amplitudes = by_amplitudes(&based, frames, used, &noise);
             for (k, by) in by_amplitudes.iter().enumerate() {
                 let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
                 counted[free_base.len() + k] = all.sum();
             }
-            let step = joint_step(&total, &counted);
+            let (step, promised) = joint_step(&total, &counted);
             let fit = Fit {
                 criterion,
                 model: trial.clone(),
@@ -175,7 +181,7 @@ pub fn fit(
             };
             best = Some((fit, step));
             share = 1.0;
-            if gained < effort.enough {
+            if gained < effort.enough || criterion - 2.0 * promised > beat {
                 break;
             }
         } else {
@@ -187,7 +193,20 @@ pub fn fit(
         let (from, step) = best.as_ref().expect("the first round sets it");
         trial = stepped(&from.model, free_base, step.as_slice(), share);
     }
-    Ok(best.expect("the first round sets it").0)
+    let (fit, _) = best.expect("the first round sets it");
+    Ok(Fit {
+        criterion: criterion_of(&fit, frames, used),
+        ..fit
+    })
+}
+
+/// What a fit leaves, the noise counted by its own base.
+fn criterion_of(fit: &Fit, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
+    let rows: usize = frames.iter().map(Frame::row_count).sum();
+    let noise = log_noise(&fit.model, frames, used);
+    let channels = noise.iter().enumerate();
+    let each = channels.map(|(k, noise)| fit.whitener.sd[fit.whitener.channel(k)].ln() - noise);
+    rows as f64 * each.sum::<f64>()
 }
 
 /// Products of a run's columns by channel, with the number of rows.
@@ -199,12 +218,15 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
         .collect()
 }
 
-/// The Gauss-Newton step of base and effects together, with what is added to their scores.
-fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
+/// The Gauss-Newton step of base and effects together, with what is added to their scores, and what it promises to take off the criterion.
+fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> (DVector<f64>, f64) {
     let p = counted.len();
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    ridge_inverse(jj) * (jr.column(0) + counted)
+    let score = jr.column(0) + counted;
+    let step = ridge_inverse(jj) * &score;
+    let promised = 0.5 * step.dot(&score);
+    (step, promised)
 }
 
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off

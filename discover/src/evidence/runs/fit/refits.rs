@@ -2,19 +2,22 @@
 
 use std::sync::Arc;
 
-use crate::evidence::runs::campaign::{Campaign, Current};
+use nalgebra::DMatrix;
+
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::fit::row_noise::log_noise_of;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
 impl Campaign<'_> {
-    /// Base and candidate fitted together, the effect in its exact form, from about the size that a screen gave it; nothing where they
-    /// cannot be fitted. Made once for each candidate.
+    /// Base and candidate fitted together, the effect in its exact form, from next to nothing on the side where a screen saw it; nothing
+    /// where they cannot be fitted. Made once for each candidate.
     ///
     /// The installation is as it was found, or as it is stated, whichever leaves less: where it is off no model fits without it, and
     /// without the effect it may have been bent to stand for it.
@@ -25,14 +28,29 @@ impl Campaign<'_> {
         size: f64,
     ) -> Option<Arc<Refit>> {
         at.refits.with(candidate, || {
-            let from = size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
+            let from = 0.01 * candidate.typical.copysign(size);
             self.refitted(at.residual_model, candidate, from, Effort::COMPARED)
         })
     }
 
+    /// The same where it leaves no more than `beat`; given up as soon as that is out of reach.
+    pub fn refitted_below(
+        &self,
+        at: &Current,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+        beat: f64,
+    ) -> Option<Arc<Refit>> {
+        let from = 0.01 * candidate.typical.copysign(size);
+        let with = at.residual_model.with(candidate.active(from));
+        let refit = self.beside_either(&with, Effort::COMPARED, beat)?;
+        let refit = refit.sized(candidate)?;
+        (refit.misfit <= beat).then(|| at.refits.with(candidate, || Some(refit)))?
+    }
+
     /// The model as it is, fitted; its size is 0. Made once.
     pub fn refitted_alone<'r>(&self, at: &'r Current) -> Option<&'r Refit> {
-        let alone = || self.beside_either(at.residual_model, Effort::COMPARED);
+        let alone = || self.beside_either(at.residual_model, Effort::COMPARED, f64::INFINITY);
         at.refits.alone(alone)
     }
 
@@ -45,7 +63,8 @@ impl Campaign<'_> {
         effort: Effort,
     ) -> Option<Refit> {
         let with = model.with(candidate.active(from));
-        self.beside_either(&with, effort)?.sized(candidate)
+        self.beside_either(&with, effort, f64::INFINITY)?
+            .sized(candidate)
     }
 
     /// The same from where an earlier refit stands, and beside its installation.
@@ -55,26 +74,29 @@ impl Campaign<'_> {
         candidate: &Candidate<Amplitude>,
     ) -> Option<Refit> {
         let with = earlier.beside().with(candidate.active(earlier.size));
-        self.fitted_as_it_is(&with, Effort::COMPARED)?
+        self.fitted_as_it_is(&with, Effort::COMPARED, f64::INFINITY)?
             .sized(candidate)
     }
 
-    /// A model fitted beside its own installation, and from the given base beside the stated one: whichever leaves less.
-    pub fn beside_either(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
+    /// A model fitted beside its own installation, and from the given base beside the stated one: whichever leaves less. A fit that cannot
+    /// leave less than `beat`, or than the other, is given up on the way.
+    pub fn beside_either(&self, model: &ResidualModel, effort: Effort, beat: f64) -> Option<Refit> {
         let stated = ResidualModel {
             base: self.given.base,
             installation: Installation::default(),
             ..model.clone()
         };
-        let own = (model.installation.cost() > 0.0).then(|| model.hold(true));
-        let tried = own.into_iter().chain([stated]);
-        tried
-            .filter_map(|model| self.fitted_as_it_is(&model, effort))
-            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))
+        let installed = model.installation.cost() > 0.0;
+        let own = installed.then(|| self.fitted_as_it_is(&model.hold(true), effort, beat));
+        let own = own.flatten();
+        let beat = own.as_ref().map_or(beat, |own| own.misfit.min(beat));
+        let tried = [own, self.fitted_as_it_is(&stated, effort, beat)];
+        let tried = tried.into_iter().flatten();
+        tried.min_by(|a, b| a.misfit.total_cmp(&b.misfit))
     }
 
-    fn fitted_as_it_is(&self, model: &ResidualModel, effort: Effort) -> Option<Refit> {
-        let found = fit(model, &self.training, &self.free, self.used, effort).ok()?;
+    fn fitted_as_it_is(&self, model: &ResidualModel, effort: Effort, beat: f64) -> Option<Refit> {
+        let found = fit(model, &self.training, &self.free, self.used, effort, beat).ok()?;
         Some(Refit {
             misfit: found.criterion + found.model.installation.cost(),
             size: 0.0,
@@ -104,12 +126,54 @@ impl Campaign<'_> {
     /// A refit beside which what the installation is off by is found anew, to be judged by [`misfit_by_run`](Self::misfit_by_run) (its own
     /// misfit and size are those of before); nothing where that cannot be fitted.
     pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
-        let fit = self.least_squares(&refit.model, Vec::new()).ok()?;
+        let fit = RunFit {
+            settled: refit.model.clone(),
+            residual_model: refit.model.clone(),
+            whitener: refit.whitener.clone(),
+            owners: Vec::new(),
+            told: None,
+            estimates: Vec::new(),
+        };
         let found = self.installed(&fit).ok()?;
         Some(Refit {
             model: found.residual_model,
             whitener: found.whitener,
             ..*refit
         })
+    }
+
+    /// The least that a refit may leave, over all runs ([`misfit_by_run`](Self::misfit_by_run)), once what the installation is off by is
+    /// found anew: twice what a step of the base and of all that may be off promises, taken off.
+    pub fn least_installed(&self, refit: &Refit) -> f64 {
+        let mut installation = self.stated_installation();
+        let own = &refit.model.installation;
+        if own.parts.len() == installation.parts.len() {
+            installation.sizes.clone_from(&own.sizes);
+            installation.parts.clone_from(&own.parts);
+        }
+        let model = ResidualModel {
+            installation,
+            ..refit.model.clone()
+        };
+        let design = Design {
+            residual_model: &model,
+            whitener: &refit.whitener,
+            free_base: &self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        };
+        let p = design.fitted();
+        let total: DMatrix<f64> = design
+            .products(&self.training)
+            .iter()
+            .map(|x| &x.full)
+            .sum();
+        let prior = design.prior();
+        let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
+        let score =
+            total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1)).column(0) + prior.scores(&prior.at);
+        let left: f64 = self.misfit_by_run(refit).iter().sum();
+        left - score.dot(&(prior.inverse(jj) * &score))
     }
 }

@@ -74,13 +74,14 @@ struct OfNoise {
 }
 
 fn of_noise(model: &ResidualModel, frame: &Frame) -> [OfNoise; BALANCES] {
-    /// Samples of a run: masses and scales are the same all along, and what a bent sensor reads is not by much.
+    /// Samples of a piece: masses and scales are the same all along, and what a bent sensor reads is not by much.
     const SAMPLES: usize = 16;
     let noisy = frame.noisy.as_deref();
     let rows = noisy.map(|noisy| noisy.each_ref().map(|frame| model.residuals(frame)));
-    let on_run = ModelOnRun::new(model, frame);
-    let stride = frame.len().div_ceil(SAMPLES).max(1);
-    let gains: Vec<[f64; BALANCES]> = frame
+    let piece = noisy.map_or(frame, |[plus, _]| plus);
+    let on_run = ModelOnRun::new(model, piece);
+    let stride = piece.len().div_ceil(SAMPLES).max(1);
+    let gains: Vec<[f64; BALANCES]> = piece
         .samples()
         .step_by(stride)
         .map(|i| on_run.gains(i))

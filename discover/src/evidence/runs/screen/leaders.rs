@@ -55,36 +55,48 @@ impl Campaign<'_> {
         }
         let without = self.refitted_alone(at)?;
         let bare = self.misfit_by_run(without);
-        let leader = |c: &usize| {
-            let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
-            Some(Leader {
-                candidate: &regular[*c],
-                at: *c,
-                gains: self.gains(&refit, &bare),
-                refit,
-            })
+        let leader = |c: usize, refit: Arc<Refit>| Leader {
+            candidate: &regular[c],
+            at: c,
+            gains: self.gains(&refit, &bare),
+            refit,
         };
-        let mut leaders: Vec<Leader> = order.iter().filter_map(leader).collect();
+        let first = order.iter().filter_map(|c| {
+            let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
+            Some(leader(*c, refit))
+        });
+        let mut leaders: Vec<Leader> = first.collect();
         if !strange && !leaders.iter().any(|l| self.is_large(at, total(&l.gains))) {
             return None;
         }
         // What stands between a sensor and the truth moves every force at once: at the bent base its score may say nothing.
-        others.retain(|c| regular[*c].act.moves_signals());
-        leaders.extend(others.iter().filter_map(leader));
+        for c in others {
+            if !regular[c].act.moves_signals() {
+                continue;
+            }
+            leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
+            let last = leaders.get(self.rules().finalists - 1);
+            let beat = last.map_or(f64::INFINITY, |last| last.refit.misfit);
+            let refit = self.refitted_below(at, &regular[c], screen.seen[c].size, beat);
+            leaders.extend(refit.map(|refit| leader(c, refit)));
+        }
         // Beside an installation that was found without them all look alike: of those that lead, by their scores or as they are refitted,
         // and of the claim, it is found anew.
         let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
         let bare = self.misfit_by_run(&self.installed_anew(without)?);
         leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
+        let mut least = f64::INFINITY;
         for (place, leader) in leaders.iter_mut().enumerate() {
             let seen = &screen.seen[leader.at];
             let stands = seen.usable && seen.gain >= self.rules().leads * most;
             let leads = stands || place < self.rules().finalists;
+            let leads = leads && (place == 0 || self.least_installed(&leader.refit) <= least);
             let found = leads.then(|| self.installed_anew(&leader.refit)).flatten();
             if let Some(refit) = found.and_then(|refit| refit.sized(leader.candidate)) {
                 leader.refit = Arc::new(refit);
             }
             leader.gains = self.gains(&leader.refit, &bare);
+            least = least.min(self.misfit_by_run(&leader.refit).iter().sum());
         }
         let (place, best) = leaders
             .iter()
