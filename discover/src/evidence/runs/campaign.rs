@@ -1,7 +1,6 @@
 //! Recorded runs, a part of them locked away, and the model that they are judged against.
 
 use kufe_sled::Model;
-use nalgebra::DMatrix;
 
 use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -11,9 +10,7 @@ use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refits;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::clocks::spread_of_delays;
-use crate::evidence::runs::model::design::{Design, Products};
-use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -23,9 +20,6 @@ use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Account;
 use crate::procedure::rules::RunRules;
-use crate::regression::gram::Gram;
-use crate::regression::prior::Prior;
-use crate::regression::scores::cross_information;
 
 /// A campaign of runs.
 pub struct Campaign<'a> {
@@ -111,6 +105,8 @@ pub struct Current<'a> {
 /// Pairs of twins behind each Newton step where an installation may be off: what they leave in doubt, 7 % of what is taken off, is less
 /// than the noise itself is known by.
 pub const BESIDE_INSTALLATION: [u64; 2] = [1, 2];
+/// Pairs of twins with which an installation is found.
+pub const INSTALLATION_PAIRS: u64 = 2;
 
 impl<'a> Current<'a> {
     /// A model of which nothing has been refitted.
@@ -200,20 +196,22 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let plain = self.least_squares(residual_model, owners)?;
-        self.beside_installation(plain)
-    }
-
-    /// A model fitted beside its installation as it stands, with what that is off by.
-    fn beside_installation(&self, plain: RunFit) -> Result<RunFit, Error> {
-        if plain.residual_model.installation.directions.is_empty() {
+        if residual_model.installation.directions.is_empty() {
             return Ok(plain);
         }
         // By corrected scores: least squares would shrink what scales the residual's own noise.
         let at = &plain.residual_model.hold(false);
-        let off = self.newton(at, &plain.whitener, &[2], true).1;
+        let off = self
+            .newton(at, &plain.whitener, &[INSTALLATION_PAIRS], true)
+            .1;
+        self.beside(plain, &off)
+    }
+
+    /// A fit beside what its installation is found to be off by.
+    pub fn beside(&self, plain: RunFit, off: &ResidualModel) -> Result<RunFit, Error> {
         // Of a base that runs away the installation is none of this sled's.
         match self.free.iter().all(|b| off.within(*b)) {
-            true => self.least_squares(&off, plain.owners),
+            true => self.least_squares(off, plain.owners),
             false => Ok(plain),
         }
     }
@@ -296,84 +294,6 @@ impl Campaign<'_> {
             simulator: &simulator,
         };
         estimate(&rows, pairs, trust, settle)
-    }
-
-    /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
-    /// standard deviation moves a statistic by its own or more. Where the delays lie further apart than is stated their deviation is
-    /// the one that they show.
-    ///
-    /// # Errors
-    /// Those of the fit.
-    pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
-        /// A deviation known to a tenth.
-        const ENOUGH: f64 = 1.1;
-        let stated = self.stated_installation();
-        if stated.fitted() == 0 {
-            return Ok(fit.clone());
-        }
-        let without = ResidualModel {
-            installation: stated.clone(),
-            ..fit.residual_model.clone()
-        };
-        let plain = self.least_squares(&without, fit.owners.clone())?;
-        let (next, products) = self.installed_as(&plain, stated.clone())?;
-        let found = &next.residual_model.installation;
-        let wider = spread_of_delays(found, &products).sqrt();
-        match wider < ENOUGH {
-            true => Ok(next),
-            false => Ok(self.installed_as(&plain, stated.with_delays(wider))?.0),
-        }
-    }
-
-    /// What the stated tolerances leave open.
-    pub fn stated_installation(&self) -> Installation {
-        Installation::new(&self.model.tolerances.unwrap_or_default())
-    }
-
-    /// The same for an installation of these deviations beside a fit without one, with the products of its parts beyond the base.
-    fn installed_as(
-        &self,
-        plain: &RunFit,
-        installation: Installation,
-    ) -> Result<(RunFit, DMatrix<f64>), Error> {
-        const LEAST: f64 = 1.0;
-        let all = ResidualModel {
-            installation,
-            ..plain.residual_model.clone()
-        };
-        let beyond = self.installation_beyond_base(&all, &plain.whitener, &self.training);
-        let residual_model = ResidualModel {
-            installation: all.installation.told_apart(&beyond, LEAST).hold(true),
-            ..all
-        };
-        let start = RunFit {
-            settled: residual_model.clone(),
-            residual_model,
-            ..plain.clone()
-        };
-        Ok((self.beside_installation(start)?, beyond))
-    }
-
-    /// Products of one standard deviation of every part of a model's installation, beyond the base, over the rows of these runs.
-    pub fn installation_beyond_base(
-        &self,
-        model: &ResidualModel,
-        whitener: &Whitener,
-        frames: &[Frame],
-    ) -> DMatrix<f64> {
-        let design = Design {
-            residual_model: model,
-            whitener,
-            free_base: &self.free,
-            candidates: &[],
-            local: &[],
-            windows: &[],
-        };
-        let products = design.products(frames);
-        let grams: Vec<Gram> = products.iter().map(Products::plain).collect();
-        let base = Prior::none(design.fitted() - model.installation.fitted());
-        // The installation's columns stand where those of candidates would.
-        cross_information(&grams, &base)
     }
 
     /// Candidates that are not already part of the model.

@@ -39,6 +39,9 @@ pub struct FittedRows<'a> {
     pub simulator: &'a RunSimulator,
 }
 
+/// The first round of twins.
+pub const FIRST_ROUND: u64 = 4_000_037;
+
 /// Estimates of all fitted parameters (base, amplitudes, installation), and the model that holds them.
 ///
 /// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
@@ -62,7 +65,7 @@ pub fn estimate(
     } = *rows;
     let mut settled = residual_model.clone();
     let mut errors = Vec::new();
-    let mut drawn = 4_000_037;
+    let mut drawn = FIRST_ROUND;
     for pairs in pairs.iter().copied() {
         let design = Design {
             residual_model: &settled,
@@ -148,7 +151,7 @@ pub fn estimate(
 }
 
 /// One step and its sandwich errors, with what the prior leaves open.
-fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) {
+pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) {
     let p = prior.count();
     let mut total = DMatrix::zeros(p + 1, p + 1);
     for gram in grams {

@@ -2,6 +2,7 @@
 
 pub(crate) mod estimate;
 pub(crate) mod gauss_newton;
+mod installed;
 pub(crate) mod noise_products;
 pub(crate) mod piece;
 pub(crate) mod refit;

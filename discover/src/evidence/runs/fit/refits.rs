@@ -2,14 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::fit::row_noise::log_noise_of;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
@@ -140,40 +137,5 @@ impl Campaign<'_> {
             whitener: found.whitener,
             ..*refit
         })
-    }
-
-    /// The least that a refit may leave, over all runs ([`misfit_by_run`](Self::misfit_by_run)), once what the installation is off by is
-    /// found anew: twice what a step of the base and of all that may be off promises, taken off.
-    pub fn least_installed(&self, refit: &Refit) -> f64 {
-        let mut installation = self.stated_installation();
-        let own = &refit.model.installation;
-        if own.parts.len() == installation.parts.len() {
-            installation.sizes.clone_from(&own.sizes);
-            installation.parts.clone_from(&own.parts);
-        }
-        let model = ResidualModel {
-            installation,
-            ..refit.model.clone()
-        };
-        let design = Design {
-            residual_model: &model,
-            whitener: &refit.whitener,
-            free_base: &self.free,
-            candidates: &[],
-            local: &[],
-            windows: &[],
-        };
-        let p = design.fitted();
-        let total: DMatrix<f64> = design
-            .products(&self.training)
-            .iter()
-            .map(|x| &x.full)
-            .sum();
-        let prior = design.prior();
-        let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
-        let score =
-            total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1)).column(0) + prior.scores(&prior.at);
-        let left: f64 = self.misfit_by_run(refit).iter().sum();
-        left - score.dot(&(prior.inverse(jj) * &score))
     }
 }

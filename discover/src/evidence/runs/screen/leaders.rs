@@ -85,18 +85,15 @@ impl Campaign<'_> {
         let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
         let bare = self.misfit_by_run(&self.installed_anew(without)?);
         leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
-        let mut least = f64::INFINITY;
         for (place, leader) in leaders.iter_mut().enumerate() {
             let seen = &screen.seen[leader.at];
             let stands = seen.usable && seen.gain >= self.rules().leads * most;
             let leads = stands || place < self.rules().finalists;
-            let leads = leads && (place == 0 || self.least_installed(&leader.refit) <= least);
             let found = leads.then(|| self.installed_anew(&leader.refit)).flatten();
             if let Some(refit) = found.and_then(|refit| refit.sized(leader.candidate)) {
                 leader.refit = Arc::new(refit);
             }
             leader.gains = self.gains(&leader.refit, &bare);
-            least = least.min(self.misfit_by_run(&leader.refit).iter().sum());
         }
         let (place, best) = leaders
             .iter()

@@ -1,0 +1,163 @@
+//! What the installation is off by, found beside a fit: one Newton step of all its parts on corrected scores.
+
+use nalgebra::DMatrix;
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
+use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
+use crate::evidence::runs::fit::gauss_newton::stepped;
+use crate::evidence::runs::fit::noise_products::mean_noise_products;
+use crate::evidence::runs::model::clocks::spread_of_delays;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::regression::gram::Gram;
+use crate::regression::prior::Prior;
+use crate::regression::scores::cross_information;
+
+/// Products of everything that is fitted, each part of the installation by itself, in its stated deviation.
+struct PartProducts {
+    /// Corrected ones of base, amplitudes, parts and residual, by run.
+    by_run: Vec<DMatrix<f64>>,
+    /// Plain ones of the parts beyond the base.
+    beyond: DMatrix<f64>,
+}
+
+impl Campaign<'_> {
+    /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
+    /// standard deviation moves a statistic by its own or more. Where the delays lie further apart than is stated their deviation is
+    /// the one that they show.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
+        /// A deviation known to a tenth.
+        const ENOUGH: f64 = 1.1;
+        let stated = Installation::new(&self.model.tolerances.unwrap_or_default());
+        if stated.fitted() == 0 {
+            return Ok(fit.clone());
+        }
+        let without = ResidualModel {
+            installation: stated.clone(),
+            ..fit.residual_model.clone()
+        };
+        let plain = self.least_squares(&without, fit.owners.clone())?;
+        let products = self.part_products(&plain);
+        let next = self.installed_as(&plain, stated.clone(), &products)?;
+        let found = &next.residual_model.installation;
+        let wider = spread_of_delays(found, &products.beyond).sqrt();
+        match wider < ENOUGH {
+            true => Ok(next),
+            false => self.installed_as(&plain, stated.with_delays(wider), &products),
+        }
+    }
+
+    /// Products beside a fit with an installation of which nothing is found.
+    fn part_products(&self, plain: &RunFit) -> PartProducts {
+        let model = plain.residual_model.hold(false);
+        let design = self.fit_design(&model, &plain.whitener);
+        let products = design.products(&self.training);
+        let noise = mean_noise_products(
+            &design,
+            &self.training,
+            &self.simulator(&model),
+            FIRST_ROUND..FIRST_ROUND + INSTALLATION_PAIRS,
+        );
+        let n = design.fitted() + 1;
+        let corrected = |(x, d): (&Products, DMatrix<f64>)| {
+            let c = &x.full - d;
+            c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
+        };
+        PartProducts {
+            by_run: products.iter().zip(noise).map(corrected).collect(),
+            beyond: beyond_base(&design, &products),
+        }
+    }
+
+    /// The fit beside an installation of these deviations.
+    fn installed_as(
+        &self,
+        plain: &RunFit,
+        installation: Installation,
+        products: &PartProducts,
+    ) -> Result<RunFit, Error> {
+        const LEAST: f64 = 1.0;
+        let wider: Vec<f64> = installation.parts.iter().map(|p| p.sd / p.stated).collect();
+        let count = wider.len();
+        let beyond = DMatrix::from_fn(count, count, |j, k| {
+            wider[j] * products.beyond[(j, k)] * wider[k]
+        });
+        let installation = installation.told_apart(&beyond, LEAST);
+        let directions = installation.directions.clone();
+        let start = ResidualModel {
+            installation,
+            ..plain.residual_model.clone()
+        };
+        let at = start.hold(true);
+        let fit = RunFit {
+            settled: at.clone(),
+            residual_model: at,
+            ..plain.clone()
+        };
+        if directions.is_empty() {
+            return Ok(fit);
+        }
+        // From parts to combinations; what stands before and behind them stays.
+        let all = products.by_run.first().map_or(0, DMatrix::ncols);
+        let first = all - 1 - count;
+        let mut combined = DMatrix::zeros(all, first + directions.len() + 1);
+        (0..first).for_each(|k| combined[(k, k)] = 1.0);
+        combined[(all - 1, first + directions.len())] = 1.0;
+        for (k, direction) in directions.iter().enumerate() {
+            for (j, share) in direction.iter().enumerate() {
+                combined[(first + j, first + k)] = share * wider[j];
+            }
+        }
+        let runs: Vec<DMatrix<f64>> = products
+            .by_run
+            .iter()
+            .map(|c| combined.tr_mul(&(c * &combined)))
+            .collect();
+        let start = start.hold(false);
+        let prior = self.fit_design(&start, &plain.whitener).prior();
+        let step = solve(&runs, &prior).0;
+        self.beside(fit, &stepped(&start, &self.free, step.as_slice(), 1.0))
+    }
+
+    /// Products of one standard deviation of every part of a model's installation, beyond the base, over the rows of these runs.
+    pub fn installation_beyond_base(
+        &self,
+        model: &ResidualModel,
+        whitener: &Whitener,
+        frames: &[Frame],
+    ) -> DMatrix<f64> {
+        let design = self.fit_design(model, whitener);
+        beyond_base(&design, &design.products(frames))
+    }
+
+    /// The rows' derivatives for what is fitted of a model.
+    fn fit_design<'d>(
+        &'d self,
+        residual_model: &'d ResidualModel,
+        whitener: &'d Whitener,
+    ) -> Design<'d> {
+        Design {
+            residual_model,
+            whitener,
+            free_base: &self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+        }
+    }
+}
+
+/// Products of an installation's parts once the base is projected out.
+fn beyond_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
+    let grams: Vec<Gram> = products.iter().map(Products::plain).collect();
+    let base = Prior::none(design.fitted() - design.residual_model.installation.fitted());
+    // The installation's columns stand where those of candidates would.
+    cross_information(&grams, &base)
+}
