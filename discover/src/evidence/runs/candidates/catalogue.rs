@@ -108,13 +108,13 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
 }
 
 /// Whether an amplitude is a fault of the speed or of the accelerometer ahead, which the track channel holds against the slope. The
-/// scale of the latter goes with what the sled feels there, which is little; a speed that is late by so much is late by a wave more, too.
+/// scale of the latter goes with what the sled feels there, which is little.
 fn against_slope(effect: &Effect, parameter: usize) -> bool {
     let mut faults = effect.on_sensors.iter();
     faults.any(|fault| {
         let shows = match fault.of {
             Sensor::Ax => fault.reading != Reading::Scaled,
-            sensor => sensor == Sensor::Speed && fault.reading != Reading::Late,
+            sensor => sensor == Sensor::Speed,
         };
         shows && fault.parameter == parameter
     })

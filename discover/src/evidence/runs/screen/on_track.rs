@@ -4,6 +4,7 @@ use kufe_sled::GRAVITY;
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
@@ -58,6 +59,11 @@ impl Campaign<'_> {
         for candidate in &list {
             let known = [self.tolerance(candidate), sd];
             channel.take(residual_model, &self.training, candidate, known);
+        }
+        if channel.says(sd, self.rules().alpha_track) {
+            for (c, candidate) in list.iter().enumerate() {
+                channel.scan(c, (residual_model, &self.training), candidate, sd);
+            }
         }
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
@@ -121,21 +127,39 @@ impl Campaign<'_> {
                 .is_none_or(|(known, size, error)| track.agrees(known, *size, *error))
         };
         let able: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
-        let at = |factor: f64| -> Option<usize> {
-            able.iter()
-                .copied()
-                .filter(|c| channel.judge(*c, sd * factor).p_value <= rules.alpha_track)
-                .max_by(|a, b| {
-                    let z = |c: usize| {
-                        (channel.judge(c, sd * factor).size / channel.judge(c, sd * factor).error)
-                            .abs()
-                    };
-                    z(*a).total_cmp(&z(*b))
-                })
+        let z = |c: usize, factor: f64| {
+            let seen = channel.judge(c, sd * factor);
+            seen.size / seen.error
         };
+        let stands = |factor: f64| -> Vec<usize> {
+            let out = |c: &usize| channel.judge(*c, sd * factor).p_value <= rules.alpha_track;
+            able.iter().copied().filter(out).collect()
+        };
+        let standing = stands(1.0);
+        // What the forces say of a size that the channel gives.
+        let of_forces: Vec<f64> = match standing.len() {
+            0 | 1 => vec![0.0; list.len()],
+            _ => (0..list.len())
+                .map(|c| match standing.contains(&c) {
+                    true => self.of_forces(residual_model, &list[c], channel.judge(c, sd).size),
+                    false => 0.0,
+                })
+                .collect(),
+        };
+        let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
+            let both = |c: usize| z(c, factor).powi(2) + of_forces[c];
+            among
+                .into_iter()
+                .max_by(|a, b| both(*a).total_cmp(&both(*b)))
+        };
+        let at = |factor: f64| best(stands(factor), factor);
         if let Some(named) = at(1.0) {
             let seen = channel.judge(named, sd);
-            let others = able.iter().copied().filter(|j| *j != named).map(|j| {
+            // A size that the forces speak against, beside another that they don't, is none.
+            let needed = rules.track_rivals.needed_t.powi(2);
+            let spoken = |j: &usize| of_forces[*j] < of_forces[named] - needed;
+            let rivals = able.iter().copied().filter(|j| *j != named && !spoken(j));
+            let others = rivals.map(|j| {
                 let seen = channel.judge(j, sd);
                 Rival {
                     effect: list[j].effect.clone(),
@@ -215,6 +239,27 @@ impl Campaign<'_> {
             p_value: p,
             remark: None,
         })
+    }
+
+    /// What a candidate of this size explains of the forces, the base refitted, in units of the noise's variance: less than nothing where
+    /// they speak against it.
+    fn of_forces(
+        &self,
+        residual_model: &ResidualModel,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+    ) -> f64 {
+        let left = |model: &ResidualModel| {
+            let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY);
+            refit.map(|refit| refit.misfit)
+        };
+        let active = candidate.active(size);
+        let mut with = residual_model.with(active.clone());
+        with.frozen.push(active.name);
+        match (left(residual_model), left(&with)) {
+            (Some(without), Some(with)) => 2.0 * (without - with),
+            _ => 0.0,
+        }
     }
 
     /// The forces say nothing of a slope: the track channel's own size stands.
