@@ -11,7 +11,7 @@ use crate::simulate::dynamics::WallContact;
 const LENGTHS_M: [f64; 9] = [4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 32.0];
 /// Standard errors by which the force must stand out of what the side balance scatters by elsewhere: the largest of some thousand
 /// trials of noise reaches four.
-const STANDS_OUT: f64 = 6.0;
+const STANDS_OUT: f64 = 4.0;
 /// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
 const CORRELATED: f64 = 2.0;
 

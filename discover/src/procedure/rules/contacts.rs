@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct ContactRules {
     /// Robust deviations of the side balance from the middle of a track's runs beyond which a run differs. Chosen.
     pub differs: f64,
+    /// Robust deviations by which all runs together differ more at a place than along the track. Chosen.
+    pub together: f64,
     /// The same at which its stretch ends. Chosen.
     pub ends: f64,
     /// Largest share of what is driven on a track beneath contacts: where more differs the model is wrong, not a wall. Chosen.
@@ -26,6 +28,7 @@ impl Default for ContactRules {
     fn default() -> Self {
         Self {
             differs: 8.0,
+            together: 4.5,
             ends: 4.0,
             most: 0.1,
             fewest_runs: 4,

@@ -95,6 +95,9 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec
             start = end;
         }
     }
+    for (start, end) in together(&sums, unit, rules.together) {
+        differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
+    }
     let all = || sums.iter().flatten().filter(|z| z.is_finite());
     let beyond = all().filter(|z| z.abs() > rules.differs * unit).count();
     if beyond as f64 > rules.most * all().count() as f64 {
@@ -110,6 +113,46 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec
                 from_m: low + start as f64 * CELL_M - CELL_M,
                 to_m: low + end as f64 * CELL_M + CELL_M,
             });
+        }
+        start = end;
+    }
+    found
+}
+
+/// Stretches of sums on which all runs together scatter more than elsewhere: with n runs, q the mean of their squares and
+/// `u = q^(1/3)`, which is nearly normal, where u leaves its median by `beyond` robust deviations.
+///
+/// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931) 684.
+fn together(sums: &[Vec<f64>], unit: f64, beyond: f64) -> Vec<(usize, usize)> {
+    let count = sums[0].len();
+    let roots: Vec<f64> = (0..count)
+        .map(|w| {
+            let here = sums.iter().map(|row| row[w]).filter(|z| z.is_finite());
+            let (n, squares) = here.fold((0.0, 0.0), |(n, q), z| (n + 1.0, q + (z / unit).powi(2)));
+            // Where few runs came there is no telling.
+            if 2.0 * n > sums.len() as f64 {
+                f64::cbrt(squares / n)
+            } else {
+                f64::NAN
+            }
+        })
+        .collect();
+    let mut sorted: Vec<f64> = roots.iter().copied().filter(|u| u.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let Some(middle) = sorted.get(sorted.len() / 2).copied() else {
+        return Vec::new();
+    };
+    let away: Vec<f64> = roots.iter().map(|u| u - middle).collect();
+    let deviation = scatter(&away);
+    let mut found = Vec::new();
+    let mut start = 0;
+    for group in
+        away.chunk_by(|a, b| (*a > 0.5 * beyond * deviation) == (*b > 0.5 * beyond * deviation))
+    {
+        let end = start + group.len();
+        let most = group.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if most > beyond * deviation {
+            found.push((start, end));
         }
         start = end;
     }
