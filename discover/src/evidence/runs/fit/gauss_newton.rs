@@ -101,8 +101,8 @@ pub struct Fit {
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
 /// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]) over the effects, and `sum_c n_c ln(rms_c)` over the base: least squares with
-/// the deviations found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where twice what a
-/// step promises would leave more than `beat`.
+/// the deviations found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where half as much
+/// again as a step promises would leave more than `beat`.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -173,7 +173,8 @@ pub fn fit(
                 let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
                 counted[free_base.len() + k] = all.sum();
             }
-            let (step, promised) = joint_step(&total, &counted);
+            let step = joint_step(&total, &counted);
+            let promised = criterion - promise(&sums, &step) - counted.dot(&step);
             let fit = Fit {
                 criterion,
                 model: trial.clone(),
@@ -181,7 +182,9 @@ pub fn fit(
             };
             best = Some((fit, step));
             share = 1.0;
-            if gained < effort.enough || criterion - 2.0 * promised > beat {
+            // What is promised holds to first order, and of a base that nobody has fitted not even that.
+            let hopeless = gained.is_finite() && promised - 0.5 * (criterion - promised) > beat;
+            if gained < effort.enough || hopeless {
                 break;
             }
         } else {
@@ -218,15 +221,28 @@ fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
         .collect()
 }
 
-/// The Gauss-Newton step of base and effects together, with what is added to their scores, and what it promises to take off the criterion.
-fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> (DVector<f64>, f64) {
+/// The Gauss-Newton step of base and effects together, with what is added to their scores.
+fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
     let p = counted.len();
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    let score = jr.column(0) + counted;
-    let step = ridge_inverse(jj) * &score;
-    let promised = 0.5 * step.dot(&score);
-    (step, promised)
+    ridge_inverse(jj) * (jr.column(0) + counted)
+}
+
+/// What a step takes off `sum_c n_c ln(rms_c)` where the rows go with it in a straight line.
+fn promise(sums: &[(DMatrix<f64>, usize)], step: &DVector<f64>) -> f64 {
+    let p = step.len();
+    let of_channel = |(gram, n): &(DMatrix<f64>, usize)| {
+        let jj = gram.view((OWN_LEVELS, OWN_LEVELS), (p, p));
+        let jr = gram
+            .view((OWN_LEVELS, OWN_LEVELS + p), (p, 1))
+            .column(0)
+            .dot(step);
+        let before = gram[(OWN_LEVELS + p, OWN_LEVELS + p)];
+        let after = before - 2.0 * jr + step.dot(&(jj * step));
+        0.5 * *n as f64 * (before.max(1e-300) / after.max(1e-9 * before).max(1e-300)).ln()
+    };
+    sums.iter().map(of_channel).sum()
 }
 
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off

@@ -182,10 +182,9 @@ impl Installation {
         0.5 * squares + wider
     }
 
-    /// Whether a part is off by more than so many of its standard deviations, as they are stated.
+    /// Whether a part is off by more than so many of its standard deviations.
     pub fn is_beyond(&self, deviations: f64) -> bool {
-        let mut parts = self.parts.iter().zip(&self.sizes);
-        parts.any(|(part, size)| size.abs() * part.sd > deviations * part.stated)
+        self.sizes.iter().any(|size| size.abs() > deviations)
     }
 
     /// The same with such parts as they are stated.
