@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::runs::fit::row_noise::{by_amplitudes, log_noise};
+use crate::evidence::runs::fit::row_noise::{by_amplitudes, by_base as noise_by_base, log_noise};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{
     BASE, BOUNDS, CHANNELS, ChannelRows, ResidualModel,
@@ -67,6 +67,9 @@ pub struct Effort {
     rounds: usize,
     /// A change of the criterion below which it ends.
     enough: f64,
+    /// Whether noise is counted by the base that is fitted, rather than by that from which the fit starts: then the base is that of the
+    /// criterion, which least squares would shrink.
+    by_own_base: bool,
 }
 
 impl Effort {
@@ -74,16 +77,19 @@ impl Effort {
     pub const FULL: Self = Self {
         rounds: 14,
         enough: 1e-3,
+        by_own_base: false,
     };
     /// For comparisons, in which nothing below some units counts.
     pub const COMPARED: Self = Self {
         rounds: 14,
         enough: 0.1,
+        by_own_base: true,
     };
     /// A first look, after which what leads is fitted on.
     pub const LOOK: Self = Self {
         rounds: 5,
         enough: 0.1,
+        by_own_base: true,
     };
 }
 
@@ -100,8 +106,8 @@ pub struct Fit {
 
 /// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
 ///
-/// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]) over the effects, and `sum_c n_c ln(rms_c)` over the base: least squares with
-/// the deviations found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where half as much
+/// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]) over the effects, and over the base that or `sum_c n_c ln(rms_c)`: least
+/// squares with the deviations found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where half as much
 /// again as a step promises would leave more than `beat`.
 ///
 /// # Errors
@@ -118,6 +124,7 @@ pub fn fit(
     let mut best: Option<(Fit, DVector<f64>)> = None;
     let mut trial = residual_model.clone();
     let mut share = 1.0;
+    let mut by_base: Option<Vec<Vec<f64>>> = None;
     for _ in 0..effort.rounds {
         let design = Design {
             residual_model: &trial,
@@ -151,10 +158,10 @@ pub fn fit(
         let mut whitener = plain.clone();
         let mut total = DMatrix::zeros(m, m);
         let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
-        let based = ResidualModel {
-            base: residual_model.base,
-            ..trial.clone()
-        };
+        let mut based = trial.clone();
+        if !effort.by_own_base {
+            based.base = residual_model.base;
+        }
         let noise = log_noise(&based, frames, used);
         for (k, ((gram, n), noise)) in sums.iter().zip(&noise).enumerate() {
             let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
@@ -166,8 +173,17 @@ pub fn fit(
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
-            // How what is to be expected of noise changes with each amplitude.
+            // How what is to be expected of noise changes with each amplitude, and with the base, once.
             let mut counted = DVector::zeros(p);
+            if effort.by_own_base {
+                let by_base = by_base.get_or_insert_with(|| {
+                    noise_by_base(&trial, frames, used, (free_base, &noise))
+                });
+                for (k, by) in by_base.iter().enumerate() {
+                    let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
+                    counted[k] = all.sum();
+                }
+            }
             let by_amplitudes = by_amplitudes(&based, frames, used, &noise);
             for (k, by) in by_amplitudes.iter().enumerate() {
                 let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);

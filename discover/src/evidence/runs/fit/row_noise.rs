@@ -97,6 +97,24 @@ fn of_noise(model: &ResidualModel, frame: &Frame) -> [OfNoise; BALANCES] {
     })
 }
 
+/// How they change with each of these base parameters.
+pub fn by_base(
+    model: &ResidualModel,
+    frames: &[Frame],
+    used: [bool; CHANNELS],
+    (free_base, own): (&[usize], &[f64]),
+) -> Vec<Vec<f64>> {
+    const STEP: f64 = 0.01;
+    let of = |b: &usize| {
+        let mut moved = model.clone();
+        moved.base[*b] += STEP;
+        let noise = log_noise(&moved, frames, used);
+        let both = noise.iter().zip(own);
+        both.map(|(log, own)| (log - own) / STEP).collect()
+    };
+    free_base.iter().map(of).collect()
+}
+
 /// How they change with each fitted amplitude of the model's effects, in the unit in which it is fitted.
 pub fn by_amplitudes(
     model: &ResidualModel,
