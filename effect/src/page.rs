@@ -17,7 +17,7 @@ const GROUPS: [(ActsOn, &str); 8] = [
 ];
 
 /// Markdown tables of effects under a heading for what they act on: name, formula, parameters, level, signature, what looks
-/// alike, source.
+/// alike. Sources stay in the effects' files.
 ///
 /// ```
 /// use kufe_effect::{CATALOGUE, page};
@@ -34,8 +34,8 @@ pub fn tables(effects: impl Iterator<Item = &'static Info>) -> String {
         };
         let _ = write!(
             page,
-            "\n### {heading}\n\n| name | formula | parameter [unit] | level | signature | looks like | source |\n\
-             |---|---|---|---|---|---|---|\n"
+            "\n### {heading}\n\n| name | formula | parameter [unit] | level | signature | looks like |\n\
+             |---|---|---|---|---|---|\n"
         );
         for row in std::iter::once(first).chain(own) {
             page.push_str(&line(row));
@@ -63,7 +63,6 @@ fn line(info: &Info) -> String {
         },
         info.signature.to_owned(),
         info.looks_like.join(", "),
-        info.source.to_owned(),
     ];
     let cells = cells.map(|text| text.replace('|', "\\|"));
     format!("| {} |\n", cells.join(" | "))
