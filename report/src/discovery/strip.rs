@@ -212,14 +212,19 @@ impl Scale {
         let end = self.right - name_of_axis - 120.0;
         let mut x = left + 140.0;
         for (k, session) in sessions.iter().enumerate() {
-            let wide = 34.0 + 7.5 * session.chars().count() as f64;
+            // The first says what the names are of.
+            let name = match k == 0 && !session.starts_with("session") {
+                true => format!("session {session}"),
+                false => (*session).to_owned(),
+            };
+            let wide = 34.0 + 7.5 * name.chars().count() as f64;
             let last = k + 1 == sessions.len();
             if x + wide > end + if last { 120.0 } else { 0.0 } {
                 let more = sessions.len() - k;
                 let _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\">and {more} sessions</text>");
                 break;
             }
-            entry(svg, x, &colour(k, sessions.len()), session);
+            entry(svg, x, &colour(k, sessions.len()), &name);
             x += wide;
         }
     }
@@ -292,5 +297,6 @@ mod tests {
         let place = format!("<rect x=\"{:.1}\"", LEFT + 0.25 * wide);
         assert_eq!(svg.matches(&place).count(), 2);
         assert!(svg.contains("e&lt;st") && !svg.contains("NaN"));
+        assert!(svg.contains(">session d1<"), "what d1 is the name of");
     }
 }
