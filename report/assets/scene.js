@@ -33,8 +33,7 @@ function stage(label) {
   let spec = null, frame = 0, width = 0, height = 0;
 
   function reset() {
-    // The field of view is that of the height: a narrow stage is looked at from farther away.
-    camera.position.set(-1.5, -2.9, 1.9).multiplyScalar(width > 0 ? Math.max(1, 1.8 * height / width) : 1);
+    camera.position.set(-1.5, -2.9, 1.9).multiplyScalar(width > 0 && width < 1.25 * height ? 1.45 : 1);
     controls.target.set(0, 0, -0.05);
     controls.update();
   }
