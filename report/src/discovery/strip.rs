@@ -47,7 +47,7 @@ fn drawn(plot: Data, width: f64) -> String {
     sessions.retain(|session| seen.insert(*session));
     let mut svg = format!(
         "<svg viewBox=\"0 0 {width} {3}\" width=\"{width}\" role=\"img\" aria-label=\"what is left along track {0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n\
-<text x=\"8\" y=\"14\">measured less simulated, {1} [{2}], along track {0}</text>\n",
+<text x=\"8\" y=\"14\">measured less simulated, {1} [{2}], along track {0}, by session</text>\n",
         escape(plot.text("track")),
         escape(plot.text("channel")),
         escape(plot.text("unit")),
@@ -212,19 +212,14 @@ impl Scale {
         let end = self.right - name_of_axis - 120.0;
         let mut x = left + 140.0;
         for (k, session) in sessions.iter().enumerate() {
-            // The first says what the names are of.
-            let name = match k == 0 && !session.starts_with("session") {
-                true => format!("session {session}"),
-                false => (*session).to_owned(),
-            };
-            let wide = 34.0 + 7.5 * name.chars().count() as f64;
+            let wide = 34.0 + 7.5 * session.chars().count() as f64;
             let last = k + 1 == sessions.len();
             if x + wide > end + if last { 120.0 } else { 0.0 } {
                 let more = sessions.len() - k;
                 let _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\">and {more} sessions</text>");
                 break;
             }
-            entry(svg, x, &colour(k, sessions.len()), &name);
+            entry(svg, x, &colour(k, sessions.len()), session);
             x += wide;
         }
     }
@@ -297,6 +292,6 @@ mod tests {
         let place = format!("<rect x=\"{:.1}\"", LEFT + 0.25 * wide);
         assert_eq!(svg.matches(&place).count(), 2);
         assert!(svg.contains("e&lt;st") && !svg.contains("NaN"));
-        assert!(svg.contains(">session d1<"), "what d1 is the name of");
+        assert!(svg.contains("by session</text>"), "what d1 is the name of");
     }
 }
