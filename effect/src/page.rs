@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::known::{ActsOn, Info, Judged};
+use crate::known::{ActsOn, Info};
 
 /// Headings of the page by what effects act on first.
 const GROUPS: [(ActsOn, &str); 8] = [
@@ -16,8 +16,8 @@ const GROUPS: [(ActsOn, &str); 8] = [
     (ActsOn::Map, "The pressure sensor"),
 ];
 
-/// Markdown tables of effects under a heading for what they act on: name, formula, parameters, level, signature, what looks
-/// alike, source.
+/// Markdown tables of effects under a heading for what they act on: name, formula, parameters, signature, what looks alike.
+/// Sources stay in the effects' files.
 ///
 /// ```
 /// use kufe_effect::{CATALOGUE, page};
@@ -34,8 +34,8 @@ pub fn tables(effects: impl Iterator<Item = &'static Info>) -> String {
         };
         let _ = write!(
             page,
-            "\n### {heading}\n\n| name | formula | parameter [unit] | level | signature | looks like | source |\n\
-             |---|---|---|---|---|---|---|\n"
+            "\n### {heading}\n\n| name | formula | parameter [unit] | signature | looks like |\n\
+             |---|---|---|---|---|\n"
         );
         for row in std::iter::once(first).chain(own) {
             page.push_str(&line(row));
@@ -57,13 +57,8 @@ fn line(info: &Info) -> String {
         format!("`{}`", info.name),
         info.formula.to_owned(),
         parameters.join(", "),
-        match info.judged {
-            Judged::ByPressure => "-".to_owned(),
-            judged => judged.level().name().to_owned(),
-        },
         info.signature.to_owned(),
         info.looks_like.join(", "),
-        info.source.to_owned(),
     ];
     let cells = cells.map(|text| text.replace('|', "\\|"));
     format!("| {} |\n", cells.join(" | "))

@@ -21,7 +21,7 @@ mod sweep;
 mod table;
 
 pub use error::Error;
-pub use export::{Fmu, MatValue, Slice, draw, read_fmu, simulink_files, write_mat_file};
+pub use export::{Fmu, MatValue, Sample, Slice, draw, read_fmu, simulink_files, write_mat_file};
 pub use file::MAX_FILE_BYTES;
 pub use store::{
     Done, Manifest, Next, Origin, Store, next_batch, parallel_script, sha256, slurm_script,

@@ -30,9 +30,14 @@ function drawn(spec, width) {
     const [low, high] = [y.at(band.low), y.at(band.high)].sort((a, b) => a - b);
     root.append(svg("rect", { x: left, y: low, width: width - left - right, height: Math.max(1, high - low), fill: "var(--accent)", opacity: 0.15 }));
   }
+  // A number stays on the paper, and is left out where it would touch the one before it; a letter is 8 px wide at most.
+  let free = 0;
   x.marks.forEach((mark, k) => {
     root.append(svg("line", { x1: x.at(mark), x2: x.at(mark), y1: top, y2: height - bottom, stroke: "var(--grid)" }));
-    root.append(svg("text", { x: x.at(mark), y: height - bottom + 16, "text-anchor": "middle" }, x.texts[k]));
+    const half = 4 * x.texts[k].length, at = Math.min(x.at(mark), width - half);
+    if (at - half < free) return;
+    free = at + half;
+    root.append(svg("text", { x: at, y: height - bottom + 16, "text-anchor": "middle" }, x.texts[k]));
   });
   y.marks.forEach((mark, k) => {
     root.append(svg("line", { x1: left, x2: width - right, y1: y.at(mark), y2: y.at(mark), stroke: "var(--grid)" }));

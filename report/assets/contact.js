@@ -99,7 +99,7 @@ function contactPage(main, between = null) {
     document.title = data.title;
     head.replaceChildren(el("h1", {}, data.title), el("p", { class: "soft" }, data.name));
     warnings.replaceChildren(...(data.warnings ?? []).map((text) => el("p", { class: "warning" }, text)));
-    headline.replaceChildren(...figures(headlineOf(data.result)));
+    headline.replaceChildren(...figures(headlineOf(data.result, data.maps.length)));
     partLabel.hidden = data.maps.length < 2;
     part.replaceChildren(...data.maps.map((grid, k) => el("option", { value: k }, `${k + 1}: x ${figure(1e3 * grid.x0, 3)} to ${figure(1e3 * (grid.x0 + grid.nx * grid.dx), 3)} mm`)));
     const highest = (grid) => grid.p.low + 65534 * grid.p.step;
@@ -139,14 +139,14 @@ function steelOf(result) {
   return [[`${figure(1e-6 * result.runner_von_mises_max_pa)} MPa`, `largest von Mises stress of the runner, at x = ${figure(1e3 * x, 3)} mm, ${metres(z)} above its lowest point`]];
 }
 
-function headlineOf(result) {
+function headlineOf(result, parts) {
   const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
   return [
     [`${figure(1e-6 * result.p_max_pa)} MPa`, error === null ? "peak pressure, one mesh only" : `peak pressure, \u00b1 ${figure(1e-6 * error, 2)} MPa`],
     ...hullOf(result),
     ...checkOf(result),
     [`${figure(1e-6 * result.p_mean_pa)} MPa`, `mean pressure${within(1e-6 * result.p_mean_error_pa, "MPa")}`],
-    [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, length${within(1e3 * result.length_error_m, "mm")} \u00d7 width${within(1e3 * result.width_error_m, "mm")}`],
+    [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, ${parts > 1 ? "from end to end" : "length"}${within(1e3 * result.length_error_m, "mm")} \u00d7 width${within(1e3 * result.width_error_m, "mm")}`],
     [`${figure(1e6 * result.area_m2)} mm\u00b2`, `contact area${within(1e6 * result.area_error_m2, "mm\u00b2")}`],
     [metres(result.approach_m, 4), `approach${within(1e6 * result.approach_error_m, "\u00b5m")}`],
     [`${figure(result.fz_n)} N`, "normal force"],

@@ -37,10 +37,13 @@ enum Task {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.task {
         Some(Task::Fit(args)) => fit::run(args, global),
-        None => match args.point.sliding() {
-            Some(asked) if asked.optimise.is_empty() => sliding::run(&asked, global),
-            Some(asked) => optimum::run(&asked, global),
-            None => point::run(&args.point, global),
-        },
+        None => {
+            args.point.complete()?;
+            match args.point.sliding() {
+                Some(asked) if asked.optimise.is_empty() => sliding::run(&asked, global),
+                Some(asked) => optimum::run(&asked, global),
+                None => point::run(&args.point, global),
+            }
+        }
     }
 }

@@ -22,11 +22,10 @@ pub struct Args {
     /// The case; with --ice several, side by side
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
-    /// Speed along the track [m/s]; with --ice a list
+    /// Speed along the track [m/s], always needed; with --ice a list
     #[arg(
         long,
         value_name = "M/S",
-        required = true,
         value_delimiter = ',',
         allow_negative_numbers = true
     )]
@@ -43,15 +42,10 @@ pub struct Args {
     pub ice: Vec<f64>,
     /// With --ice, one speed and one case: the runner with the least friction, by one or two numbers of its shape within bounds, as
     /// rocker_radius_m=15:60,section_radius_m=0.004:0.008
-    #[arg(
-        long,
-        value_name = "KEY=LOW:HIGH",
-        value_delimiter = ',',
-        requires = "ice"
-    )]
+    #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',')]
     pub optimise: Vec<String>,
     /// With --ice: folder for friction.csv, friction.json and friction.png
-    #[arg(long, short, value_name = "FOLDER", requires = "ice")]
+    #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Slip angle [rad]
     #[arg(
@@ -79,6 +73,37 @@ pub struct Args {
 }
 
 impl Args {
+    /// What must stand beside the options given.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] that says what is missing, why, and what to give.
+    pub fn complete(&self) -> Result<(), Failure> {
+        let tables = [
+            (
+                self.out.is_some(),
+                "-o writes friction over speed and temperature of the ice",
+            ),
+            (
+                !self.optimise.is_empty(),
+                "--optimise compares runners on ice of one temperature",
+            ),
+        ];
+        let mut missing = Vec::new();
+        if self.speed.is_empty() {
+            missing.push("--speed is missing: give the speed in m/s, as --speed 30".to_owned());
+        }
+        let asked = tables.iter().find(|(asked, _)| *asked);
+        if let (true, Some((_, why))) = (self.ice.is_empty(), asked) {
+            missing.push(format!(
+                "--ice is missing: {why}; give the temperature in degrees Celsius, as --ice -5, or several as --ice -10,-5,-1"
+            ));
+        }
+        match missing.is_empty() {
+            true => Ok(()),
+            false => Err(Failure::Usage(missing.join("\n"))),
+        }
+    }
+
     /// The table over speed and temperature, where one is asked for.
     pub fn sliding(&self) -> Option<Asked<'_>> {
         (!self.ice.is_empty()).then_some(Asked {

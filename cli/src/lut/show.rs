@@ -2,12 +2,15 @@
 
 use std::path::PathBuf;
 
+use kufe_jobs::runs::RunSelection;
 use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Quantity, Slice};
+use kufe_lut::{Quantity, Sample, Slice};
+use kufe_sled::table_samples;
 
 use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::watched::watched;
 
 /// Arguments of `kufe lut show`.
 #[derive(clap::Args, Debug)]
@@ -30,6 +33,41 @@ pub struct Args {
     /// Temperature of the ice, where the table has that axis [C] [default: the middle one]
     #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice: Option<f64>,
+    /// Shows where the samples of these runs lie on the table, and counts those outside; needs --model
+    #[arg(long, value_name = "RUNS.csv", requires = "model")]
+    pub runs: Option<PathBuf>,
+    /// With --runs: the sled, whose mass and axles say what each runner bears
+    #[arg(long, value_name = "MODEL.toml", requires = "runs")]
+    pub model: Option<PathBuf>,
+    /// With --runs: the runner that the table is of [default: both]
+    #[arg(long, value_enum, requires = "runs")]
+    pub runner: Option<Runner>,
+}
+
+/// A runner of the sled.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq)]
+pub enum Runner {
+    /// Those in front
+    Front,
+    /// Those at the rear
+    Rear,
+}
+
+impl Args {
+    /// What the runs asked for would ask the table; nothing where none are.
+    fn samples(&self, global: &Global) -> Result<Vec<Sample>, Failure> {
+        let (Some(runs), Some(model)) = (&self.runs, &self.model) else {
+            return Ok(Vec::new());
+        };
+        let selection = RunSelection::all(runs.clone(), model.clone());
+        let loaded = watched(global, |watch| selection.load(watch, |_| true))?;
+        let [front, rear] = table_samples(loaded.prepared.iter().flat_map(|run| &run.states));
+        Ok(match self.runner {
+            Some(Runner::Front) => front,
+            Some(Runner::Rear) => rear,
+            None => [front, rear].concat(),
+        })
+    }
 }
 
 /// Draws the table.
@@ -44,25 +82,32 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| args.table.with_extension("png"));
-    apart(
-        std::slice::from_ref(&args.table),
-        std::slice::from_ref(&out),
-    )?;
+    let inputs = [&Some(args.table.clone()), &args.runs, &args.model];
+    let inputs: Vec<PathBuf> = inputs.into_iter().flatten().cloned().collect();
+    apart(&inputs, std::slice::from_ref(&out))?;
+    let samples = args.samples(global)?;
     let slice = Slice {
         rocker_radius: args.rocker,
         speed: args.v,
         ice_c: args.ice,
     };
-    kufe_lut::draw(&table, quantity, slice, &out)
+    let outside = kufe_lut::draw(&table, quantity, slice, &samples, &out)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
     if global.json {
         let written = out.display().to_string();
         say(&format!(
             "{}\n",
-            serde_json::json!({ "written": [written] })
+            serde_json::json!({ "written": [written], "samples": samples.len(), "outside": outside })
         ));
     } else if !global.quiet {
-        say(&format!("wrote {}\n", out.display()));
+        let mut text = format!("wrote {}\n", out.display());
+        if !samples.is_empty() {
+            text += &format!(
+                "{outside} of {} samples lie outside the table\n",
+                samples.len()
+            );
+        }
+        say(&text);
     }
     Ok(())
 }

@@ -2,20 +2,22 @@
 
 use kufe_jobs::Failure;
 use kufe_sled::plots::{angle_picture, energy_picture, force_picture};
-use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups};
+use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups, table_samples};
 use serde_json::json;
 
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::runs::arguments::{RunArgs, file_name};
+use crate::runs::tables::draw_tables;
 
 const EXAMPLES: &str = "\
 Example:
   kufe evaluate runs.csv --model model.toml -o evaluation/
 
 Writes evaluation.json, evaluation.csv (one row a run), box plots of the loss increases by driver on each track and
-by track, steering and slip angles by driver, and the force along the motion over one run.";
+by track, steering and slip angles by driver, and the force along the motion over one run. Where the model has tables,
+table_front.png and table_rear.png show where the samples lie on them.";
 
 /// Arguments of `kufe evaluate`.
 #[derive(clap::Args, Debug)]
@@ -39,7 +41,7 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let staging = Staging::beside(
+    let mut staging = Staging::beside(
         &args.runs.inputs(),
         &args.runs.out,
         &["evaluation.json", "evaluation.csv"],
@@ -66,7 +68,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     loaded.state_gaps(&mut document);
     staging.text("evaluation.json", &format!("{document:#}\n"))?;
     staging.write("evaluation.csv", |file| write_table(file, &runs))?;
-    let drawn_files = draw(args, &staging, &runs, drawn)?;
+    let mut drawn_files = draw(args, &staging, &runs, drawn)?;
+    let states = loaded.prepared.iter().flat_map(|run| &run.states);
+    let samples = table_samples(states);
+    let out = &args.runs.out;
+    drawn_files.extend(draw_tables(&mut staging, out, &loaded.vehicle, &samples)?);
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

@@ -8,6 +8,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::Error;
+use crate::export::samples::{Sample, Samples};
 use crate::table::layered::Layered;
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
@@ -15,6 +16,10 @@ use crate::table::quantity::Quantity;
 
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
+
+/// Samples of runs in the table, and outside of it: to be seen on every colour of the map and on white.
+const INSIDE: RGBColor = RGBColor(255, 105, 190);
+const OUTSIDE: RGBColor = RGBColor(214, 30, 30);
 
 /// Which of a table's surfaces over force and curvature is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,20 +58,36 @@ impl Slice {
 }
 
 /// Draws a quantity over curvature and (logarithmic) force as a PNG: colours and contour lines of the smooth mode, dots at
-/// the nodes, crosses at the checks.
+/// the nodes, crosses at the checks; and where `samples` of runs lie, with a line that counts those outside the table. Returns that count.
 ///
 /// # Errors
 /// As [`Layered::new`], and [`Error::Picture`] where the file cannot be made.
-pub fn draw(table: &Table, quantity: Quantity, slice: Slice, path: &Path) -> Result<(), Error> {
+pub fn draw(
+    table: &Table,
+    quantity: Quantity,
+    slice: Slice,
+    samples: &[Sample],
+    path: &Path,
+) -> Result<usize, Error> {
     let slice = slice.of(table);
     let lookup = Layered::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
     let map = Map::new(table, &lookup, quantity, &slice);
+    let samples = Samples::new(samples, &lookup, map.fz, map.curvature);
     kufe_plot::png(path, 1100, 760, &|root| {
         let (left, right) = root.split_horizontally(940);
-        draw_map(&left, table, &map, quantity, &slice)?;
-        draw_colour_bar(&right, &map)
+        let title = title_of(table, &map, &slice);
+        let mut left = left
+            .margin(12, 12, 12, 12)
+            .titled(&title, ("sans-serif", 20))?;
+        if samples.count > 0 {
+            left = left.titled(&samples.in_words(), ("sans-serif", 16))?;
+        }
+        draw_map(&left, table, &map, &samples)?;
+        // The bar begins where the map does.
+        let above = left.get_base_pixel().1 - right.get_base_pixel().1;
+        draw_colour_bar(&right.margin(above, 0, 0, 0), &map)
     })?;
-    Ok(())
+    Ok(samples.beyond)
 }
 
 /// Values on a regular raster, force logarithmic, in the unit shown.
@@ -165,35 +186,35 @@ impl Map {
     }
 }
 
-fn draw_map<DB: DrawingBackend>(
-    area: &DrawingArea<DB, plotters::coord::Shift>,
-    table: &Table,
-    map: &Map,
-    quantity: Quantity,
-    slice: &Slice,
-) -> Result<(), kufe_plot::Error>
-where
-    DB::ErrorType: 'static,
-{
-    let title = format!(
+fn title_of(table: &Table, map: &Map, slice: &Slice) -> String {
+    format!(
         "{} [{}]{}: {} x {} nodes (dots), {} checks (crosses)",
-        title(quantity),
+        title(map.quantity),
         map.unit,
         slice.in_words(),
         table.axes().fz().len(),
         table.axes().curvature().len(),
         table.checks().len()
-    );
+    )
+}
+
+fn draw_map<DB: DrawingBackend>(
+    area: &DrawingArea<DB, plotters::coord::Shift>,
+    table: &Table,
+    map: &Map,
+    samples: &Samples,
+) -> Result<(), kufe_plot::Error>
+where
+    DB::ErrorType: 'static,
+{
     let mut chart = ChartBuilder::on(area)
-        .caption(title, ("sans-serif", 20))
-        .margin(12)
         .x_label_area_size(54)
         .y_label_area_size(74)
         .build_cartesian_2d(
-            map.curvature.0..map.curvature.1,
-            (map.fz.0..map.fz.1)
+            samples.curvature.0..samples.curvature.1,
+            (samples.fz.0..samples.fz.1)
                 .log_scale()
-                .with_key_points(decades(map.fz)),
+                .with_key_points(decades(samples.fz)),
         )?;
     chart.draw_series((0..CELLS).flat_map(|i| {
         (0..CELLS).map(move |j| {
@@ -237,6 +258,13 @@ where
             WHITE.stroke_width(1),
         )
     }))?;
+    let spots = |places: &[(f64, f64)], size, colour: RGBAColor| {
+        let dots = places.iter();
+        dots.map(|&at| Circle::new(at, size, colour.filled()))
+            .collect::<Vec<_>>()
+    };
+    chart.draw_series(spots(&samples.inside, 1, INSIDE.mix(0.7)))?;
+    chart.draw_series(spots(&samples.outside, 2, OUTSIDE.mix(1.0)))?;
     let nodes = table.axes().points().into_iter();
     chart
         .draw_series(nodes.map(|node| Circle::new((node.curvature, node.fz), 2, BLACK.filled())))?;
@@ -265,7 +293,6 @@ where
 {
     let (low, high) = map.range;
     let mut chart = ChartBuilder::on(area)
-        .margin_top(44)
         .margin_bottom(66)
         .margin_right(6)
         .margin_left(10)

@@ -21,7 +21,7 @@ fn every_quantity_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
     for &quantity in Quantity::of(false) {
         let path = folder.path().join(format!("{}.png", quantity.name()));
-        draw(&swept.table, quantity, Slice::default(), &path).unwrap();
+        draw(&swept.table, quantity, Slice::default(), &[], &path).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 10_000);
         if let Ok(keep) = std::env::var("KUFE_KEEP_PICTURES") {
@@ -46,6 +46,7 @@ fn a_table_of_one_node_can_be_drawn() {
         &swept.table,
         Quantity::PMax,
         Slice::default(),
+        &[],
         &folder.path().join("one.png"),
     )
     .unwrap();

@@ -47,7 +47,7 @@ fn drawn(plot: Data, width: f64) -> String {
     sessions.retain(|session| seen.insert(*session));
     let mut svg = format!(
         "<svg viewBox=\"0 0 {width} {3}\" width=\"{width}\" role=\"img\" aria-label=\"what is left along track {0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n\
-<text x=\"8\" y=\"14\">measured less simulated, {1} [{2}], along track {0}</text>\n",
+<text x=\"8\" y=\"14\">measured less simulated, {1} [{2}], along track {0}, by session</text>\n",
         escape(plot.text("track")),
         escape(plot.text("channel")),
         escape(plot.text("unit")),
@@ -292,5 +292,6 @@ mod tests {
         let place = format!("<rect x=\"{:.1}\"", LEFT + 0.25 * wide);
         assert_eq!(svg.matches(&place).count(), 2);
         assert!(svg.contains("e&lt;st") && !svg.contains("NaN"));
+        assert!(svg.contains("by session</text>"), "what d1 is the name of");
     }
 }

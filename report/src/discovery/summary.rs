@@ -151,7 +151,7 @@ fn size(parameter: Data) -> String {
     let name = parameter.text("name");
     let (low, high) = (show("low"), show("high"));
     let text = format!("{name} = {} {unit}", number4(value));
-    let text = format!("{} ({low} to {high})", text.trim_end());
+    let text = format!("{} (95 % interval {low} to {high})", text.trim_end());
     match unit {
         // Nobody knows ice by the inverse of its hardness.
         "1/Pa" => format!("{text}, the inverse of {}", quantity(1.0 / value, "Pa")),
@@ -249,9 +249,14 @@ fn tile(out: &mut String, figure: &str, why: &str) {
     let _ = writeln!(
         out,
         "<div><b>{}</b><span>{}</span></div>",
-        escape(figure),
-        escape(why)
+        whole(figure),
+        whole(why)
     );
+}
+
+/// A text for a narrow box: a moment's unit is not broken in two.
+fn whole(text: &str) -> String {
+    escape(text).replace(" N m", "\u{a0}N\u{a0}m")
 }
 
 /// `2 runs`, `one measurement`.

@@ -1,5 +1,6 @@
 //! Instants that lie outside what a runner's table spans.
 
+use kufe_lut::Sample;
 use serde::Serialize;
 
 use crate::model::vehicle::Vehicle;
@@ -28,33 +29,45 @@ impl std::fmt::Display for OutsideTable {
     }
 }
 
-/// The tables of a vehicle that do not span all of these instants.
+/// What the front and the rear runner ask their tables, or would ask one.
 ///
 /// The front runner's load is taken as `F_z,f0 / cos(gamma)`, as its law is asked first.
+pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Sample>; 2] {
+    let pairs = states.map(|s| {
+        let at = |fz| Sample {
+            fz,
+            curvature: s.curvature_1pm,
+            speed: s.v_mps,
+            ice_c: s.ice_c,
+        };
+        (at(s.fz_f0_n / s.gamma_rad.cos()), at(s.fz_r_n))
+    });
+    let (front, rear) = pairs.unzip();
+    [front, rear]
+}
+
+/// The tables of a vehicle that do not span all of these instants.
 pub fn outside_tables<'a>(
     vehicle: &Vehicle,
-    states: impl Iterator<Item = &'a State> + Clone,
+    states: impl Iterator<Item = &'a State>,
 ) -> Vec<OutsideTable> {
-    let front_load = |s: &State| s.fz_f0_n / s.gamma_rad.cos();
-    let rear_load = |s: &State| s.fz_r_n;
-    let loads = [front_load as fn(&State) -> f64, rear_load];
-    let runners = ["front", "rear"]
-        .into_iter()
-        .zip(loads)
-        .zip(vehicle.tables());
-    let counted = runners.map(|((runner, load), table)| {
-        let table = table?;
-        let outside = |s: &&State| {
-            let looked = table.at(load(s), s.curvature_1pm, s.v_mps, s.ice_c);
-            looked.out_of_range
-        };
-        let samples = states.clone().filter(outside).count();
-        (samples > 0).then(|| OutsideTable {
-            runner,
-            table: table.file.clone(),
-            samples,
-            of: states.clone().count(),
-        })
-    });
+    let tables = vehicle.tables();
+    if tables.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let runners = ["front", "rear"].into_iter().zip(tables);
+    let counted = runners
+        .zip(table_samples(states))
+        .map(|((runner, table), asked)| {
+            let table = table?;
+            let outside = |s: &&Sample| table.at(s.fz, s.curvature, s.speed, s.ice_c).out_of_range;
+            let samples = asked.iter().filter(outside).count();
+            (samples > 0).then(|| OutsideTable {
+                runner,
+                table: table.file.clone(),
+                samples,
+                of: asked.len(),
+            })
+        });
     counted.flatten().collect()
 }

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use kufe_jobs::{Failure, runs::failure};
+use kufe_lut::Sample;
 use kufe_sled::plots::run_picture;
 use kufe_sled::sample_data::{DRIVERS, sample_driver};
 use kufe_sled::{
     Driver, EnergyBalance, Model, OutsideTable, PrepareOptions, Run, SimulateOptions, Track,
-    TrackShape, Vehicle, outside_tables, prepare, record, simulate, simulated_entry,
+    TrackShape, Vehicle, outside_tables, prepare, record, simulate, simulated_entry, table_samples,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -20,6 +21,19 @@ use crate::runs::recorded::begin;
 use crate::runs::series::write_channels;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
+use crate::runs::tables::draw_tables;
+
+/// Runs whose samples are drawn on the model's tables.
+const DRAWN: u32 = 20;
+
+/// A run driven: as recorded, its energies, whether it reached the finish, and what lies outside the tables, with what they were asked.
+type Driven = (
+    Run,
+    EnergyBalance,
+    bool,
+    Vec<OutsideTable>,
+    [Vec<Sample>; 2],
+);
 
 /// Drives and writes them.
 pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
@@ -41,12 +55,13 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }
-    let staging = begin(&inputs, &args.out, &names)?;
+    let mut staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     bar.set_message(format!("driving {} runs", args.runs));
     let start = std::time::Instant::now();
-    let driven: Vec<(Run, EnergyBalance, bool, Vec<OutsideTable>)> = (0..args.runs)
+    let tabled = vehicle.tables().iter().any(Option::is_some);
+    let driven: Vec<Driven> = (0..args.runs)
         .into_par_iter()
         .map(|number| {
             let options = SimulateOptions {
@@ -65,8 +80,12 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             let noise = model.noise.as_ref().filter(|_| !args.no_noise);
             let run = record(&simulated, &vehicle, noise, entry, options.seed);
             let states = simulated.instants.iter().map(|instant| &instant.state);
-            let outside = outside_tables(&vehicle, states);
-            Ok((run, simulated.energy, simulated.finished, outside))
+            let outside = outside_tables(&vehicle, states.clone());
+            let asked = match tabled && number < DRAWN {
+                true => table_samples(states),
+                false => [Vec::new(), Vec::new()],
+            };
+            Ok((run, simulated.energy, simulated.finished, outside, asked))
         })
         .collect::<Vec<_>>()
         .into_iter()
@@ -79,7 +98,8 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         .sum();
     let mut runs: Vec<Run> = Vec::new();
     let mut told_runs: Vec<Value> = Vec::new();
-    for (number, (run, energy, finished, outside)) in driven.into_iter().enumerate() {
+    let mut samples = [Vec::new(), Vec::new()];
+    for (number, (run, energy, finished, outside, asked)) in driven.into_iter().enumerate() {
         told_runs.push(json!({
             "run": run.entry.run,
             "seed": args.seed.wrapping_add(number as u64),
@@ -95,6 +115,9 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             warn(&format!("{}: {outside}", run.entry.run));
         }
         runs.push(run);
+        for (all, own) in samples.iter_mut().zip(asked) {
+            all.extend(own);
+        }
     }
     let document = json!({
         "runs": told_runs,
@@ -110,7 +133,8 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     if args.mat {
         write_channels(&staging, &document, &runs)?;
     }
-    let picture = draw_first(&staging, &runs, &model, &vehicle)?;
+    let mut pictures = draw_first(&staging, &runs, &model, &vehicle)?;
+    pictures.extend(draw_tables(&mut staging, &args.out, &vehicle, &samples)?);
     staging.commit()?;
     bar.finish_and_clear();
     if global.json {
@@ -133,10 +157,14 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             );
         }
         text += &format!(
-            "{}: runs.csv, {} runs, track_{}.csv, simulation.json{picture}\n",
+            "{}: runs.csv, {} runs, track_{}.csv, simulation.json{}\n",
             args.out.display(),
             runs.len(),
-            track.name
+            track.name,
+            pictures
+                .iter()
+                .map(|name| format!(", {name}"))
+                .collect::<String>()
         );
         say(&text);
     }
@@ -172,12 +200,12 @@ fn draw_first(
     runs: &[Run],
     model: &Model,
     vehicle: &Vehicle,
-) -> Result<&'static str, Failure> {
+) -> Result<Vec<String>, Failure> {
     let options = PrepareOptions::default();
     let Ok(prepared) = prepare(&runs[0], vehicle, model.noise.as_ref(), &options) else {
-        return Ok("");
+        return Ok(Vec::new());
     };
     run_picture(&staging.path("overview.png"), &prepared)
         .map_err(|error| staging.failure("overview.png", &error))?;
-    Ok(", overview.png")
+    Ok(vec!["overview.png".to_owned()])
 }

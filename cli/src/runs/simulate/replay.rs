@@ -8,7 +8,7 @@ use kufe_sled::plots::replay_picture;
 use kufe_sled::{
     Difference, Entry, Error, Inputs, Model, OnGaps, Replay, SimulateOptions, Track, TrackShape,
     Vehicle, beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record,
-    replay,
+    replay, table_samples,
 };
 use serde_json::json;
 
@@ -19,6 +19,7 @@ use crate::runs::recorded::begin;
 use crate::runs::series::write_channels;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
+use crate::runs::tables::draw_tables;
 
 /// Drives the run again and writes both beside each other.
 ///
@@ -49,7 +50,7 @@ pub fn replay_run(
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }
-    let staging = begin(&inputs, &args.out, &names)?;
+    let mut staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let on_gaps = if args.strict {
         OnGaps::Refuse
@@ -72,7 +73,7 @@ pub fn replay_run(
     let mut driven = record(&done.simulated, &vehicle, None, entry, 0);
     driven.t0_s = measured.readings[0].t_s;
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
-    let outside = outside_tables(&vehicle, states);
+    let outside = outside_tables(&vehicle, states.clone());
     beside_measured(&mut driven, &measured);
     let document = json!({
         "replay": done,
@@ -90,6 +91,8 @@ pub fn replay_run(
     }
     replay_picture(&staging.path("replay.png"), &done)
         .map_err(|error| staging.failure("replay.png", &error))?;
+    let samples = table_samples(states);
+    let tables = draw_tables(&mut staging, &args.out, &vehicle, &samples)?;
     staging.commit()?;
     for outside in &outside {
         warn(&format!("{}: {outside}", done.run));
@@ -111,10 +114,14 @@ pub fn replay_run(
     } else if !global.quiet {
         say(&summary(&done));
         say(&format!(
-            "{}: runs.csv, {}, track_{}.csv, simulation.json, replay.png\n",
+            "{}: runs.csv, {}, track_{}.csv, simulation.json, replay.png{}\n",
             args.out.display(),
             driven.entry.file.display(),
-            track.name
+            track.name,
+            tables
+                .iter()
+                .map(|name| format!(", {name}"))
+                .collect::<String>()
         ));
     }
     Ok(())

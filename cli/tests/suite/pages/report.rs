@@ -23,6 +23,13 @@ const LOOKS: [Look; 4] = [
     },
 ];
 
+/// Texts of charts that stand beyond their paper, or touch another along the same axis.
+const BEYOND: &str = "[...document.querySelectorAll('.chart svg')].filter((chart) => chart.viewBox.baseVal.width > 0).flatMap((chart) => { \
+     const paper = chart.getBoundingClientRect(); \
+     const texts = [...chart.querySelectorAll('text[text-anchor=middle]:not([transform])')].map((text) => [text.textContent, text.getBoundingClientRect()]); \
+     return texts.filter(([, a], k) => a.right > paper.right || a.left < paper.left || \
+         texts.some(([, b], j) => j !== k && Math.abs(a.top - b.top) < 1 && a.left < b.right && b.left < a.right)).map(([text]) => text); })";
+
 fn address(path: &Path) -> String {
     let path = path.canonicalize().expect("a page");
     format!("file://{}", path.display())
@@ -200,6 +207,8 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
                  [...chart.querySelectorAll('text[text-anchor=middle]')].filter((t) => isFinite(t.textContent)).length < 2).length",
             );
             assert_eq!(unscaled.as_i64(), Some(0), "{page} at {look:?}");
+            let beyond = browser.evaluate(BEYOND);
+            assert_eq!(beyond, serde_json::json!([]), "{page} at {look:?}");
             papers.push(browser.evaluate("getComputedStyle(document.body).backgroundColor"));
             assert_eq!(browser.errors(), Vec::<String>::new(), "{page} at {look:?}");
             if ["out/report.html", "front.html"].contains(&page) {

@@ -119,7 +119,20 @@ fn what_is_wrong_with_a_sliding_case_is_told_by_its_place() {
         folder,
         &["friction", "case.toml", "--speed", "20", "-o", "out"],
         2,
-        &["--ice"],
+        &["--ice is missing: -o writes", "as --ice -5"],
+    );
+    refused(
+        folder,
+        &["friction", "case.toml", "-o", "out"],
+        2,
+        &["--speed is missing", "--ice is missing"],
+    );
+    let bounds = ["--optimise", "rocker_radius_m=15:60"];
+    refused(
+        folder,
+        &[&["friction", "case.toml", "--speed", "20"], &bounds[..]].concat(),
+        2,
+        &["--ice is missing: --optimise compares"],
     );
     bench.write(
         "heavy.toml",

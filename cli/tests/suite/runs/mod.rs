@@ -9,4 +9,5 @@ mod gather;
 mod imported;
 mod replay;
 mod sled;
+mod tables;
 mod thresholds;

@@ -56,7 +56,7 @@ fn a_slice_is_drawn() {
         speed: Some(30.0),
         ..Slice::default()
     };
-    draw(&sliding(false), Quantity::Mu, slice, &path).unwrap();
+    draw(&sliding(false), Quantity::Mu, slice, &[], &path).unwrap();
     assert!(std::fs::read(&path).unwrap().len() > 10_000);
     if let Ok(keep) = std::env::var("KUFE_KEEP_PICTURES") {
         std::fs::copy(&path, std::path::Path::new(&keep).join("mu.png")).unwrap();

@@ -61,7 +61,7 @@ impl Campaign<'_> {
             own.sort_by(|a, b| (a.from_m + a.to_m).total_cmp(&(b.from_m + b.to_m)));
             (own.len() >= FEWEST).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),
-                caption: "The force of every contact, set by the side balance of its run, with a standard error.".to_owned(),
+                caption: "The force of every contact, as the side balance of its own run shows it. Bars are its standard error, where they are longer than the dot.".to_owned(),
                 plot: Plot::Scatter {
                     label: format!("force of each run's contacts on track {track}"),
                     x_name: "distance along the track [m]".to_owned(),
