@@ -10,5 +10,6 @@ pub(crate) mod refine;
 pub(crate) mod residual_screen;
 pub(crate) mod rivals;
 pub(crate) mod score_sums;
+mod track_bins;
 pub(crate) mod track_channel;
 pub(crate) mod within_runs;

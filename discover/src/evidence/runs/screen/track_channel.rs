@@ -4,8 +4,6 @@
 //! bins of distance; a bin's mean has the variance of its runs' scatter plus that of the survey, (g sd)^2, which more runs
 //! do not lower. Neighbouring bins are correlated by what their lag-1 correlation says.
 
-use std::collections::BTreeMap;
-
 use kufe_sled::GRAVITY;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -13,17 +11,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::track_bins::{between_drivers, by_bin, mean};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
-
-/// A driver and the mean of one of his runs in a bin.
-type OfDriver<'a> = (&'a str, f64);
-
-/// Runs that a bin must have.
-const LEAST_RUNS: usize = 3;
-
-/// Means of runs by track and bin.
-type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<OfDriver<'a>>>;
 
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
@@ -50,39 +40,6 @@ pub struct TrackChannel {
     scatter: f64,
     /// Of a bin [m].
     width: f64,
-}
-
-/// Means of these rows of runs, by track and bin.
-fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'a> {
-    let mut by_bin = ByBin::new();
-    for (frame, rows) in frames.iter().zip(rows) {
-        let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
-        for (s, r) in frame.rows(&frame.s).iter().zip(rows) {
-            let (count, sum) = sums.entry((s / width).floor() as i64).or_default();
-            (*count, *sum) = (*count + 1.0, *sum + r);
-        }
-        // Where a run begins and ends it crosses a part of a bin, and beside a gap it has a part: a mean of few samples,
-        // noisier than the others.
-        let mut parts: Vec<i64> = [sums.keys().next(), sums.keys().last()]
-            .into_iter()
-            .flatten()
-            .copied()
-            .collect();
-        let gone = frame.rows_left_out(&frame.s);
-        parts.extend(gone.iter().map(|s| (s / width).floor() as i64));
-        for (bin, (count, sum)) in sums {
-            if !parts.contains(&bin) {
-                let runs = by_bin.entry((frame.track.as_str(), bin)).or_default();
-                runs.push((frame.driver.as_str(), sum / count));
-            }
-        }
-    }
-    by_bin.retain(|_, runs| runs.len() >= LEAST_RUNS);
-    by_bin
-}
-
-fn mean(runs: &[OfDriver]) -> f64 {
-    runs.iter().map(|(_, r)| r).sum::<f64>() / runs.len() as f64
 }
 
 fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
@@ -391,20 +348,6 @@ impl TrackChannel {
             excess.max(0.0).sqrt() / GRAVITY,
         )
     }
-}
-
-/// Variance of a bin's mean by the scatter between its drivers; `None` where there is but one.
-fn between_drivers(runs: &[OfDriver]) -> Option<f64> {
-    let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
-    for (driver, run) in runs {
-        let sum = drivers.entry(driver).or_default();
-        (sum.0, sum.1) = (sum.0 + run, sum.1 + 1.0);
-    }
-    let means: Vec<f64> = drivers.values().map(|(sum, count)| sum / count).collect();
-    let n = means.len() as f64;
-    let mean = means.iter().sum::<f64>() / n;
-    let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
-    (means.len() > 1).then(|| squares / (n - 1.0) / n)
 }
 
 fn two_sided(z: f64) -> f64 {
