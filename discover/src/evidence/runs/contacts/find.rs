@@ -6,6 +6,8 @@
 //! ```text
 //! |Z| > 8 (1.4826 median |Z|)        8 and the other constants: ContactRules
 //! ```
+//!
+//! and so do runs of which none stands out alone but whose squares together exceed those of other places.
 
 use kufe_sled::scatter;
 
@@ -174,4 +176,36 @@ fn means(frame: &Frame, y: &[f64], low: f64, cells: usize) -> Vec<f64> {
         }
     }
     means
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::{normal, stream};
+
+    /// Sums of noise of ten runs, those at `pushed` with pushes of two deviations to either side.
+    fn sums(draw: u64, pushed: std::ops::Range<usize>) -> Vec<Vec<f64>> {
+        let mut rng = stream(3, 0x3A11, draw);
+        let row = |_| {
+            let push = 2.0 * normal(&mut rng).signum();
+            let noise = (0..200).map(|_| normal(&mut rng)).collect::<Vec<f64>>();
+            let pushed = |w: usize| if pushed.contains(&w) { push } else { 0.0 };
+            (0..200).map(|w| noise[w] + pushed(w)).collect()
+        };
+        (0..10).map(row).collect()
+    }
+
+    #[test]
+    fn places_at_which_no_run_stands_out_alone_are_found_by_all_and_noise_is_none() {
+        let rules = ContactRules::default();
+        let found = |sums: &[Vec<f64>]| together(sums, 1.0, rules.together);
+        let noise = (0..200).filter(|draw| !found(&sums(*draw, 0..0)).is_empty());
+        assert!(noise.count() <= 2, "one in a hundred");
+        let hit = (0..200).filter(|draw| {
+            let there = found(&sums(*draw, 100..105));
+            there.iter().any(|(from, to)| *from >= 99 && *to <= 106)
+        });
+        let hit = hit.count();
+        assert!(hit >= 150, "{hit} of 200");
+    }
 }

@@ -296,3 +296,24 @@ pub fn stepped(
     trial.installation.step(&installed);
     trial
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_promises_what_it_takes_off_rows_that_go_with_it_in_a_straight_line() {
+        let columns = DMatrix::from_fn(40, OWN_LEVELS + 3, |i, k| {
+            ((i * (3 * k + 2)) as f64 * 0.618).sin() + if k == OWN_LEVELS + 2 { 0.3 } else { 0.0 }
+        });
+        let gram = squares(&columns);
+        let step = DVector::from_vec(vec![0.4, -0.2]);
+        let rms = |step: &DVector<f64>| -> f64 {
+            let rows = columns.column(OWN_LEVELS + 2) - columns.columns(OWN_LEVELS, 2) * step;
+            (rows.norm_squared() / 40.0).sqrt()
+        };
+        let taken = 40.0 * (rms(&DVector::zeros(2)) / rms(&step)).ln();
+        let promised = promise(&[(gram, 40)], &step);
+        assert!((promised - taken).abs() < 1e-9 * taken.abs().max(1.0));
+    }
+}
