@@ -240,7 +240,8 @@ impl OnWindow {
             depth if depth > 0.0 => depth - lowered(place),
             _ => 0.0,
         };
-        window.beyond().map(deep).fold(0.0, f64::max)
+        let lows = gap.lows().filter(|place| !window.holds(*place));
+        window.beyond().chain(lows).map(deep).fold(0.0, f64::max)
     }
 
     /// Area, length and width, from where p^2 reaches zero along the cells' lines.

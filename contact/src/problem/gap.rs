@@ -101,6 +101,13 @@ impl<'a> Gap<'a> {
             + roll * (y - y0)
     }
 
+    /// Places where measured surfaces of runner and ice come nearer to one another than beside them [m].
+    pub fn lows(&self) -> impl Iterator<Item = [f64; 2]> {
+        let highs = self.problem.ice_surface.iter().flat_map(|ice| ice.highs());
+        let lows = self.problem.runner.underside.lows().iter();
+        lows.chain(highs).copied()
+    }
+
     /// The row N of a node.
     pub fn motion_row(&self, x: f64, y: f64) -> [f64; 3] {
         [
