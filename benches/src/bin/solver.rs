@@ -117,7 +117,9 @@ fn hertz_case(tolerance: f64) {
         ..Options::default()
     };
     let (seconds, s) = best_of(5, || solved(&problem, &options));
-    let exact = hertz(30.0, 0.005, ICE.0 / (1.0 - ICE.1 * ICE.1), 1000.0).p_max;
+    let exact = hertz(30.0, 0.005, ICE.0 / (1.0 - ICE.1 * ICE.1), 1000.0)
+        .expect("numbers of a contact")
+        .p_max;
     let error = 100.0 * (s.p_max / exact - 1.0).abs();
     println!(
         "{error} {seconds} {} {} {}",

@@ -72,7 +72,7 @@ const STEEP: f64 = 0.4;
 /// let load = Load::central(1000.0, Tilt::Free);
 /// let problem = Problem::new(Runner::rigid(hull), Ice::half_space(9.0e9, 0.33), load);
 /// let found = boundary_elements(&problem)?;
-/// let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0);
+/// let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0)?;
 /// assert!((found.p_max - exact.p_max).abs() < found.p_max_error);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -54,7 +54,10 @@ impl<'a> Gap<'a> {
                 y_max: extent[3],
             });
         }
-        if free_motion[1] {
+        // Hexahedra that end at the load are half a runner, whatever holds its tilt.
+        let elastic = problem.runner.elastic.as_ref();
+        let solid = elastic.is_some_and(|elastic| elastic.solid.is_some());
+        if free_motion[1] || (free_motion[0] && solid) {
             off_the_rim("x", x0, extent[0], extent[1])?;
             off_the_rim("y", y0, extent[2], extent[3])?;
         }
