@@ -197,3 +197,15 @@ fn turned(tilt: f64, relative: f64) -> f64 {
         false => relative,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::worst;
+
+    #[test]
+    fn what_is_no_number_violates_everything() {
+        assert_eq!(worst([0.1, -3.0, 0.2].into_iter()), 0.2);
+        assert_eq!(worst([0.1, f64::NAN, 0.2].into_iter()), f64::INFINITY);
+        assert_eq!(worst(std::iter::empty()), 0.0);
+    }
+}

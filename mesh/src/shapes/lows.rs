@@ -31,7 +31,7 @@ mod tests {
         let xs: Vec<f64> = (-20..=20).map(|i| 0.1 * f64::from(i)).collect();
         let ys: Vec<f64> = (-5..=5).map(f64::from).collect();
         let height = |i: usize, j: usize| {
-            let burr = if (i, j) == (31, 8) { 3.0 } else { 0.0 };
+            let burr = if (i, j) == (31, 8) { 5.0 } else { 0.0 };
             xs[i] * xs[i] + if ys[j] == 2.0 { 0.5 } else { ys[j].abs() } - burr
         };
         let found = lows([&xs, &ys], height);
