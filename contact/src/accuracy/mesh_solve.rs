@@ -88,7 +88,8 @@ impl MeshSolve<'_> {
                     break;
                 }
             }
-            if !self.options.stopped() && !(change <= SETTLED) {
+            let settled = change <= SETTLED;
+            if !self.options.stopped() && !settled {
                 return Err(Error::FarField {
                     rounds: ROUNDS,
                     change,

@@ -134,7 +134,8 @@ fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
         .fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
     let tension = worst(state.force.iter().map(|f| -f)) / largest;
     let gaps = contact.gaps(state);
-    let open = (0..gaps.len()).filter(|&n| !(state.force[n] >= contact.bound[n]));
+    let full = |n: usize| state.force[n] >= contact.bound[n];
+    let open = (0..gaps.len()).filter(|&n| !full(n));
     let penetration = worst(open.map(|n| -gaps[n])) / depth;
     // Moments are compared with the force times half the contact's extent.
     let reach = contact

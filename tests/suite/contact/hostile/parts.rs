@@ -73,7 +73,7 @@ fn anchors_at_no_tolerance_trust_nothing() {
     let pairs = [(anchor.clone(), solved.clone())];
     assert!(Anchored::at(&pairs, 0.01).is_some());
     assert!(Anchored::at(&[], 0.01).is_none());
-    for number in NUMBERS.into_iter().filter(|n| !(*n >= 0.01)) {
+    for number in NUMBERS.into_iter().filter(|n| n.is_nan() || *n < 0.01) {
         assert!(Anchored::at(&pairs, number).is_none(), "{number}");
     }
     for number in NUMBERS {
@@ -85,13 +85,9 @@ fn anchors_at_no_tolerance_trust_nothing() {
                 &mut off.approach,
                 &mut off.area,
             ][figure] = number;
-            // An infinite error holds anything; no other odd figure is confirmed.
-            let holds_all = figure == 1 && number > 0.0 && !(number < 1e6);
+            // An error, however large, holds what it holds; no other odd figure is confirmed.
             let trusted = Anchored::at(&[(anchor.clone(), off)], 0.01);
-            assert!(
-                trusted.is_none() || holds_all || figure == 1,
-                "{figure} {number}"
-            );
+            assert!(trusted.is_none() || figure == 1, "{figure} {number}");
             if let Some(anchored) = trusted {
                 assert!(anchored.apart().is_finite(), "{figure} {number}");
             }
