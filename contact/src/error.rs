@@ -35,7 +35,7 @@ fn coarse(reached: bool, finest: f64) -> String {
     match reached {
         true => format!(
             ", but the pressure asks somewhere for cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
-             too many unknowns"
+             too many unknowns or were asked for too often"
         ),
         false => String::new(),
     }
@@ -186,10 +186,10 @@ pub enum Error {
         /// Largest that passes.
         most: f64,
     },
-    /// The runner touches at too many places that were found late.
+    /// The runner touches at too many places that were found late, or is too rough for any mesh.
     #[error(
-        "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was looked for: expected a \
-         hull that touches at fewer places"
+        "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was looked for or \
+         between the nodes there: expected a hull that touches at fewer places, or is smoother"
     )]
     TouchesElsewhere {
         /// Where, along the runner [m].
@@ -213,6 +213,16 @@ pub enum Error {
         residual: f64,
         /// Residual asked.
         tolerance: f64,
+    },
+    /// The half-space beyond the mesh and the force under a given approach do not settle together.
+    #[error(
+        "the force under the given approach still changes by {change:.2e} (relative) after {rounds} far fields"
+    )]
+    FarField {
+        /// Far fields that were made.
+        rounds: usize,
+        /// Relative change of the force between the last two.
+        change: f64,
     },
     /// No patch settles under the load.
     #[error(

@@ -51,7 +51,7 @@
 //! let load = Load::central(1000.0, Tilt::Free);
 //! let problem = Problem::new(Runner::rigid(Arc::new(hull)), ice, load);
 //! let solution = solve(&problem, &Options::default())?;
-//! let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0);
+//! let exact = hertz(30.0, 0.005, 9.0e9 / (1.0 - 0.33 * 0.33), 1000.0)?;
 //! assert!((solution.p_max / exact.p_max - 1.0).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -120,7 +120,7 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         }
     }
     if let Load::Force { fz, .. } = problem.load
-        && (solution.fz / fz - 1.0).abs() > BALANCED
+        && (solution.fz.is_nan() || (solution.fz / fz - 1.0).abs() > BALANCED)
     {
         return told("force carried [N]", solution.fz, "the normal force asked");
     }

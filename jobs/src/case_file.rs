@@ -221,6 +221,7 @@ impl LoadedCase {
             | Error::MeshTooLarge { .. }
             | Error::TooManyTouch { .. }
             | Error::NoPatch { .. }
+            | Error::FarField { .. }
             | Error::NoAnswer { .. }
             | Error::NotHeld { .. }
             | Error::TouchesElsewhere { .. }

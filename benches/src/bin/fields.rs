@@ -61,7 +61,9 @@ fn options(tolerance: f64) -> Options {
 
 fn exact(rocker: f64, fz: f64) -> f64 {
     let (e, nu) = ICE;
-    hertz(rocker, SECTION, e / (1.0 - nu * nu), fz).p_max
+    hertz(rocker, SECTION, e / (1.0 - nu * nu), fz)
+        .expect("numbers of a contact")
+        .p_max
 }
 
 fn one(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {

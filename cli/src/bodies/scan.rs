@@ -102,21 +102,22 @@ fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
     let noise = stated(&sampling).unwrap_or(0.0);
     let judge = |underside: FittedUnderside| {
         let judged = forces.iter().map(|&fz| {
-            let contact = hertz(standing.rocker_radius, standing.section_radius, ICE, fz);
-            Judged {
+            let [a, b] = [standing.rocker_radius, standing.section_radius];
+            let contact = hertz(a.max(b), a.min(b), ICE, fz).map_err(|error| error.to_string())?;
+            Ok(Judged {
                 fz,
                 approach: contact.approach,
                 coarse: underside.coarse_for(contact.approach),
-            }
+            })
         });
-        judged.collect()
+        judged.collect::<Result<Vec<Judged>, String>>()
     };
     Ok(Some(Found {
         vertices: hull.positions.len(),
         triangles: hull.triangles.len(),
         judged: FittedUnderside::new(&hull, noise)
-            .map(judge)
-            .map_err(|error| error.to_string()),
+            .map_err(|error| error.to_string())
+            .and_then(judge),
         beyond: middle_if_beyond(hull.bounds()),
         standing,
         report,

@@ -67,6 +67,15 @@ impl Sequence {
         }
     }
 
+    /// The same with another order beyond which values settle by accident.
+    #[cfg(test)]
+    pub fn last_by_rim_up_to(&self, highest: f64) -> Limit {
+        match self.three() {
+            Some((three, _)) => Limit::of_rim_up_to(three, highest),
+            None => self.last(),
+        }
+    }
+
     /// Of the similar meshes those that tell the order, and all from the first of them on.
     fn three(&self) -> Option<([Raw; 3], Vec<Raw>)> {
         let &[.., third] = &self.meshes[..] else {

@@ -47,7 +47,8 @@ impl Meshes<'_> {
         // What was looked for late and stayed open is no place of contact, whatever a mesh says that no longer looks there.
         found.retain(|place| {
             let [x, y] = place.at;
-            !self.widened.iter().any(|patch| expected(patch, x, y))
+            // Where contact is looked for it lies between the nodes.
+            expected(&self.patch, x, y) || !self.widened.iter().any(|patch| expected(patch, x, y))
         });
         match found.is_empty() {
             true => verdict,
@@ -67,7 +68,11 @@ impl Meshes<'_> {
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;
         if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
-            return Verdict::Reached(limits);
+            // Meshes that agree say nothing of what all of them are too coarse for.
+            return match coarse && !self.graded_anew {
+                true => Verdict::OutOfReach(Some(limits)),
+                false => Verdict::Reached(limits),
+            };
         }
         let cells = match limits {
             _ if anew => self.cells,

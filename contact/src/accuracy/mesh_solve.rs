@@ -51,6 +51,8 @@ const ITERATIONS: usize = 1000;
 const SWEEPS: usize = 200_000;
 /// Most far fields under a given approach.
 const ROUNDS: usize = 20;
+/// Relative change of the force between two far fields that the last of them settles.
+const SETTLED: f64 = 1e-6;
 
 impl MeshSolve<'_> {
     /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of `forces` at first.
@@ -69,6 +71,7 @@ impl MeshSolve<'_> {
             && self.problem.ice.foundation == Foundation::HalfSpace
         {
             // The force, and with it the far field, follows from the solution.
+            let mut change = f64::INFINITY;
             for _ in 0..ROUNDS {
                 let before = contact.resultant(&state)[0];
                 self.hold_outer_faces(&Forces::of(self.mesh, &state), &mut state);
@@ -79,9 +82,18 @@ impl MeshSolve<'_> {
                 progress.iterations += again.iterations;
                 progress.converged &= again.converged;
                 progress.residual = again.residual;
-                if (contact.resultant(&state)[0] - before).abs() <= 1e-6 * before {
+                change =
+                    (contact.resultant(&state)[0] - before).abs() / before.max(f64::MIN_POSITIVE);
+                if change <= SETTLED {
                     break;
                 }
+            }
+            let settled = change <= SETTLED;
+            if !self.options.stopped() && !settled {
+                return Err(Error::FarField {
+                    rounds: ROUNDS,
+                    change,
+                });
             }
         }
         if self.options.stopped() {

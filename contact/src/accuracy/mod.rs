@@ -1,6 +1,8 @@
 //! Finer and finer meshes, until the pressure is as exact as was asked.
 
 pub(crate) mod extrapolation;
+#[cfg(test)]
+mod highest_tests;
 pub(crate) mod judge;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;

@@ -19,7 +19,7 @@ pub(crate) struct Limit {
 /// Order of trilinear cells: what the meshes are expected to converge with, and the highest order that is believed.
 const FORMAL: f64 = 2.0;
 /// Order beyond which values that a rim moves settle by accident: above those of smooth figures with a vanishing second-order part.
-const HIGHEST: f64 = 3.0;
+pub(crate) const HIGHEST: f64 = 3.0;
 /// Lowest order that is believed: below it a limit is far from every mesh there is.
 const LOWEST: f64 = 0.5;
 /// Factor of safety where the observed order is the formal one (T. Xing and F. Stern, J. Fluids Eng. 132, 061403, 2010).
@@ -78,7 +78,12 @@ impl Limit {
     /// The same for a figure that a rim between nodes moves by as much as the cells do: values that settle faster than [`HIGHEST`] lets
     /// them do so by accident, and have [`Limit::of_spread`].
     pub fn of_rim(meshes: [Raw; 3]) -> Self {
-        let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-HIGHEST));
+        Limit::of_rim_up_to(meshes, HIGHEST)
+    }
+
+    /// The same with another order beyond which values settle by accident.
+    pub fn of_rim_up_to(meshes: [Raw; 3], highest: f64) -> Self {
+        let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-highest));
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let settled = (f3 - f2) * (h1 - h2) / ((f2 - f1) * (h2 - h3));
         match settled {

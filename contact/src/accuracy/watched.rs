@@ -143,6 +143,16 @@ impl Watched {
         }
     }
 
+    /// The approach with its error where ice yields, by another order beyond which values settle by accident.
+    #[cfg(test)]
+    pub fn approach_by_rim_up_to(&self, highest: f64) -> Limit {
+        let Limit { value, error } = self.approach.last_by_rim_up_to(highest);
+        Limit {
+            value,
+            error: with(error, self.left.approach * value) + self.missed * value,
+        }
+    }
+
     /// What two ways to find the last mesh's rims make of area, length and width.
     fn off(&self) -> [f64; 3] {
         self.last.map_or([f64::INFINITY; 3], |last| last.off)

@@ -98,6 +98,15 @@ impl Window {
         from + (cell as f64 + 0.5) * self.size()[axis]
     }
 
+    /// Whether a place is on its cells or half its size from them.
+    pub fn holds(&self, place: [f64; 2]) -> bool {
+        (0..2).all(|axis| {
+            let [low, high] = [self.low[axis], self.high[axis]];
+            let beside = 0.5 * (high - low);
+            (low - beside..=high + beside).contains(&place[axis])
+        })
+    }
+
     /// Places along the hull, on the lines through this window's middle and sides, that are half its size and more away from it.
     pub fn beyond(&self) -> impl Iterator<Item = [f64; 2]> {
         let middle = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));

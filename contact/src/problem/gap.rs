@@ -54,7 +54,10 @@ impl<'a> Gap<'a> {
                 y_max: extent[3],
             });
         }
-        if free_motion[1] {
+        // Hexahedra that end at the load are half a runner, whatever holds its tilt.
+        let elastic = problem.runner.elastic.as_ref();
+        let solid = elastic.is_some_and(|elastic| elastic.solid.is_some());
+        if free_motion[1] || (free_motion[0] && solid) {
             off_the_rim("x", x0, extent[0], extent[1])?;
             off_the_rim("y", y0, extent[2], extent[3])?;
         }
@@ -99,6 +102,13 @@ impl<'a> Gap<'a> {
             .map_or(0.0, |surface| surface.height(x, y));
         height - ice - track_height(self.problem.track_curvature, x) - pitch * (x - x0)
             + roll * (y - y0)
+    }
+
+    /// Places where measured surfaces of runner and ice come nearer to one another than beside them [m].
+    pub fn lows(&self) -> impl Iterator<Item = [f64; 2]> {
+        let highs = self.problem.ice_surface.iter().flat_map(|ice| ice.highs());
+        let lows = self.problem.runner.underside.lows().iter();
+        lows.chain(highs).copied()
     }
 
     /// The row N of a node.

@@ -63,6 +63,9 @@ impl RunnerSolid {
             reason: error.to_string(),
         };
         let material = Material::new(youngs_modulus, poissons_ratio).map_err(said)?;
+        if let Some(wrong) = wrong_in(&mesh) {
+            return Err(bad(wrong));
+        }
         let faces = underside(&mesh);
         if faces.is_empty() {
             return Err(bad("no face of its mesh faces down".into()));
@@ -191,6 +194,20 @@ impl RunnerSolid {
         }
         nodes.iter().map(|node| known[node].clone()).collect()
     }
+}
+
+/// What keeps nodes and cells from being hexahedra of anything.
+fn wrong_in(mesh: &HexMesh) -> Option<String> {
+    let count = mesh.points.len();
+    let infinite = |point: &[f64; 3]| point.iter().any(|x| !x.is_finite());
+    if let Some(node) = mesh.points.iter().position(infinite) {
+        return Some(format!("node {node} of its mesh is nowhere"));
+    }
+    let strange = |cell: &[usize; 8]| cell.iter().any(|&node| node >= count);
+    let cell = mesh.cells.iter().position(strange)?;
+    Some(format!(
+        "cell {cell} of its mesh has a node that is none of its {count}"
+    ))
 }
 
 /// Faces that face down and hang together, over edges, with the one whose centre is lowest.

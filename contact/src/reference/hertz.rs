@@ -1,5 +1,7 @@
 //! Hertz's closed form for smooth bodies that touch at a point.
 
+use crate::Error;
+
 /// Elliptic point contact of two smooth elastic bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
@@ -22,24 +24,41 @@ pub struct Hertz {
 /// 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [Pa]; `force` [N].
 ///
 /// ```
-/// let ball = kufe_contact::hertz(0.01, 0.01, 9.0e9 / (1.0 - 0.33 * 0.33), 100.0);
+/// let ball = kufe_contact::hertz(0.01, 0.01, 9.0e9 / (1.0 - 0.33 * 0.33), 100.0)?;
 /// assert!((ball.p_max / 2.702576e8 - 1.0).abs() < 1e-6);
 /// assert!((ball.a - ball.b).abs() < 1e-9);
+/// # Ok::<(), kufe_contact::Error>(())
 /// ```
 ///
-/// # Panics
-/// Where a radius, the modulus or the force is not positive and finite, or `radius_x < radius_y`.
-pub fn hertz(radius_x: f64, radius_y: f64, contact_modulus: f64, force: f64) -> Hertz {
-    for value in [radius_x, radius_y, contact_modulus, force] {
-        assert!(
-            value > 0.0 && value.is_finite(),
-            "Hertz contact needs positive finite numbers, got {value}"
-        );
+/// # Errors
+/// [`Error::OutOfRange`] where a radius, the modulus or the force is not positive and finite, `radius_x < radius_y`, or they are so far apart that
+/// no figure of the contact is a number.
+pub fn hertz(
+    radius_x: f64,
+    radius_y: f64,
+    contact_modulus: f64,
+    force: f64,
+) -> Result<Hertz, Error> {
+    let bad = |name, value, expected| {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            expected,
+        })
+    };
+    for (name, value) in [
+        ("radius along x", radius_x),
+        ("radius along y", radius_y),
+        ("contact modulus", contact_modulus),
+        ("normal force", force),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return bad(name, value, "a positive number");
+        }
     }
-    assert!(
-        radius_x >= radius_y,
-        "radius_x {radius_x} < radius_y {radius_y}"
-    );
+    if radius_x < radius_y {
+        return bad("radius along x", radius_x, "the larger of the two radii");
+    }
     // The radii's ratio grows as k = b/a falls: bisect on ln k.
     let radii = radius_x / radius_y;
     let (mut low, mut high) = (1e-9f64.ln(), 0.0f64);
@@ -60,12 +79,27 @@ pub fn hertz(radius_x: f64, radius_y: f64, contact_modulus: f64, force: f64) -> 
     let a = b / k;
     let p_max = 1.5 * force / (std::f64::consts::PI * a * b);
     let approach = p_max / contact_modulus * b * first;
-    Hertz {
+    let found = Hertz {
         a,
         b,
         p_max,
         approach,
+    };
+    for (name, value) in [
+        ("half-length of the patch", a),
+        ("half-width of the patch", b),
+        ("peak pressure", p_max),
+        ("approach", approach),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return bad(
+                name,
+                value,
+                "radii, a modulus and a force that are nearer to one another",
+            );
+        }
     }
+    Ok(found)
 }
 
 /// R_x / R_y of an ellipse with b/a = `k`.
@@ -142,7 +176,7 @@ mod tests {
             ],
         ];
         for [rx, ry, force, a, b, p, d] in rows {
-            let h = hertz(rx, ry, RIGID, force);
+            let h = hertz(rx, ry, RIGID, force).unwrap();
             for (value, expected) in [(h.a, a), (h.b, b), (h.p_max, p), (h.approach, d)] {
                 assert!(
                     (value / expected - 1.0).abs() < 1e-6,
@@ -154,7 +188,7 @@ mod tests {
 
     #[test]
     fn sphere_agrees_with_the_elementary_formula() {
-        let h = hertz(0.01, 0.01, RIGID, 1000.0);
+        let h = hertz(0.01, 0.01, RIGID, 1000.0).unwrap();
         let a = (3.0 * 1000.0 * 0.01 / (4.0 * RIGID)).cbrt();
         assert!((h.a / a - 1.0).abs() < 1e-6);
         assert!((h.approach / (a * a / 0.01) - 1.0).abs() < 1e-6);

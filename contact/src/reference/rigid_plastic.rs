@@ -30,7 +30,7 @@ pub struct RigidPlastic {
 /// The closed form [`RigidPlastic`] of radii [m], load [N] and hardness [Pa].
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a number that is not positive.
+/// [`Error::OutOfRange`] for a number that is not positive, and where they are so far apart that a figure is no number.
 ///
 /// ```
 /// let groove = kufe_contact::rigid_plastic(30.0, 0.004, 950.0, 17.7e6)?;
@@ -60,10 +60,25 @@ pub fn rigid_plastic(
     }
     let length = (2.0 * fz * (rocker_radius / section_radius).sqrt() / (PI * hardness)).sqrt();
     let depth = length * length / (2.0 * rocker_radius);
-    Ok(RigidPlastic {
+    let found = RigidPlastic {
         length,
         width: 2.0 * (2.0 * section_radius * depth).sqrt(),
         depth,
         ploughing_friction: 4.0 * length / (3.0 * PI * rocker_radius),
-    })
+    };
+    for (name, value) in [
+        ("length of the patch", length),
+        ("width of the groove", found.width),
+        ("depth of the groove", depth),
+        ("ploughing force over load", found.ploughing_friction),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(Error::OutOfRange {
+                name,
+                value,
+                expected: "radii, a load and a hardness that are nearer to one another",
+            });
+        }
+    }
+    Ok(found)
 }

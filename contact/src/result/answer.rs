@@ -132,19 +132,11 @@ fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
         .force
         .iter()
         .fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
-    let tension = state.force.iter().fold(0.0f64, |m, f| m.max(-f)) / largest;
-    let penetration = contact
-        .gaps(state)
-        .iter()
-        .zip(&state.force)
-        .zip(&contact.bound)
-        .fold(
-            0.0f64,
-            |m, ((g, f), b)| {
-                if *f >= *b { m } else { m.max(-g) }
-            },
-        )
-        / depth;
+    let tension = worst(state.force.iter().map(|f| -f)) / largest;
+    let gaps = contact.gaps(state);
+    let full = |n: usize| state.force[n] >= contact.bound[n];
+    let open = (0..gaps.len()).filter(|&n| !full(n));
+    let penetration = worst(open.map(|n| -gaps[n])) / depth;
     // Moments are compared with the force times half the contact's extent.
     let reach = contact
         .rows
@@ -156,14 +148,19 @@ fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
         });
     let resultant = contact.resultant(state);
     let force = resultant[0].abs().max(f64::MIN_POSITIVE);
-    let balance = (0..3)
-        .filter(|&a| contact.motion.free[a])
-        .map(|a| (resultant[a] - contact.motion.balance[a]).abs() / (force * reach[a]))
-        .fold(0.0, f64::max);
+    let free = (0..3).filter(|&a| contact.motion.free[a]);
+    let balance =
+        worst(free.map(|a| (resultant[a] - contact.motion.balance[a]).abs() / (force * reach[a])));
     let equilibrium = contact.out_of_equilibrium(state);
-    [equilibrium, tension, penetration, balance]
-        .into_iter()
-        .fold(0.0, f64::max)
+    worst([equilibrium, tension, penetration, balance].into_iter())
+}
+
+/// The largest, at least 0; infinite where one is no number.
+fn worst(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most, value| match value.is_nan() {
+        true => f64::INFINITY,
+        false => most.max(value),
+    })
 }
 
 /// Mirrors plane fields over the symmetry planes.
@@ -199,5 +196,17 @@ fn turned(tilt: f64, relative: f64) -> f64 {
     match relative.is_finite() {
         true => tilt.abs() * relative,
         false => relative,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::worst;
+
+    #[test]
+    fn what_is_no_number_violates_everything() {
+        assert_eq!(worst([0.1, -3.0, 0.2].into_iter()), 0.2);
+        assert_eq!(worst([0.1, f64::NAN, 0.2].into_iter()), f64::INFINITY);
+        assert_eq!(worst(std::iter::empty()), 0.0);
     }
 }

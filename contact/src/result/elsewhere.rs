@@ -28,6 +28,10 @@ const POINTS: usize = 60;
 const STEPS: usize = 40;
 /// Depth over the approach that counts: what is less carries a thousandth of the load at most.
 const LEAST: f64 = 1e-2;
+/// The same between nodes where contact is looked for: what noise of a scan leaves there is less.
+const BETWEEN: f64 = 0.2;
+/// A place of contact shorter than this part of a stretch's half has cells of its own: the stretch's may all miss it.
+const NARROW: f64 = 0.35;
 
 /// A solved mesh and what it was made for.
 pub(crate) struct Solved<'a> {
@@ -39,13 +43,40 @@ pub(crate) struct Solved<'a> {
 }
 
 impl Solved<'_> {
-    /// Places outside of where contact was looked for, on a hull with ends: the deepest of each valley along it, in order.
+    /// Places outside of where contact was looked for: on a hull with ends the deepest of each valley along it, in order, and where a measured
+    /// surface is low; there also between the nodes.
     pub fn elsewhere(&self) -> Vec<Penetration> {
         let extent = self.problem.runner.underside.extent();
-        if extent.iter().any(|end| !end.is_finite()) {
+        let bounded = extent.iter().all(|end| end.is_finite());
+        if !bounded && self.gap.lows().next().is_none() {
             return Vec::new();
         }
         let surface = Surface::new(self);
+        let mut found = match bounded {
+            true => self.valleys(&surface, extent),
+            false => Vec::new(),
+        };
+        found.extend(self.gap.lows().filter_map(|at| self.deep(&surface, at)));
+        found
+    }
+
+    /// A place where a surface is low, if it lies in the other one.
+    fn deep(&self, surface: &Surface, [x, y]: [f64; 2]) -> Option<Penetration> {
+        let part = match expected(self.patch, x, y) {
+            true => BETWEEN,
+            false => LEAST,
+        };
+        let least = part * surface.depth;
+        // The ice only sinks, and only elastic runners come nearer by themselves.
+        if self.problem.runner.elastic.is_none() && surface.undeformed(x, y) > -least {
+            return None;
+        }
+        let depth = -surface.gap(x, y);
+        (depth > least).then_some(Penetration { at: [x, y], depth })
+    }
+
+    /// The deepest place of each valley along the hull, in order.
+    fn valleys(&self, surface: &Surface, extent: [f64; 4]) -> Vec<Penetration> {
         let [low, high, right, left] = extent;
         let (dx, dy) = (
             (high - low) / STATIONS as f64,
@@ -73,7 +104,6 @@ impl Solved<'_> {
             let mut beside = next.filter_map(|k| line.get(k));
             line[*i][1].is_finite() && beside.all(|other| other[1] >= line[*i][1])
         };
-        let depth = self.mesh.contact.depth(self.state);
         let found = (0..=STATIONS).filter(valley).map(|i| {
             let mut at = [station(i), line[i][0]];
             for _ in 0..2 {
@@ -85,7 +115,9 @@ impl Solved<'_> {
                 depth: -height(at[0], at[1]),
             }
         });
-        found.filter(|at| at.depth > LEAST * depth).collect()
+        found
+            .filter(|at| at.depth > LEAST * surface.depth)
+            .collect()
     }
 
     /// The patch with these places of contact more.
@@ -106,23 +138,63 @@ impl Solved<'_> {
             true => found.at[axis].abs(),
             false => found.at[axis],
         });
-        patch.y.low = patch.y.low.min(if mirrored[1] { -y } else { y });
-        patch.y.high = patch.y.high.max(y);
-        let [low, high, ..] = self.problem.runner.underside.extent();
-        let end = |sign: f64, limit: f64| {
-            let mut step = 1e-6 * (high - low);
-            while surface.gap(x + sign * step, y) < 0.0 && step < limit {
+        let [low, high, right, left] = self.problem.runner.underside.extent();
+        let whole = |from: f64, to: f64| match (to - from).is_finite() {
+            true => to - from,
+            false => patch.y.half(),
+        };
+        let end = |along: bool, sign: f64, limit: f64| {
+            let size = if along {
+                whole(low, high)
+            } else {
+                whole(right, left)
+            };
+            let mut step = 1e-6 * size;
+            let gap = |step: f64| match along {
+                true => surface.gap(x + sign * step, y),
+                false => surface.gap(x, y + sign * step),
+            };
+            while gap(step) < 0.0 && step < limit {
                 step *= 1.3;
             }
-            x + sign * step.min(limit)
+            sign * step.min(limit)
         };
-        let new = Stretch::even(end(-1.0, x - low), end(1.0, high - x));
-        match patch.x.iter_mut().find(|stretch| stretch.meets(&new)) {
+        let [along, across] = [
+            Stretch::even(x + end(true, -1.0, x - low), x + end(true, 1.0, high - x)),
+            Stretch::even(
+                y + end(false, -1.0, y - right),
+                y + end(false, 1.0, left - y),
+            ),
+        ];
+        widen_to(&mut patch.y, [if mirrored[1] { -y } else { y }, y]);
+        resolve(&mut patch.y, &across);
+        if mirrored[1] {
+            resolve(&mut patch.y, &Stretch::even(-across.high, -across.low));
+        }
+        match patch.x.iter_mut().find(|stretch| stretch.meets(&along)) {
             Some(stretch) => {
-                stretch.low = stretch.low.min(new.low);
-                stretch.high = stretch.high.max(new.high);
+                widen_to(stretch, [along.low, along.high]);
+                resolve(stretch, &along);
             }
-            None => patch.x.push(new),
+            None => patch.x.push(along),
+        }
+    }
+}
+
+/// Makes a stretch reach to these ends; what it was before keeps its cells where it was much shorter.
+fn widen_to(stretch: &mut Stretch, [low, high]: [f64; 2]) {
+    let before = stretch.clone();
+    stretch.low = stretch.low.min(low);
+    stretch.high = stretch.high.max(high);
+    resolve(stretch, &before);
+}
+
+/// Gives a part of a stretch cells of its own where it is narrow.
+fn resolve(stretch: &mut Stretch, part: &Stretch) {
+    let size = part.half() / stretch.half();
+    if size < NARROW {
+        for at in [part.low, 0.5 * (part.low + part.high), part.high] {
+            stretch.refine_at(at, size);
         }
     }
 }
@@ -154,6 +226,8 @@ const CURVED: f64 = 0.5;
 /// The gap of a state anywhere on the plane.
 struct Surface<'a> {
     of: &'a Solved<'a>,
+    /// How deep runner and ice press one another in [m].
+    depth: f64,
     /// What displacements close at the mesh's nodes [m].
     closing: Vec<f64>,
     /// The forces on a half-space beyond the mesh.
@@ -170,17 +244,22 @@ impl<'a> Surface<'a> {
         };
         Surface {
             of,
+            depth: mesh.contact.depth(state),
             closing: mesh.contact.closing(&state.displacement),
             lumps,
         }
     }
 
+    /// The gap at (x, y) without displacements [m].
+    fn undeformed(&self, x: f64, y: f64) -> f64 {
+        let Solved { gap, state, .. } = self.of;
+        gap.at(x, y) - dot(gap.motion_row(x, y), state.motion)
+    }
+
     /// The gap at (x, y) [m].
     fn gap(&self, x: f64, y: f64) -> f64 {
-        let Solved {
-            gap, mesh, state, ..
-        } = self.of;
-        let undeformed = gap.at(x, y) - dot(gap.motion_row(x, y), state.motion);
+        let mesh = self.of.mesh;
+        let undeformed = self.undeformed(x, y);
         let [sx, sy] = mesh.symmetry;
         let folded = |at: f64, symmetric: bool| if symmetric { at.abs() } else { at };
         let cells = [

@@ -27,6 +27,8 @@ pub struct FittedUnderside {
     /// With every other knot, and with the others.
     coarser: [Arc<Surface>; 2],
     judgement: Judgement,
+    /// Where it is below what is beside it, on its own knots.
+    lows: Vec<[f64; 2]>,
 }
 
 impl FittedUnderside {
@@ -114,6 +116,7 @@ impl FittedUnderside {
             })
         });
         Ok(Self {
+            lows: surface.lows(),
             surface,
             coarser,
             judgement,
@@ -193,6 +196,10 @@ impl Underside for FittedUnderside {
 
     fn mirror_symmetric(&self) -> [bool; 2] {
         self.surface.mirror_symmetric()
+    }
+
+    fn lows(&self) -> &[[f64; 2]] {
+        &self.lows
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::fit::bicubic::Bicubic;
 use crate::fit::downward::Outline;
+use crate::shapes::lows::lows;
 use crate::shapes::profile::Profile;
 use crate::shapes::underside::Underside;
 
@@ -46,5 +47,30 @@ impl Surface {
         let x = if self.symmetric[0] { x.abs() } else { x };
         let y = if self.symmetric[1] { y.abs() } else { y };
         self.spline.value([x, self.arc_length.value(y)])
+    }
+
+    /// Where it is below what is beside it, on the spline's breaks.
+    pub fn lows(&self) -> Vec<[f64; 2]> {
+        let xs = self.spline.axes[0].breaks();
+        let ys: Vec<f64> = self.spline.axes[1]
+            .breaks()
+            .iter()
+            .map(|&length| self.across(length))
+            .collect();
+        lows([xs, &ys], |i, j| self.height(xs[i], ys[j]))
+    }
+
+    /// y of an arc length, which rises with it [m].
+    fn across(&self, length: f64) -> f64 {
+        let [_, _, mut low, mut high] = self.extent;
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.arc_length.value(middle) < length {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
     }
 }

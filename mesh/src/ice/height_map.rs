@@ -3,6 +3,7 @@
 use crate::error::MeshError;
 use crate::ice::surface::IceSurface;
 use crate::parameter::positive_finite;
+use crate::shapes::lows::lows;
 
 /// How a height map is evaluated between its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct HeightMap {
     heights: Vec<f64>,
     interpolation: Interpolation,
     symmetric: [bool; 2],
+    /// Where it is above what is beside it.
+    highs: Vec<[f64; 2]>,
 }
 
 impl HeightMap {
@@ -71,7 +74,15 @@ impl HeightMap {
             heights,
             interpolation,
             symmetric: [false; 2],
+            highs: Vec::new(),
         };
+        let line = |axis: usize| -> Vec<f64> {
+            let place = |i: usize| origin[axis] + spacing[axis] * i as f64;
+            (0..shape[axis]).map(place).collect()
+        };
+        let lines = [0, 1].map(line);
+        let depth = |i: usize, j: usize| -map.heights[j * shape[0] + i];
+        map.highs = lows([&lines[0], &lines[1]], depth);
         map.symmetric = [0, 1].map(|axis| map.is_mirrored(axis));
         Ok(map)
     }
@@ -128,6 +139,10 @@ impl IceSurface for HeightMap {
 
     fn mirror_symmetric(&self) -> [bool; 2] {
         self.symmetric
+    }
+
+    fn highs(&self) -> &[[f64; 2]] {
+        &self.highs
     }
 }
 

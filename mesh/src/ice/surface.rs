@@ -7,4 +7,9 @@ pub trait IceSurface: Send + Sync {
 
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
+
+    /// Places (x, y) [m] where measured ice is above what is beside them, along x or across. None of ice that a formula says.
+    fn highs(&self) -> &[[f64; 2]] {
+        &[]
+    }
 }

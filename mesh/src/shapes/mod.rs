@@ -1,6 +1,7 @@
 //! Undersides in closed form: runners from a rocker and a section, and the paraboloid.
 
 pub(crate) mod bob_runner;
+pub(crate) mod lows;
 pub(crate) mod luge_steel;
 pub(crate) mod paraboloid;
 pub(crate) mod points_file;

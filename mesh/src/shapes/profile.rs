@@ -157,6 +157,11 @@ impl Profile {
         self
     }
 
+    /// Positions between which it is one cubic [m].
+    pub(crate) fn breaks(&self) -> &[f64] {
+        &self.breaks
+    }
+
     /// Whether the curve is even in x, to 1e-12 of its size.
     pub fn is_even(&self) -> bool {
         let [first, last] = self.range();

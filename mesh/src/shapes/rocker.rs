@@ -56,6 +56,14 @@ impl Rocker {
         }
     }
 
+    /// Positions between which a measured rocker is smooth [m]; none of an arc.
+    pub(crate) fn breaks(&self) -> &[f64] {
+        match self {
+            Self::Arc { .. } => &[],
+            Self::Points(curve) => curve.breaks(),
+        }
+    }
+
     /// The positions [m] between which the rocker is defined.
     pub fn range(&self) -> [f64; 2] {
         match self {

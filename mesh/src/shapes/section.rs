@@ -163,6 +163,15 @@ impl Section {
         }
     }
 
+    /// Positions between which a measured section is smooth [m]; none of one that a formula says.
+    pub(crate) fn breaks(&self) -> &[f64] {
+        match self {
+            Self::Arc { .. } | Self::Edge { .. } => &[],
+            Self::Points(curve) => curve.breaks(),
+            Self::Worn { new, .. } => new.breaks(),
+        }
+    }
+
     /// Whether the height is even in y.
     pub fn is_even(&self) -> bool {
         match self {

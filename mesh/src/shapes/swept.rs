@@ -2,6 +2,7 @@
 
 use crate::error::MeshError;
 use crate::parameter::positive_finite;
+use crate::shapes::lows::lows;
 use crate::shapes::rocker::Rocker;
 use crate::shapes::section::Section;
 use crate::shapes::underside::Underside;
@@ -28,7 +29,12 @@ pub struct Swept {
     ends: Option<Ends>,
     length: f64,
     top: f64,
+    /// Where it is below what is beside it, of a measured section or rocker.
+    lows: Vec<[f64; 2]>,
 }
+
+/// Even lines along and across where the other of rocker and section is measured.
+const EVEN: [usize; 2] = [400, 60];
 
 impl Swept {
     /// A runner of `length` [m] whose flat top is `top` [m] above its lowest point.
@@ -70,12 +76,13 @@ impl Swept {
                 expected,
             });
         }
-        let swept = Self {
+        let mut swept = Self {
             rocker,
             section,
             ends,
             length,
             top,
+            lows: Vec::new(),
         };
         if let Some(ends) = ends
             && [-half, half].iter().any(|&x| !swept.keel(x).is_finite())
@@ -95,7 +102,32 @@ impl Swept {
                 expected,
             });
         }
+        swept.lows = swept.measured_lows();
         Ok(swept)
+    }
+
+    /// See [`Underside::lows`].
+    fn measured_lows(&self) -> Vec<[f64; 2]> {
+        let measured = [self.rocker.breaks(), self.section.breaks()];
+        if measured.iter().all(|breaks| breaks.is_empty()) {
+            return Vec::new();
+        }
+        let [x0, x1, y0, y1] = self.extent();
+        let lines = [(0, x0, x1), (1, y0, y1)].map(|(axis, from, to)| -> Vec<f64> {
+            let even = |k: usize| from + (to - from) * k as f64 / EVEN[axis] as f64;
+            match measured[axis] {
+                [] => (0..=EVEN[axis]).map(even).collect(),
+                breaks => {
+                    let inside = breaks.iter().filter(|b| (from..=to).contains(*b));
+                    inside.copied().collect()
+                }
+            }
+        });
+        let [keel, section] = [
+            lines[0].iter().map(|&x| self.keel(x)).collect::<Vec<f64>>(),
+            lines[1].iter().map(|&y| self.section.height(y)).collect(),
+        ];
+        lows([&lines[0], &lines[1]], |i, j| keel[i] + section[j])
     }
 
     /// The same with ends of `end_radius` [m] that rise by half of what is left between the underside's corners and the top.
@@ -199,6 +231,10 @@ impl Underside for Swept {
 
     fn mirror_symmetric(&self) -> [bool; 2] {
         [self.rocker.is_even(), self.section.is_even()]
+    }
+
+    fn lows(&self) -> &[[f64; 2]] {
+        &self.lows
     }
 }
 

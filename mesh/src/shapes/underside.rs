@@ -14,4 +14,10 @@ pub trait Underside: Send + Sync {
 
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
+
+    /// Places (x, y) [m] where a surface through measured points is below what is beside them, along x or across: a burr may lie between any
+    /// even lines. None of one that a formula says.
+    fn lows(&self) -> &[[f64; 2]] {
+        &[]
+    }
 }

@@ -105,7 +105,7 @@ fn energy_falls_on_ice_that_yields_in_part_and_nearly_all_over() {
 /// With F ~ approach^(3/2) the potential energy is 2/5 F d - F d.
 #[test]
 fn energy_of_a_point_contact_is_three_fifths_of_force_times_approach() {
-    let exact = hertz(30.0, 0.005, contact_modulus(), 1000.0);
+    let exact = hertz(30.0, 0.005, contact_modulus(), 1000.0).unwrap();
     let s = solved(&paraboloid(), 12);
     let energy = s.history[s.history.len() - 1].energy;
     let expected = 0.6 * 1000.0 * exact.approach;

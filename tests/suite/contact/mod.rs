@@ -2,6 +2,7 @@
 
 mod assembled;
 mod boundary_elements;
+mod burrs;
 mod coverage;
 mod energy;
 mod hertz;

@@ -1,5 +1,6 @@
 //! What must hold whatever is asked: inputs stay, outputs are of one run, answers carry their load, and every command ends.
 
+mod asked;
 mod endings;
 mod import;
 mod inputs;

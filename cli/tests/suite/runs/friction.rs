@@ -123,7 +123,7 @@ fn friction_of_a_case_is_the_law_at_the_pressure_of_hertz() -> Outcome {
     let fx = -mu * number(&found, "/fz_n") * 0.1f64.cos();
     assert!((number(&found, "/fx_n") - fx).abs() < 1e-9);
     assert!((number(&found, "/power_w") - 30.0 * fx).abs() < 1e-7);
-    let hertz = kufe_contact::hertz(30.0, 0.5, 9.0e9 / (1.0 - 0.33 * 0.33), 200.0);
+    let hertz = kufe_contact::hertz(30.0, 0.5, 9.0e9 / (1.0 - 0.33 * 0.33), 200.0).unwrap();
     assert!((p / hertz.p_max - 1.0).abs() < 0.01, "{p} {}", hertz.p_max);
     Ok(())
 }

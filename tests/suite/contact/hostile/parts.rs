@@ -1,0 +1,194 @@
+//! Parts of problems that a program makes itself, of numbers that are none: closed forms, grooves, anchors, and runners on hexahedra of their own. Errors
+//! follow, or figures that are numbers, and never a panic.
+
+use std::sync::Arc;
+
+use kufe_contact::{
+    Anchored, ElasticRunner, Error, GrooveProfile, Ice, Load, Options, Problem, Runner,
+    RunnerSolid, Tilt, hertz, rigid_plastic, slide, solve,
+};
+use kufe_mesh::{HexMesh, Paraboloid};
+use kufe_tests::contact::{ICE_E, ICE_NU};
+use kufe_tests::meshes::block;
+
+const NUMBERS: [f64; 9] = [
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    0.0,
+    -1.0,
+    f64::MIN_POSITIVE,
+    1e-30,
+    1e30,
+    f64::MAX,
+];
+
+fn quick() -> Options {
+    Options {
+        p_max_tolerance: 0.1,
+        max_dofs: 4_000,
+        ..Options::default()
+    }
+}
+
+fn problem(hardness: Option<f64>) -> Problem {
+    let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005).unwrap()));
+    let ice = Ice {
+        hardness,
+        ..Ice::half_space(ICE_E, ICE_NU)
+    };
+    Problem::new(runner, ice, Load::central(1000.0, Tilt::Free))
+}
+
+#[test]
+fn grooves_that_are_none_are_refused_and_odd_ones_met() {
+    let usual = |y: Vec<f64>, depth: Vec<f64>| {
+        let Ok(groove) = GrooveProfile::new(y, depth) else {
+            return;
+        };
+        let figures = [groove.area(), groove.deepest(), groove.at(0.1e-3)];
+        match slide(&problem(Some(20e6)), Some(&groove), &quick()) {
+            Ok(slid) => assert!(
+                slid.contact.p_max.is_finite() && slid.contact.area > 0.0,
+                "{groove:?}"
+            ),
+            Err(error) => assert!(!error.to_string().is_empty(), "{figures:?}"),
+        }
+    };
+    for number in NUMBERS {
+        usual(vec![-0.001, 0.0, 0.001], vec![0.0, number, 0.0]);
+        usual(vec![-0.001, 0.0, 0.001], vec![number; 3]);
+        usual(vec![-0.001, 0.0, number], vec![0.0, 1e-6, 0.0]);
+        usual(vec![-number, 0.0, number], vec![0.0, 1e-6, 0.0]);
+        usual(vec![number, 0.0, 0.001], vec![0.0, 1e-6, 0.0]);
+    }
+    usual(Vec::new(), Vec::new());
+    usual(vec![0.0, 1.0], vec![0.0]);
+}
+
+#[test]
+fn anchors_at_no_tolerance_trust_nothing() {
+    let anchor = problem(None);
+    let solved = solve(&anchor, &Options::default()).unwrap();
+    let pairs = [(anchor.clone(), solved.clone())];
+    assert!(Anchored::at(&pairs, 0.01).is_some());
+    assert!(Anchored::at(&[], 0.01).is_none());
+    for number in NUMBERS.into_iter().filter(|n| n.is_nan() || *n < 0.01) {
+        assert!(Anchored::at(&pairs, number).is_none(), "{number}");
+    }
+    for number in NUMBERS {
+        for figure in 0..4 {
+            let mut off = solved.clone();
+            *[
+                &mut off.p_max,
+                &mut off.p_max_error,
+                &mut off.approach,
+                &mut off.area,
+            ][figure] = number;
+            // An error, however large, holds what it holds; no other odd figure is confirmed.
+            let trusted = Anchored::at(&[(anchor.clone(), off)], 0.01);
+            assert!(trusted.is_none() || figure == 1, "{figure} {number}");
+            if let Some(anchored) = trusted {
+                assert!(anchored.apart().is_finite(), "{figure} {number}");
+            }
+        }
+        let mut asked = anchor.clone();
+        asked.load = Load::central(number, Tilt::Free);
+        if let Some(found) = Anchored::at(&pairs, 0.01).unwrap().answer(&asked) {
+            assert!(found.p_max.is_finite() && found.p_max > 0.0, "{number}");
+        }
+    }
+}
+
+fn solid(mesh: HexMesh, young: f64, poisson: f64, held: f64) -> Result<RunnerSolid, Error> {
+    RunnerSolid::new(mesh, young, poisson, |p| p[2] > held)
+}
+
+#[test]
+fn hexahedra_that_are_no_runner_are_refused() {
+    let mesh = || block([3, 2, 2], [0.1; 3]);
+    assert!(solid(mesh(), 210e9, 0.3, 0.09).is_ok());
+    let pressed = |solid: RunnerSolid| {
+        let elastic = ElasticRunner {
+            solid: Some(Arc::new(solid)),
+            ..ElasticRunner::held_at_top(210e9, 0.3, 0.0)
+        };
+        let mut problem = problem(None);
+        problem.runner.elastic = Some(elastic);
+        problem.load = Load::central(1.0, Tilt::Free);
+        let coarse = Options {
+            cells: Some(3),
+            ..quick()
+        };
+        match solve(&problem, &coarse) {
+            Ok(s) => assert!(s.p_max.is_finite() && s.area > 0.0),
+            Err(Error::AccuracyNotReached { best, .. }) => assert!(best.p_max.is_finite()),
+            Err(_) => {}
+        }
+    };
+    for number in NUMBERS {
+        if let Ok(solid) = solid(mesh(), number, 0.3, 0.09) {
+            pressed(solid);
+        }
+        let made = solid(mesh(), 210e9, number, 0.09);
+        assert!(made.is_err() || number.abs() < 0.5, "{number}");
+        for axis in 0..3 {
+            let mut odd = mesh();
+            odd.points[5][axis] = number;
+            let made = solid(odd, 210e9, 0.3, 0.09);
+            assert!(made.is_err() || number.is_finite(), "{axis} {number}");
+        }
+    }
+    // A cell that is a wedge has a node twice.
+    let mut wedge = mesh();
+    wedge.cells[0][3] = wedge.cells[0][2];
+    if let Ok(solid) = solid(wedge, 210e9, 0.3, 0.09) {
+        pressed(solid);
+    }
+    let refused = |change: fn(&mut HexMesh), what: &str| {
+        let mut odd = mesh();
+        change(&mut odd);
+        assert!(solid(odd, 210e9, 0.3, 0.09).is_err(), "{what}");
+    };
+    // Held by an edge it turns about it.
+    let hinged = RunnerSolid::new(mesh(), 210e9, 0.3, |p| p[2] > 0.09 && p[0] < 0.01);
+    let told = hinged.unwrap_err().to_string();
+    assert!(told.contains("hold every rigid motion"), "{told}");
+    refused(|m| m.cells[0][3] = usize::MAX, "a node that is none");
+    refused(|m| m.cells.clear(), "no cells");
+    refused(
+        |m| {
+            m.points.clear();
+            m.cells.clear();
+        },
+        "nothing",
+    );
+    refused(|m| m.points.iter_mut().for_each(|p| p[2] = 0.0), "flat");
+}
+
+/// Closed forms of four numbers, each of them any: an error, or figures that are numbers.
+#[test]
+fn closed_forms() {
+    let usual = [30.0, 0.005, 10.1e9, 1000.0];
+    for place in 0..4 {
+        for number in NUMBERS {
+            let mut n = usual;
+            n[place] = number;
+            if let Ok(h) = hertz(n[0], n[1], n[2], n[3]) {
+                let figures = [h.a, h.b, h.p_max, h.approach];
+                assert!(
+                    figures.iter().all(|f| *f > 0.0 && f.is_finite()),
+                    "{n:?}: {h:?}"
+                );
+            }
+            if let Ok(r) = rigid_plastic(n[0], n[1], n[2], n[3]) {
+                let figures = [r.length, r.width, r.depth, r.ploughing_friction];
+                assert!(
+                    figures.iter().all(|f| *f > 0.0 && f.is_finite()),
+                    "{n:?}: {r:?}"
+                );
+            }
+        }
+    }
+    assert!(hertz(0.005, 30.0, 10.1e9, 1000.0).is_err());
+}
