@@ -8,7 +8,7 @@ use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::evidence::runs::screen::track_channel::TrackChannel;
+use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::options::Options;
 use crate::procedure::rules::RunRules;
 

@@ -11,7 +11,7 @@ use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, Re
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track_channel::TrackChannel;
+use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::report::{Bin, Fitted, Interval, Step};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Meaning;

@@ -10,11 +10,11 @@ use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::{Window, windows};
 use crate::evidence::runs::screen::detectable::detectable;
-use crate::evidence::runs::screen::on_track::Surveyed;
 use crate::evidence::runs::screen::residual_screen::{
     RunScreen, ScreenOptions, best_windows, screen_runs,
 };
 use crate::evidence::runs::screen::score_sums::ScoreSums;
+use crate::evidence::runs::screen::track::on_track::Surveyed;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim, Screen};
 use crate::regression::scores::{Scores, cross_information};

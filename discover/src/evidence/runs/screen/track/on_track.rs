@@ -8,7 +8,7 @@ use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track_channel::TrackChannel;
+use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::report::{Fitted, Rival};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim};

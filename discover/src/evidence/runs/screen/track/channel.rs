@@ -11,7 +11,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track_bins::{between_drivers, by_bin, mean};
+use crate::evidence::runs::screen::track::bins::{between_drivers, by_bin, mean};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
