@@ -135,15 +135,6 @@ fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_pla
 }
 
 #[test]
-fn a_speed_that_is_late_is_named_and_no_bias_of_it_in_its_place() {
-    let hidden = 0.15;
-    let report = searched(&format!("[effects.speed-lag]\ntime_s = {hidden}"), 8, 16);
-    assert_eq!(report.steps[0].class, ["speed-lag"], "{}", told(&report));
-    let time = &report.steps[0].parameters[0];
-    assert!((time.low..time.high).contains(&hidden), "{}", told(&report));
-}
-
-#[test]
 fn a_delay_within_its_tolerance_is_told_and_not_named() {
     let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
     assert!(report.steps.is_empty(), "{}", told(&report));

@@ -9,8 +9,8 @@ use crate::simulate::dynamics::WallContact;
 
 /// Lengths of contacts that are tried \[m\].
 const LENGTHS_M: [f64; 9] = [4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 32.0];
-/// Standard errors by which the force must stand out of what the side balance scatters by elsewhere: the largest of some thousand
-/// trials of noise reaches four.
+/// Standard errors by which the force must stand out of what the side balance scatters by elsewhere: in a stretch that is looked at in a
+/// hundred independent ways noise reaches four in one run of a hundred.
 const STANDS_OUT: f64 = 4.0;
 /// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
 const CORRELATED: f64 = 2.0;

@@ -21,8 +21,9 @@ const NULLS: [&str; 9] = [
     "body-null/none",
     "lines-null/none",
 ];
-const EFFECTS: [&str; 9] = [
+const EFFECTS: [&str; 10] = [
     "clean-effect/speed-grip",
+    "clean-effect/speed-lag@0.02",
     "longitudinal/temperature@0.02",
     "longitudinal/steer-drag@0.02",
     "lateral/camber-thrust@0.02",
