@@ -33,14 +33,15 @@ impl Campaign<'_> {
 
     /// Where something is large, or the installation is off beyond belief, the effect of the catalogue that leaves less, in a full refit
     /// beside which what the installation is off by is found anew, than the claim and all others whose scores are large, and stands out
-    /// run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the claim, or something small.
+    /// run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the claim, or something small, or
+    /// where all are far below `contacts`, the gain up to which those that were found would be claimed (0 where none were).
     pub fn leading(
         &self,
         at: &Current,
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
         claim: Option<&Claim<Amplitude>>,
-        options: &ScreenOptions,
+        (options, contacts): (&ScreenOptions, f64),
     ) -> Option<(Claim<Amplitude>, f64)> {
         let named = (0..regular.len()).filter(|c| !regular[*c].is_column());
         let (mut order, mut others): (Vec<usize>, Vec<usize>) =
@@ -79,6 +80,10 @@ impl Campaign<'_> {
             let beat = last.map_or(f64::INFINITY, |last| last.refit.misfit);
             let refit = self.refitted_below(at, &regular[c], screen.seen[c].size, beat);
             leaders.extend(refit.map(|refit| leader(c, refit)));
+        }
+        let explained = leaders.iter().map(|leader| total(&leader.gains));
+        if explained.fold(0.0, f64::max) < self.rules().leads * contacts {
+            return None;
         }
         // Beside an installation that was found without them all look alike: of those that lead, by their scores or as they are refitted,
         // and of the claim, it is found anew.

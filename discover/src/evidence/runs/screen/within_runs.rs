@@ -68,20 +68,26 @@ impl Campaign<'_> {
         }
         let places = best_windows(&screen, &all_windows, regular.len());
         let claim = self.choose(at, &screen, &regular, &places, account);
-        let leading = self.leading(at, &screen, &regular, claim.as_ref(), &options);
-        if let Some(found) = self.contacts_beside(at.residual_model) {
-            // What walls leave bends the base, beside which much seems to explain something in some runs: what stands out is a rival.
-            let most = regular
-                .iter()
-                .enumerate()
-                .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
-                .map(|(c, _)| screen.seen[c].gain)
-                .fold(leading.as_ref().map_or(0.0, |(_, gain)| *gain), f64::max);
-            if found.gain > self.rules().contacts.over * most {
-                let claim = self.claim_contacts(&found);
-                self.claimed = Some(found);
-                return Screen { claim, detectable };
-            }
+        let found = self.contacts_beside(at.residual_model);
+        // What walls leave bends the base, beside which much seems to explain something in some runs: what stands out is a rival.
+        let standing = regular
+            .iter()
+            .enumerate()
+            .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
+            .map(|(c, _)| screen.seen[c].gain)
+            .fold(0.0, f64::max);
+        let asked = found
+            .as_ref()
+            .map_or(0.0, |found| found.gain / self.rules().contacts.over);
+        let beside = if asked > standing { asked } else { 0.0 };
+        let leading = self.leading(at, &screen, &regular, claim.as_ref(), (&options, beside));
+        let most = leading
+            .as_ref()
+            .map_or(standing, |(_, gain)| gain.max(standing));
+        if let Some(found) = found.filter(|_| asked > most) {
+            let claim = self.claim_contacts(&found);
+            self.claimed = Some(found);
+            return Screen { claim, detectable };
         }
         let claim = leading.map(|(claim, _)| claim).or(claim);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
