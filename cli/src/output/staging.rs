@@ -42,8 +42,12 @@ impl Staging {
             .take_while(|path| !path.exists())
             .collect();
         for path in missing.into_iter().rev() {
-            std::fs::create_dir(path).map_err(|error| unwritable(path, &error))?;
-            staging.made.push(path.to_path_buf());
+            match std::fs::create_dir(path) {
+                Ok(()) => staging.made.push(path.to_path_buf()),
+                // Another command that writes beside this one was first.
+                Err(_) if path.is_dir() => {}
+                Err(error) => return Err(unwritable(path, &error)),
+            }
         }
         clear_temporaries(target);
         let folder = tempfile::Builder::new()
@@ -220,6 +224,37 @@ mod tests {
             .map(|e| e.file_name())
             .collect();
         assert_eq!(names, ["whole.txt"]);
+        Ok(())
+    }
+
+    #[test]
+    fn commands_that_begin_at_once_share_the_folders_above_their_own()
+    -> Result<(), Box<dyn std::error::Error>> {
+        for _ in 0..50 {
+            let root = tempfile::tempdir()?;
+            let start = std::sync::Barrier::new(4);
+            let begin = |k: usize| {
+                start.wait();
+                let staging = Staging::begin(&root.path().join(format!("a/b/{k}")));
+                staging.map_err(|failure| failure.to_string())
+            };
+            let begun: Vec<Result<Staging, String>> = std::thread::scope(|scope| {
+                let each: Vec<_> = (0..4)
+                    .map(|k| {
+                        scope.spawn({
+                            let begin = &begin;
+                            move || begin(k)
+                        })
+                    })
+                    .collect();
+                each.into_iter()
+                    .map(|one| one.join().expect("no panic"))
+                    .collect()
+            });
+            for staging in begun {
+                staging?;
+            }
+        }
         Ok(())
     }
 
