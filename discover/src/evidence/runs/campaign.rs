@@ -82,6 +82,18 @@ pub struct RunFit {
 }
 
 impl RunFit {
+    /// A model as it is fitted, nothing told and nothing estimated yet.
+    pub fn new(residual_model: ResidualModel, whitener: Whitener, owners: Vec<usize>) -> Self {
+        Self {
+            settled: residual_model.clone(),
+            residual_model,
+            whitener,
+            owners,
+            told: None,
+            estimates: Vec::new(),
+        }
+    }
+
     /// Number of effects that the model had from the start.
     pub fn already(&self) -> usize {
         self.residual_model.effects.active.len() - self.owners.len()
@@ -247,14 +259,7 @@ impl Campaign<'_> {
             };
             found = fitted(&again, &inside)?;
         }
-        Ok(RunFit {
-            settled: found.model.clone(),
-            residual_model: found.model,
-            whitener: found.whitener,
-            owners,
-            told: None,
-            estimates: Vec::new(),
-        })
+        Ok(RunFit::new(found.model, found.whitener, owners))
     }
 
     /// Base parameters (as multipliers) first, then the effects' amplitudes and the installation, and the model that holds them.

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::NUMBERS;
 use kufe_contact::{
     Anchored, ElasticRunner, Error, GrooveProfile, Ice, Load, Options, Problem, Runner,
     RunnerSolid, Tilt, hertz, rigid_plastic, slide, solve,
@@ -10,18 +11,6 @@ use kufe_contact::{
 use kufe_mesh::{HexMesh, Paraboloid};
 use kufe_tests::contact::{ICE_E, ICE_NU};
 use kufe_tests::meshes::block;
-
-const NUMBERS: [f64; 9] = [
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    0.0,
-    -1.0,
-    f64::MIN_POSITIVE,
-    1e-30,
-    1e30,
-    f64::MAX,
-];
 
 fn quick() -> Options {
     Options {

@@ -6,25 +6,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use super::NUMBERS;
 use kufe_contact::{
     Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Mount, Options, Place, Problem,
     Runner, Solution, StiffnessForm, Tilt, boundary_elements, check_problem, slide, solve,
 };
 use kufe_mesh::{BobRunner, IceSurface, Paraboloid};
 use kufe_tests::contact::{Formula, ICE_E, ICE_NU};
-
-const NUMBERS: [f64; 10] = [
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    0.0,
-    -1.0,
-    f64::MIN_POSITIVE,
-    1e-30,
-    1e30,
-    -1e30,
-    f64::MAX,
-];
 
 /// How long one solve may take on meshes as small as asked; tens of times what any takes here.
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -173,22 +173,20 @@ pub fn fit(
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
-            // How what is to be expected of noise changes with each amplitude, and with the base, once.
+            // How what is to be expected of noise changes with the base, found once, and with each amplitude.
             let mut counted = DVector::zeros(p);
-            if effort.by_own_base {
-                let by_base = by_base.get_or_insert_with(|| {
-                    noise_by_base(&trial, frames, used, (free_base, &noise))
-                });
-                for (k, by) in by_base.iter().enumerate() {
+            let mut count = |first: usize, by_each: &[Vec<f64>]| {
+                for (k, by) in by_each.iter().enumerate() {
                     let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
-                    counted[k] = all.sum();
+                    counted[first + k] = all.sum();
                 }
+            };
+            if effort.by_own_base {
+                let of_base = || noise_by_base(&trial, frames, used, (free_base, &noise));
+                count(0, by_base.get_or_insert_with(of_base));
             }
             let by_amplitudes = by_amplitudes(&based, frames, used, &noise);
-            for (k, by) in by_amplitudes.iter().enumerate() {
-                let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
-                counted[free_base.len() + k] = all.sum();
-            }
+            count(free_base.len(), &by_amplitudes);
             let step = joint_step(&total, &counted);
             let promised = criterion - promise(&sums, &step) - counted.dot(&step);
             let fit = Fit {

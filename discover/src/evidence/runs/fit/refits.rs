@@ -25,8 +25,7 @@ impl Campaign<'_> {
         size: f64,
     ) -> Option<Arc<Refit>> {
         at.refits.with(candidate, || {
-            let from = 0.01 * candidate.typical.copysign(size);
-            self.refitted(at.residual_model, candidate, from, Effort::COMPARED)
+            self.refitted_beside(at, candidate, size, f64::INFINITY)
         })
     }
 
@@ -38,11 +37,22 @@ impl Campaign<'_> {
         size: f64,
         beat: f64,
     ) -> Option<Arc<Refit>> {
+        let refit = self.refitted_beside(at, candidate, size, beat)?;
+        (refit.misfit <= beat).then(|| at.refits.with(candidate, || Some(refit)))?
+    }
+
+    /// The same, not kept.
+    fn refitted_beside(
+        &self,
+        at: &Current,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+        beat: f64,
+    ) -> Option<Refit> {
         let from = 0.01 * candidate.typical.copysign(size);
         let with = at.residual_model.with(candidate.active(from));
-        let refit = self.beside_either(&with, Effort::COMPARED, beat)?;
-        let refit = refit.sized(candidate)?;
-        (refit.misfit <= beat).then(|| at.refits.with(candidate, || Some(refit)))?
+        self.beside_either(&with, Effort::COMPARED, beat)?
+            .sized(candidate)
     }
 
     /// The model as it is, fitted; its size is 0. Made once.
@@ -123,14 +133,7 @@ impl Campaign<'_> {
     /// A refit beside which what the installation is off by is found anew, to be judged by [`misfit_by_run`](Self::misfit_by_run) (its own
     /// misfit and size are those of before); nothing where that cannot be fitted.
     pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
-        let fit = RunFit {
-            settled: refit.model.clone(),
-            residual_model: refit.model.clone(),
-            whitener: refit.whitener.clone(),
-            owners: Vec::new(),
-            told: None,
-            estimates: Vec::new(),
-        };
+        let fit = RunFit::new(refit.model.clone(), refit.whitener.clone(), Vec::new());
         let found = self.installed(&fit).ok()?;
         Some(Refit {
             model: found.residual_model,

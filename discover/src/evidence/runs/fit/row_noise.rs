@@ -97,20 +97,17 @@ fn of_noise(model: &ResidualModel, frame: &Frame) -> [OfNoise; BALANCES] {
     })
 }
 
-/// How they change with each of these base parameters.
+/// How they change with each of these base parameters, `own` being what they are.
 pub fn by_base(
     model: &ResidualModel,
     frames: &[Frame],
     used: [bool; CHANNELS],
     (free_base, own): (&[usize], &[f64]),
 ) -> Vec<Vec<f64>> {
-    const STEP: f64 = 0.01;
     let of = |b: &usize| {
         let mut moved = model.clone();
         moved.base[*b] += STEP;
-        let noise = log_noise(&moved, frames, used);
-        let both = noise.iter().zip(own);
-        both.map(|(log, own)| (log - own) / STEP).collect()
+        by_step(&moved, frames, used, own)
     };
     free_base.iter().map(of).collect()
 }
@@ -122,16 +119,25 @@ pub fn by_amplitudes(
     used: [bool; CHANNELS],
     own: &[f64],
 ) -> Vec<Vec<f64>> {
-    const STEP: f64 = 0.01;
     let of = |(e, q): (usize, usize)| {
         let mut moved = model.clone();
         moved.effects.active[e].values[q] += STEP * model.scale(e, q);
-        let noise = log_noise(&moved, frames, used);
-        noise
-            .iter()
-            .zip(own)
-            .map(|(log, own)| (log - own) / STEP)
-            .collect()
+        by_step(&moved, frames, used, own)
     };
     model.free().into_iter().map(of).collect()
+}
+
+/// What a parameter is moved by, in the unit in which it is fitted.
+const STEP: f64 = 0.01;
+
+/// How they change with a parameter, from a model in which it is moved by a step.
+fn by_step(
+    moved: &ResidualModel,
+    frames: &[Frame],
+    used: [bool; CHANNELS],
+    own: &[f64],
+) -> Vec<f64> {
+    let noise = log_noise(moved, frames, used);
+    let both = noise.iter().zip(own);
+    both.map(|(log, own)| (log - own) / STEP).collect()
 }

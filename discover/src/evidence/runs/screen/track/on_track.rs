@@ -137,15 +137,14 @@ impl Campaign<'_> {
         };
         let standing = stands(1.0);
         // What the forces say of a size that the channel gives.
-        let of_forces: Vec<f64> = match standing.len() {
-            0 | 1 => vec![0.0; list.len()],
-            _ => (0..list.len())
-                .map(|c| match standing.contains(&c) {
-                    true => self.of_forces(residual_model, &list[c], channel.judge(c, sd).size),
-                    false => 0.0,
-                })
-                .collect(),
-        };
+        let mut of_forces = vec![0.0; list.len()];
+        if standing.len() > 1 {
+            let without = self.left_by_forces(residual_model);
+            for c in standing {
+                let (candidate, size) = (&list[c], channel.judge(c, sd).size);
+                of_forces[c] = self.of_forces(residual_model, without, candidate, size);
+            }
+        }
         let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
             let both = |c: usize| z(c, factor).powi(2) + of_forces[c];
             among
@@ -241,25 +240,26 @@ impl Campaign<'_> {
         })
     }
 
-    /// What a candidate of this size explains of the forces, the base refitted, in units of the noise's variance: less than nothing where
-    /// they speak against it.
+    /// What the forces leave of a model, its base refitted.
+    fn left_by_forces(&self, model: &ResidualModel) -> Option<f64> {
+        let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY)?;
+        Some(refit.misfit)
+    }
+
+    /// What a candidate of this size explains of what the forces leave `without` it, in units of the noise's variance: less than nothing
+    /// where they speak against it.
     fn of_forces(
         &self,
         residual_model: &ResidualModel,
+        without: Option<f64>,
         candidate: &Candidate<Amplitude>,
         size: f64,
     ) -> f64 {
-        let left = |model: &ResidualModel| {
-            let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY);
-            refit.map(|refit| refit.misfit)
-        };
         let active = candidate.active(size);
         let mut with = residual_model.with(active.clone());
         with.frozen.push(active.name);
-        match (left(residual_model), left(&with)) {
-            (Some(without), Some(with)) => 2.0 * (without - with),
-            _ => 0.0,
-        }
+        let both = without.zip(self.left_by_forces(&with));
+        both.map_or(0.0, |(without, with)| 2.0 * (without - with))
     }
 
     /// The forces say nothing of a slope: the track channel's own size stands.
