@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
         formula: "(1 + k) q",
         signature: "loads of the axles by the pitch acceleration, and the curvature where a table asks for it",
         acts_on: &[ActsOn::Sensor],
-        parameters: &[Parameter::amplitude("factor", "", -0.2, 0.5, 0.02)],
+        parameters: &[Parameter::amplitude("factor", "", -0.5, 1.0, 0.02)],
         needs: &[Column::PitchRate],
         looks_like: &["load-sensitivity", "cg-place"],
         decides: "the sled turned about this axis by a known angle",

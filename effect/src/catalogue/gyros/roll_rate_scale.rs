@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
         formula: "(1 + k) p",
         signature: "the roll acceleration at the height of the accelerometer, in its lateral reading",
         acts_on: &[ActsOn::Sensor],
-        parameters: &[Parameter::amplitude("factor", "", -0.2, 0.5, 0.02)],
+        parameters: &[Parameter::amplitude("factor", "", -0.5, 1.0, 0.02)],
         needs: &[Column::RollRate],
         looks_like: &["lever-arm", "load-transfer"],
         decides: "the sled turned about this axis by a known angle",

@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
         formula: "(1 + k) r",
         signature: "the slip that the yaw rate adds at the axles, and the yaw acceleration",
         acts_on: &[ActsOn::Sensor],
-        parameters: &[Parameter::amplitude("factor", "", -0.2, 0.5, 0.02)],
+        parameters: &[Parameter::amplitude("factor", "", -0.5, 1.0, 0.02)],
         needs: &[Column::YawRate],
         looks_like: &["yaw-inertia", "slip-scale", "speed-scale", "lever-arm"],
         decides: "the sled turned by a known angle",

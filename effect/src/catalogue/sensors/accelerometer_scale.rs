@@ -10,9 +10,9 @@ pub static EFFECT: Effect = Effect {
         signature: "the balance of side force and yaw moment (k_y), loads in curves (k_z), drag and friction alike (k_x)",
         acts_on: &[ActsOn::Sensor],
         parameters: &[
-            Parameter::amplitude("x_factor", "", -0.2, 0.2, 0.01),
-            Parameter::amplitude("y_factor", "", -0.2, 0.2, 0.01),
-            Parameter::amplitude("z_factor", "", -0.2, 0.2, 0.01),
+            Parameter::amplitude("x_factor", "", -0.5, 1.0, 0.01),
+            Parameter::amplitude("y_factor", "", -0.5, 1.0, 0.01),
+            Parameter::amplitude("z_factor", "", -0.5, 1.0, 0.01),
         ],
         needs: &[Column::VerticalAcceleration],
         looks_like: &["mass", "yaw-inertia", "load", "load-sensitivity"],

@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
         formula: "(1 + k) v",
         signature: "v^2 in the drag, the slip that turning adds over 1/v, and the derivative of the speed",
         acts_on: &[ActsOn::Sensor],
-        parameters: &[Parameter::amplitude("factor", "", -0.2, 0.2, 0.01)],
+        parameters: &[Parameter::amplitude("factor", "", -0.5, 1.0, 0.01)],
         needs: &[Column::Speed],
         looks_like: &["drag-area", "yaw-rate-scale", "slope", "speed-grip"],
         decides: "the time between two marks on the track",

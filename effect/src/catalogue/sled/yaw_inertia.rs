@@ -11,10 +11,6 @@ pub static EFFECT: Effect = Effect {
         acts_on: &[ActsOn::Sled],
         parameters: &[Parameter::amplitude("factor", "", -0.7, 2.0, 0.05)],
         needs: &[Column::YawRate],
-        // Measured: claimed in 3 of 6 campaigns whose sessions merely differ in grip by 5 %.
-        judged: Judged::NotByRuns(
-            "grip that differs from session to session looks like it within runs",
-        ),
         looks_like: &["mass", "yaw-rate-scale", "lever-arm"],
         decides: "the sled swung on a trifilar suspension",
         source: "the balance of angular momentum about the vertical",

@@ -1,6 +1,6 @@
 //! The ride: speed, course and yaw down a road, stepped once a millisecond.
 
-use super::hidden::{Acts, Hidden};
+use super::hidden::{Acts, Force, Hidden};
 use super::road::{Here, Road};
 use super::runners::{Now, Push, Sled, push};
 use super::walls::Bumper;
@@ -97,25 +97,21 @@ impl Drawn {
     }
 }
 
-/// Distance, offset from the line, heading from the line, speed, course, yaw rate, steering.
-type State = [f64; 7];
+/// Distance, offset from the line, heading from the line, speed, course, yaw rate, steering, and the slips that forces follow.
+type State = [f64; 9];
 
 struct Ride<'a> {
     sled: &'a Sled,
     road: &'a Road,
     plan: &'a Plan,
     hidden: Option<&'a Hidden>,
+    rate_hz: f64,
 }
 
 impl Ride<'_> {
-    /// How the state changes, given how fast speed and course change now.
-    fn slopes(
-        &self,
-        drawn: &Drawn,
-        x: &State,
-        [v_slope, course_slope]: [f64; 2],
-    ) -> (State, Truth) {
-        let [s, _, heading, v, beta, r, steer] = *x;
+    /// How the state changes, given how fast the speed changes now.
+    fn slopes(&self, drawn: &Drawn, x: &State, v_slope: f64) -> (State, Truth) {
+        let [s, _, heading, v, beta, r, steer, followed @ ..] = *x;
         // Half a metre before and behind, for how the frame's turning changes.
         let [last, here, next] = self.road.around(s, 0.5);
         let way = v * (heading + beta).cos();
@@ -144,11 +140,21 @@ impl Ride<'_> {
         let split = here.turn[0] * base + drawn.split;
         let slip = |place: f64| -(vy + r * place).atan2(vx);
         let steer_slope = (self.wish(drawn, x, &here) - steer) / 0.05;
+        let slips = [slip(sled.axle_m[0]) + steer, slip(-sled.axle_m[1])];
+        let behind = self.hidden.map_or(0.0, |h| h.force(Force::Relaxation));
+        let (slip, slip_slopes) = match behind > 0.0 {
+            // dalpha'/dt = v (alpha - alpha')/sigma, no faster than a step can follow.
+            true => {
+                let rate = (v / behind).min(self.rate_hz);
+                let slopes = [0, 1].map(|i| rate * (slips[i] - followed[i]));
+                (followed, slopes)
+            }
+            false => (slips, [0.0; 2]),
+        };
         let now = Now {
             v,
             beta,
-            slip: [slip(sled.axle_m[0]) + steer, slip(-sled.axle_m[1])],
-            slip_rate: [steer_slope - course_slope, -course_slope],
+            slip,
             steer,
             split,
             load: [front, sled.mass_kg * up - front],
@@ -180,6 +186,8 @@ impl Ride<'_> {
             (ay * beta.cos() - ax * beta.sin()) / v - r,
             r_slope,
             steer_slope,
+            slip_slopes[0],
+            slip_slopes[1],
         ];
         let truth = Truth {
             felt: [fx / sled.mass_kg, fy / sled.mass_kg, up],
@@ -265,10 +273,11 @@ impl<'a> Way<'a> {
             road: self.road,
             plan: self.plan,
             hidden,
+            rate_hz: self.rate_hz,
         }
     }
 
-    /// Rides down the road: Heun's predictor and corrector, with the slopes of speed and course of the step before.
+    /// Rides down the road: Heun's predictor and corrector, with the slope of the speed of the step before.
     pub fn ridden(&self, hidden: Option<&Hidden>) -> Vec<Truth> {
         let mut truths = Vec::new();
         self.step(&self.ride(hidden), |_, _, truth| truths.push(truth));
@@ -282,7 +291,7 @@ impl<'a> Way<'a> {
         let is_force = hidden.is_some_and(Hidden::is_force);
         self.step(&self.ride(hidden), |drawn, x, truth| {
             if is_force && truths.len().is_multiple_of(every) {
-                let (_, bare) = without.slopes(drawn, x, [0.0; 2]);
+                let (_, bare) = without.slopes(drawn, x, 0.0);
                 added.push([
                     truth.felt[0] - bare.felt[0],
                     truth.felt[1] - bare.felt[1],
@@ -296,17 +305,18 @@ impl<'a> Way<'a> {
 
     fn step(&self, ride: &Ride, mut each: impl FnMut(&Drawn, &State, Truth)) {
         let h = 1.0 / self.rate_hz;
-        let mut x: State = [0.0, 0.0, 0.0, self.plan.start_mps, 0.0, 0.0, 0.0];
-        let mut slope = [0.8, 0.0];
+        let mut x: State = [0.0; 9];
+        x[3] = self.plan.start_mps;
+        let mut v_slope = 0.8;
         let mut now = Drawn::at(self.plan, 0.0);
         for k in 0..(self.seconds * self.rate_hz) as usize {
             let next = Drawn::at(self.plan, (k + 1) as f64 * h);
-            let (first, truth) = ride.slopes(&now, &x, slope);
+            let (first, truth) = ride.slopes(&now, &x, v_slope);
             each(&now, &x, truth);
             let guess: State = std::array::from_fn(|i| x[i] + h * first[i]);
-            let (second, _) = ride.slopes(&next, &guess, [first[3], first[4]]);
+            let (second, _) = ride.slopes(&next, &guess, first[3]);
             x = std::array::from_fn(|i| x[i] + 0.5 * h * (first[i] + second[i]));
-            slope = [second[3], second[4]];
+            v_slope = second[3];
             now = next;
             if x[0] > self.road.length_m - 10.0 || x[3] < 2.0 {
                 break;
@@ -317,6 +327,7 @@ impl<'a> Way<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::EFFECTS;
     use super::super::road::GRAVITY;
     use super::super::runners::Sled;
     use super::*;
@@ -385,5 +396,58 @@ mod tests {
             s += truth.v / RATE_HZ;
         }
         assert!(agree > 0.0);
+    }
+
+    #[test]
+    fn a_force_with_a_relaxation_length_is_late_by_that_length_over_the_speed() {
+        let source = &mut Source::new(5, "ride");
+        let road = Road::draw("birke", source);
+        let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
+        let effect = *EFFECTS
+            .iter()
+            .find(|e| e.name == "relaxation-length")
+            .unwrap();
+        let hidden = Hidden {
+            effect,
+            size: 0.05,
+            place_m: [0.0; 2],
+            strength: 1.0,
+        };
+        let sled = Sled::published();
+        let (truths, added) = way(&sled, &road, &plan, 10.0).parted(Some(&hidden), 1);
+        // To first order the pushes are those of slips that were there sigma/v before.
+        let slip = |k: usize, place: f64| {
+            let t = &truths[k];
+            -(t.beta.sin() + t.rate[2] * place / t.v).atan2(t.beta.cos())
+        };
+        let slips = |k: usize| {
+            let front = slip(k, sled.axle_m[0]) + truths[k].steer;
+            [front, slip(k, -sled.axle_m[1])]
+        };
+        let half = 0.5 * sled.mass_kg;
+        for of in [0, 1] {
+            let (mut both, mut squares) = (0.0, 0.0);
+            for k in (2000..truths.len() - 20).step_by(7) {
+                let t = &truths[k];
+                let pushed = |slip| {
+                    let now = Now {
+                        v: t.v,
+                        slip,
+                        load: [half * t.felt[2]; 2],
+                        ..Now::default()
+                    };
+                    let push = push(&sled, &now, [1.0; 2], None);
+                    [push.y / sled.mass_kg, push.turn / sled.inertia_kgm2[1]][of]
+                };
+                let (last, now, next) = (slips(k - 10), slips(k), slips(k + 10));
+                let late = hidden.size / t.v / 0.02;
+                let before = std::array::from_fn(|i| now[i] - late * (next[i] - last[i]));
+                let lack = pushed(before) - pushed(now);
+                both += lack * added[k][1 + of];
+                squares += lack * lack;
+            }
+            let share = both / squares;
+            assert!((share - 1.0).abs() < 0.1, "{of} {share}");
+        }
     }
 }

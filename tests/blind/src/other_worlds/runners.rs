@@ -70,10 +70,8 @@ pub struct Now {
     pub v: f64,
     /// Course against the sled's axis, left positive [rad].
     pub beta: f64,
-    /// Slip of both runners [rad].
+    /// Slip of both runners [rad], as their forces follow it.
     pub slip: [f64; 2],
-    /// Rates of the slip [rad/s].
-    pub slip_rate: [f64; 2],
     /// Steering and roll split [rad].
     pub steer: f64,
     /// Roll split [rad].
@@ -124,18 +122,9 @@ pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&
         hold *= 1.0 + of(Force::ProductGrip) * now.v * now.split;
         hold *= 1.0 + of(Force::HumpGrip) * (-((now.v - 22.0) / 3.0).powi(2)).exp();
     }
-    let (relaxed, worn, dragged) = (
-        of(Force::Relaxation),
-        of(Force::LoadGrip),
-        of(Force::SlipDrag),
-    );
+    let (worn, dragged) = (of(Force::LoadGrip), of(Force::SlipDrag));
     let across = |runner: usize, load: f64| {
-        let mut force = side_force(sled.grip[runner], now.slip[runner], load);
-        if relaxed != 0.0 {
-            let step = 1e-5;
-            let ahead = side_force(sled.grip[runner], now.slip[runner] + step, load);
-            force -= relaxed / now.v * ((ahead - force) / step) * now.slip_rate[runner];
-        }
+        let force = side_force(sled.grip[runner], now.slip[runner], load);
         if worn != 0.0 {
             return hold * (load.max(100.0) / 2000.0).powf(worn) * force;
         }

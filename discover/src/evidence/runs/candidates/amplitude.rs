@@ -1,6 +1,6 @@
 //! How an amplitude of an effect acts on a sled.
 
-use kufe_sled::effects::{Active, Channel, Judged, Kind, Level};
+use kufe_sled::effects::{Active, Channel, Effect, Judged, Kind, Level, Reading};
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
@@ -29,6 +29,12 @@ impl Amplitude {
             Kind::Catalogue(effect) => effect.moves_signals(),
             Kind::Custom(own) => matches!(own.channel, Channel::Sensor(_)),
         }
+    }
+
+    /// Whether it is a channel that is late.
+    pub fn is_delay(&self) -> bool {
+        let late = |effect: &Effect| effect.on_sensors.iter().any(|f| f.reading == Reading::Late);
+        matches!(&self.kind, Kind::Catalogue(effect) if late(effect))
     }
 }
 

@@ -35,16 +35,9 @@ impl Campaign<'_> {
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
         /// A deviation known to a tenth.
         const ENOUGH: f64 = 1.1;
-        let stated = Installation::new(&self.model.tolerances.unwrap_or_default());
-        if stated.fitted() == 0 {
+        let Some((plain, stated, products)) = self.installable(fit)? else {
             return Ok(fit.clone());
-        }
-        let without = ResidualModel {
-            installation: stated.clone(),
-            ..fit.residual_model.clone()
         };
-        let plain = self.least_squares(&without, fit.owners.clone())?;
-        let products = self.part_products(&plain);
         let next = self.installed_as(&plain, stated.clone(), &products)?;
         let found = &next.residual_model.installation;
         let wider = spread_of_delays(found, &products.beyond).sqrt();
@@ -52,6 +45,35 @@ impl Campaign<'_> {
             true => Ok(next),
             false => self.installed_as(&plain, stated.with_delays(wider), &products),
         }
+    }
+
+    /// The same with delays no further apart than is stated.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn installed_as_stated(&self, fit: &RunFit) -> Result<RunFit, Error> {
+        match self.installable(fit)? {
+            Some((plain, stated, products)) => self.installed_as(&plain, stated, &products),
+            None => Ok(fit.clone()),
+        }
+    }
+
+    /// The fit without an installation, the stated one, and the products of its parts; nothing where none is stated.
+    fn installable(
+        &self,
+        fit: &RunFit,
+    ) -> Result<Option<(RunFit, Installation, PartProducts)>, Error> {
+        let stated = Installation::new(&self.model.tolerances.unwrap_or_default());
+        if stated.fitted() == 0 {
+            return Ok(None);
+        }
+        let without = ResidualModel {
+            installation: stated.clone(),
+            ..fit.residual_model.clone()
+        };
+        let plain = self.least_squares(&without, fit.owners.clone())?;
+        let products = self.part_products(&plain);
+        Ok(Some((plain, stated, products)))
     }
 
     /// Products beside a fit with an installation of which nothing is found.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
@@ -130,11 +131,45 @@ impl Campaign<'_> {
         self.training.iter().zip(&all).map(of_run).collect()
     }
 
+    /// A candidate fitted from the given base, nothing found of the installation, where that leaves no more than `beat`.
+    pub fn refitted_bare(
+        &self,
+        at: &Current,
+        candidate: Option<(&Candidate<Amplitude>, f64)>,
+        beat: f64,
+    ) -> Option<Refit> {
+        let bare = ResidualModel {
+            base: self.given.base,
+            installation: Installation::default(),
+            ..at.residual_model.clone()
+        };
+        let Some((candidate, size)) = candidate else {
+            return self.fitted_as_it_is(&bare, Effort::COMPARED, beat);
+        };
+        let from = 0.01 * candidate.typical.copysign(size);
+        let with = bare.with(candidate.active(from));
+        let refit = self.fitted_as_it_is(&with, Effort::COMPARED, beat)?;
+        (refit.misfit <= beat).then(|| refit.sized(candidate))?
+    }
+
     /// A refit beside which what the installation is off by is found anew, to be judged by [`misfit_by_run`](Self::misfit_by_run) (its own
     /// misfit and size are those of before); nothing where that cannot be fitted.
     pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
+        self.installed_by(refit, |fit| self.installed(fit))
+    }
+
+    /// The same with delays no further apart than is stated.
+    pub fn installed_with_stated_clocks(&self, refit: &Refit) -> Option<Refit> {
+        self.installed_by(refit, |fit| self.installed_as_stated(fit))
+    }
+
+    fn installed_by(
+        &self,
+        refit: &Refit,
+        find: impl Fn(&RunFit) -> Result<RunFit, Error>,
+    ) -> Option<Refit> {
         let fit = RunFit::new(refit.model.clone(), refit.whitener.clone(), Vec::new());
-        let found = self.installed(&fit).ok()?;
+        let found = find(&fit).ok()?;
         Some(Refit {
             model: found.residual_model,
             whitener: found.whitener,

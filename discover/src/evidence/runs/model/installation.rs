@@ -187,6 +187,11 @@ impl Installation {
         self.sizes.iter().any(|size| size.abs() > deviations)
     }
 
+    /// Whether the clocks of the channels were found to lie further apart than is stated.
+    pub fn has_own_clocks(&self) -> bool {
+        self.parts.iter().any(|part| part.sd > part.stated)
+    }
+
     /// The same with such parts as they are stated.
     pub fn within(&self, deviations: f64) -> Self {
         let mut within = self.clone();
@@ -218,6 +223,17 @@ impl Installation {
                 .collect(),
             ..self.clone()
         }
+    }
+
+    /// The same with delays as they are stated, nothing found of them.
+    pub fn with_stated_clocks(&self) -> Self {
+        let mut stated = self.clone();
+        for (part, size) in stated.parts.iter_mut().zip(&mut stated.sizes) {
+            if part.sd > part.stated {
+                (part.sd, *size) = (part.stated, 0.0);
+            }
+        }
+        stated
     }
 
     /// The same with delays of another deviation, nothing found yet.

@@ -45,8 +45,13 @@ impl Campaign<'_> {
                 false => Some(model.clone()),
             }
         };
-        let before = model(from)?;
-        let lowered = self.lowered_between(&before, &model(to)?, to.told.as_ref())?;
+        let mut before = model(from)?;
+        let after = model(to)?;
+        // What clocks of their own stood for is judged beside clocks as they are stated.
+        if before.installation.has_own_clocks() && !after.installation.has_own_clocks() {
+            before = self.with_stated_clocks(&before)?;
+        }
+        let lowered = self.lowered_between(&before, &after, to.told.as_ref())?;
         Some(Lowered {
             tolerated: self.tolerated(&before),
             ..lowered

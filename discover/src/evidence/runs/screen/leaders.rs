@@ -7,6 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::finding::report::Rival;
@@ -15,13 +16,15 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Claim;
 
 /// A candidate with what its full refit explains.
-struct Leader<'a> {
-    candidate: &'a Candidate<Amplitude>,
+pub struct Leader<'a> {
+    /// The candidate.
+    pub candidate: &'a Candidate<Amplitude>,
     /// Its place in the screen.
-    at: usize,
-    refit: Arc<Refit>,
-    /// By run.
-    gains: Vec<f64>,
+    pub at: usize,
+    /// Its refit.
+    pub refit: Arc<Refit>,
+    /// What it explains, by run.
+    pub gains: Vec<f64>,
 }
 
 impl Campaign<'_> {
@@ -51,7 +54,13 @@ impl Campaign<'_> {
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
         let strange = self.is_beyond_belief(at.residual_model);
-        if no_model || self.least_p() > options.alpha || !(strange || self.is_large(at, most)) {
+        if no_model || self.least_p() > options.alpha {
+            return None;
+        }
+        if let Some(found) = self.instead_of_clocks(at, screen, regular, options) {
+            return Some(found);
+        }
+        if !(strange || self.is_large(at, most)) {
             return None;
         }
         let without = self.refitted_alone(at)?;
@@ -116,7 +125,7 @@ impl Campaign<'_> {
     }
 
     /// What a refit explains of what is left without it, by run, in units of the noise's variance.
-    fn gains(&self, refit: &Refit, bare: &[f64]) -> Vec<f64> {
+    pub fn gains(&self, refit: &Refit, bare: &[f64]) -> Vec<f64> {
         let with = self.misfit_by_run(refit);
         bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect()
     }
@@ -129,15 +138,29 @@ impl Campaign<'_> {
 
     /// A model whose installation is off by what its tolerances can mean and no more, its base refitted beside that.
     pub fn within_belief(&self, model: &ResidualModel) -> Option<ResidualModel> {
-        let within = ResidualModel {
-            installation: model.installation.within(self.rules().belief),
+        self.refitted_beside_installation(model, model.installation.within(self.rules().belief))
+    }
+
+    /// A model with clocks as they are stated, its base refitted beside that.
+    pub fn with_stated_clocks(&self, model: &ResidualModel) -> Option<ResidualModel> {
+        self.refitted_beside_installation(model, model.installation.with_stated_clocks())
+    }
+
+    fn refitted_beside_installation(
+        &self,
+        model: &ResidualModel,
+        installation: Installation,
+    ) -> Option<ResidualModel> {
+        let beside = ResidualModel {
+            installation,
             ..model.clone()
         };
-        let fit = self.least_squares(&within, Vec::new()).ok()?;
+        let fit = self.least_squares(&beside, Vec::new()).ok()?;
         Some(fit.residual_model)
     }
 
-    fn claim_of(
+    /// The best of some leaders, claimed: those that explain no less are its class.
+    pub fn claim_of(
         &self,
         at: &Current,
         screen: &RunScreen,
