@@ -3,8 +3,9 @@
 use super::files::{model_file, run_file, track_file};
 use super::gauge::{Gauge, Start};
 use super::hidden::{Acts, Effect, Hidden};
+use super::plan::Plan;
 use super::recorder::Recorder;
-use super::ride::{Plan, RATE_HZ, Way};
+use super::ride::{RATE_HZ, Way};
 use super::road::Road;
 use super::runners::Sled;
 use super::walls::Walls;

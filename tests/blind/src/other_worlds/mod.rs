@@ -33,6 +33,7 @@ mod effects;
 mod files;
 mod gauge;
 mod hidden;
+mod plan;
 mod recorder;
 mod ride;
 mod road;

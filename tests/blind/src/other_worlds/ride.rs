@@ -1,62 +1,12 @@
 //! The ride: speed, course and yaw down a road, stepped once a millisecond.
 
 use super::hidden::{Acts, Force, Hidden};
+use super::plan::Plan;
 use super::road::{Here, Road};
 use super::runners::{Now, Push, Sled, push};
-use super::walls::Bumper;
-use crate::world::noise::{Smooth, Source};
 
 /// Steps a second of what is recorded.
 pub const RATE_HZ: f64 = 1000.0;
-
-/// What is drawn for one run before it starts.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// Speed at the start [m/s].
-    pub start_mps: f64,
-    /// Steering besides the line's [rad] over time.
-    pub steer: Smooth,
-    /// The driver's own line, left positive [m] over distance.
-    pub line: Smooth,
-    /// Roll split besides the road's twist [rad] over time.
-    pub split: Smooth,
-    /// Roll and pitch rate of a rough surface [rad/s] over time.
-    pub rough: [Smooth; 2],
-    /// Factors on friction and grip.
-    pub factors: [f64; 2],
-    /// A wall of this run: from, to [m], force [N].
-    pub wall: Option<[f64; 3]>,
-    /// What the bumper meets in this run.
-    pub bumps: Vec<Bumper>,
-    /// Ice temperature [deg C].
-    pub ice_c: f64,
-    /// Air density [kg/m3].
-    pub air: f64,
-    /// Whether a way up the bank costs height.
-    pub climbs: bool,
-}
-
-impl Plan {
-    /// Draws the run's own steering and roughness; the rest is the campaign's.
-    pub fn draw(line_m: f64, driver: &mut Source, source: &mut Source) -> Plan {
-        Plan {
-            start_mps: 12.0 + 0.5 * source.normal(),
-            steer: Smooth::new(0.006, 0.2, 1.5, source),
-            line: Smooth::new(line_m, 0.004, 0.012, driver),
-            split: Smooth::new(0.010, 0.2, 2.0, source),
-            rough: [
-                Smooth::new(0.05, 0.3, 2.0, source),
-                Smooth::new(0.02, 0.3, 2.5, source),
-            ],
-            factors: [1.0; 2],
-            wall: None,
-            bumps: Vec::new(),
-            ice_c: -6.0,
-            air: 1.25,
-            climbs: line_m > 0.0,
-        }
-    }
-}
 
 /// One millisecond of truth.
 #[derive(Debug, Clone, Copy, Default)]
@@ -327,10 +277,10 @@ impl<'a> Way<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::EFFECTS;
     use super::super::road::GRAVITY;
     use super::super::runners::Sled;
     use super::*;
+    use crate::world::noise::Source;
 
     fn way<'a>(sled: &'a Sled, road: &'a Road, plan: &'a Plan, seconds: f64) -> Way<'a> {
         Way {
@@ -396,58 +346,5 @@ mod tests {
             s += truth.v / RATE_HZ;
         }
         assert!(agree > 0.0);
-    }
-
-    #[test]
-    fn a_force_with_a_relaxation_length_is_late_by_that_length_over_the_speed() {
-        let source = &mut Source::new(5, "ride");
-        let road = Road::draw("birke", source);
-        let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
-        let effect = *EFFECTS
-            .iter()
-            .find(|e| e.name == "relaxation-length")
-            .unwrap();
-        let hidden = Hidden {
-            effect,
-            size: 0.05,
-            place_m: [0.0; 2],
-            strength: 1.0,
-        };
-        let sled = Sled::published();
-        let (truths, added) = way(&sled, &road, &plan, 10.0).parted(Some(&hidden), 1);
-        // To first order the pushes are those of slips that were there sigma/v before.
-        let slip = |k: usize, place: f64| {
-            let t = &truths[k];
-            -(t.beta.sin() + t.rate[2] * place / t.v).atan2(t.beta.cos())
-        };
-        let slips = |k: usize| {
-            let front = slip(k, sled.axle_m[0]) + truths[k].steer;
-            [front, slip(k, -sled.axle_m[1])]
-        };
-        let half = 0.5 * sled.mass_kg;
-        for of in [0, 1] {
-            let (mut both, mut squares) = (0.0, 0.0);
-            for k in (2000..truths.len() - 20).step_by(7) {
-                let t = &truths[k];
-                let pushed = |slip| {
-                    let now = Now {
-                        v: t.v,
-                        slip,
-                        load: [half * t.felt[2]; 2],
-                        ..Now::default()
-                    };
-                    let push = push(&sled, &now, [1.0; 2], None);
-                    [push.y / sled.mass_kg, push.turn / sled.inertia_kgm2[1]][of]
-                };
-                let (last, now, next) = (slips(k - 10), slips(k), slips(k + 10));
-                let late = hidden.size / t.v / 0.02;
-                let before = std::array::from_fn(|i| now[i] - late * (next[i] - last[i]));
-                let lack = pushed(before) - pushed(now);
-                both += lack * added[k][1 + of];
-                squares += lack * lack;
-            }
-            let share = both / squares;
-            assert!((share - 1.0).abs() < 0.1, "{of} {share}");
-        }
     }
 }

@@ -166,3 +166,73 @@ pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&
         turn: sled.axle_m[0] * front[1] - sled.axle_m[1] * rear[1],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::other_worlds::EFFECTS;
+    use crate::other_worlds::plan::Plan;
+    use crate::other_worlds::ride::{RATE_HZ, Way};
+    use crate::other_worlds::road::Road;
+    use crate::world::noise::Source;
+
+    #[test]
+    fn a_force_with_a_relaxation_length_is_late_by_that_length_over_the_speed() {
+        let source = &mut Source::new(5, "ride");
+        let road = Road::draw("birke", source);
+        let plan = Plan::draw(0.0, &mut Source::new(6, "driver"), source);
+        let effect = *EFFECTS
+            .iter()
+            .find(|e| e.name == "relaxation-length")
+            .unwrap();
+        let hidden = Hidden {
+            effect,
+            size: 0.05,
+            place_m: [0.0; 2],
+            strength: 1.0,
+        };
+        let sled = Sled::published();
+        let way = Way {
+            sled: &sled,
+            road: &road,
+            plan: &plan,
+            rate_hz: RATE_HZ,
+            seconds: 10.0,
+        };
+        let (truths, added) = way.parted(Some(&hidden), 1);
+        // To first order the pushes are those of slips that were there sigma/v before.
+        let slip = |k: usize, place: f64| {
+            let t = &truths[k];
+            -(t.beta.sin() + t.rate[2] * place / t.v).atan2(t.beta.cos())
+        };
+        let slips = |k: usize| {
+            let front = slip(k, sled.axle_m[0]) + truths[k].steer;
+            [front, slip(k, -sled.axle_m[1])]
+        };
+        let half = 0.5 * sled.mass_kg;
+        for of in [0, 1] {
+            let (mut both, mut squares) = (0.0, 0.0);
+            for k in (2000..truths.len() - 20).step_by(7) {
+                let t = &truths[k];
+                let pushed = |slip| {
+                    let now = Now {
+                        v: t.v,
+                        slip,
+                        load: [half * t.felt[2]; 2],
+                        ..Now::default()
+                    };
+                    let push = push(&sled, &now, [1.0; 2], None);
+                    [push.y / sled.mass_kg, push.turn / sled.inertia_kgm2[1]][of]
+                };
+                let (last, now, next) = (slips(k - 10), slips(k), slips(k + 10));
+                let late = hidden.size / t.v / 0.02;
+                let before = std::array::from_fn(|i| now[i] - late * (next[i] - last[i]));
+                let lack = pushed(before) - pushed(now);
+                both += lack * added[k][1 + of];
+                squares += lack * lack;
+            }
+            let share = both / squares;
+            assert!((share - 1.0).abs() < 0.1, "{of} {share}");
+        }
+    }
+}

@@ -87,14 +87,17 @@ impl Campaign<'_> {
             .held
             .par_iter()
             .map(|frame| {
-                let frame = &*without_pushes(frame);
+                let few = without_pushes(frame);
+                // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
+                let frame = &few.at_every_sample();
+                let share = few.row_count() as f64 / frame.row_count().max(1) as f64;
                 let mut rows = whitened(&before.residuals(frame), &whitener);
                 let mut left = whitened(&after.residuals(frame), &whitener);
                 // A model that counts less of what was measured leaves less, and explains nothing by it.
                 let [gains, of_after] = [before, after].map(|model| log_noise_of(model, frame));
                 for (rows, (after, before)) in left.iter_mut().zip(of_after.iter().zip(&gains)) {
-                    let share = (before - after).exp();
-                    rows.iter_mut().for_each(|r| *r *= share);
+                    let gain = (before - after).exp();
+                    rows.iter_mut().for_each(|r| *r *= gain);
                 }
                 if let Some(Told {
                     candidate, size, ..
@@ -124,10 +127,11 @@ impl Campaign<'_> {
                         }
                     }
                 }
-                (
-                    falls(&rows, &left, rules.piece_rows),
-                    repeating(placed(frame, &rows, rules.place_m), &means),
-                )
+                let repeat = repeating(placed(frame, &rows, rules.place_m), &means);
+                let rows_of_piece = (rules.piece_rows as f64 / share) as usize;
+                let mut falls = falls(&rows, &left, rows_of_piece.max(1));
+                falls.iter_mut().for_each(|fall| *fall *= share);
+                (falls, share * repeat)
             })
             .collect();
         let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();

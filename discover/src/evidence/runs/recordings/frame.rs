@@ -144,6 +144,14 @@ impl Frame {
         self.centres.len()
     }
 
+    /// The same with a row at every sample: a sum of squares of such rows does not change with where they begin.
+    pub fn at_every_sample(&self) -> Self {
+        let mut dense = self.clone();
+        dense.sieve.stride = 1;
+        dense.centres = dense.sieve.clear_centres(&dense.taking_part);
+        dense
+    }
+
     /// The samples `from..to` alone.
     pub fn piece(&self, from: usize, to: usize) -> Self {
         let mut piece = self.clone();

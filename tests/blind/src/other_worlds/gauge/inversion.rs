@@ -1,7 +1,7 @@
 //! Runs of these worlds as the inversion takes them.
 
+use crate::other_worlds::plan::Plan;
 use crate::other_worlds::recorder::{ROWS_HZ, Row};
-use crate::other_worlds::ride::Plan;
 use crate::other_worlds::runners::Sled;
 use crate::residuals::inverse::Residual;
 use crate::world::sensors::Sample;

@@ -3,8 +3,9 @@
 use super::installation::{BASE, SLEDS, faults, faulty};
 use super::inversion::{Balances, balances, conditions, minus, samples, stated};
 use crate::other_worlds::hidden::{Acts, Hidden};
+use crate::other_worlds::plan::Plan;
 use crate::other_worlds::recorder::{ROWS_HZ, Recorder, Row};
-use crate::other_worlds::ride::{Plan, Truth, Way};
+use crate::other_worlds::ride::{Truth, Way};
 use crate::other_worlds::road::Road;
 use crate::other_worlds::runners::Sled;
 use crate::other_worlds::wrong::{Fault, Wrong};
