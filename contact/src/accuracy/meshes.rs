@@ -173,6 +173,10 @@ impl<'a> Meshes<'a> {
         };
         self.solved
             .push(pressure.figures, place, cells, self.graded_anew);
+        if self.options.subsurface {
+            let largest = mesh.largest_shear(self.material, &pressure.values, &state);
+            self.solved.push_under(largest, cells, self.graded_anew);
+        }
         Ok(Contact {
             mesh,
             state,
@@ -274,6 +278,7 @@ impl<'a> Meshes<'a> {
     /// The solution that the last mesh and the limit of all make.
     pub fn solution(self, contact: Contact, limits: Limits) -> Solution {
         let beside = self.solved.beside();
+        let under_peak = self.solved.under_peak();
         let solution = Answer {
             problem: self.problem,
             gap: &self.gap,
@@ -290,6 +295,7 @@ impl<'a> Meshes<'a> {
             approach_error: beside.approach_error,
             pitch_error,
             roll_error,
+            under_peak,
             ..solution
         }
     }
