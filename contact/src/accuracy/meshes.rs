@@ -25,7 +25,7 @@ use crate::result::pressure::{Field, Pressure};
 use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
 /// How often a mesh is graded anew; each time its cells may become three times smaller.
-pub(super) const REGRADINGS: usize = 6;
+pub(crate) const REGRADINGS: usize = 6;
 
 /// How often places of contact may be found late; each time all that are seen.
 const WIDENINGS: usize = 4;
@@ -58,7 +58,7 @@ pub(crate) struct Meshes<'a> {
     pub(super) solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     pub(super) graded_anew: bool,
-    pub(super) regraded: usize,
+    pub(crate) regraded: usize,
     /// The patches with places that were found late, each solved at least once.
     pub(super) widened: Vec<Patch>,
     history: Vec<Iterate>,
