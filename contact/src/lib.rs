@@ -98,7 +98,8 @@ pub use problem::runner::{ElasticRunner, Runner};
 pub use problem::runner_solid::RunnerSolid;
 pub use reference::hertz::{Hertz, hertz};
 pub use reference::rigid_plastic::{RigidPlastic, rigid_plastic};
-pub use result::centre_line::{CentreLine, LargestShear, centre_line};
+pub use result::centre_line::{CentreLine, LargestShear, UnderPeak};
+pub use result::column_stress::centre_line;
 pub use result::runner_loads::{MountForce, RunnerLoads, runner_loads};
 pub use result::solution::{
     AssembledBody, Iterate, RunnerField, Solution, SurfaceField, VolumeField,

@@ -7,7 +7,7 @@ use crate::Iterate;
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so that results kept on disk
 /// by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 12;
+pub const NUMERICS: u32 = 13;
 
 /// The way to the solution of one mesh's equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +54,8 @@ pub struct Options {
     pub stiffness: StiffnessForm,
     /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together [bytes].
     pub max_stiffness_bytes: u64,
+    /// Whether the shear under the peak pressure is followed over the meshes: [`Solution::under_peak`](crate::Solution::under_peak).
+    pub subsurface: bool,
     /// Where given, the equations of a rigid runner's contact are solved on this graphics processor, to the same residual.
     #[cfg(feature = "gpu")]
     pub device: Option<Arc<kufe_fem::gpu::Device>>,
@@ -84,6 +86,7 @@ impl Default for Options {
             method: Method::Accelerated,
             stiffness: StiffnessForm::MatrixFree,
             max_stiffness_bytes: 4_000_000_000,
+            subsurface: false,
             #[cfg(feature = "gpu")]
             device: None,
             progress: None,

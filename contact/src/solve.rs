@@ -22,31 +22,32 @@ use crate::{Error, Load, Options, Problem, Solution};
 /// the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to wake up.
-    rayon::scope(|_| {
-        let mut meshes = Meshes::guess(problem, options)?;
-        loop {
-            let contact = meshes.solve_next()?;
-            match meshes.judge(&contact) {
-                Verdict::Reached(limits) => {
-                    let solution = meshes.solution(contact, limits);
-                    return answered(problem, held(solution, options)?);
-                }
-                Verdict::Refine(plan) => meshes.refine(contact, plan),
-                Verdict::Widen(found) => meshes.widen(&contact, &found)?,
-                Verdict::OutOfReach(limits) => {
-                    let (best, Estimate { relative, finest }) =
-                        meshes.out_of_reach(contact, limits);
-                    return Err(Error::AccuracyNotReached {
-                        dofs: best.dofs,
-                        estimate: relative,
-                        tolerance: options.p_max_tolerance,
-                        finest,
-                        best: Box::new(answered(problem, held(best, options)?)?),
-                    });
-                }
+    rayon::scope(|_| refined(problem, options, Meshes::guess(problem, options)?))
+}
+
+/// Solves mesh after mesh, from what is known of the problem.
+fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<Solution, Error> {
+    loop {
+        let contact = meshes.solve_next()?;
+        match meshes.judge(&contact) {
+            Verdict::Reached(limits) => {
+                let solution = meshes.solution(contact, limits);
+                return answered(problem, held(solution, options)?);
+            }
+            Verdict::Refine(plan) => meshes.refine(contact, plan),
+            Verdict::Widen(found) => meshes.widen(&contact, &found)?,
+            Verdict::OutOfReach(limits) => {
+                let (best, Estimate { relative, finest }) = meshes.out_of_reach(contact, limits);
+                return Err(Error::AccuracyNotReached {
+                    dofs: best.dofs,
+                    estimate: relative,
+                    tolerance: options.p_max_tolerance,
+                    finest,
+                    best: Box::new(answered(problem, held(best, options)?)?),
+                });
             }
         }
-    })
+    }
 }
 
 /// Checks a problem as far as that goes without solving it.
@@ -130,8 +131,10 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accuracy::meshes::REGRADINGS;
+    use crate::grid::patch::COARSE;
     use crate::{Ice, Runner, Tilt};
-    use kufe_mesh::Paraboloid;
+    use kufe_mesh::{BobRunner, Paraboloid, Rocker, Section};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -155,6 +158,44 @@ mod tests {
             ..options
         };
         assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
+        Ok(())
+    }
+
+    /// A runner that is worn flat, with hardly rounded rims where its pressure peaks.
+    fn worn() -> Result<Problem, Box<dyn std::error::Error>> {
+        let bob = BobRunner::default();
+        let section = Section::arc(0.005, bob.width)?.worn(2e-6, 0.05)?;
+        let hull = Rocker::arc(30.0).and_then(|rocker| bob.swept_with(rocker, section))?;
+        let ice = Ice::half_space(9e9, 0.33);
+        let runner = Runner::rigid(Arc::new(hull));
+        Ok(Problem::new(runner, ice, Load::central(1000.0, Tilt::Free)))
+    }
+
+    #[test]
+    fn meshes_that_agree_and_are_too_coarse_where_the_pressure_peaks_are_refused_once_no_grading_is_left()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let problem = worn()?;
+        let options = Options {
+            p_max_tolerance: 0.1,
+            ..Options::default()
+        };
+        let graded = solve(&problem, &options)?;
+        let mut meshes = Meshes::guess(&problem, &options)?;
+        meshes.regraded = REGRADINGS;
+        let Err(Error::AccuracyNotReached {
+            estimate,
+            finest,
+            best,
+            ..
+        }) = refined(&problem, &options, meshes)
+        else {
+            return Err("meshes without a grading were taken for an answer".into());
+        };
+        // The meshes agree to what was asked, and on a wrong peak.
+        assert!(estimate <= options.p_max_tolerance, "{estimate}");
+        assert!(finest < COARSE, "{finest}");
+        let off = (best.p_max / graded.p_max - 1.0).abs();
+        assert!(off > options.p_max_tolerance, "{off}");
         Ok(())
     }
 

@@ -14,8 +14,9 @@
 //! | [`Watch`] | who is told of progress and warnings, and may stop the job |
 //!
 //! ```
+//! use kufe_contact::Options;
 //! use kufe_jobs::{Watch, case_file::LoadedCase, press};
-//! let pressed = press(LoadedCase::example()?, &Watch::default(), None)?;
+//! let pressed = press(LoadedCase::example()?, &Watch::default(), Options::default())?;
 //! assert!((pressed.solution.p_max / 138.5e6 - 1.0).abs() < 0.01);
 //! # Ok::<(), kufe_jobs::Failure>(())
 //! ```

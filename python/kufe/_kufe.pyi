@@ -79,6 +79,14 @@ class Contact:
     @property
     def fz_n(self) -> float: ...
     @property
+    def max_shear_pa(self) -> float | None: ...
+    @property
+    def max_shear_error_pa(self) -> float | None: ...
+    @property
+    def max_shear_depth_m(self) -> float | None: ...
+    @property
+    def max_shear_depth_error_m(self) -> float | None: ...
+    @property
     def x_m(self) -> NDArray[np.float64]: ...
     @property
     def y_m(self) -> NDArray[np.float64]: ...
@@ -205,7 +213,11 @@ class Discovery:
     def html(self) -> str: ...
 
 def press(
-    case: Case | _Path, *, accuracy: float | None = None, progress: _Progress = None
+    case: Case | _Path,
+    *,
+    accuracy: float | None = None,
+    subsurface: bool = False,
+    progress: _Progress = None,
 ) -> Contact:
     """Solve one contact problem."""
 

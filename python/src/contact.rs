@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kufe_contact::{Iterate, Watcher};
+use kufe_contact::{Iterate, Options, Watcher};
 use kufe_jobs::{Pressed, case_file::LoadedCase, progress_line};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -116,17 +116,22 @@ pub struct Contact {
 /// Solves one contact problem.
 ///
 /// `case` is a `Case` or the path of one; `accuracy` replaces its `accuracy.p_max`, the relative discretisation
-/// error asked of the peak pressure; `progress` is called with a line of text on every update of the contact set.
+/// error asked of the peak pressure; `subsurface` follows the shear under the peak; `progress` is called with a text on every update of the contact set.
 #[pyfunction]
-#[pyo3(signature = (case, *, accuracy = None, progress = None))]
+#[pyo3(signature = (case, *, accuracy = None, subsurface = false, progress = None))]
 pub fn press(
     py: Python<'_>,
     case: &Bound<'_, PyAny>,
     accuracy: Option<f64>,
+    subsurface: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
     let keys: Vec<(&str, toml::Value)> = accuracy.map(asked).into_iter().collect();
-    solved(py, replaced(case, &keys)?, progress)
+    let options = Options {
+        subsurface,
+        ..Options::default()
+    };
+    solved(py, replaced(case, &keys)?, options, progress)
 }
 
 /// Solves steady sliding on ice that yields: the groove that the runner ploughs and the melt film in it.
@@ -148,7 +153,7 @@ pub fn slide(
         ("sliding.ice_c", ice_c.into()),
     ];
     keys.extend(accuracy.map(asked));
-    solved(py, replaced(case, &keys)?, progress)
+    solved(py, replaced(case, &keys)?, Options::default(), progress)
 }
 
 fn asked(accuracy: f64) -> (&'static str, toml::Value) {
@@ -175,6 +180,7 @@ fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<L
 fn solved(
     py: Python<'_>,
     loaded: LoadedCase,
+    options: Options,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
     let (watched, asked) = (progress.is_some(), loaded.case.accuracy.p_max);
@@ -182,7 +188,11 @@ fn solved(
         let watcher: Option<Watcher> = watched.then(|| -> Watcher {
             Arc::new(move |state: &Iterate| teller.progress(progress_line(state, asked)))
         });
-        kufe_jobs::press(loaded, watch, watcher)
+        let options = Options {
+            progress: watcher,
+            ..options
+        };
+        kufe_jobs::press(loaded, watch, options)
     })?;
     let pressed = worked.value.map_err(raised)?;
     Ok(Contact { pressed })
@@ -290,6 +300,30 @@ impl Contact {
     #[getter]
     fn fz_n(&self) -> f64 {
         self.pressed.solution.fz
+    }
+
+    /// Largest shear stress in the ice under the peak; `None` where it was not asked for or does not lie under the surface [Pa].
+    #[getter]
+    fn max_shear_pa(&self) -> Option<f64> {
+        self.pressed.solution.under_peak.map(|u| u.shear)
+    }
+
+    /// Error of the largest shear stress [Pa].
+    #[getter]
+    fn max_shear_error_pa(&self) -> Option<f64> {
+        self.pressed.solution.under_peak.map(|u| u.shear_error)
+    }
+
+    /// Depth of the largest shear stress [m].
+    #[getter]
+    fn max_shear_depth_m(&self) -> Option<f64> {
+        self.pressed.solution.under_peak.map(|u| u.depth)
+    }
+
+    /// Error of the depth of the largest shear stress [m].
+    #[getter]
+    fn max_shear_depth_error_m(&self) -> Option<f64> {
+        self.pressed.solution.under_peak.map(|u| u.depth_error)
     }
 
     /// Node coordinates along the runner, increasing [m].

@@ -36,6 +36,19 @@ def test_the_peak_is_hertz_within_the_accuracy_asked():
         assert 0 < error < 0.1 * getattr(contact, key)
 
 
+def test_the_largest_shear_under_the_peak_is_hertzs_within_its_error():
+    case = kufe.Case(PARABOLOID)
+    assert kufe.press(case).max_shear_pa is None
+    contact = kufe.press(case, subsurface=True)
+    # Of a line contact, as good as this one (K. L. Johnson, Contact Mechanics, section 4.1).
+    error = contact.max_shear_error_pa
+    assert abs(contact.max_shear_pa - 0.300 * HERTZ_PA) < error < 0.03 * contact.max_shear_pa
+    depth, error = contact.max_shear_depth_m, contact.max_shear_depth_error_m
+    half = 0.5 * contact.width_m
+    assert abs(depth - 0.786 * half) < error + 0.4 * contact.width_error_m
+    assert contact.result["subsurface"]["max_shear_error_pa"] == contact.max_shear_error_pa
+
+
 def test_the_pressure_field_carries_the_load():
     contact = kufe.press(kufe.Case(PARABOLOID))
     pressure = contact.pressure_pa

@@ -132,6 +132,13 @@ function mountsOf(mounts) {
   ];
 }
 
+/** The stress under the peak, where it was asked for. */
+function shearOf(under) {
+  if (!Number.isFinite(under?.max_shear_pa)) return [];
+  const depth = `${metres(under.max_shear_depth_m)} under the peak${within(1e3 * under.max_shear_depth_error_m, "mm")}`;
+  return [[`${figure(1e-6 * under.max_shear_pa)} MPa`, `largest shear${within(1e-6 * under.max_shear_error_pa, "MPa")}, ${depth}`]];
+}
+
 /** What an elastic runner adds to the headline. */
 function steelOf(result) {
   if (!Number.isFinite(result.runner_von_mises_max_pa)) return [];
@@ -150,7 +157,8 @@ function headlineOf(result, parts) {
     [`${figure(1e6 * result.area_m2)} mm\u00b2`, `contact area${within(1e6 * result.area_error_m2, "mm\u00b2")}`],
     [metres(result.approach_m, 4), `approach${within(1e6 * result.approach_error_m, "\u00b5m")}`],
     [`${figure(result.fz_n)} N`, "normal force"],
-    [`${angle(result.pitch_rad)}, ${angle(result.roll_rad)} mrad`, "pitch, roll"],
+    [`${angle(result.pitch_rad)}, ${angle(result.roll_rad)} mrad`, `pitch${within(1e3 * result.pitch_error_rad, "mrad")}, roll${within(1e3 * result.roll_error_rad, "mrad")}`],
+    ...shearOf(result.subsurface),
     ...steelOf(result),
     ...slidingOf(result),
     [`${figure(result.seconds, 3)} s`, `${result.dofs} unknowns, ${result.iterations} iterations`],

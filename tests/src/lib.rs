@@ -3,3 +3,4 @@
 pub mod contact;
 pub mod coverage;
 pub mod meshes;
+pub mod under_peak;

@@ -11,7 +11,7 @@ use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::press::args::Args;
 use crate::press::held::{contact_files, no_series};
-use crate::press::{device, files, series, solved, summary};
+use crate::press::{device, files, series, summary};
 
 /// Solves the case and writes its files, all or none.
 ///
@@ -23,7 +23,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(path) => LoadedCase::read(path)?,
         None => LoadedCase::example()?,
     };
-    let options = device::options(args.gpu, global)?;
+    let options = Options {
+        subsurface: args.subsurface,
+        ..device::options(args.gpu, global)?
+    };
     if args.lists.is_series() {
         return series::run(args, &loaded, global, &options);
     }
@@ -48,8 +51,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let pressed = press_with(loaded, &watch, options);
     bar.finish_and_clear();
     let pressed = pressed?;
-    let (mut document, line) = solved::document(&pressed, args.subsurface)?;
-    files::write(&staging, &pressed, &mut document, line.as_ref(), args.mat)?;
+    let mut document = pressed.document();
+    files::write(&staging, &pressed, &mut document, args.mat)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

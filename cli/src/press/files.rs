@@ -2,7 +2,7 @@
 
 use std::io::BufWriter;
 
-use kufe_contact::{CentreLine, PressureMap, pressure_maps};
+use kufe_contact::{PressureMap, pressure_maps};
 use kufe_jobs::field::{contact_vtp, map_picture, subsurface, volume_vtu, write_exr};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
@@ -40,16 +40,15 @@ pub fn write(
     staging: &Staging,
     pressed: &Pressed,
     document: &mut Value,
-    line: Option<&CentreLine>,
     mat: bool,
 ) -> Result<(), Failure> {
-    let (mut names, p_max_map) = fields(staging, pressed, line.is_some())?;
+    let (mut names, p_max_map) = fields(staging, pressed)?;
     if let Value::Object(document) = document {
         let place = document.keys().position(|key| key == "p_max_mesh_pa");
         let place = place.map_or(0, |place| place + 1);
         document.shift_insert(place, "p_max_map_pa".into(), json!(p_max_map));
     }
-    if let Some(line) = line {
+    if let Some(line) = &pressed.line {
         staging.write("subsurface.csv", |mut file| {
             subsurface::write_csv(&mut file, line)
         })?;
@@ -73,17 +72,8 @@ pub fn write(
 }
 
 /// Writes maps, fields and the surfaces, side by side; returns their names, and the largest pressure of the map [Pa].
-fn fields(
-    staging: &Staging,
-    pressed: &Pressed,
-    shear: bool,
-) -> Result<(Vec<&'static str>, f64), Failure> {
-    let bodies = || {
-        rayon::join(
-            || volumes(staging, pressed, shear),
-            || surfaces(staging, pressed),
-        )
-    };
+fn fields(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64), Failure> {
+    let bodies = || rayon::join(|| volumes(staging, pressed), || surfaces(staging, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(staging, pressed), bodies);
     let (maps, largest) = maps?;
     Ok(([maps, volumes?, surfaces?].concat(), largest))
@@ -125,11 +115,8 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64)
 }
 
 /// Writes the hexahedra of ice and runner.
-fn volumes(
-    staging: &Staging,
-    pressed: &Pressed,
-    shear: bool,
-) -> Result<Vec<&'static str>, Failure> {
+fn volumes(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
+    let shear = pressed.line.is_some();
     let solution = &pressed.solution;
     let mut names = vec!["field.vtu"];
     staging.write("field.vtu", |mut file| {

@@ -8,7 +8,6 @@ mod held;
 mod mat;
 mod series;
 mod sliding;
-mod solved;
 mod summary;
 
 pub use args::Args;

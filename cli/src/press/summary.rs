@@ -75,7 +75,13 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
         ),
         (
             "pitch, roll",
-            format!("{}, {}", angle(solution.pitch), angle(solution.roll)),
+            format!(
+                "{} +- {}, {} +- {}",
+                angle(solution.pitch),
+                angle(solution.pitch_error),
+                angle(solution.roll),
+                angle(solution.roll_error)
+            ),
         ),
         ("normal force", force(solution.fz)),
         (
@@ -95,6 +101,15 @@ pub fn text(pressed: &Pressed, out: &Path) -> String {
             1e6 * residual
         );
         rows.insert(rows.len() - 2, ("hull's fit", fit));
+    }
+    if let Some(under) = &solution.under_peak {
+        let shear = format!(
+            "{:.2} MPa +- {:.2} at {}",
+            under.shear / 1e6,
+            under.shear_error / 1e6,
+            length_within(under.depth, under.depth_error)
+        );
+        rows.insert(rows.len() - 2, ("largest shear", shear));
     }
     if let Some(loads) = &pressed.runner {
         let place = rows.len() - 2;

@@ -57,6 +57,16 @@ const SETTLED: f64 = 1e-6;
 impl MeshSolve<'_> {
     /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of `forces` at first.
     pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
+        self.solve_within(ROUNDS, motion, forces)
+    }
+
+    /// The same with so many far fields at the most.
+    fn solve_within(
+        &self,
+        rounds: usize,
+        motion: f64,
+        forces: &Forces,
+    ) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
         let greens = contact.greens(self.stored);
         let (mut state, counts) = match self.options.method {
@@ -72,7 +82,7 @@ impl MeshSolve<'_> {
         {
             // The force, and with it the far field, follows from the solution.
             let mut change = f64::INFINITY;
-            for _ in 0..ROUNDS {
+            for _ in 0..rounds {
                 let before = contact.resultant(&state)[0];
                 self.hold_outer_faces(&Forces::of(self.mesh, &state), &mut state);
                 if self.options.stopped() {
@@ -90,10 +100,7 @@ impl MeshSolve<'_> {
             }
             let settled = change <= SETTLED;
             if !self.options.stopped() && !settled {
-                return Err(Error::FarField {
-                    rounds: ROUNDS,
-                    change,
-                });
+                return Err(Error::FarField { rounds, change });
             }
         }
         if self.options.stopped() {
@@ -205,5 +212,55 @@ impl MeshSolve<'_> {
                 }
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use kufe_mesh::Paraboloid;
+
+    use super::*;
+    use crate::accuracy::one_mesh::OneMesh;
+    use crate::{Ice, Runner};
+
+    #[test]
+    fn a_far_field_that_does_not_settle_with_the_force_is_refused()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(0.05, 0.05)?));
+        let load = Load::Approach {
+            approach: 1e-5,
+            pitch: 0.0,
+            roll: 0.0,
+        };
+        let problem = Problem::new(runner, Ice::half_space(9e9, 0.33), load);
+        let one = OneMesh::new(problem, 4.0)?;
+        let options = Options::default();
+        let solve = MeshSolve {
+            problem: &one.problem,
+            material: one.material,
+            mesh: &one.mesh,
+            options: &options,
+            stored: Stored::USUAL,
+            tell: &|_, _| {},
+        };
+        let within = |rounds| solve.solve_within(rounds, one.patch.motion, &one.forces);
+        let mut before = f64::INFINITY;
+        for rounds in [1, 2] {
+            let Err(Error::FarField {
+                rounds: made,
+                change,
+            }) = within(rounds)
+            else {
+                return Err("a force that still changes was taken for an answer".into());
+            };
+            assert_eq!(made, rounds);
+            assert!(SETTLED < change && change < 0.3 * before, "{change}");
+            before = change;
+        }
+        let (state, _) = within(ROUNDS)?;
+        assert!(one.mesh.contact.resultant(&state)[0] > 0.0);
+        Ok(())
     }
 }

@@ -25,7 +25,7 @@ use crate::result::pressure::{Field, Pressure};
 use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
 
 /// How often a mesh is graded anew; each time its cells may become three times smaller.
-pub(super) const REGRADINGS: usize = 6;
+pub(crate) const REGRADINGS: usize = 6;
 
 /// How often places of contact may be found late; each time all that are seen.
 const WIDENINGS: usize = 4;
@@ -58,7 +58,7 @@ pub(crate) struct Meshes<'a> {
     pub(super) solved: Watched,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     pub(super) graded_anew: bool,
-    pub(super) regraded: usize,
+    pub(crate) regraded: usize,
     /// The patches with places that were found late, each solved at least once.
     pub(super) widened: Vec<Patch>,
     history: Vec<Iterate>,
@@ -173,6 +173,10 @@ impl<'a> Meshes<'a> {
         };
         self.solved
             .push(pressure.figures, place, cells, self.graded_anew);
+        if self.options.subsurface {
+            let largest = mesh.largest_shear(self.material, &pressure.values, &state);
+            self.solved.push_under(largest, cells, self.graded_anew);
+        }
         Ok(Contact {
             mesh,
             state,
@@ -274,6 +278,7 @@ impl<'a> Meshes<'a> {
     /// The solution that the last mesh and the limit of all make.
     pub fn solution(self, contact: Contact, limits: Limits) -> Solution {
         let beside = self.solved.beside();
+        let under_peak = self.solved.under_peak();
         let solution = Answer {
             problem: self.problem,
             gap: &self.gap,
@@ -290,6 +295,7 @@ impl<'a> Meshes<'a> {
             approach_error: beside.approach_error,
             pitch_error,
             roll_error,
+            under_peak,
             ..solution
         }
     }

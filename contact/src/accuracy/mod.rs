@@ -13,4 +13,5 @@ pub(crate) mod own_cells;
 #[cfg(test)]
 mod rejection_tests;
 pub(crate) mod scout;
+pub(crate) mod under_peak;
 pub(crate) mod watched;

@@ -2,7 +2,9 @@
 
 use crate::accuracy::extrapolation::Sequence;
 use crate::accuracy::order::{Limit, Raw};
+use crate::accuracy::under_peak::ShearHistory;
 use crate::result::measure::Figures;
+use crate::{LargestShear, UnderPeak};
 
 /// What the meshes solved so far say of every figure.
 pub(crate) struct Watched {
@@ -14,6 +16,7 @@ pub(crate) struct Watched {
     length: Sequence,
     width: Sequence,
     tilt: [Sequence; 2],
+    under: ShearHistory,
     /// Of the last mesh.
     last: Option<Figures>,
     /// What rims that it was not made for leave of its peak and approach, relative.
@@ -83,6 +86,7 @@ impl Watched {
             length: Sequence::default(),
             width: Sequence::default(),
             tilt: [Sequence::default(), Sequence::default()],
+            under: ShearHistory::new(),
             last: None,
             missed: 0.0,
             hardness: hardness.unwrap_or(f64::INFINITY),
@@ -108,6 +112,16 @@ impl Watched {
         self.area_off.push(Raw { cells, value });
         self.last = Some(figures);
         self.missed = place.missed;
+    }
+
+    /// Adds the largest shear under the peak of the mesh that was pushed last.
+    pub fn push_under(&mut self, largest: Option<LargestShear>, cells: f64, graded_anew: bool) {
+        self.under.push(largest, cells, graded_anew);
+    }
+
+    /// The largest shear under the peak; what stays of the peak's errors on all meshes stays of its.
+    pub fn under_peak(&self) -> Option<UnderPeak> {
+        self.under.under_peak(self.left.peak, self.missed)
     }
 
     /// How many of the last meshes are similar.

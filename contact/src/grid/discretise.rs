@@ -39,6 +39,15 @@ pub(crate) struct Discretisation {
     pub runner_mesh: Option<HexMesh>,
 }
 
+impl Discretisation {
+    /// Layers of cells that are an elastic bed's, the lowest ones.
+    pub fn bed_layers(&self) -> usize {
+        let ice = self.contact.bodies[0].stiffness.grid();
+        let layer = ice.and_then(TensorOperator::lower_layer);
+        layer.map_or(0, |layer| layer.cells)
+    }
+}
+
 /// Distance from the patch to the outer faces over the patch's largest half-length, on a half-space.
 ///
 /// The faces carry the half-space's own displacements under the contact forces, so this only has to be

@@ -4,6 +4,7 @@ use kufe_fem::Material;
 
 use crate::accuracy::mesh_solve::Forces;
 use crate::accuracy::order::Limit;
+use crate::accuracy::under_peak::ShearHistory;
 use crate::accuracy::watched::Limits;
 use crate::active_set::progress::Progress;
 use crate::bodies::elastic_body::ElasticBody;
@@ -21,8 +22,8 @@ use crate::groove::slid::{Known, Slid, Start};
 use crate::groove::solution::{Groove, Measure, SlidingMesh, SlidingSolution};
 use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
-use crate::result::pressure::Field;
-use crate::{Error, Options, Problem};
+use crate::result::pressure::{Field, Pressure};
+use crate::{Error, Options, Problem, Solution};
 
 /// Cells over half the patch while it is being found.
 const SCOUTING: Resolution = Resolution {
@@ -46,6 +47,7 @@ pub(crate) struct SlidingMeshes<'a> {
     forces: Forces,
     start: Start,
     measures: Vec<Measures>,
+    under: ShearHistory,
     meshes: Vec<SlidingMesh>,
 }
 
@@ -99,6 +101,7 @@ impl<'a> SlidingMeshes<'a> {
                     forces,
                     start,
                     measures: Vec::new(),
+                    under: ShearHistory::new(),
                     meshes: Vec::new(),
                 });
             }
@@ -203,11 +206,28 @@ impl<'a> SlidingMeshes<'a> {
             ploughing_by_slope: measures.by_slope,
         });
         self.measures.push(measures);
+        if self.options.subsurface {
+            let pressure = self.pressure(mesh, slid);
+            let largest = mesh.largest_shear(self.material, &pressure.values, &slid.state);
+            // Each mesh is fitted to rims of its own: what they differ by is the error.
+            self.under.push(largest, self.meshes.len() as f64, true);
+        }
         self.forces = Forces::of(mesh, &slid.state);
     }
 }
 
 impl SlidingMeshes<'_> {
+    /// The pressures of a state: the hardness wherever the ice yields.
+    fn pressure(&self, mesh: &Discretisation, slid: &Slid) -> Pressure {
+        let mut pressure = Field::new(mesh, self.problem, &self.patch).of(&slid.state);
+        for (k, &node) in mesh.contact.candidates.iter().enumerate() {
+            if slid.grooved.kinds[k] == Kind::Full {
+                pressure.values[node] = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
+            }
+        }
+        pressure
+    }
+
     fn put_together(self, mut mesh: Discretisation, slid: Slid, errors: Errors) -> SlidingSolution {
         let on = self.on(&mesh);
         let field = Field::new(&mesh, self.problem, &self.patch);
@@ -216,12 +236,7 @@ impl SlidingMeshes<'_> {
             reading.profile(),
             reading.sections(&field.pressure_field(&slid.state)),
         );
-        let mut pressure = field.of(&slid.state);
-        for (k, &node) in mesh.contact.candidates.iter().enumerate() {
-            if slid.grooved.kinds[k] == Kind::Full {
-                pressure.values[node] = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
-            }
-        }
+        let pressure = self.pressure(&mesh, &slid);
         let m = self.measures[self.measures.len() - 1];
         let depth = unfolded(&slid.depth, &mesh);
         // The ice that is met lies lower by the groove.
@@ -254,9 +269,13 @@ impl SlidingMeshes<'_> {
             length_error,
             relative: errors.largest(&m),
         };
+        let under_peak = self.under.under_peak(0.0, 0.0);
         let of = |value, error| Measure { value, error };
         SlidingSolution {
-            contact: answer.solution(limits, Vec::new()),
+            contact: Solution {
+                under_peak,
+                ..answer.solution(limits, Vec::new())
+            },
             groove: Groove {
                 deepest: of(m.depth, errors.depth),
                 ploughing: of(m.ploughing, errors.ploughing),

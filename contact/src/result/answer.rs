@@ -1,7 +1,5 @@
 //! From the last mesh to what a solve returns.
 
-use kufe_fem::TensorOperator;
-
 use crate::accuracy::watched::Limits;
 use crate::active_set::progress::Progress;
 use crate::grid::assembled::assembled_bodies;
@@ -66,11 +64,7 @@ impl Answer<'_> {
         let u = &state.displacement;
         let displacement = by_node(&u[..3 * nodes]);
         let bed = match problem.ice.foundation {
-            Foundation::ElasticBed { bed, .. } => mesh.contact.bodies[0]
-                .stiffness
-                .grid()
-                .and_then(TensorOperator::lower_layer)
-                .map(|layer| (bed, layer.cells)),
+            Foundation::ElasticBed { bed, .. } => Some((bed, mesh.bed_layers())),
             _ => None,
         };
         Solution {
@@ -93,6 +87,7 @@ impl Answer<'_> {
             pitch_error: turned(pitch, limits.relative),
             roll,
             roll_error: turned(roll, limits.relative),
+            under_peak: None,
             fz,
             centre_of_pressure,
             kkt_residual,

@@ -3,6 +3,7 @@
 pub(crate) mod answer;
 pub(crate) mod centre_line;
 pub(crate) mod chords;
+pub(crate) mod column_stress;
 pub(crate) mod elsewhere;
 pub(crate) mod measure;
 pub(crate) mod pressure;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kufe_fem::{ElementKind, SparseStiffness};
 use kufe_mesh::{HexMesh, TensorGrid};
 
-use crate::Bed;
+use crate::{Bed, UnderPeak};
 
 /// The solved contact.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +46,8 @@ pub struct Solution {
     pub roll: f64,
     /// Estimated error of the roll; 0 where it is held [rad].
     pub roll_error: f64,
+    /// The largest shear in the ice under the peak pressure, where it was asked for and lies under the surface.
+    pub under_peak: Option<UnderPeak>,
     /// Integrated normal force [N].
     pub fz: f64,
     /// Where the resultant of the pressure acts, x and y [m].

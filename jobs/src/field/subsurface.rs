@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use kufe_contact::{CentreLine, Solution};
+use kufe_contact::{CentreLine, Solution, UnderPeak};
 use kufe_fem::von_mises;
 use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text};
 use plotters::prelude::*;
@@ -11,13 +11,20 @@ use serde_json::{Value, json};
 
 /// The key `subsurface` of result.json.
 pub fn document(line: &CentreLine, solution: &Solution) -> Value {
-    let largest = line.largest_shear();
+    let under = solution.under_peak;
+    let over = |under: UnderPeak| under.shear / solution.p_max;
+    let relative =
+        |under: UnderPeak| under.shear_error / under.shear + solution.p_max_error / solution.p_max;
     json!({
         "x_m": line.at[0],
         "y_m": line.at[1],
-        "max_shear_pa": largest.map(|l| l.value),
-        "max_shear_depth_m": largest.map(|l| l.depth),
-        "max_shear_over_p_max": largest.map(|l| l.value / solution.p_max),
+        "max_shear_pa": under.map(|u| u.shear),
+        "max_shear_error_pa": under.map(|u| u.shear_error),
+        "max_shear_mesh_pa": line.largest_shear().map(|l| l.value),
+        "max_shear_depth_m": under.map(|u| u.depth),
+        "max_shear_depth_error_m": under.map(|u| u.depth_error),
+        "max_shear_over_p_max": under.map(over),
+        "max_shear_over_p_max_error": under.map(|u| over(u) * relative(u)),
     })
 }
 

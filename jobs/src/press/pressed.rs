@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use kufe_case::FittedHull;
-use kufe_contact::{Error, Options, Problem, RunnerLoads, Solution, Watcher};
-use kufe_contact::{boundary_elements_to_compare, runner_loads, solve};
+use kufe_contact::{CentreLine, Error, Options, Problem, RunnerLoads, Solution};
+use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
 
 use crate::case_file::{LoadedCase, depth, patch};
 use crate::failure::Failure;
@@ -33,6 +33,8 @@ pub struct Pressed {
     pub moved: Option<HullError>,
     /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
     pub between: Option<HullError>,
+    /// The stress under the peak, where [`Options::subsurface`] asks for it.
+    pub line: Option<CentreLine>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
@@ -47,20 +49,12 @@ pub struct Pressed {
     pub warnings: Vec<String>,
 }
 
-/// Solves a case; `watcher` is told of every update of the contact set.
+/// Solves a case, with the solver's limits and who is told of every update of the contact set; the accuracy is the case's.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load, [`Failure::NotConverged`] where the
 /// solver stops short of the accuracy asked.
-pub fn press(
-    loaded: LoadedCase,
-    watch: &Watch,
-    watcher: Option<Watcher>,
-) -> Result<Pressed, Failure> {
-    let options = Options {
-        progress: watcher,
-        ..Options::default()
-    };
+pub fn press(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
     let pressed = press_with(loaded, watch, options)?;
     match pressed.short {
         Some(failure) => Err(failure),
@@ -160,7 +154,9 @@ pub fn press_prepared(
         watch.warn(&warning);
         warnings.push(warning);
     }
+    let line = options.subsurface.then(|| centre_line(&solution));
     Ok(Pressed {
+        line: line.transpose().map_err(Failure::bad_input)?,
         runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
         loaded,
         problem,

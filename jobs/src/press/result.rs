@@ -4,6 +4,7 @@ use kufe_contact::Iterate;
 use serde_json::{Value, json};
 
 use crate::case_json::case_json;
+use crate::field::subsurface;
 use crate::press::pressed::Pressed;
 use crate::press::runner::runner_keys;
 
@@ -93,6 +94,9 @@ impl Pressed {
         }
         if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
             document.extend(slid.keys());
+        }
+        if let Some(line) = &self.line {
+            document["subsurface"] = subsurface::document(line, solution);
         }
         document
     }

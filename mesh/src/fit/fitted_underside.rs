@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::error::MeshError;
 use crate::fit::arc_length::arc_length;
 use crate::fit::bicubic::{Bicubic, Sample};
-use crate::fit::break_places::break_places;
+use crate::fit::break_places::{break_places, stand_alike};
 use crate::fit::downward::{Downward, STEEPEST};
 use crate::fit::judgement::{Coarse, FitQuality, Judgement};
 use crate::fit::least_squares::fit;
@@ -62,7 +62,11 @@ impl FittedUnderside {
             return Err(MeshError::NoFit);
         }
         let centred = |from: f64, to: f64| (from + to).abs() <= 1e-4 * (to - from) + 6.0 * noise;
-        let mirrored = [centred(x0, x1), centred(y0, y1)];
+        let alike = |axis: usize| {
+            let gentle = part.gentle().map(|n| part.points[n][axis]);
+            stand_alike(gentle.collect())
+        };
+        let mirrored = [centred(x0, x1) && alike(0), centred(y0, y1) && alike(1)];
         let widest = |from: f64, to: f64, mirrored: bool| {
             let half = to.max(-from);
             if mirrored { [-half, half] } else { [from, to] }

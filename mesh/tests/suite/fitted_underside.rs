@@ -92,6 +92,34 @@ fn facets_too_coarse_for_the_approach_are_called_so_and_finer_ones_not() {
     assert_eq!(fine.coarse_for(10e-6), None);
 }
 
+/// Knots as fine on the coarse side as on the fine one would lie between its vertices, and the surface with them anywhere.
+#[test]
+fn vertices_that_are_fine_on_one_side_alone_are_followed_on_both() {
+    let height = |x: f64, y: f64| x * x / 60.0 + y * y / 0.01;
+    let ys = spaced(4e-3, 40);
+    let coarse = || (-20..0).map(|i| 0.01 * f64::from(i));
+    let fine = || (0..=400).map(|i| 0.5e-3 * f64::from(i));
+    let both: Vec<f64> = coarse().chain([0.0]).chain(coarse().map(|x| -x)).collect();
+    let turned = fine().map(|x| -x).chain(coarse().map(|x| -x));
+    let sorted = |xs: &mut Vec<f64>| xs.sort_by(f64::total_cmp);
+    for (mut xs, symmetric) in [
+        (both, true),
+        (coarse().chain(fine()).collect(), false),
+        (turned.collect(), false),
+    ] {
+        sorted(&mut xs);
+        let fitted = FittedUnderside::new(&sheet(&xs, &ys, height), 0.0).unwrap();
+        assert_eq!(fitted.mirror_symmetric(), [symmetric, true]);
+        let worst = (-75..=75).fold(0.0, |worst: f64, i| {
+            let x = 1e-3 * f64::from(i);
+            worst.max((fitted.height(x, 0.1e-3) - height(x, 0.1e-3)).abs())
+        });
+        println!("{worst:e} {:?}", fitted.quality());
+        assert!(worst < 5e-9, "{worst:e}");
+        assert_eq!(fitted.coarse_for(12e-6), None);
+    }
+}
+
 #[test]
 fn the_estimated_error_holds_the_true_one() {
     let runner = BobRunner::default().swept().unwrap();

@@ -23,7 +23,7 @@ use crate::press::held::{clear_before_series, contact_files};
 use crate::press::series::first_step::FirstStep;
 use crate::press::series::lists::Lists;
 use crate::press::series::table::{self, Row, write_table};
-use crate::press::{files, solved, summary};
+use crate::press::{files, summary};
 use crate::report::read_json;
 
 /// One step of a series.
@@ -260,14 +260,8 @@ fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<Value> {
 fn write_step(folder: &Path, pressed: &Pressed, asked: &Asked) -> Result<Value, Failure> {
     let mut staging = Staging::beside(&asked.inputs, folder, &files::NAMES)?;
     staging.replaces(contact_files(folder));
-    let (mut document, line) = solved::document(pressed, asked.args.subsurface)?;
-    files::write(
-        &staging,
-        pressed,
-        &mut document,
-        line.as_ref(),
-        asked.args.mat,
-    )?;
+    let mut document = pressed.document();
+    files::write(&staging, pressed, &mut document, asked.args.mat)?;
     staging.commit()?;
     Ok(document)
 }

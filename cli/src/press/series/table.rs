@@ -40,7 +40,7 @@ pub const FIGURES: [&str; 16] = [
 ];
 
 /// What some results have besides: what a hull's vertices leave, what an elastic runner bears, a second method's answer, and what a runner that slides has.
-const FURTHER: [&str; 16] = [
+const FURTHER: [&str; 17] = [
     "p_max_hull_pa",
     "p_max_noise_pa",
     "approach_hull_m",
@@ -57,6 +57,7 @@ const FURTHER: [&str; 16] = [
     "groove_depth_m",
     "groove_depth_error_m",
     "film_mean_m",
+    "film_mean_error_m",
 ];
 
 impl Row {
@@ -79,7 +80,12 @@ impl Row {
             row.insert(key.into(), figure);
         }
         if let Some(shear) = self.result.as_ref().and_then(|r| r.get("subsurface")) {
-            for key in ["max_shear_pa", "max_shear_depth_m"] {
+            for key in [
+                "max_shear_pa",
+                "max_shear_error_pa",
+                "max_shear_depth_m",
+                "max_shear_depth_error_m",
+            ] {
                 row.insert(key.into(), shear[key].clone());
             }
         }

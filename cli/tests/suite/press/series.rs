@@ -186,6 +186,35 @@ fn a_step_short_of_its_accuracy_leaves_the_others_and_says_so() {
     );
 }
 
+/// Under a line contact 0.300 of the peak at 0.786 of the half-width (Johnson, section 4.1).
+#[test]
+fn the_largest_shear_of_every_step_stands_beside_its_error() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let loads = ["press", "case.toml", "-o", "out", "--fz-n", "500,1000"];
+    bench.succeeds(&[&loads[..], &["--subsurface"]].concat());
+    for (row, step) in table(&bench, "out").iter().zip(["step-001", "step-002"]) {
+        let result = json(&bench.path("out").join(step).join("result.json"));
+        let of = |key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key}: {row}"));
+        for key in [
+            "max_shear_pa",
+            "max_shear_error_pa",
+            "max_shear_depth_m",
+            "max_shear_depth_error_m",
+        ] {
+            assert_eq!(result["subsurface"][key], row[key], "{key}");
+        }
+        let (shear, error) = (of("max_shear_pa"), of("max_shear_error_pa"));
+        let off = (shear - 0.300 * of("p_max_pa")).abs();
+        assert!(off < error + 0.3 * of("p_max_error_pa"), "{row}");
+        assert!(error < 0.05 * shear, "{row}");
+        let (depth, error) = (of("max_shear_depth_m"), of("max_shear_depth_error_m"));
+        let off = (depth - 0.786 * 0.5 * of("width_m")).abs();
+        assert!(off < error + 0.4 * of("width_error_m"), "{row}");
+        assert!(error < 0.2 * depth, "{row}");
+    }
+}
+
 #[test]
 fn pyvista_reads_the_series_as_time() {
     let Some(interpreter) = python("pyvista") else {
