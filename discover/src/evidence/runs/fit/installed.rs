@@ -1,6 +1,6 @@
 //! What the installation is off by, found beside a fit: one Newton step of all its parts on corrected scores.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
@@ -14,6 +14,7 @@ use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::Gram;
+use crate::regression::inverse::ridge_inverse;
 use crate::regression::prior::Prior;
 use crate::regression::scores::cross_information;
 
@@ -146,6 +147,48 @@ impl Campaign<'_> {
         let prior = self.fit_design(&start, &plain.whitener).prior();
         let step = solve(&runs, &prior).0;
         self.beside(fit, &stepped(&start, &self.free, step.as_slice(), 1.0))
+    }
+
+    /// Standard deviations, in the units in which they are fitted, that base and amplitudes have from what no combination of the
+    /// installation's parts holds: an amplitude that does what a part does takes it up, and nothing else tells of that part.
+    ///
+    /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not held, the diagonal of
+    /// `inv(J'J) J'N P N'J inv(J'J)`. What an amplitude is itself is no doubt of it: the scale of a sensor, that is named, is all of it.
+    pub fn left_open(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
+        /// Squared cosine from which an amplitude and a part are the same, but for what a large one changes in the other.
+        const SAME: f64 = 0.99;
+        let installation = &model.installation;
+        let count = installation.parts.len();
+        let all = ResidualModel {
+            installation: installation.part_by_part(),
+            ..model.clone()
+        };
+        let design = self.fit_design(&all, whitener);
+        let known = design.fitted() - count;
+        let mut total = DMatrix::zeros(known + count, known + count);
+        for run in design.products(&self.training) {
+            let gram = run.plain().g;
+            total += gram.view((0, 0), (known + count, known + count));
+        }
+        let own = total.view((0, 0), (known, known)).into_owned();
+        let mut moved = ridge_inverse(own) * total.view((0, known), (known, count));
+        for k in self.free.len()..known {
+            for j in 0..count {
+                let squares = total[(k, k)] * total[(known + j, known + j)];
+                if total[(k, known + j)].powi(2) > SAME * squares {
+                    moved[(k, j)] = 0.0;
+                }
+            }
+        }
+        let mut open = DMatrix::identity(count, count);
+        for direction in &installation.directions {
+            let direction = DVector::from_column_slice(direction);
+            open -= &direction * direction.transpose();
+        }
+        let left = &moved * open;
+        (0..known)
+            .map(|k| left.row(k).dot(&moved.row(k)).max(0.0).sqrt())
+            .collect()
     }
 
     /// Products of one standard deviation of every part of a model's installation, beyond the base, over the rows of these runs.

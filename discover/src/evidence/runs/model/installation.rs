@@ -236,6 +236,14 @@ impl Installation {
         stated
     }
 
+    /// The same with each part fitted by itself.
+    pub fn part_by_part(&self) -> Self {
+        Self {
+            sizes: self.sizes.clone(),
+            ..Self::of(self.parts.clone())
+        }
+    }
+
     /// The same with delays of another deviation, nothing found yet.
     pub fn with_delays(&self, factor: f64) -> Self {
         let mut parts = self.parts.clone();

@@ -21,6 +21,7 @@ impl Campaign<'_> {
         if fit.residual_model.installation.parts.is_empty() {
             return Ok(());
         }
+        self.widen(fit);
         let frozen = fit.settled.frozen.clone();
         let sized = ResidualModel {
             installation: Installation::default(),
@@ -43,6 +44,22 @@ impl Campaign<'_> {
         fit.estimates[..base.len()].copy_from_slice(&base);
         fit.settled = ResidualModel { frozen, ..written };
         Ok(())
+    }
+
+    /// Adds to the errors of base and amplitudes what the installation leaves open that no fit could hold.
+    fn widen(&self, fit: &mut RunFit) {
+        let model = fit.residual_model.hold(false);
+        let open = self.left_open(&model, &fit.whitener);
+        let free = model.free();
+        let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
+        let scales = self.free.iter().map(|_| 1.0).chain(amplitudes);
+        for ((estimate, open), scale) in fit.estimates.iter_mut().zip(open).zip(scales) {
+            let error = estimate.error.hypot(open * scale);
+            let wider = error / estimate.error.max(1e-300);
+            estimate.low = estimate.value - wider * (estimate.value - estimate.low);
+            estimate.high = estimate.value + wider * (estimate.high - estimate.value);
+            estimate.error = error;
+        }
     }
 
     /// What the installation is off by, where that stands out of its error: within its tolerance here, beyond it in the remarks.
