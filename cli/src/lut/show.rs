@@ -27,10 +27,10 @@ pub struct Args {
     /// Rocker radius, where the table has that axis [m]
     #[arg(long, value_name = "METRES")]
     pub rocker: Option<f64>,
-    /// Speed, where the table has that axis [m/s] [default: the middle one]
+    /// Speed, where the table has that axis [m/s] [default: the middle one, the upper of two]
     #[arg(long, value_name = "M_PER_S")]
     pub v: Option<f64>,
-    /// Temperature of the ice, where the table has that axis [C] [default: the middle one]
+    /// Temperature of the ice, where the table has that axis [C] [default: the middle one, the upper of two]
     #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice: Option<f64>,
     /// Shows where the samples of these runs lie on the table, and counts those outside; needs --model

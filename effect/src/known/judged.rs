@@ -17,8 +17,6 @@ pub enum Judged {
     ByProfile,
     /// By measured pressures: no effect on runs.
     ByPressure,
-    /// Not by runs, for this reason: it acts where a model has it, and no search claims it.
-    NotByRuns(&'static str),
 }
 
 /// The level on which an effect varies, and with it the unit that randomisation must move as one piece.
@@ -50,7 +48,7 @@ impl Judged {
     /// What varies as one piece.
     pub fn level(self) -> Level {
         match self {
-            Judged::WithinRuns | Judged::ByPressure | Judged::NotByRuns(_) => Level::Sample,
+            Judged::WithinRuns | Judged::ByPressure => Level::Sample,
             Judged::BetweenRuns => Level::Run,
             Judged::BetweenSessions => Level::Session,
             Judged::InWindow | Judged::BySlope | Judged::ByProfile => Level::Track,

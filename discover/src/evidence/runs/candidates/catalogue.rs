@@ -89,9 +89,6 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                     }
                     out.regular.extend(shapes(candidate, effect));
                 }
-                Judged::NotByRuns(why) => {
-                    out.untestable.push((info.name.to_owned(), why.to_owned()));
-                }
                 Judged::ByPressure => {}
             }
         }

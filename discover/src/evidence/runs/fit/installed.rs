@@ -22,7 +22,7 @@ use crate::regression::scores::cross_information;
 struct PartProducts {
     /// Corrected ones of base, amplitudes, parts and residual, by run.
     by_run: Vec<DMatrix<f64>>,
-    /// Plain ones of the parts beyond the base.
+    /// Plain ones of the parts beyond the base; nothing of those that a fitted amplitude is itself.
     beyond: DMatrix<f64>,
 }
 
@@ -93,9 +93,14 @@ impl Campaign<'_> {
             let c = &x.full - d;
             c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
         };
+        let mut beyond = beyond_base(&design, &products);
+        for (_, part) in named(&plain_total(&products), self.free.len(), beyond.ncols()) {
+            beyond.row_mut(part).fill(0.0);
+            beyond.column_mut(part).fill(0.0);
+        }
         PartProducts {
             by_run: products.iter().zip(noise).map(corrected).collect(),
-            beyond: beyond_base(&design, &products),
+            beyond,
         }
     }
 
@@ -155,8 +160,6 @@ impl Campaign<'_> {
     /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not held, the diagonal of
     /// `inv(J'J) J'N P N'J inv(J'J)`. What an amplitude is itself is no doubt of it: the scale of a sensor, that is named, is all of it.
     pub fn left_open(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
-        /// Squared cosine from which an amplitude and a part are the same, but for what a large one changes in the other.
-        const SAME: f64 = 0.99;
         let installation = &model.installation;
         let count = installation.parts.len();
         let all = ResidualModel {
@@ -165,20 +168,11 @@ impl Campaign<'_> {
         };
         let design = self.fit_design(&all, whitener);
         let known = design.fitted() - count;
-        let mut total = DMatrix::zeros(known + count, known + count);
-        for run in design.products(&self.training) {
-            let gram = run.plain().g;
-            total += gram.view((0, 0), (known + count, known + count));
-        }
+        let total = plain_total(&design.products(&self.training));
         let own = total.view((0, 0), (known, known)).into_owned();
         let mut moved = ridge_inverse(own) * total.view((0, known), (known, count));
-        for k in self.free.len()..known {
-            for j in 0..count {
-                let squares = total[(k, k)] * total[(known + j, known + j)];
-                if total[(k, known + j)].powi(2) > SAME * squares {
-                    moved[(k, j)] = 0.0;
-                }
-            }
+        for (amplitude, part) in named(&total, self.free.len(), count) {
+            moved[(amplitude, part)] = 0.0;
         }
         let mut open = DMatrix::identity(count, count);
         for direction in &installation.directions {
@@ -225,4 +219,25 @@ fn beyond_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
     let base = Prior::none(design.fitted() - design.residual_model.installation.fitted());
     // The installation's columns stand where those of candidates would.
     cross_information(&grams, &base)
+}
+
+/// Products of base, amplitudes, parts and residual over all runs, their own levels taken out.
+fn plain_total(products: &[Products]) -> DMatrix<f64> {
+    let grams = products.iter().map(|run| run.plain().g);
+    grams.reduce(|sum, gram| sum + gram).unwrap_or_default()
+}
+
+/// Amplitudes, counted with the base before them, that are the same as a part of the installation: once named it is no tolerance, and
+/// what it is shared out between nothing could tell.
+fn named(total: &DMatrix<f64>, base: usize, parts: usize) -> Vec<(usize, usize)> {
+    /// Squared cosine from which both are the same, but for what a large one changes in the other: 0.95 of a mass or an inertia, 0.85 at most
+    /// of others. Chosen.
+    const SAME: f64 = 0.9;
+    let known = total.ncols().saturating_sub(parts + 1);
+    let pairs = (base..known).flat_map(|k| (0..parts).map(move |j| (k, j)));
+    let same = |(k, j): &(usize, usize)| {
+        let squares = total[(*k, *k)] * total[(known + j, known + j)];
+        total[(*k, known + j)].powi(2) > SAME * squares
+    };
+    pairs.filter(same).collect()
 }
