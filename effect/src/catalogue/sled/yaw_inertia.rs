@@ -11,6 +11,8 @@ pub static EFFECT: Effect = Effect {
         acts_on: &[ActsOn::Sled],
         parameters: &[Parameter::amplitude("factor", "", -0.7, 2.0, 0.05)],
         needs: &[Column::YawRate],
+        // Measured: claimed within runs of any kind, it is named in campaigns whose sessions merely differ in grip by 5 %.
+        judged: Judged::BeyondTolerance,
         looks_like: &["mass", "yaw-rate-scale", "lever-arm"],
         decides: "the sled swung on a trifilar suspension",
         source: "the balance of angular momentum about the vertical",

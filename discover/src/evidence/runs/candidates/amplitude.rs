@@ -31,6 +31,11 @@ impl Amplitude {
         }
     }
 
+    /// Whether it is asked for only where the installation is off by more than its tolerances can mean.
+    pub fn is_beyond_tolerance(&self) -> bool {
+        matches!(&self.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::BeyondTolerance)
+    }
+
     /// Whether it is a channel that is late.
     pub fn is_delay(&self) -> bool {
         let late = |effect: &Effect| effect.on_sensors.iter().any(|f| f.reading == Reading::Late);

@@ -83,7 +83,7 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
                 Judged::BySlope | Judged::ByProfile => out.track.push(candidate),
                 Judged::InWindow => out.local.push(candidate),
                 Judged::BetweenSessions | Judged::BetweenRuns => out.levels.push(candidate),
-                Judged::WithinRuns => {
+                Judged::WithinRuns | Judged::BeyondTolerance => {
                     if against_slope(effect, index) {
                         out.track.push(candidate.clone());
                     }

@@ -34,6 +34,8 @@ impl Campaign<'_> {
             };
         }
         let mut regular = self.fresh(at.residual_model, &self.candidates.regular);
+        let strange = self.is_beyond_belief(at.residual_model);
+        regular.retain(|c| strange || !c.act.is_beyond_tolerance());
         regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         // A person's own effect may bear such a name, too.
         regular.sort_by_key(Candidate::is_column);
