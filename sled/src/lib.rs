@@ -48,7 +48,10 @@ pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
 pub use fit::contacts::find_contacts;
-pub use fit::own_contacts::{as_of_run, contact_within, scatter, stretch_of, with_own_contacts};
+pub use fit::own_contacts::{
+    FOLLOWED, HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, half_waves, hits_of, push_within,
+    scatter, stretch_of, with_own_contacts,
+};
 pub use fit::runners::{SledFit, fit};
 pub use fit::samples::{FitOptions, lateral_samples};
 pub use model::model_toml::{Friction, Model};

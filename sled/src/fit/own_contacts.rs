@@ -1,6 +1,7 @@
 //! The contacts with walls that are a run's own: hit or missed, harder or softer.
 
 use kufe_effect::Active;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
@@ -9,26 +10,64 @@ use crate::simulate::dynamics::WallContact;
 
 /// Lengths of contacts that are tried \[m\].
 const LENGTHS_M: [f64; 9] = [4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 32.0];
-/// Standard errors by which the force must stand out of what the side balance scatters by elsewhere: in a stretch that is looked at in a
-/// hundred independent ways noise reaches four in one run of a hundred.
-const STANDS_OUT: f64 = 4.0;
+/// Share of the runs that miss a place and are taken for hits by chance. Chosen.
+const TAKEN_FOR_HITS: f64 = 0.05;
+/// Independent ways a metre, beyond the shortest half wave, in which a half wave lies within a stretch: so many give the largest of all on
+/// white noise the 95 % quantile that it has on stretches of 10 m to 80 m, within 0.1 standard errors.
+const WAYS_A_METRE: f64 = 4.0 / 3.0;
+/// Times the force of a hit beyond which a push is of another kind, and below its inverse none: hits scatter by a factor of two or three.
+/// Chosen.
+pub const HARDEST: f64 = 5.0;
+/// Ways in which a half wave follows noise: its force, its place and its length.
+pub const FOLLOWED: f64 = 3.0;
+/// Share of the force of a hit by which hits differ from one another. Chosen: a factor of two either way is within two of it.
+pub const HITS_DIFFER: f64 = 0.5;
 /// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
 const CORRELATED: f64 = 2.0;
 
-/// The half wave that leaves least of a side balance within a stretch \[m\], with its lever 0, and the standard error of its force \[N\];
-/// `None` where none stands out of `scatter_n`, a standard deviation of a sample \[N\].
+/// What pushed a run within a stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// The half wave, with its lever 0.
+    pub contact: WallContact,
+    /// Standard error of its force \[N\].
+    pub error_n: f64,
+    /// Whether it is a hit of the place, and no push of another kind: more than [`HARDEST`] times as hard.
+    pub is_hit: bool,
+}
+
+/// A contact as it is expected where the force of hits is known, give or take half of it: with the variance V of the force that was found,
+/// which followed noise in place and length, too,
+///
+/// ```text
+/// (F / V + hit / (hit / 2)^2) / (1 / V + 1 / (hit / 2)^2)        V = 3 error^2
+/// ```
+pub fn as_expected(found: WallContact, error_n: f64, hit_n: f64) -> WallContact {
+    if hit_n == 0.0 {
+        return found;
+    }
+    let (of_push, of_hits) = (FOLLOWED * error_n.powi(2), (HITS_DIFFER * hit_n).powi(2));
+    WallContact {
+        force_n: (found.force_n * of_hits + hit_n * of_push) / (of_hits + of_push),
+        ..found
+    }
+}
+
+/// The half wave that leaves least of a side balance within a stretch \[m\]; `None` where none stands out of `scatter_n`, a standard
+/// deviation of a sample \[N\]. `hit_n` is the force of a hit, left positive, and says the side; 0 where that is not known.
 ///
 /// ```text
 /// F = sum w y / sum w^2        w = sin^2(pi (s - s_0) / length)        error = scatter sqrt(2 / sum w^2)
 /// ```
 ///
 /// Place and length are those, on a grid of a metre, with which `F sum w y` is largest.
-pub fn contact_within(
+pub fn push_within(
     s_m: &[f64],
     side_n: &[f64],
     stretch_m: [f64; 2],
+    hit_n: f64,
     scatter_n: f64,
-) -> Option<(WallContact, f64)> {
+) -> Option<Push> {
     let near = |s: f64| (stretch_m[0]..=stretch_m[1]).contains(&s);
     let here: Vec<(f64, f64)> = s_m
         .iter()
@@ -37,36 +76,74 @@ pub fn contact_within(
         .map(|(s, y)| (*s, *y))
         .collect();
     let mut best: Option<(f64, WallContact, f64)> = None;
-    for length_m in LENGTHS_M {
-        let starts = ((stretch_m[1] - stretch_m[0] - length_m).floor() as usize + 1).min(1000);
-        if stretch_m[1] - stretch_m[0] < length_m {
+    for one in half_waves(stretch_m) {
+        let (mut wy, mut ww) = (0.0, 0.0);
+        for (s, y) in &here {
+            let w = one.force_at(*s);
+            (wy, ww) = (wy + w * y, ww + w * w);
+        }
+        // Fewer samples than that are no half wave.
+        if ww < 1.0 || wy * hit_n < 0.0 {
             continue;
         }
-        for start in 0..starts {
-            let one = WallContact {
-                s_m: stretch_m[0] + start as f64,
+        let (force_n, gain) = (wy / ww, wy * wy / ww);
+        if best.as_ref().is_none_or(|(most, ..)| gain > *most) {
+            let error = scatter_n * (CORRELATED / ww).sqrt();
+            best = Some((gain, WallContact { force_n, ..one }, error));
+        }
+    }
+    let least = stands_out(stretch_m, hit_n != 0.0);
+    let (_, contact, error_n) = best?;
+    let push_n = contact.force_n.abs();
+    let stands_out = push_n > least * error_n && HARDEST * push_n >= hit_n.abs();
+    stands_out.then(|| Push {
+        contact,
+        error_n,
+        is_hit: hit_n == 0.0 || push_n <= HARDEST * hit_n.abs(),
+    })
+}
+
+/// The share of runs that hit a place, and the force of a hit \[N\], by the law of two points that has a mean m over runs and a spread s:
+///
+/// ```text
+/// pi = m^2 / (m^2 + s^2)        F = m / pi
+/// ```
+///
+/// Beside a spread of five times the mean or more no side is known: 0.
+pub fn hits_of(effect: &Active) -> (f64, f64) {
+    let (mean, spread) = (effect.values[0], effect.values[5]);
+    let hits = mean * mean / (mean * mean + spread * spread);
+    match hits > 0.04 {
+        true => (hits, mean / hits),
+        false => (0.0, 0.0),
+    }
+}
+
+/// Standard errors that the largest force of a run that misses is beyond by chance in [`TAKEN_FOR_HITS`] of all runs.
+fn stands_out(stretch_m: [f64; 2], one_side: bool) -> f64 {
+    let spare_m = stretch_m[1] - stretch_m[0] - LENGTHS_M[0];
+    let ways = (WAYS_A_METRE * spare_m).max(1.0) * if one_side { 1.0 } else { 2.0 };
+    match Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways) {
+        least if least.is_finite() => least,
+        _ => f64::INFINITY,
+    }
+}
+
+/// Half waves of 1 N within a stretch \[m\], with their lever 0: on a grid of a metre, of lengths from 4 m to 32 m.
+pub fn half_waves(stretch_m: [f64; 2]) -> impl Iterator<Item = WallContact> {
+    let [from_m, to_m] = stretch_m;
+    LENGTHS_M
+        .into_iter()
+        .filter(move |length_m| to_m - from_m >= *length_m)
+        .flat_map(move |length_m| {
+            let starts = ((to_m - from_m - length_m).floor() as usize + 1).min(1000);
+            (0..starts).map(move |start| WallContact {
+                s_m: from_m + start as f64,
                 length_m,
                 force_n: 1.0,
                 x_m: 0.0,
-            };
-            let (mut wy, mut ww) = (0.0, 0.0);
-            for (s, y) in &here {
-                let w = one.force_at(*s);
-                (wy, ww) = (wy + w * y, ww + w * w);
-            }
-            // Fewer samples than that are no half wave.
-            if ww < 1.0 {
-                continue;
-            }
-            let (force_n, gain) = (wy / ww, wy * wy / ww);
-            if best.as_ref().is_none_or(|(most, ..)| gain > *most) {
-                let error = scatter_n * (CORRELATED / ww).sqrt();
-                best = Some((gain, WallContact { force_n, ..one }, error));
-            }
-        }
-    }
-    best.filter(|(_, contact, error)| contact.force_n.abs() > STANDS_OUT * error)
-        .map(|(_, contact, error)| (contact, error))
+            })
+        })
 }
 
 /// A robust standard deviation of one sample: 1.4826 times the median magnitude; 0 of nothing.
@@ -101,7 +178,7 @@ pub fn stretch_of(effect: &Active) -> [f64; 2] {
 
 /// The vehicle on a run, each effect that varies from run to run with the force and the stretch of this run.
 ///
-/// The side balance of the run sets them ([`contact_within`]); what they leave along and about the vertical judges them.
+/// The side balance of the run sets them ([`push_within`]); what they leave along and about the vertical judges them.
 pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);
     if !own.effects.active.iter().any(Active::varies) {
@@ -119,14 +196,22 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
         .unzip();
     let scatter_n = scatter(&side_n);
     for effect in own.effects.active.iter_mut().filter(|e| e.varies()) {
-        let found = contact_within(&s_m, &side_n, stretch_of(effect), scatter_n);
-        *effect = as_of_run(effect, found.as_ref().map(|(contact, _)| contact));
+        let (_, hit_n) = hits_of(effect);
+        let found = push_within(&s_m, &side_n, stretch_of(effect), hit_n, scatter_n);
+        let hit = found.filter(|push| push.is_hit);
+        let expected = hit.map(|push| as_expected(push.contact, push.error_n, hit_n));
+        *effect = as_of_run(effect, expected.as_ref());
     }
     own
 }
 
 #[cfg(test)]
 mod tests {
+    use kufe_effect::{CATALOGUE, Kind};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
     use super::*;
 
     #[test]
@@ -136,7 +221,7 @@ mod tests {
         let noise: Vec<f64> = (0..300)
             .map(|i| ((f64::from(i) * 0.618_034).fract() - 0.5) * 12.0_f64.sqrt())
             .collect();
-        assert!(contact_within(&s, &noise, [40.0, 90.0], 1.0).is_none());
+        assert!(push_within(&s, &noise, [40.0, 90.0], 0.0, 1.0).is_none());
         let truth = WallContact {
             s_m: 57.0,
             length_m: 16.0,
@@ -148,7 +233,8 @@ mod tests {
             .zip(&noise)
             .map(|(s, e)| truth.force_at(*s) + e)
             .collect();
-        let (found, error) = contact_within(&s, &side, [40.0, 90.0], 1.0).expect("a contact");
+        let push = push_within(&s, &side, [40.0, 90.0], 0.0, 1.0).expect("a contact");
+        let (found, error) = (push.contact, push.error_n);
         assert!(
             (found.s_m - 57.0).abs() <= 1.0 && (found.length_m - 16.0).abs() <= 4.0,
             "{found:?}"
@@ -157,5 +243,57 @@ mod tests {
             (found.force_n + 40.0).abs() < 4.0 * error,
             "{found:?} {error}"
         );
+    }
+
+    #[test]
+    fn one_run_in_twenty_that_misses_is_taken_for_a_hit() {
+        let s: Vec<f64> = (0..600).map(|i| 0.25 * f64::from(i)).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        for (stretch_m, hit_n) in [
+            ([40.0, 60.0], 0.0),
+            ([40.0, 60.0], 30.0),
+            ([20.0, 90.0], 0.0),
+        ] {
+            let taken = (0..1000).filter(|_| {
+                // Noise that two neighbouring samples share.
+                let white: Vec<f64> = (0..601).map(|_| StandardNormal.sample(&mut rng)).collect();
+                let side: Vec<f64> = white
+                    .windows(2)
+                    .map(|w| (w[0] + w[1]) / 2.0_f64.sqrt())
+                    .collect();
+                push_within(&s, &side, stretch_m, hit_n, scatter(&side)).is_some()
+            });
+            let taken = taken.count();
+            assert!(
+                (20..=80).contains(&taken),
+                "{stretch_m:?} {hit_n}: {taken} of 1000"
+            );
+        }
+    }
+
+    #[test]
+    fn hits_are_the_two_points_that_have_a_mean_and_a_spread() {
+        let wall = CATALOGUE.iter().find(|e| e.info.name == "wall-contact");
+        let mut values = vec![0.0; 7];
+        // One run in four with 400 N.
+        (values[0], values[5]) = (100.0, 400.0 * (0.25_f64 * 0.75).sqrt());
+        let effect = Active {
+            name: "wall-contact".to_owned(),
+            kind: Kind::Catalogue(wall.expect("in the catalogue")),
+            values,
+            track: None,
+        };
+        let (hits, hit_n) = hits_of(&effect);
+        assert!((hits - 0.25).abs() < 1e-12 && (hit_n - 400.0).abs() < 1e-9);
+        let found = WallContact {
+            s_m: 0.0,
+            length_m: 10.0,
+            force_n: 700.0,
+            x_m: 0.0,
+        };
+        // With the variance of what is known of hits, halfway.
+        let error_n = 200.0 / FOLLOWED.sqrt();
+        assert!((as_expected(found, error_n, 400.0).force_n - 550.0).abs() < 1e-9);
+        assert_eq!(as_expected(found, error_n, 0.0).force_n, 700.0);
     }
 }

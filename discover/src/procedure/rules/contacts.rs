@@ -18,6 +18,10 @@ pub struct ContactRules {
     pub fewest_runs: usize,
     /// Fewest runs that hit a place: one that a single run hits is none of the track. Derived: two.
     pub fewest_hits: usize,
+    /// p-value of a claim. Chosen: what is claimed must be kept by runs that did not learn it.
+    pub alpha: f64,
+    /// p-value of how much runs differ at a place beyond which pushes of single runs meet there by chance, whatever they are. Chosen.
+    pub met_by_chance: f64,
     /// Shares of the way to a runner's place between which a lever is a wall's: a force further out is the runner's own. Chosen.
     pub inside: f64,
     /// Times what any single effect that stands out explains that contacts, with three numbers each, must explain. Chosen.
@@ -28,11 +32,13 @@ impl Default for ContactRules {
     fn default() -> Self {
         Self {
             differs: 8.0,
-            together: 4.5,
+            together: 3.25,
             ends: 4.0,
             most: 0.1,
             fewest_runs: 4,
             fewest_hits: 2,
+            alpha: 0.02,
+            met_by_chance: 0.1,
             inside: 0.75,
             over: 2.0,
         }

@@ -1,16 +1,17 @@
 //! The claim that walls are hit: by how the runs of a track differ aside, judged by how they turn.
 
 use kufe_sled::effects::{Active, Kind, Level};
-use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::contacts::find::{Stretch, stretches};
 use crate::evidence::runs::contacts::found::Found;
-use crate::evidence::runs::contacts::levers::{levers, mean, seen_by_yaw};
-use crate::evidence::runs::contacts::model::{Contacts, at_place, wall};
-use crate::evidence::runs::contacts::own::{left_without, own_contacts, set_own, without_contacts};
+use crate::evidence::runs::contacts::hit::hit;
+use crate::evidence::runs::contacts::levers::{
+    apart_from_side, mean, reactions, seen_by_yaw, shared_with_side,
+};
+use crate::evidence::runs::contacts::model::{Contacts, wall};
+use crate::evidence::runs::contacts::own::{left_without, set_own, without_contacts};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -32,45 +33,27 @@ impl Campaign<'_> {
         let whole = self.whole();
         let left = left_without(model, whole);
         let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
-        let at = |s: &Stretch| {
-            at_place(
-                effect,
-                &s.track,
-                [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0],
-            )
-        };
         let rules = &self.options.rules.runs;
-        let found = stretches(whole, &side, &rules.contacts);
-        let mut places: Vec<Active> = found.iter().map(at).collect();
-        let mut frames = whole.to_vec();
-        // Twice: places that a single run hits are none, and the others keep their order.
-        for _ in 0..2 {
-            let of_run = |(frame, y): (&mut Frame, &Vec<f64>)| {
-                frame.contacts = own_contacts(frame, y, &places);
-            };
-            frames.par_iter_mut().zip(&side).for_each(of_run);
-            let mut place = 0..;
-            places.retain(|_| {
-                let k = place.next();
-                let hit = |f: &&Frame| f.contacts.iter().any(|own| Some(own.place) == k);
-                frames.iter().filter(hit).count() >= rules.contacts.fewest_hits
-            });
-        }
-        if places.is_empty() {
-            return None;
-        }
-        let seen = levers(&frames, &left);
-        let sled = &model.vehicle.sled;
-        let share = rules.contacts.inside;
-        let inside = |x: f64| -share * sled.l_r_m < x && x < share * sled.l_f_m;
-        let count = seen.iter().filter(|l| inside(l.lever_m)).count();
-        let p_value = seen_by_yaw(&frames, &left, TRIALS, self.options.seed);
-        if 2 * count <= seen.len() || p_value > rules.alpha_window {
-            return None;
-        }
+        let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
+        let (mut places, frames) = (hit.places, hit.frames);
         let interval = self.options.rules.search.interval;
-        let lever_m = mean(&seen, |l| l.lever_m, interval);
-        let mut friction = mean(&seen, |l| l.friction, interval);
+        let shared_m = shared_with_side(&frames, &left, 2);
+        let seen = reactions(&frames, &left, 2);
+        let lever_m = mean(&seen, shared_m, interval);
+        let sled = &model.vehicle.sled;
+        let inside = rules.contacts.inside;
+        let inside = -inside * sled.l_r_m..inside * sled.l_f_m;
+        let yaw = apart_from_side(&left, shared_m);
+        let by_yaw = seen_by_yaw(&frames, &yaw, TRIALS, self.options.seed);
+        let p_value = of_both(hit.p_value, by_yaw);
+        if !inside.contains(&lever_m.value)
+            || hit.p_value > rules.contacts.met_by_chance
+            || p_value > rules.contacts.alpha
+        {
+            return None;
+        }
+        // Noise that pushes brakes to one side as often as to the other.
+        let mut friction = mean(&reactions(&frames, &left, 0), 0.0, interval);
         if !self.used[0] || friction.low <= 0.0 {
             friction = Default::default();
         }
@@ -217,6 +200,14 @@ impl Campaign<'_> {
         set_own(&mut self.held, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
     }
+}
+
+/// The p-value of two independent ones: `p q (1 - ln(p q))`.
+///
+/// Source: R. A. Fisher, Statistical Methods for Research Workers, 4th ed. (1932), section 21.1.
+fn of_both(p: f64, q: f64) -> f64 {
+    let product = (p * q).max(f64::MIN_POSITIVE);
+    product * (1.0 - product.ln())
 }
 
 /// States a place by what the runs on its track met there: mean and spread over all of them, the middle stretch of those that hit.

@@ -12,12 +12,17 @@
 use kufe_sled::scatter;
 
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::random::{below, stream};
 use crate::procedure::rules::ContactRules;
 
 /// Length of a cell \[m\].
 const CELL_M: f64 = 2.0;
 /// Cells of a sum.
 const SUM: usize = 5;
+/// Deviations that a single run counts for at most: what pushes one alone is no place. Chosen.
+const MOST_OF_A_RUN: f64 = 6.0;
+/// Shifts of all runs that a stretch is held against.
+const TRIALS: u64 = 3999;
 /// Most cells of a track: beyond 100 km a distance is a mistake.
 const MOST_CELLS: usize = 50_000;
 
@@ -30,10 +35,17 @@ pub struct Stretch {
     pub from_m: f64,
     /// To \[m\].
     pub to_m: f64,
+    /// p-value of how much runs differ there, against the same runs each shifted along the track on its own.
+    pub p_value: f64,
 }
 
 /// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every kept sample.
-pub fn stretches(frames: &[Frame], side_n: &[Vec<f64>], rules: &ContactRules) -> Vec<Stretch> {
+pub fn stretches(
+    frames: &[Frame],
+    side_n: &[Vec<f64>],
+    rules: &ContactRules,
+    seed: u64,
+) -> Vec<Stretch> {
     let mut tracks: Vec<&str> = frames.iter().map(|f| f.track.as_str()).collect();
     tracks.sort_unstable();
     tracks.dedup();
@@ -45,11 +57,16 @@ pub fn stretches(frames: &[Frame], side_n: &[Vec<f64>], rules: &ContactRules) ->
     };
     tracks
         .into_iter()
-        .flat_map(|track| on_track(track, &on(track), rules))
+        .flat_map(|track| on_track(track, &on(track), rules, seed))
         .collect()
 }
 
-fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec<Stretch> {
+fn on_track(
+    track: &str,
+    runs: &[(&Frame, &[f64])],
+    rules: &ContactRules,
+    seed: u64,
+) -> Vec<Stretch> {
     let places = || runs.iter().flat_map(|(f, _)| &f.s).copied();
     let low = places().fold(f64::INFINITY, f64::min);
     let high = places().fold(f64::NEG_INFINITY, f64::max);
@@ -97,7 +114,9 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec
             start = end;
         }
     }
-    for (start, end) in together(&sums, unit, rules.together) {
+    let unmoved = vec![0; sums.len()];
+    let roots = together(&sums, unit, &unmoved);
+    for (start, end) in beyond(&above_middle(&roots), rules.together) {
         differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
     }
     let all = || sums.iter().flatten().filter(|z| z.is_finite());
@@ -105,12 +124,25 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec
     if beyond as f64 > rules.most * all().count() as f64 {
         return Vec::new();
     }
+    let chance = if differs.contains(&true) {
+        by_chance(&sums, unit, seed)
+    } else {
+        Vec::new()
+    };
+    let count = roots.len();
     let mut found = Vec::new();
     let mut start = 0;
     for group in differs.chunk_by(|a, b| a == b) {
         let end = start + group.len();
         if group[0] {
+            // Sums of which a cell of the stretch is the first.
+            let most = roots[start.min(count - 1)..end.min(count)]
+                .iter()
+                .copied()
+                .fold(0.0, f64::max);
             found.push(Stretch {
+                p_value: (1 + chance.len() - chance.partition_point(|u| *u < most)) as f64
+                    / (1 + chance.len()) as f64,
                 track: track.to_owned(),
                 from_m: low + start as f64 * CELL_M - CELL_M,
                 to_m: low + end as f64 * CELL_M + CELL_M,
@@ -121,39 +153,63 @@ fn on_track(track: &str, runs: &[(&Frame, &[f64])], rules: &ContactRules) -> Vec
     found
 }
 
-/// Stretches of sums on which all runs together scatter more than elsewhere: with n runs, q the mean of their squares and
-/// `u = q^(1/3)`, which is nearly normal, where u leaves its median by `beyond` robust deviations.
+/// How much runs differ at each of these sums, apart from the one that differs most, which may have been pushed alone: with q the mean of
+/// the squares of the others, none of more than six deviations, `q^(1/3)`, which is nearly normal; NaN where few runs came.
 ///
 /// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931) 684.
-fn together(sums: &[Vec<f64>], unit: f64, beyond: f64) -> Vec<(usize, usize)> {
+fn together(sums: &[Vec<f64>], unit: f64, shifts: &[usize]) -> Vec<f64> {
     let count = sums[0].len();
-    let roots: Vec<f64> = (0..count)
-        .map(|w| {
-            let here = sums.iter().map(|row| row[w]).filter(|z| z.is_finite());
-            let (n, squares) = here.fold((0.0, 0.0), |(n, q), z| (n + 1.0, q + (z / unit).powi(2)));
-            // Where few runs came there is no telling.
-            if 2.0 * n > sums.len() as f64 {
-                f64::cbrt(squares / n)
-            } else {
-                f64::NAN
-            }
-        })
-        .collect();
+    let of_sum = |w: usize| {
+        let shifted = sums
+            .iter()
+            .zip(shifts)
+            .map(|(row, by)| row[(w + by) % count]);
+        let squares = shifted
+            .filter(|z| z.is_finite())
+            .map(|z| (z / unit).abs().min(MOST_OF_A_RUN).powi(2));
+        let (n, sum, most) = squares.fold((0.0, 0.0, 0.0_f64), |(n, sum, most), q| {
+            (n + 1.0, sum + q, most.max(q))
+        });
+        // Where few runs came there is no telling.
+        match 2.0 * n > sums.len() as f64 && n > 1.0 {
+            true => f64::cbrt((sum - most) / (n - 1.0)),
+            false => f64::NAN,
+        }
+    };
+    (0..count).map(of_sum).collect()
+}
+
+/// By how many robust deviations these lie above their median.
+fn above_middle(roots: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = roots.iter().copied().filter(|u| u.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    let Some(middle) = sorted.get(sorted.len() / 2).copied() else {
-        return Vec::new();
-    };
+    let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
     let away: Vec<f64> = roots.iter().map(|u| u - middle).collect();
     let deviation = scatter(&away);
+    away.iter().map(|away| away / deviation).collect()
+}
+
+/// The largest of [`together`] where every run is shifted along its way on its own, what leaves it at one end coming in at the other:
+/// what runs do by chance at one place, wild pushes of single ones among it. Sorted.
+fn by_chance(sums: &[Vec<f64>], unit: f64, seed: u64) -> Vec<f64> {
+    let largest = |trial: u64| {
+        let mut rng = stream(seed, 0x5717F7, trial);
+        let shifts: Vec<usize> = sums.iter().map(|row| below(&mut rng, row.len())).collect();
+        let roots = together(sums, unit, &shifts);
+        roots.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut largest: Vec<f64> = (0..TRIALS).map(largest).collect();
+    largest.sort_by(f64::total_cmp);
+    largest
+}
+
+/// Where these are beyond `least`, from and to, as far as they are beyond seven tenths of it.
+fn beyond(away: &[f64], least: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut start = 0;
-    for group in
-        away.chunk_by(|a, b| (*a > 0.5 * beyond * deviation) == (*b > 0.5 * beyond * deviation))
-    {
+    for group in away.chunk_by(|a, b| (*a > 0.7 * least) == (*b > 0.7 * least)) {
         let end = start + group.len();
-        let most = group.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if most > beyond * deviation {
+        if group.iter().any(|away| *away > least) {
             found.push((start, end));
         }
         start = end;
@@ -198,14 +254,24 @@ mod tests {
     #[test]
     fn places_at_which_no_run_stands_out_alone_are_found_by_all_and_noise_is_none() {
         let rules = ContactRules::default();
-        let found = |sums: &[Vec<f64>]| together(sums, 1.0, rules.together);
-        let noise = (0..200).filter(|draw| !found(&sums(*draw, 0..0)).is_empty());
-        assert!(noise.count() <= 2, "one in a hundred");
+        let unmoved = [0; 10];
+        let roots = |sums: &[Vec<f64>]| together(sums, 1.0, &unmoved);
+        let chance = |draw: u64, pushed: std::ops::Range<usize>| {
+            let sums = sums(draw, pushed);
+            let most = roots(&sums).into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let by_chance = by_chance(&sums, 1.0, 1);
+            by_chance.iter().filter(|u| **u >= most).count() as f64 / by_chance.len() as f64
+        };
+        let by_chance = (0..40).filter(|draw| chance(*draw, 0..0) < 0.05);
+        assert!(by_chance.count() <= 5, "as often as is said");
         let hit = (0..200).filter(|draw| {
-            let there = found(&sums(*draw, 100..105));
+            let away = above_middle(&roots(&sums(*draw, 100..105)));
+            let there = beyond(&away, rules.together);
             there.iter().any(|(from, to)| *from >= 99 && *to <= 106)
         });
         let hit = hit.count();
         assert!(hit >= 150, "{hit} of 200");
+        let told = (0..20).filter(|draw| chance(*draw, 100..105) < 0.01);
+        assert!(told.count() >= 15);
     }
 }

@@ -1,7 +1,7 @@
 //! Contacts as a part of the model: their places, and each run's own force there.
 
-use kufe_sled::as_of_run;
 use kufe_sled::effects::{Active, CATALOGUE, Effect, Kind};
+use kufe_sled::{as_expected, as_of_run, hits_of};
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::report::Interval;
@@ -36,9 +36,10 @@ impl Contacts {
         let own = frame.contacts.iter();
         own.filter_map(|own| {
             let place = self.places.get(own.place)?;
+            let (_, hit_n) = hits_of(place);
             Some(Active {
                 track: None,
-                ..as_of_run(place, Some(&own.contact))
+                ..as_of_run(place, Some(&as_expected(own.contact, own.error_n, hit_n)))
             })
         })
     }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use kufe_sled::effects::Active;
-use kufe_sled::{contact_within, scatter, stretch_of};
+use kufe_sled::{Push, hits_of, push_within, scatter, stretch_of};
 use rayon::prelude::*;
 
 use crate::evidence::runs::contacts::of_run::OwnContact;
@@ -22,33 +22,52 @@ pub fn left_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows>
     frames.par_iter().map(|frame| bare.raw(frame)).collect()
 }
 
-/// The contacts of a run at these places.
-pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<OwnContact> {
+/// What pushed a run at these places, by the place.
+fn pushes_of(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<(usize, Push)> {
     let kept: Vec<usize> = frame.samples().collect();
     let [s, y] =
         [&frame.s[..], side_n].map(|x| -> Vec<f64> { kept.iter().map(|i| x[*i]).collect() });
     let scatter_n = scatter(&y);
     let there = |(_, place): &(usize, &Active)| place.acts_on(&frame.track);
-    let own = places
-        .iter()
-        .enumerate()
-        .filter(there)
+    let pushes = places.iter().enumerate().filter(there);
+    pushes
         .filter_map(|(place, effect)| {
-            let (contact, error_n) = contact_within(&s, &y, stretch_of(effect), scatter_n)?;
-            Some(OwnContact {
-                place,
-                contact,
-                error_n,
-            })
-        });
-    own.collect()
+            let (_, hit_n) = hits_of(effect);
+            let push = push_within(&s, &y, stretch_of(effect), hit_n, scatter_n)?;
+            Some((place, push))
+        })
+        .collect()
+}
+
+/// The contacts of a run at these places, each to the side that its place pushes to.
+pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<OwnContact> {
+    let hits = pushes_of(frame, side_n, places);
+    let hits = hits.into_iter().filter(|(_, push)| push.is_hit);
+    hits.map(|(place, push)| OwnContact {
+        place,
+        contact: push.contact,
+        error_n: push.error_n,
+    })
+    .collect()
+}
+
+/// Sets the contacts of a run at these places; what pushed it far harder there is marked as a push of its own.
+pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
+    for (_, push) in pushes_of(frame, side_n, places) {
+        let c = &push.contact;
+        let stretch = [c.s_m - MARGIN_M, c.s_m + c.length_m + MARGIN_M];
+        if !push.is_hit && !frame.pushed.contains(&stretch) {
+            frame.pushed.push(stretch);
+        }
+    }
+    frame.contacts = own_contacts(frame, side_n, places);
 }
 
 /// Sets the contacts of every run at these places, each by its own side balance.
 pub fn set_own(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
     let left = left_without(model, frames);
     let both = frames.par_iter_mut().zip(&left);
-    both.for_each(|(frame, left)| frame.contacts = own_contacts(frame, &left[1], places));
+    both.for_each(|(frame, left)| set_own_of(frame, &left[1], places));
 }
 
 /// Whether a place of a run lies beneath one of its contacts.

@@ -7,14 +7,16 @@
 //! by = sum_k (r_from^2 - (r_to g_from / g_to)^2)        repeats = sum r_from . m
 //! ```
 //!
-//! g is what a balance takes of its acceleration.
+//! g is what a balance takes of its acceleration. Contacts of a run are set by its side balance, of which they take nothing off here; what
+//! the places promised of it counts instead ([`kept_promise`]).
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
-use crate::evidence::runs::contacts::own::{rows_beneath, without_pushes};
+use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_pushes};
+use crate::evidence::runs::contacts::promise::kept_promise;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::log_noise_of;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
@@ -24,6 +26,10 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::report::Interval;
 use crate::procedure::lowered::Lowered;
+
+/// What noise alone keeps of a promise ([`kept_promise`]) no more often than it leaves what is normal beyond one standard error:
+/// `2 ln (1 / 0.159)`.
+const KEPT_BY_CHANCE: f64 = 3.7;
 
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
@@ -83,7 +89,7 @@ impl Campaign<'_> {
         let learned = residuals(before, &self.training);
         let whitener = Whitener::estimate(&learned, self.used);
         let means = self.means(&learned, &whitener);
-        let each: Vec<(Vec<f64>, f64)> = self
+        let each: Vec<(Vec<f64>, f64, f64)> = self
             .held
             .par_iter()
             .map(|frame| {
@@ -91,8 +97,8 @@ impl Campaign<'_> {
                 // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
                 let frame = &few.at_every_sample();
                 let share = few.row_count() as f64 / frame.row_count().max(1) as f64;
-                let mut rows = whitened(&before.residuals(frame), &whitener);
-                let mut left = whitened(&after.residuals(frame), &whitener);
+                let rows = whitened(&with_whole_side(before, frame), &whitener);
+                let mut left = whitened(&with_whole_side(after, frame), &whitener);
                 // A model that counts less of what was measured leaves less, and explains nothing by it.
                 let [gains, of_after] = [before, after].map(|model| log_noise_of(model, frame));
                 for (rows, (after, before)) in left.iter_mut().zip(of_after.iter().zip(&gains)) {
@@ -119,24 +125,40 @@ impl Campaign<'_> {
                         left[c][i] -= change * size / candidate.typical;
                     }
                 }
-                if before.contacts.is_some() || after.contacts.is_some() {
-                    // What set a contact doesn't judge it.
-                    for (i, _) in rows_beneath(frame).iter().enumerate().filter(|(_, b)| **b) {
-                        for side in [&mut rows[1], &mut left[1]] {
-                            side.get_mut(i).into_iter().for_each(|r| *r = 0.0);
-                        }
-                    }
-                }
                 let repeat = repeating(placed(frame, &rows, rules.place_m), &means);
                 let rows_of_piece = (rules.piece_rows as f64 / share) as usize;
                 let mut falls = falls(&rows, &left, rows_of_piece.max(1));
                 falls.iter_mut().for_each(|fall| *fall *= share);
-                (falls, share * repeat)
+                // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
+                let kept = |model: &ResidualModel, rows: &ChannelRows| {
+                    let contacts = model.contacts.as_ref()?;
+                    Some(kept_promise(
+                        contacts,
+                        frame,
+                        &rows[1],
+                        whitener.sd[1],
+                        share,
+                    ))
+                };
+                let kept = [kept(before, &rows), kept(after, &left)].map(Option::unwrap_or_default);
+                (falls, kept[1] - kept[0], share * repeat)
             })
             .collect();
-        let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
-        let repeats: f64 = each.iter().map(|(_, repeats)| repeats).sum();
-        Lowered::over(&falls, repeats.max(0.0))
+        let falls: Vec<f64> = each.iter().flat_map(|(falls, ..)| falls.clone()).collect();
+        let kept: f64 = each.iter().map(|(_, kept, _)| kept).sum();
+        let repeats: f64 = each.iter().map(|(.., repeats)| repeats).sum();
+        let lowered = Lowered::over(&falls, repeats.max(0.0))?;
+        Some(
+            match before.contacts.is_some() == after.contacts.is_some() {
+                true => lowered,
+                // What noise keeps of a promise is known, and no scatter of runs that hit and miss.
+                false => Lowered {
+                    by: lowered.by + kept,
+                    error: lowered.error.hypot(KEPT_BY_CHANCE),
+                    ..lowered
+                },
+            },
+        )
     }
 
     /// The share of what the locked-away runs' contacts leave beyond noise, in the balances that did not set them, that a model with contacts
@@ -205,6 +227,18 @@ impl Campaign<'_> {
             .map(|(place, (sum, count))| (place, sum / count))
             .collect()
     }
+}
+
+/// Residuals of which no contact is taken off the side balance that set it.
+fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
+    let mut rows = model.residuals(frame);
+    if model.contacts.is_some() {
+        let [bare] = &left_without(model, std::slice::from_ref(frame))[..] else {
+            return rows;
+        };
+        rows[1] = frame.rows(&bare[1]);
+    }
+    rows
 }
 
 /// Residuals of the channels that take part, each over its deviation.

@@ -1,0 +1,143 @@
+//! What stated contacts promise of the side balance of a run that did not set them.
+
+use kufe_sled::effects::Active;
+use kufe_sled::{HITS_DIFFER, half_waves, hits_of, stretch_of};
+
+use crate::evidence::runs::contacts::model::Contacts;
+use crate::evidence::runs::recordings::frame::Frame;
+
+/// Share of runs that something else pushes on a stretch, and how much harder than a hit. Chosen: no single run can say much then.
+const ELSE: (f64, f64) = (0.05, 10.0);
+
+/// Twice the logarithm of how much likelier contacts make what the side balance leaves of a run without them than it is without them.
+///
+/// A place states its half wave w up to a shift, and ([`hits_of`]) a share pi of hits and their force F. With r the rows of the side balance
+/// in units of their standard deviation sd \[N\], f the force that fits them and e its standard error, what is likelier by a force about
+/// F, give or take t, is
+///
+/// ```text
+/// f = sd sum w r / sum w^2        e = sd / sqrt(share sum w^2)
+/// L(F, t) = mean over w of exp (1/2 (f^2 / e^2 - (f - F)^2 / (e^2 + t^2) - ln(1 + t^2 / e^2)))
+/// sum over places of 2 ln ((1 - q) (1 - pi + pi L(F, F / 2)) + q L(0, 10 F)) - 2 ln (1 - q + q L(0, 10 F))
+/// ```
+///
+/// with a share q of runs that something else pushes; `share` of the rows are independent. Source: the predictive density of a normal
+/// amplitude in normal noise. Of noise alone the sum exceeds 2 ln(1 / p) with at most the probability p (Markov's inequality).
+pub fn kept_promise(
+    contacts: &Contacts,
+    frame: &Frame,
+    side: &[f64],
+    sd_n: f64,
+    share: f64,
+) -> f64 {
+    let there = contacts.places.iter().filter(|p| p.acts_on(&frame.track));
+    let of_place = |place: &Active| {
+        let waves = half_waves(stretch_of(place)).map(|wave| {
+            let w: Vec<f64> = frame.s.iter().map(|s| wave.force_at(*s)).collect();
+            frame.rows(&w)
+        });
+        kept_at(waves, side, hits_of(place), sd_n, share)
+    };
+    there.map(of_place).sum()
+}
+
+/// The same of one place: its half waves row by row, the share of hits and their force \[N\].
+fn kept_at(
+    waves: impl Iterator<Item = Vec<f64>>,
+    side: &[f64],
+    (hits, hit_n): (f64, f64),
+    sd_n: f64,
+    share: f64,
+) -> f64 {
+    let (other, harder) = ELSE;
+    // Logarithms, since a hard push is likelier by more than a number holds.
+    let [mut by_hit, mut by_other] = [Vec::new(), Vec::new()];
+    for wave in waves {
+        let (mut wr, mut ww) = (0.0, 0.0);
+        for (w, r) in wave.iter().zip(side) {
+            (wr, ww) = (wr + w * r, ww + w * w);
+        }
+        if ww <= 0.0 {
+            continue;
+        }
+        let (force, variance) = (sd_n * wr / ww, sd_n * sd_n / (share * ww));
+        let likelier = |about: f64, differ: f64| {
+            let spread = differ * differ;
+            let away = (force - about).powi(2) / (variance + spread);
+            0.5 * (force * force / variance - away - (spread / variance).ln_1p())
+        };
+        by_hit.push(likelier(hit_n, HITS_DIFFER * hit_n));
+        by_other.push(likelier(0.0, harder * hit_n));
+    }
+    if hits == 0.0 || by_hit.is_empty() {
+        return 0.0;
+    }
+    let [by_hit, by_other] = [mean_of(&by_hit), mean_of(&by_other)];
+    let with = log_sum((1.0 - hits).ln(), hits.ln() + by_hit);
+    let by_other = other.ln() + by_other;
+    let none = (1.0 - other).ln();
+    2.0 * (log_sum(none + with, by_other) - log_sum(none, by_other))
+}
+
+/// `ln(e^a + e^b)`.
+fn log_sum(a: f64, b: f64) -> f64 {
+    a.max(b) + (-(a - b).abs()).exp().ln_1p()
+}
+
+/// The logarithm of the mean of what these are logarithms of.
+fn mean_of(logs: &[f64]) -> f64 {
+    let sum = logs.iter().copied().fold(f64::NEG_INFINITY, log_sum);
+    sum - (logs.len() as f64).ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::WallContact;
+
+    use super::*;
+    use crate::null::random::{normal, stream};
+
+    /// What 400 runs keep of a place that half of all hit with five standard errors of a force, where each is pushed by so many \[N\].
+    fn kept(push_n: f64) -> Vec<f64> {
+        let s: Vec<f64> = (0..40).map(f64::from).collect();
+        let wave = |w: WallContact| s.iter().map(|s| w.force_at(*s)).collect::<Vec<f64>>();
+        let true_one = WallContact {
+            s_m: 11.0,
+            length_m: 10.0,
+            force_n: push_n,
+            x_m: 0.0,
+        };
+        let pushed = wave(true_one);
+        // A half wave of 10 m has squares of 3.75: 26 N are five standard errors beside noise of 10 N.
+        let of_run = |draw: u64| {
+            let mut rng = stream(8, 0x9121, draw);
+            let side: Vec<f64> = pushed.iter().map(|p| p / 10.0 + normal(&mut rng)).collect();
+            let waves = half_waves([5.0, 27.0]).map(wave);
+            kept_at(waves, &side, (0.5, 26.0), 10.0, 1.0)
+        };
+        (0..400).map(of_run).collect()
+    }
+
+    #[test]
+    fn noise_keeps_a_promise_as_seldom_as_the_bound_says_hits_keep_it_and_wild_pushes_say_little() {
+        let noise = kept(0.0);
+        let mean = noise.iter().sum::<f64>() / 400.0;
+        let by_chance = noise.iter().filter(|kept| **kept > 2.0 * f64::ln(20.0));
+        assert!(mean < 0.0 && by_chance.count() <= 20, "{mean}");
+        let hits = kept(26.0);
+        let mean = hits.iter().sum::<f64>() / 400.0;
+        assert!(mean > 6.0, "{mean}");
+        for push_n in [1000.0, -300.0] {
+            let most = kept(push_n).into_iter().map(f64::abs).fold(0.0, f64::max);
+            assert!(most < 3.0, "{push_n} N: {most}");
+        }
+    }
+
+    #[test]
+    fn sums_of_logarithms_hold_what_no_number_holds() {
+        let logs = [1000.0, 999.0];
+        let truth = 1000.0 + ((1.0 + f64::exp(-1.0)) / 2.0).ln();
+        assert!((mean_of(&logs) - truth).abs() < 1e-12);
+        assert!((log_sum(0.2_f64.ln(), 0.3_f64.ln()).exp() - 0.5).abs() < 1e-15);
+    }
+}
