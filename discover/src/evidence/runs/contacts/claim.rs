@@ -8,7 +8,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
-    apart_from_side, mean, reactions, seen_by_yaw, shared_with_side,
+    apart_from_side, excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
 use crate::evidence::runs::contacts::own::{left_without, set_own, without_contacts};
@@ -38,8 +38,11 @@ impl Campaign<'_> {
         let (mut places, frames) = (hit.places, hit.frames);
         let interval = self.options.rules.search.interval;
         let shared_m = shared_with_side(&frames, &left, 2);
-        let seen = reactions(&frames, &left, 2);
-        let lever_m = mean(&seen, shared_m, interval);
+        let ratio = |balance: usize| {
+            let of_all = || ratio(&excess(&frames, &left, balance, &places), interval);
+            ratio_of_strong(&frames, &left, balance, interval).unwrap_or_else(of_all)
+        };
+        let lever_m = ratio(2);
         let sled = &model.vehicle.sled;
         let inside = rules.contacts.inside;
         let inside = -inside * sled.l_r_m..inside * sled.l_f_m;
@@ -52,8 +55,7 @@ impl Campaign<'_> {
         {
             return None;
         }
-        // Noise that pushes brakes to one side as often as to the other.
-        let mut friction = mean(&reactions(&frames, &left, 0), 0.0, interval);
+        let mut friction = ratio(0);
         if !self.used[0] || friction.low <= 0.0 {
             friction = Default::default();
         }
