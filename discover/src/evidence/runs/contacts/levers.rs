@@ -64,9 +64,10 @@ pub fn excess(frames: &[Frame], left: &[ChannelRows], balance: usize, places: &[
             let run = &mut excess.runs[*i];
             (run[0], run[1]) = (run[0] + x * x, run[1] + x * y);
         }
-        let ends = there
-            .iter()
-            .map(|i| (frames[*i].s[0], frames[*i].s[frames[*i].len() - 1]));
+        let ends = there.iter().filter_map(|i| {
+            let s = &frames[*i].s;
+            Some((*s.first()?, *s.last()?))
+        });
         let (from, to) = ends.fold((f64::NEG_INFINITY, f64::INFINITY), |a, b| {
             (a.0.max(b.0), a.1.min(b.1))
         });
