@@ -1,6 +1,6 @@
 // The page of an evaluation of drivers.
 //
-// Data: evaluation.json: { runs: [one a run], groups: [{ by, name, track, runs, increase_*: { mean, low, high } }], interval, left_out }.
+// Data: evaluation.json: { runs: [one a run], groups: [{ by, name, track, runs, increase_*: { mean, low, high } }], interval, left_out, tables: [{ runner, picture }] }.
 
 const PARTS = [["increase_front", "front runner", "--accent"], ["increase_rear", "rear runner", "--second"], ["increase_aero", "air", "--third"]];
 
@@ -24,6 +24,8 @@ function evaluationPage(main, data) {
     el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "by", by), el("label", { hidden: places.length < 2 }, "on", where)),
     el("div", { class: "panels" },
       el("section", { class: "panel wide" }, el("h2", {}, "Loss beyond a straight glide"), box, el("p", { class: "soft" }, `Bars: mean by part. Line: interval of the total (${data.interval ?? "as evaluated"}). Rings: single runs.`)),
+      ...(data.tables ?? []).map(({ runner, picture }) => el("section", { class: "panel wide" }, el("h2", {}, `Where the ${runner} asks its table of friction`),
+        el("div", { class: "scroll" }, el("img", { alt: `samples of the ${runner} upon its table`, src: picture, style: "width:min(100%, 60em);min-width:40em;height:auto" })))),
       el("section", { class: "panel wide" }, el("h2", {}, "Every run"), runTable(data.runs))),
   );
   let width = 0;

@@ -34,4 +34,4 @@ pub use grid::Grid;
 pub use pack::pack;
 pub use page::{Kind, POLICY, page};
 pub use record::record_page;
-pub use results::results_page;
+pub use results::{picture_url, results_page};

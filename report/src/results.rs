@@ -16,6 +16,11 @@ const OPEN_ROWS: usize = 40;
 /// Most values of a list that are shown one by one.
 const MOST_VALUES: usize = 8;
 
+/// A PNG file as the address of a picture that stands in the page itself.
+pub fn picture_url(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
+}
+
 /// The page: `pictures` are names and PNG files, `documents` names and JSON.
 pub fn results_page(
     title: &str,
@@ -26,9 +31,9 @@ pub fn results_page(
     for (name, png) in pictures {
         let _ = writeln!(
             out,
-            "<div class=\"wide\"><img alt=\"{}\" src=\"data:image/png;base64,{}\"></div>",
+            "<div class=\"wide\"><img alt=\"{}\" src=\"{}\"></div>",
             escape(name),
-            STANDARD.encode(png)
+            picture_url(png)
         );
     }
     for (name, document) in documents {

@@ -3,9 +3,12 @@
 use std::path::Path;
 
 use kufe_jobs::Failure;
-use kufe_report::{Kind, page as html};
+use kufe_report::{Kind, page as html, picture_url};
+use serde_json::{Value, json};
 
 use crate::report::read_json::read_json;
+use crate::report::results::picture;
+use crate::runs::tables::TABLE_PICTURES;
 
 /// An evaluation holds a few hundred bytes a run; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 24;
@@ -15,7 +18,7 @@ const MOST_RUNS: usize = 1000;
 /// The page of a folder that `kufe evaluate` has written.
 pub fn page(folder: &Path) -> Result<String, Failure> {
     let path = folder.join("evaluation.json");
-    let evaluation = read_json(&path, LONGEST)?;
+    let mut evaluation = read_json(&path, LONGEST)?;
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
     let list = |key: &str| {
         let found = &evaluation[key];
@@ -29,5 +32,20 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
             "{runs} runs: a page shows at most {MOST_RUNS}"
         )));
     }
+    evaluation["tables"] = Value::Array(tables(folder)?);
     Ok(html(Kind::Evaluation, "What drivers lose", &evaluation))
+}
+
+/// The pictures of the model's tables of friction with the runs upon them, of those that there are.
+fn tables(folder: &Path) -> Result<Vec<Value>, Failure> {
+    let runners = ["front runner", "rear runner"];
+    let mut tables = Vec::new();
+    for (name, runner) in TABLE_PICTURES.iter().zip(runners) {
+        let path = folder.join(name);
+        if path.is_file() {
+            let picture = picture_url(&picture(&path)?);
+            tables.push(json!({ "runner": runner, "picture": picture }));
+        }
+    }
+    Ok(tables)
 }

@@ -27,6 +27,15 @@ const LONGEST: u64 = 1 << 24;
 const LONGEST_PICTURE: u64 = 1 << 23;
 const MOST_PICTURES: usize = 12;
 
+fn unreadable(path: &Path, error: std::io::Error) -> Failure {
+    Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
+}
+
+/// A picture that a page holds.
+pub fn picture(path: &Path) -> Result<Vec<u8>, Failure> {
+    read_regular(path, LONGEST_PICTURE).map_err(|error| unreadable(path, error))
+}
+
 /// The page of a folder that holds one of [`DOCUMENTS`].
 pub fn page(folder: &Path) -> Result<String, Failure> {
     let mut documents = Vec::new();
@@ -36,9 +45,6 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
             documents.push((name.to_owned(), read_json(&path, LONGEST)?));
         }
     }
-    let unreadable = |path: &Path, error: std::io::Error| {
-        Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
-    };
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, error))? {
         let path = entry.map_err(|error| unreadable(folder, error))?.path();
@@ -49,7 +55,7 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
     paths.sort();
     let mut pictures = Vec::new();
     for path in paths.into_iter().take(MOST_PICTURES) {
-        let png = read_regular(&path, LONGEST_PICTURE).map_err(|error| unreadable(&path, error))?;
+        let png = picture(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         pictures.push((name.into_owned(), png));
     }

@@ -7,5 +7,5 @@ pub mod fit;
 mod recorded;
 mod series;
 pub mod simulate;
-mod tables;
+pub mod tables;
 pub mod validate;

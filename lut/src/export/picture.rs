@@ -49,7 +49,7 @@ impl Slice {
         [
             (", rocker radius", self.rocker_radius, "m"),
             (",", self.speed, "m/s"),
-            (", ice of", self.ice_c, "C"),
+            (", ice of", self.ice_c, "°C"),
         ]
         .into_iter()
         .filter_map(|(words, value, unit)| Some(format!("{words} {} {unit}", value?)))

@@ -251,7 +251,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(11);
         for (stretch_m, hit_n) in [
             ([40.0, 60.0], 0.0),
-            ([40.0, 60.0], 30.0),
+            ([40.0, 60.0], 5.0),
             ([20.0, 90.0], 0.0),
         ] {
             let taken = (0..1000).filter(|_| {

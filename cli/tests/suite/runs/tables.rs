@@ -56,6 +56,10 @@ fn samples_are_drawn_on_their_tables_and_those_outside_counted() {
     assert!(evaluated.status.success(), "{told}");
     let own = std::fs::read(bench.path("out/table_front.png")).expect("a picture");
 
+    bench.succeeds(&["report", "out"]);
+    let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
+    assert_eq!(page.matches("data:image/png").count(), 2);
+
     // The same samples by `lut show`, by a model that knows nothing of the table.
     let show = ["lut", "show", "narrow.lut", "--json", "-o", "shown.png"];
     let runs = [
