@@ -51,7 +51,12 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
         let true_one = driven[own.run.as_str()]
             .iter()
             .find(|c| (middle - c.s_m - 0.5 * c.length_m).abs() < 4.0)
-            .unwrap_or_else(|| panic!("{} hit nothing at {middle:.0} m", own.run));
+            .unwrap_or_else(|| {
+                panic!(
+                    "{} hit nothing at {middle:.0} m, told {:.0} +- {:.0} N",
+                    own.run, own.force_n, own.error_n
+                )
+            });
         // The low pass of 16 Hz flattens half a wave of 10 m at 28 m/s by a tenth.
         let share = own.force_n / true_one.force_n;
         assert!(

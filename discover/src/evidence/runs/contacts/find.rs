@@ -10,6 +10,7 @@
 //! and so do runs of which none stands out alone but whose squares together exceed those of other places.
 
 use kufe_sled::scatter;
+use rayon::prelude::*;
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
@@ -114,8 +115,8 @@ fn on_track(
             start = end;
         }
     }
-    let unmoved = vec![0; sums.len()];
-    let roots = together(&sums, unit, &unmoved);
+    let squares = squares(&sums, unit);
+    let roots = together(&squares);
     for (start, end) in beyond(&above_middle(&roots), rules.together) {
         differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
     }
@@ -125,7 +126,7 @@ fn on_track(
         return Vec::new();
     }
     let chance = if differs.contains(&true) {
-        by_chance(&sums, unit, seed)
+        by_chance(&squares, seed)
     } else {
         Vec::new()
     };
@@ -153,30 +154,41 @@ fn on_track(
     found
 }
 
+/// Squares of sums in units of their scatter, none of more than six deviations.
+fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
+    let square = |z: &f64| match z.is_finite() {
+        true => (z / unit).abs().min(MOST_OF_A_RUN).powi(2),
+        false => f64::NAN,
+    };
+    let of_run = |row: &Vec<f64>| row.iter().map(square).collect();
+    sums.iter().map(of_run).collect()
+}
+
 /// How much runs differ at each of these sums, apart from the one that differs most, which may have been pushed alone: with q the mean of
-/// the squares of the others, none of more than six deviations, `q^(1/3)`, which is nearly normal; NaN where few runs came.
+/// the squares of the others, `q^(1/3)`, which is nearly normal; NaN where few runs came.
 ///
 /// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931) 684.
-fn together(sums: &[Vec<f64>], unit: f64, shifts: &[usize]) -> Vec<f64> {
-    let count = sums[0].len();
-    let of_sum = |w: usize| {
-        let shifted = sums
-            .iter()
-            .zip(shifts)
-            .map(|(row, by)| row[(w + by) % count]);
-        let squares = shifted
-            .filter(|z| z.is_finite())
-            .map(|z| (z / unit).abs().min(MOST_OF_A_RUN).powi(2));
-        let (n, sum, most) = squares.fold((0.0, 0.0, 0.0_f64), |(n, sum, most), q| {
-            (n + 1.0, sum + q, most.max(q))
-        });
-        // Where few runs came there is no telling.
-        match 2.0 * n > sums.len() as f64 && n > 1.0 {
-            true => f64::cbrt((sum - most) / (n - 1.0)),
-            false => f64::NAN,
+fn together(squares: &[Vec<f64>]) -> Vec<f64> {
+    let unmoved = vec![0; squares.len()];
+    let root = |w: usize| mean_of_others(squares, &unmoved, w).cbrt();
+    (0..squares[0].len()).map(root).collect()
+}
+
+/// The mean of squares at a sum but for the largest, each run shifted by so much; NaN where few runs came.
+fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
+    let (mut n, mut sum, mut most) = (0.0, 0.0, 0.0_f64);
+    for (row, by) in squares.iter().zip(shifts) {
+        let at = w + by;
+        let q = row[if at < row.len() { at } else { at - row.len() }];
+        if !q.is_nan() {
+            (n, sum, most) = (n + 1.0, sum + q, most.max(q));
         }
-    };
-    (0..count).map(of_sum).collect()
+    }
+    // Where few runs came there is no telling.
+    match 2.0 * n > squares.len() as f64 && n > 1.0 {
+        true => (sum - most) / (n - 1.0),
+        false => f64::NAN,
+    }
 }
 
 /// By how many robust deviations these lie above their median.
@@ -191,14 +203,15 @@ fn above_middle(roots: &[f64]) -> Vec<f64> {
 
 /// The largest of [`together`] where every run is shifted along its way on its own, what leaves it at one end coming in at the other:
 /// what runs do by chance at one place, wild pushes of single ones among it. Sorted.
-fn by_chance(sums: &[Vec<f64>], unit: f64, seed: u64) -> Vec<f64> {
+fn by_chance(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
+    let count = squares[0].len();
     let largest = |trial: u64| {
         let mut rng = stream(seed, 0x5717F7, trial);
-        let shifts: Vec<usize> = sums.iter().map(|row| below(&mut rng, row.len())).collect();
-        let roots = together(sums, unit, &shifts);
-        roots.into_iter().fold(f64::NEG_INFINITY, f64::max)
+        let shifts: Vec<usize> = squares.iter().map(|_| below(&mut rng, count)).collect();
+        let means = (0..count).map(|w| mean_of_others(squares, &shifts, w));
+        means.fold(f64::NEG_INFINITY, f64::max).cbrt()
     };
-    let mut largest: Vec<f64> = (0..TRIALS).map(largest).collect();
+    let mut largest: Vec<f64> = (0..TRIALS).into_par_iter().map(largest).collect();
     largest.sort_by(f64::total_cmp);
     largest
 }
@@ -254,12 +267,11 @@ mod tests {
     #[test]
     fn places_at_which_no_run_stands_out_alone_are_found_by_all_and_noise_is_none() {
         let rules = ContactRules::default();
-        let unmoved = [0; 10];
-        let roots = |sums: &[Vec<f64>]| together(sums, 1.0, &unmoved);
+        let roots = |sums: &[Vec<f64>]| together(&squares(sums, 1.0));
         let chance = |draw: u64, pushed: std::ops::Range<usize>| {
             let sums = sums(draw, pushed);
             let most = roots(&sums).into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let by_chance = by_chance(&sums, 1.0, 1);
+            let by_chance = by_chance(&squares(&sums, 1.0), 1);
             by_chance.iter().filter(|u| **u >= most).count() as f64 / by_chance.len() as f64
         };
         let by_chance = (0..40).filter(|draw| chance(*draw, 0..0) < 0.05);
