@@ -49,7 +49,7 @@ pub use evaluate::validate::{
 };
 pub use fit::contacts::find_contacts;
 pub use fit::own_contacts::{
-    FOLLOWED, HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, half_waves, hits_of, push_within,
+    HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, half_waves, hits_of, likelier, push_within,
     scatter, stretch_of, with_own_contacts,
 };
 pub use fit::runners::{SledFit, fit};

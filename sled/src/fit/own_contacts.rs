@@ -18,7 +18,7 @@ const WAYS_A_METRE: f64 = 4.0 / 3.0;
 /// Times the force of a hit beyond which a push is of another kind: hits scatter by a factor of two or three. Chosen.
 pub const HARDEST: f64 = 5.0;
 /// Ways in which a half wave follows noise: its force, its place and its length.
-pub const FOLLOWED: f64 = 3.0;
+const FOLLOWED: f64 = 3.0;
 /// Share of the force of a hit by which hits differ from one another. Chosen: a factor of two either way is within two of it.
 pub const HITS_DIFFER: f64 = 0.5;
 /// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
@@ -94,8 +94,16 @@ pub fn push_within(
     let ways = ways(stretch_m, hit_n != 0.0);
     let (_, contact, error_n) = best?;
     let push_n = contact.force_n.abs();
-    let stands_out = push_n > stands_out(ways) * error_n
-        && (hit_n == 0.0 || likelier_as_hit(contact.force_n, error_n, hit_n) > ways.ln());
+    // A hit that noise could have made in so many ways must be likelier than all of them: beside strong hits a weak push is noise.
+    let as_hit = || {
+        likelier(
+            contact.force_n,
+            error_n * error_n,
+            hit_n,
+            HITS_DIFFER * hit_n,
+        )
+    };
+    let stands_out = push_n > stands_out(ways) * error_n && (hit_n == 0.0 || as_hit() > ways.ln());
     stands_out.then(|| Push {
         contact,
         error_n,
@@ -133,17 +141,15 @@ fn stands_out(ways: f64) -> f64 {
     }
 }
 
-/// The logarithm of how much likelier a force F with its standard error e is as a hit H, give or take half of it, than as noise:
+/// The logarithm of how much likelier a force F with its variance V is as one of about A, give or take T, than as noise:
 ///
 /// ```text
-/// (F^2 / e^2 - (F - H)^2 / (e^2 + (H / 2)^2) - ln(1 + (H / 2)^2 / e^2)) / 2
+/// (F^2 / V - (F - A)^2 / (V + T^2) - ln(1 + T^2 / V)) / 2
 /// ```
-///
-/// A hit that noise could have made in so many ways must be likelier than all of them: beside strong hits a weak push is noise.
-fn likelier_as_hit(force_n: f64, error_n: f64, hit_n: f64) -> f64 {
-    let (noise, hits) = (error_n.powi(2), (HITS_DIFFER * hit_n).powi(2));
-    let away = (force_n - hit_n).powi(2) / (noise + hits);
-    0.5 * (force_n.powi(2) / noise - away - (hits / noise).ln_1p())
+pub fn likelier(force_n: f64, variance: f64, about_n: f64, differ_n: f64) -> f64 {
+    let spread = differ_n * differ_n;
+    let away = (force_n - about_n).powi(2) / (variance + spread);
+    0.5 * (force_n * force_n / variance - away - (spread / variance).ln_1p())
 }
 
 /// Half waves of 1 N within a stretch \[m\], with their lever 0: on a grid of a metre, of lengths from 4 m to 32 m.

@@ -1,7 +1,7 @@
 //! What stated contacts promise of the side balance of a run that did not set them.
 
 use kufe_sled::effects::Active;
-use kufe_sled::{HITS_DIFFER, half_waves, hits_of, stretch_of};
+use kufe_sled::{HITS_DIFFER, half_waves, hits_of, likelier, stretch_of};
 
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -61,13 +61,8 @@ fn kept_at(
             continue;
         }
         let (force, variance) = (sd_n * wr / ww, sd_n * sd_n / (share * ww));
-        let likelier = |about: f64, differ: f64| {
-            let spread = differ * differ;
-            let away = (force - about).powi(2) / (variance + spread);
-            0.5 * (force * force / variance - away - (spread / variance).ln_1p())
-        };
-        by_hit.push(likelier(hit_n, HITS_DIFFER * hit_n));
-        by_other.push(likelier(0.0, harder * hit_n));
+        by_hit.push(likelier(force, variance, hit_n, HITS_DIFFER * hit_n));
+        by_other.push(likelier(force, variance, 0.0, harder * hit_n));
     }
     if hits == 0.0 || by_hit.is_empty() {
         return 0.0;
