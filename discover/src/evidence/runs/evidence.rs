@@ -265,6 +265,7 @@ impl Evidence for Campaign<'_> {
             &self.held,
             &simulator,
             self.used,
+            self.rules().track_bin_m,
         );
         let shown = account
             .steps
@@ -325,6 +326,7 @@ impl Evidence for Campaign<'_> {
             self.whole(),
             &simulator,
             self.used,
+            self.rules().track_bin_m,
         );
         Ok(Description {
             data: data.to_owned(),

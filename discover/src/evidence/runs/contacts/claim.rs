@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::found::Found;
+use crate::evidence::runs::contacts::grip::apart_from_grip;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
     apart_from_side, excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side,
@@ -31,7 +32,8 @@ impl Campaign<'_> {
         }
         let effect = wall()?;
         let whole = self.whole();
-        let left = left_without(model, whole);
+        let mut left = left_without(model, whole);
+        apart_from_grip(model, whole, &mut left);
         let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;

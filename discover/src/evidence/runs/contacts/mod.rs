@@ -3,10 +3,10 @@
 pub(crate) mod claim;
 pub(crate) mod find;
 pub(crate) mod found;
+pub(crate) mod grip;
 pub(crate) mod hit;
 pub(crate) mod levers;
 pub(crate) mod model;
-pub(crate) mod of_run;
 pub(crate) mod own;
 pub(crate) mod promise;
 mod pushes;

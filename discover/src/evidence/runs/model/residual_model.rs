@@ -11,6 +11,8 @@ use crate::evidence::runs::model::installation::Installation;
 pub const CHANNELS: usize = 4;
 /// Those of them that the forces enter: the first.
 pub const BALANCES: usize = 3;
+/// The track channel behind them.
+pub const TRACK: usize = BALANCES;
 /// Their names and units.
 pub const CHANNEL_NAMES: [(&str, &str); CHANNELS] = [
     ("along", "N"),

@@ -1,23 +1,28 @@
-//! The gap by channel, before and after.
+//! The gap by channel, before and after: of the track channel that of means over its bins, as its claims are found.
 
 use rayon::prelude::*;
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::track::bins::means;
 use crate::finding::report::ChannelGap;
 
-/// Root mean square by used channel before and after.
+/// Root mean square by used channel before and after, with bins of the track channel so wide \[m\].
 pub fn channels(
     before: &ResidualModel,
     after: &ResidualModel,
     frames: &[Frame],
     simulator: &RunSimulator,
     used: [bool; CHANNELS],
+    track_bin_m: f64,
 ) -> Vec<ChannelGap> {
     let rms = |residual_model: &ResidualModel, frames: &[Frame]| -> [f64; CHANNELS] {
-        let runs = residuals(residual_model, frames);
+        let mut runs = residuals(residual_model, frames);
+        for (rows, frame) in runs.iter_mut().zip(frames) {
+            rows[TRACK] = means(frame, &rows[TRACK], track_bin_m);
+        }
         std::array::from_fn(|c| {
             let rows = runs.iter().flat_map(|rows| &rows[c]);
             let (sum, count) = rows.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));

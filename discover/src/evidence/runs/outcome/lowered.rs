@@ -9,21 +9,26 @@
 //!
 //! g is what a balance takes of its acceleration. Contacts of a run are set by its side balance, of which they take nothing off here; what
 //! the places promised of it counts instead ([`kept_promise`]).
+//!
+//! Rows of the track channel are means over its bins, as its claims are found: the speed's derivative is noisy, and what moves the speed in
+//! time lays that noise elsewhere.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
+use crate::evidence::runs::contacts::grip::apart_from_grip;
 use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_pushes};
 use crate::evidence::runs::contacts::promise::kept_promise;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::log_noise_of;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel, TRACK};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::track::bins::{means, of_run};
 use crate::finding::report::Interval;
 use crate::procedure::lowered::Lowered;
 
@@ -58,10 +63,41 @@ impl Campaign<'_> {
             before = self.with_stated_clocks(&before)?;
         }
         let lowered = self.lowered_between(&before, &after, to.told.as_ref())?;
+        // What repeats because the installation is off within its tolerances is no gap that a claim has to close.
+        let repeats = match from.residual_model.installation.sizes.is_empty() {
+            true => lowered.repeats,
+            false => lowered.repeats.min(self.repeats(&from.residual_model)),
+        };
         Some(Lowered {
             tolerated: self.tolerated(&before),
+            repeats,
             ..lowered
         })
+    }
+
+    /// What repeats of a model's residuals: those of the locked-away runs times the mean ones of the training runs at the same place.
+    fn repeats(&self, model: &ResidualModel) -> f64 {
+        let width = self.rules().track_bin_m;
+        let (learned, whitener) = self.learned(model);
+        let means = self.means(&learned, &whitener);
+        let of_run = |frame: &Frame| {
+            let few = without_pushes(frame);
+            let frame = &few.at_every_sample();
+            let rows = judged(model, frame, width, &whitener);
+            repeating(self.placed(frame, &rows), &means, &shares(&few, frame))
+        };
+        let each: Vec<f64> = self.held.par_iter().map(of_run).collect();
+        each.iter().sum::<f64>().max(0.0)
+    }
+
+    /// Rows of the training runs and their deviations.
+    fn learned(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
+        let mut learned = residuals(model, &self.training);
+        for (rows, frame) in learned.iter_mut().zip(&self.training) {
+            rows[TRACK] = means(frame, &rows[TRACK], self.rules().track_bin_m);
+        }
+        let whitener = Whitener::estimate(&learned, self.used);
+        (learned, whitener)
     }
 
     /// What one standard deviation of each of the installation's tolerances leaves on the locked-away runs beyond a refit of the base, summed.
@@ -86,19 +122,18 @@ impl Campaign<'_> {
         told: Option<&Told>,
     ) -> Option<Lowered> {
         let rules = self.rules();
-        let learned = residuals(before, &self.training);
-        let whitener = Whitener::estimate(&learned, self.used);
-        let means = self.means(&learned, &whitener);
-        let each: Vec<(Vec<f64>, f64, f64)> = self
+        let width = rules.track_bin_m;
+        let (_, whitener) = self.learned(before);
+        let each: Vec<(Vec<f64>, f64)> = self
             .held
             .par_iter()
             .map(|frame| {
                 let few = without_pushes(frame);
                 // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
                 let frame = &few.at_every_sample();
-                let share = few.row_count() as f64 / frame.row_count().max(1) as f64;
-                let rows = whitened(&with_whole_side(before, frame), &whitener);
-                let mut left = whitened(&with_whole_side(after, frame), &whitener);
+                let shares = shares(&few, frame);
+                let rows = judged(before, frame, width, &whitener);
+                let mut left = judged(after, frame, width, &whitener);
                 // A model that counts less of what was measured leaves less, and explains nothing by it.
                 let [gains, of_after] = [before, after].map(|model| log_noise_of(model, frame));
                 for (rows, (after, before)) in left.iter_mut().zip(of_after.iter().zip(&gains)) {
@@ -125,29 +160,24 @@ impl Campaign<'_> {
                         left[c][i] -= change * size / candidate.typical;
                     }
                 }
-                let repeat = repeating(placed(frame, &rows, rules.place_m), &means);
-                let rows_of_piece = (rules.piece_rows as f64 / share) as usize;
-                let mut falls = falls(&rows, &left, rows_of_piece.max(1));
-                falls.iter_mut().for_each(|fall| *fall *= share);
+                let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
+                let falls = falls(&rows, &left, &shares, pieces.max(1));
                 // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
-                let kept = |model: &ResidualModel, rows: &ChannelRows| {
+                let kept = |model: &ResidualModel| {
                     let contacts = model.contacts.as_ref()?;
-                    Some(kept_promise(
-                        contacts,
-                        frame,
-                        &rows[1],
-                        whitener.sd[1],
-                        share,
-                    ))
+                    let mut own = left_without(model, std::slice::from_ref(frame));
+                    apart_from_grip(model, std::slice::from_ref(frame), &mut own);
+                    let sd = whitener.sd[1];
+                    let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
+                    Some(kept_promise(contacts, frame, &side, sd, shares[1]))
                 };
-                let kept = [kept(before, &rows), kept(after, &left)].map(Option::unwrap_or_default);
-                (falls, kept[1] - kept[0], share * repeat)
+                let kept = [before, after].map(|model| kept(model).unwrap_or_default());
+                (falls, kept[1] - kept[0])
             })
             .collect();
-        let falls: Vec<f64> = each.iter().flat_map(|(falls, ..)| falls.clone()).collect();
-        let kept: f64 = each.iter().map(|(_, kept, _)| kept).sum();
-        let repeats: f64 = each.iter().map(|(.., repeats)| repeats).sum();
-        let lowered = Lowered::over(&falls, repeats.max(0.0))?;
+        let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
+        let kept: f64 = each.iter().map(|(_, kept)| kept).sum();
+        let lowered = Lowered::over(&falls, self.repeats(before))?;
         Some(
             match before.contacts.is_some() == after.contacts.is_some() {
                 true => lowered,
@@ -212,7 +242,7 @@ impl Campaign<'_> {
         for (frame, rows) in self.training.iter().zip(rows) {
             let rows = whitened(rows, whitener);
             let mut here: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
-            for (place, r) in placed(frame, &rows, self.rules().place_m) {
+            for (place, r) in self.placed(frame, &rows) {
                 let sum = here.entry(place).or_default();
                 (sum.0, sum.1) = (sum.0 + r, sum.1 + 1.0);
             }
@@ -226,6 +256,26 @@ impl Campaign<'_> {
             .filter(|(place, _)| visits[place] > 1)
             .map(|(place, (sum, count))| (place, sum / count))
             .collect()
+    }
+
+    /// Rows with where they are.
+    fn placed<'a>(&self, frame: &'a Frame, rows: &ChannelRows) -> Vec<(Place<'a>, f64)> {
+        let rules = self.rules();
+        let s = frame.rows(&frame.s);
+        let at = |s: &f64| (s / rules.place_m).floor() as i64;
+        let mut placed = Vec::new();
+        for (c, rows) in rows.iter().enumerate() {
+            let places: Vec<i64> = match c {
+                TRACK => {
+                    let bins = of_run(frame, &s, rules.track_bin_m);
+                    bins.into_iter().map(|(bin, _)| bin).collect()
+                }
+                _ => s.iter().map(at).collect(),
+            };
+            let both = places.into_iter().zip(rows);
+            placed.extend(both.map(|(place, r)| ((c, frame.track.as_str(), place), *r)));
+        }
+        placed
     }
 }
 
@@ -241,6 +291,19 @@ fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     rows
 }
 
+/// What a row of each channel counts for where rows are made at every sample: of the track channel, whose rows are bins, in full.
+fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
+    let share = few.row_count() as f64 / dense.row_count().max(1) as f64;
+    std::array::from_fn(|c| if c == TRACK { 1.0 } else { share })
+}
+
+/// The rows of a locked-away run that a model is judged by, with bins so wide \[m\] in the track channel.
+fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
+    let mut rows = with_whole_side(model, frame);
+    rows[TRACK] = means(frame, &rows[TRACK], width);
+    whitened(&rows, whitener)
+}
+
 /// Residuals of the channels that take part, each over its deviation.
 fn whitened(rows: &ChannelRows, whitener: &Whitener) -> ChannelRows {
     std::array::from_fn(|c| match whitener.used[c] {
@@ -249,33 +312,29 @@ fn whitened(rows: &ChannelRows, whitener: &Whitener) -> ChannelRows {
     })
 }
 
-/// Rows with where they are.
-fn placed<'a>(frame: &'a Frame, rows: &ChannelRows, place_m: f64) -> Vec<(Place<'a>, f64)> {
-    let s = frame.rows(&frame.s);
-    let mut placed = Vec::new();
-    for (c, rows) in rows.iter().enumerate() {
-        for (s, r) in s.iter().zip(rows) {
-            let cell = (s / place_m).floor() as i64;
-            placed.push(((c, frame.track.as_str(), cell), *r));
-        }
-    }
-    placed
-}
-
-fn repeating(placed: Vec<(Place, f64)>, means: &BTreeMap<Place, f64>) -> f64 {
+fn repeating(
+    placed: Vec<(Place, f64)>,
+    means: &BTreeMap<Place, f64>,
+    shares: &[f64; CHANNELS],
+) -> f64 {
     placed
         .iter()
-        .filter_map(|(place, r)| means.get(place).map(|mean| mean * r))
+        .filter_map(|(place, r)| means.get(place).map(|mean| shares[place.0] * mean * r))
         .sum()
 }
 
-/// The fall of the sum of squares, piece by piece of a run.
-fn falls(before: &ChannelRows, after: &ChannelRows, piece_rows: usize) -> Vec<f64> {
-    let rows = before.iter().map(Vec::len).max().unwrap_or(0);
-    let mut falls = vec![0.0; rows.div_ceil(piece_rows)];
-    for (before, after) in before.iter().zip(after) {
+/// The fall of the sum of squares, piece by piece of a run, a row of each channel counting for its share.
+fn falls(
+    before: &ChannelRows,
+    after: &ChannelRows,
+    shares: &[f64; CHANNELS],
+    pieces: usize,
+) -> Vec<f64> {
+    let mut falls = vec![0.0; pieces];
+    for ((before, after), share) in before.iter().zip(after).zip(shares) {
+        let rows = before.len().max(1);
         for (i, (b, a)) in before.iter().zip(after).enumerate() {
-            falls[i / piece_rows] += b * b - a * a;
+            falls[i * pieces / rows] += share * (b * b - a * a);
         }
     }
     falls

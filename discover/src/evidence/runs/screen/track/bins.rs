@@ -17,29 +17,37 @@ pub type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<OfDriver<'a>>>;
 pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'a> {
     let mut by_bin = ByBin::new();
     for (frame, rows) in frames.iter().zip(rows) {
-        let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
-        for (s, r) in frame.rows(&frame.s).iter().zip(rows) {
-            let (count, sum) = sums.entry((s / width).floor() as i64).or_default();
-            (*count, *sum) = (*count + 1.0, *sum + r);
-        }
-        // Where a run begins and ends it crosses a part of a bin, and beside a gap it has a part: a mean of few samples,
-        // noisier than the others.
-        let mut parts: Vec<i64> = [sums.keys().next(), sums.keys().last()]
-            .into_iter()
-            .flatten()
-            .copied()
-            .collect();
-        let gone = frame.rows_left_out(&frame.s);
-        parts.extend(gone.iter().map(|s| (s / width).floor() as i64));
-        for (bin, (count, sum)) in sums {
-            if !parts.contains(&bin) {
-                let runs = by_bin.entry((frame.track.as_str(), bin)).or_default();
-                runs.push((frame.driver.as_str(), sum / count));
-            }
+        for (bin, mean) in of_run(frame, rows, width) {
+            let runs = by_bin.entry((frame.track.as_str(), bin)).or_default();
+            runs.push((frame.driver.as_str(), mean));
         }
     }
     by_bin.retain(|_, runs| runs.len() >= LEAST_RUNS);
     by_bin
+}
+
+/// Means of a run's rows by bin, but for bins of which it has a part: where it begins and ends, and beside a gap, a mean is one of few
+/// samples, noisier than the others.
+pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
+    let bin_of = |s: &f64| (s / width).floor() as i64;
+    let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
+    for (s, r) in frame.rows(&frame.s).iter().zip(rows) {
+        let (count, sum) = sums.entry(bin_of(s)).or_default();
+        (*count, *sum) = (*count + 1.0, *sum + r);
+    }
+    let ends = [sums.keys().next(), sums.keys().last()];
+    let mut parts: Vec<i64> = ends.into_iter().flatten().copied().collect();
+    parts.extend(frame.rows_left_out(&frame.s).iter().map(bin_of));
+    let whole = sums.into_iter().filter(|(bin, _)| !parts.contains(bin));
+    whole
+        .map(|(bin, (count, sum))| (bin, sum / count))
+        .collect()
+}
+
+/// The same without the bins' numbers: the rows of the track channel that runs are judged by.
+pub fn means(frame: &Frame, rows: &[f64], width: f64) -> Vec<f64> {
+    let bins = of_run(frame, rows, width).into_iter();
+    bins.map(|(_, mean)| mean).collect()
 }
 
 /// Over the runs of a bin.

@@ -5,7 +5,6 @@ use kufe_sled::GRAVITY;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
-use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -242,15 +241,12 @@ impl Campaign<'_> {
         })
     }
 
-    /// What the forces leave of a model, its base refitted and what its installation is off by found anew, if that leaves less.
+    /// What the forces leave of a model, its base refitted and what its installation is off by found anew: held as it was found without a
+    /// candidate it stands for a part of what that does.
     fn left_by_forces(&self, model: &ResidualModel) -> Option<f64> {
         let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY)?;
-        let left = |refit: &Refit| total(&self.misfit_by_run(refit));
         let anew = self.installed_anew(&refit);
-        Some(
-            anew.map_or(f64::INFINITY, |anew| left(&anew))
-                .min(left(&refit)),
-        )
+        Some(total(&self.misfit_by_run(anew.as_ref().unwrap_or(&refit))))
     }
 
     /// What a candidate of this size explains of what the forces leave `without` it, in units of the noise's variance: less than nothing

@@ -1,0 +1,133 @@
+//! What the grip of a session leaves of its runs, taken off them: it differs from day to day, and pushes all runs of a day alike in the
+//! same curve, as walls push runs that hit them.
+
+use kufe_sled::scatter;
+
+use crate::evidence::runs::contacts::own::left_without;
+use crate::evidence::runs::model::residual_model::{BASE, ChannelRows, ResidualModel};
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::levels::group;
+
+/// Side and yaw balance.
+const BALANCES: [usize; 2] = [1, 2];
+/// Scatters beyond which a sample tells of something else than grip. Chosen: noise alone is beyond in one of 16,000.
+const MOST: f64 = 4.0;
+/// Change of the factor, to either side, by which its derivative is taken.
+const CHANGE: f64 = 0.01;
+
+/// Takes off what the balances leave of each run what a change of grip, one for each session, explains of them: with j their derivative
+/// for a factor on all side forces, by least squares over the samples of the session that lie within four scatters,
+///
+/// ```text
+/// left - j (j . left) / (j . j)
+/// ```
+pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], left: &mut [ChannelRows]) {
+    let [more, less] = [1.0 + CHANGE, 1.0 - CHANGE].map(|factor| {
+        let mut moved = model.clone();
+        let grip = moved.base[1..BASE].iter_mut();
+        grip.for_each(|multiplier| *multiplier *= factor);
+        left_without(&moved, frames)
+    });
+    let column = |run: usize, c: usize, i: usize| more[run][c][i] - less[run][c][i];
+    let scatters = BALANCES.map(|c| {
+        let all: Vec<f64> = left.iter().flat_map(|rows| rows[c].clone()).collect();
+        scatter(&all)
+    });
+    for runs in group(frames).values() {
+        let (mut jj, mut jy) = (0.0, 0.0);
+        for &run in runs {
+            for (c, sd) in BALANCES.into_iter().zip(scatters) {
+                for i in frames[run].samples() {
+                    let y = left[run][c][i];
+                    if y.abs() <= MOST * sd {
+                        let j = column(run, c, i);
+                        (jj, jy) = (jj + (j / sd).powi(2), jy + j * y / (sd * sd));
+                    }
+                }
+            }
+        }
+        if !(jj > 0.0 && jy.is_finite()) {
+            continue;
+        }
+        let size = jy / jj;
+        for &run in runs {
+            for c in BALANCES {
+                let each = left[run][c].iter_mut().enumerate();
+                each.for_each(|(i, y)| *y -= size * column(run, c, i));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use kufe_sled::effects::Effects;
+    use kufe_sled::sample_data::{drive_sample, sample_plan};
+    use kufe_sled::{Model, Vehicle};
+
+    use super::*;
+    use crate::evidence::runs::model::installation::Installation;
+    use crate::evidence::runs::recordings::prepare::prepare;
+    use crate::procedure::rules::Rules;
+
+    #[test]
+    fn grip_that_a_session_lacks_is_taken_off_and_a_push_is_not() {
+        let base = Model::published();
+        let mut plan = sample_plan(4);
+        plan.truncate(3);
+        for planned in &mut plan {
+            planned.options.rate_hz = 100.0;
+            planned.options.step_s = 2.5e-3;
+            planned.options.contacts.clear();
+        }
+        let recorded = drive_sample(&plan, &base).expect("runs");
+        let rules = Rules::default();
+        let data = prepare(&recorded, &base, &BTreeMap::new(), &rules).expect("frames");
+        let frames = &data.frames;
+        let of_base = |base_multipliers| ResidualModel {
+            vehicle: Vehicle::new(&base).expect("the published model"),
+            base: base_multipliers,
+            effects: Effects::default(),
+            along_path: false,
+            installation: Installation::default(),
+            contacts: None,
+            beyond_noise: [0.0; 3],
+            frozen: Vec::new(),
+        };
+        let as_driven = left_without(&of_base([1.0; BASE]), frames);
+        // What is there beside the sensors' noise.
+        let apart = |left: &[ChannelRows], c: usize| -> f64 {
+            let both = left.iter().zip(&as_driven);
+            let all = both.flat_map(|(a, b)| a[c].iter().zip(&b[c]).map(|(a, b)| (a - b).powi(2)));
+            all.sum::<f64>().sqrt()
+        };
+        let slippery = of_base([1.0, 1.15, 1.15, 1.15, 1.15]);
+        let mut left = left_without(&slippery, frames);
+        // A push of 200 N over 10 m.
+        let from = frames[0].s[frames[0].len() / 2];
+        let wave = |s: f64| match (0.0..10.0).contains(&(s - from)) {
+            true => 200.0 * (std::f64::consts::PI * (s - from) / 10.0).sin(),
+            false => 0.0,
+        };
+        let before = [1, 2].map(|c| apart(&left, c));
+        let mut pushed = left.clone();
+        let push: Vec<f64> = frames[0].s.iter().map(|s| wave(*s)).collect();
+        for (y, by) in pushed[0][1].iter_mut().zip(&push) {
+            *y += by;
+        }
+        apart_from_grip(&slippery, frames, &mut left);
+        apart_from_grip(&slippery, frames, &mut pushed);
+        for (c, before) in [1, 2].into_iter().zip(before) {
+            let after = apart(&left, c);
+            assert!(after < 0.35 * before, "{c}: {after} of {before}");
+        }
+        let kept = pushed[0][1].iter().zip(&left[0][1]).zip(&push);
+        let lost: f64 = kept
+            .map(|((with, without), by)| (with - without - by).powi(2))
+            .sum();
+        let all: f64 = push.iter().map(|by| by * by).sum();
+        assert!(lost < 0.1 * all, "{lost} of {all}");
+    }
+}
