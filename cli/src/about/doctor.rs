@@ -1,5 +1,6 @@
 //! `kufe doctor`: what this machine offers.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use kufe_jobs::Failure;
@@ -27,7 +28,8 @@ pub struct Args {}
 /// None; the answer is the output.
 pub fn run(_args: &Args, global: &Global) -> Result<(), Failure> {
     let threads = rayon::current_num_threads();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = cores().unwrap_or(processors).min(processors);
     let [total, available] = ["MemTotal:", "MemAvailable:"].map(memory);
     let programs: Map<String, Value> = OPTIONAL
         .iter()
@@ -39,6 +41,7 @@ pub fn run(_args: &Args, global: &Global) -> Result<(), Failure> {
             "system": std::env::consts::OS,
             "architecture": std::env::consts::ARCH,
             "threads": threads,
+            "processors": processors,
             "cores": cores,
             "memory_bytes": total,
             "memory_available_bytes": available,
@@ -47,8 +50,14 @@ pub fn run(_args: &Args, global: &Global) -> Result<(), Failure> {
         say(&format!("{document:#}\n"));
         return Ok(());
     }
+    let on = match cores < processors {
+        true => format!(
+            "{processors} processors, which are {cores} cores: threads of one core share its arithmetic"
+        ),
+        false => format!("{processors} cores"),
+    };
     let mut text = format!(
-        "kufe {} on {} {}\nthreads   {threads} of {cores} cores\n",
+        "kufe {} on {} {}\nthreads   {threads} of {on}\n",
         env!("CARGO_PKG_VERSION"),
         std::env::consts::OS,
         std::env::consts::ARCH
@@ -64,6 +73,16 @@ pub fn run(_args: &Args, global: &Global) -> Result<(), Failure> {
     }
     say(&text);
     Ok(())
+}
+
+/// Cores of this machine, of which one may be several processors, where Linux tells.
+fn cores() -> Option<usize> {
+    let mut of_one_core = BTreeSet::new();
+    for processor in std::fs::read_dir("/sys/devices/system/cpu").ok()? {
+        let siblings = processor.ok()?.path().join("topology/thread_siblings_list");
+        of_one_core.extend(std::fs::read_to_string(siblings).ok());
+    }
+    (!of_one_core.is_empty()).then(|| of_one_core.len())
 }
 
 /// A line of /proc/meminfo, where there is one [bytes].

@@ -119,6 +119,28 @@ impl Account {
     }
 }
 
+impl Account {
+    /// Takes back every claim, of which these shares of what can be explained on locked-away data are closed.
+    pub fn take_back_all(&mut self, closed: &[Interval]) {
+        let gone = std::mem::take(&mut self.steps);
+        let told: Vec<String> = gone
+            .iter()
+            .zip(closed)
+            .map(|(step, closed)| {
+                format!(
+                    "{} stood out where it was learned (p = {:.1e}), but with it more is left of what can be explained on locked-away data (by {:.0} %): neither named nor written",
+                    step.effect,
+                    step.p_value,
+                    -100.0 * closed.value
+                )
+            })
+            .collect();
+        self.depends.clear();
+        self.unexplained.get_or_insert(told.join("; "));
+        self.remarks.extend(told);
+    }
+}
+
 /// What one screen of all candidates shows.
 pub struct Screen<A> {
     /// The claim that stands out, where one does.
@@ -187,6 +209,13 @@ pub struct Opened {
     pub held_out: HeldOut,
     /// Share of the explainable gap that is closed, by step.
     pub closed: Vec<Interval>,
+}
+
+impl Opened {
+    /// Whether every step leaves more of what can be explained than there was, beyond its interval.
+    pub fn are_worse(&self) -> bool {
+        !self.closed.is_empty() && self.closed.iter().all(|closed| closed.high < 0.0)
+    }
 }
 
 /// The rest of a report.

@@ -77,11 +77,20 @@ pub fn search_evidence<E: Evidence>(
     }
     let mut last = evidence.settle(fit, &mut account)?;
     progress("opening the locked-away data");
-    if !account.steps.is_empty() {
-        let written = evidence.settle(base.clone(), &mut Account::default())?;
-        last = outlast(evidence, &written, last, &mut account, rules)?;
+    let written = match account.steps.is_empty() {
+        true => None,
+        false => Some(evidence.settle(base.clone(), &mut Account::default())?),
+    };
+    if let Some(written) = &written {
+        last = outlast(evidence, written, last, &mut account, rules)?;
     }
-    let opened = evidence.open(&base, &last, &mut account)?;
+    let mut opened = evidence.open(&base, &last, &mut account)?;
+    // What makes more of what can be explained is no explanation, however much of the rest it takes along.
+    if let Some(written) = written.filter(|_| opened.are_worse()) {
+        account.take_back_all(&opened.closed);
+        last = written;
+        opened = evidence.open(&base, &last, &mut account)?;
+    }
     progress("writing the report");
     let described = evidence.describe(&base, &last, &mut account)?;
     for (step, closed) in account.steps.iter_mut().zip(opened.closed) {

@@ -131,9 +131,11 @@ fn main() -> ExitCode {
 fn run(task: Task) -> Result<bool, String> {
     match task {
         Task::List => {
-            for spec in catalogue::all() {
-                println!("{}", spec.id());
-            }
+            let ids: String = catalogue::all()
+                .iter()
+                .map(|spec| spec.id() + "\n")
+                .collect();
+            say(&ids)?;
             Ok(true)
         }
         Task::Write {
@@ -175,7 +177,7 @@ fn run(task: Task) -> Result<bool, String> {
                 .map(Mutex::new);
             let outcomes = score(&specs, &options, &|outcome| tell(outcome, file.as_ref()))
                 .map_err(|error| error.to_string())?;
-            print(&outcomes, by_case);
+            print(&outcomes, by_case)?;
             Ok(true)
         }
         Task::Table { files, by_case } => {
@@ -189,7 +191,7 @@ fn run(task: Task) -> Result<bool, String> {
                     outcomes.push(outcome);
                 }
             }
-            print(&outcomes, by_case);
+            print(&outcomes, by_case)?;
             Ok(true)
         }
         Task::Ci { how } => {
@@ -199,10 +201,10 @@ fn run(task: Task) -> Result<bool, String> {
                 .map_err(|error| error.to_string())?;
             let outcomes = score(&specs, &options, &|outcome| tell(outcome, None))
                 .map_err(|error| error.to_string())?;
-            print(&outcomes, false);
+            print(&outcomes, false)?;
             let missed = ci::missed(&outcomes);
             for line in &missed {
-                println!("missed: {line}");
+                say(&format!("missed: {line}\n"))?;
             }
             Ok(missed.is_empty())
         }
@@ -217,7 +219,7 @@ fn run(task: Task) -> Result<bool, String> {
                 );
             })
             .map_err(|error| error.to_string())?;
-            print!("{}", constants::markdown(&rows));
+            say(&constants::markdown(&rows))?;
             Ok(true)
         }
     }
@@ -246,7 +248,18 @@ fn tell(outcome: &Outcome, file: Option<&Mutex<std::fs::File>>) {
     }
 }
 
-fn print(outcomes: &[Outcome], by_case: bool) {
+/// Prints on standard output; a reader that has gone away has read enough.
+fn say(text: &str) -> Result<(), String> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(format!("standard output: cannot be written: {error}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn print(outcomes: &[Outcome], by_case: bool) -> Result<(), String> {
     let key = |outcome: &Outcome| {
         if by_case {
             outcome.id.clone()
@@ -258,10 +271,10 @@ fn print(outcomes: &[Outcome], by_case: bool) {
         .iter()
         .map(|(group, of)| table::rates(group, of))
         .collect();
-    println!(
-        "{}\n{}\n{}",
+    say(&format!(
+        "{}\n{}\n{}\n",
         table::markdown(&rows, &table::today()),
         table::by_share(outcomes),
         table::base_table(outcomes)
-    );
+    ))
 }

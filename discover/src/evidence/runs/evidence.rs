@@ -230,7 +230,7 @@ impl Evidence for Campaign<'_> {
             account.leave_out(step);
             fit = self.without_step(&fit, step)?;
         }
-        let mut last = fit;
+        let mut last = self.with_one_instead(fit, account)?;
         self.write(&mut last)?;
         // A refit of the base alone is written only where it is better than what was given.
         let contacts = &last.residual_model.contacts;

@@ -1,5 +1,6 @@
 //! The generator and the scorer, without the finder.
 
+mod command;
 mod film;
 mod generator;
 mod judge;

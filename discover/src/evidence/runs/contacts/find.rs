@@ -36,16 +36,17 @@ pub struct Stretch {
     pub from_m: f64,
     /// To \[m\].
     pub to_m: f64,
-    /// p-value of how much runs differ there, against the same runs each shifted along the track on its own.
+    /// p-value of how much runs differ there, against the same runs each shifted along the track on its own; 1 where nobody asked.
     pub p_value: f64,
 }
 
-/// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every kept sample.
+/// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every kept sample; without a `seed` no shifts are
+/// drawn for p-values.
 pub fn stretches(
     frames: &[Frame],
     side_n: &[Vec<f64>],
     rules: &ContactRules,
-    seed: u64,
+    seed: Option<u64>,
 ) -> Vec<Stretch> {
     let mut tracks: Vec<&str> = frames.iter().map(|f| f.track.as_str()).collect();
     tracks.sort_unstable();
@@ -66,7 +67,7 @@ fn on_track(
     track: &str,
     runs: &[(&Frame, &[f64])],
     rules: &ContactRules,
-    seed: u64,
+    seed: Option<u64>,
 ) -> Vec<Stretch> {
     let places = || runs.iter().flat_map(|(f, _)| &f.s).copied();
     let low = places().fold(f64::INFINITY, f64::min);
@@ -125,11 +126,8 @@ fn on_track(
     if beyond as f64 > rules.most * all().count() as f64 {
         return Vec::new();
     }
-    let chance = if differs.contains(&true) {
-        by_chance(&squares, seed)
-    } else {
-        Vec::new()
-    };
+    let seed = seed.filter(|_| differs.contains(&true));
+    let chance = seed.map_or(Vec::new(), |seed| by_chance(&squares, seed));
     let count = roots.len();
     let mut found = Vec::new();
     let mut start = 0;

@@ -34,7 +34,7 @@ pub fn hit(
     seed: u64,
 ) -> Option<Hit> {
     let (mut places, mut p_values) = (Vec::new(), Vec::new());
-    for s in stretches(runs, side_n, rules, seed) {
+    for s in stretches(runs, side_n, rules, Some(seed)) {
         let values = [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0];
         places.push(at_place(effect, &s.track, values));
         p_values.push(s.p_value);

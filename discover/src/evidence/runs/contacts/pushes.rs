@@ -72,7 +72,7 @@ impl Campaign<'_> {
     ) -> Vec<Push> {
         let rules = self.options.rules.runs.contacts;
         let mut pushes = Vec::new();
-        for stretch in stretches(frames, side, &rules, self.options.seed) {
+        for stretch in stretches(frames, side, &rules, None) {
             let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
             let place = [at_place(effect, &stretch.track, values)];
             let own: Vec<_> = frames

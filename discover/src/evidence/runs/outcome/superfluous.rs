@@ -1,11 +1,35 @@
-//! Which claims the others have made superfluous, and which laws do not stand out of their own error.
+//! Which claims the others have made superfluous, which laws do not stand out of their own error, and in whose place one effect does: a sled
+//! heavier than its model feels less drag, and turns more easily, by the share that its forces are said to be smaller.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
-use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::campaign::{Campaign, RunFit, Told, gap_of};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::{Effort, residuals};
+use crate::evidence::runs::laws::sums::{difference, total};
+use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::report::Step;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::Account;
+
+/// A candidate by itself: its model, and what that leaves of each run.
+struct Alone {
+    model: ResidualModel,
+    left: Vec<f64>,
+}
+
+/// One effect in place of one step or two.
+struct OneInstead {
+    /// The step whose class it is of, and the other one that it makes superfluous; the same where there is none.
+    steps: [usize; 2],
+    /// Its name.
+    effect: String,
+    /// The model with it, without them.
+    model: ResidualModel,
+    /// The steps of the other effects, as they are counted then.
+    owners: Vec<usize>,
+}
 
 impl Campaign<'_> {
     /// The first step whose every amplitude has become weak: beside the others, or, of a law beyond the catalogue, beside what its
@@ -34,6 +58,124 @@ impl Campaign<'_> {
         };
         (0..steps.len())
             .find(|step| fit.owners.contains(step) && steps[*step].channel != track && weak(*step))
+    }
+
+    /// The fit with one effect wherever it does in place of a step, or of two.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn with_one_instead(
+        &self,
+        mut fit: RunFit,
+        account: &mut Account,
+    ) -> Result<RunFit, Error> {
+        while let Some(one) = self.one_instead(&fit, &account.steps)? {
+            let [first, other] = one.steps;
+            let mut step = account.steps[first].clone();
+            let why = match first == other {
+                true => "leaves less, fitted in full: it is named instead".to_owned(),
+                false => format!(
+                    "alone leaves no more than both it and {}",
+                    account.steps[other].effect
+                ),
+            };
+            let told = format!("{} of the class of {} {why}", one.effect, step.effect);
+            account.remarks.push(told);
+            step.class = vec![one.effect.clone()];
+            step.effect = one.effect;
+            account.steps.remove(first.max(other));
+            if first != other {
+                account.steps.remove(first.min(other));
+            }
+            let owners = one.owners.into_iter().chain([account.steps.len()]);
+            fit = self.installed(&self.least_squares(&one.model, owners.collect())?)?;
+            let mut channels = CHANNEL_NAMES.iter();
+            let channel = channels.position(|(name, _)| *name == step.channel);
+            step.gap_after = gap_of(&fit.residual_model, &self.training, channel.unwrap_or(1));
+            account.steps.push(step);
+        }
+        Ok(fit)
+    }
+
+    /// Steps in whose place one effect does: of the class of a step one that leaves clearly less than it, or no more than it and another step
+    /// together, in full refits.
+    fn one_instead(&self, fit: &RunFit, steps: &[Step]) -> Result<Option<OneInstead>, Error> {
+        let track = CHANNEL_NAMES[TRACK].0;
+        let regular = &self.candidates.regular;
+        let known =
+            |step: &Step| step.channel != track && regular.iter().any(|c| c.effect == step.effect);
+        let alike = self.rules().laws.alike;
+        for (first, step) in steps.iter().enumerate().filter(|(_, step)| known(step)) {
+            let of_class = |c: &&Candidate<Amplitude>| {
+                let in_class = step.class.iter().any(|name| *name == c.effect);
+                in_class && steps.iter().all(|other| other.effect != c.effect)
+            };
+            let class: Vec<&Candidate<Amplitude>> = regular.iter().filter(of_class).collect();
+            let Some(as_it_is) = self
+                .left_by(&fit.residual_model)
+                .filter(|_| !class.is_empty())
+            else {
+                continue;
+            };
+            for other in 0..steps.len() {
+                if other != first && !known(&steps[other]) {
+                    continue;
+                }
+                let mut without = self.without_step(fit, other.max(first))?;
+                if other != first {
+                    without = self.without_step(&without, other.min(first))?;
+                }
+                // What the installation is off by beside them stands for a part of the one.
+                let bare = ResidualModel {
+                    installation: Installation::default(),
+                    ..without.residual_model
+                };
+                let each = class
+                    .iter()
+                    .filter_map(|c| Some((*c, self.alone(&bare, c)?)));
+                let least = each.min_by(|(_, a), (_, b)| total(&a.left).total_cmp(&total(&b.left)));
+                let Some((candidate, one)) = least else {
+                    continue;
+                };
+                let [more, error] = difference(&one.left, &as_it_is);
+                let better = match other == first {
+                    true => more < -alike * error,
+                    false => more <= alike * error,
+                };
+                if better {
+                    return Ok(Some(OneInstead {
+                        steps: [first, other],
+                        effect: candidate.effect.clone(),
+                        model: one.model,
+                        owners: without.owners,
+                    }));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// What a model leaves of each run, fitted, what its installation is off by found, and fitted once more beside that: found to first order
+    /// it stands where base and effects are bent.
+    fn left_by(&self, model: &ResidualModel) -> Option<Vec<f64>> {
+        let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY)?;
+        let anew = self.installed_anew(&refit)?;
+        let beside = self.beside_either(&anew.model, Effort::COMPARED, f64::INFINITY)?;
+        Some(self.misfit_by_run(&beside))
+    }
+
+    /// A candidate fitted to a model without an installation, of either sign.
+    fn alone(&self, bare: &ResidualModel, candidate: &Candidate<Amplitude>) -> Option<Alone> {
+        let of_sign = |sign: f64| {
+            let from = 0.01 * sign * candidate.typical;
+            self.refitted(bare, candidate, from, Effort::COMPARED)
+        };
+        let tried = [1.0, -1.0].into_iter().filter_map(of_sign);
+        let one = tried.min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
+        Some(Alone {
+            left: self.left_by(&one.model)?,
+            model: one.model,
+        })
     }
 
     /// The model without the effects of a step, fitted.
