@@ -82,7 +82,7 @@ fn cores() -> Option<usize> {
         let siblings = processor.ok()?.path().join("topology/thread_siblings_list");
         of_one_core.extend(std::fs::read_to_string(siblings).ok());
     }
-    (!of_one_core.is_empty()).then(|| of_one_core.len())
+    (!of_one_core.is_empty()).then_some(of_one_core.len())
 }
 
 /// A line of /proc/meminfo, where there is one [bytes].

@@ -3,7 +3,7 @@
 use kufe_sled::WallContact;
 use kufe_sled::effects::Active;
 
-use crate::evidence::runs::contacts::own::OwnContact;
+use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::contacts::own::beneath;
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;

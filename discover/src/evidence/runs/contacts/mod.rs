@@ -7,6 +7,7 @@ pub(crate) mod grip;
 pub(crate) mod hit;
 pub(crate) mod levers;
 pub(crate) mod model;
+pub(crate) mod of_run;
 pub(crate) mod own;
 pub(crate) mod promise;
 mod pushes;

@@ -107,20 +107,18 @@ impl Campaign<'_> {
         let alike = self.rules().laws.alike;
         for (first, step) in steps.iter().enumerate().filter(|(_, step)| known(step)) {
             let of_class = |c: &&Candidate<Amplitude>| {
-                let in_class = step.class.iter().any(|name| *name == c.effect);
+                let in_class = step.class.contains(&c.effect);
                 in_class && steps.iter().all(|other| other.effect != c.effect)
             };
             let class: Vec<&Candidate<Amplitude>> = regular.iter().filter(of_class).collect();
-            let Some(as_it_is) = self
-                .left_by(&fit.residual_model)
-                .filter(|_| !class.is_empty())
-            else {
+            if class.is_empty() {
+                continue;
+            }
+            let Some(as_it_is) = self.left_by(&fit.residual_model) else {
                 continue;
             };
-            for other in 0..steps.len() {
-                if other != first && !known(&steps[other]) {
-                    continue;
-                }
+            let others = steps.iter().enumerate().filter(|(_, step)| known(step));
+            for other in others.map(|(other, _)| other) {
                 let mut without = self.without_step(fit, other.max(first))?;
                 if other != first {
                     without = self.without_step(&without, other.min(first))?;

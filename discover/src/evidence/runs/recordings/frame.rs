@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::evidence::runs::contacts::own::OwnContact;
+use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::recordings::smooth::Kernel;
 
 /// One run, or one segment of a single long run.
