@@ -280,3 +280,23 @@ pub struct Words {
     /// What to measure next where one effect is named; what decides on it where this is empty.
     pub next_after_name: String,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_that_leaves_more_beyond_its_interval_is_worse() {
+        let opened = |closed: &[[f64; 3]]| Opened {
+            held_out: HeldOut::default(),
+            closed: closed
+                .iter()
+                .map(|&[low, value, high]| Interval { value, low, high })
+                .collect(),
+        };
+        assert!(opened(&[[-0.4, -0.3, -0.2]]).are_worse());
+        assert!(!opened(&[[-0.4, -0.1, 0.2]]).are_worse());
+        assert!(!opened(&[[-0.4, -0.3, -0.2], [0.5, 0.8, 1.0]]).are_worse());
+        assert!(!opened(&[]).are_worse());
+    }
+}

@@ -135,6 +135,20 @@ fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_pla
 }
 
 #[test]
+fn a_mass_is_named_and_not_the_drag_and_the_inertia_that_it_seems_to_lack() {
+    let hidden = 80.0;
+    let report = searched(&format!("[effects.mass]\nexcess_kg = {hidden}"), 3, 16);
+    let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
+    assert_eq!(names, ["mass"], "{}", told(&report));
+    let excess = &report.steps[0].parameters[0];
+    assert!(
+        (excess.low..excess.high).contains(&hidden),
+        "{}",
+        told(&report)
+    );
+}
+
+#[test]
 fn a_delay_within_its_tolerance_is_told_and_not_named() {
     let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
     assert!(report.steps.is_empty(), "{}", told(&report));

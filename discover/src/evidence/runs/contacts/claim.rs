@@ -12,7 +12,7 @@ use crate::evidence::runs::contacts::levers::{
     apart_from_side, excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
-use crate::evidence::runs::contacts::own::{left_without, set_own, without_contacts};
+use crate::evidence::runs::contacts::own::{left_without, set_own, set_own_of, without_contacts};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -32,12 +32,17 @@ impl Campaign<'_> {
         }
         let effect = wall()?;
         let whole = self.whole();
-        let mut left = left_without(model, whole);
+        let as_it_is = left_without(model, whole);
+        let mut left = as_it_is.clone();
         apart_from_grip(model, whole, &mut left);
         let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
-        let (mut places, frames) = (hit.places, hit.frames);
+        let (mut places, mut frames) = (hit.places, hit.frames);
+        // Where the places are shows apart from grip; how hard they are hit is what the balance leaves, as in runs that did not set them.
+        for (frame, left) in frames.iter_mut().zip(&as_it_is) {
+            set_own_of(frame, &left[1], &places);
+        }
         let interval = self.options.rules.search.interval;
         let shared_m = shared_with_side(&frames, &left, 2);
         let ratio = |balance: usize| {

@@ -23,8 +23,8 @@ struct Alone {
 struct OneInstead {
     /// The step whose class it is of, and the other one that it makes superfluous; the same where there is none.
     steps: [usize; 2],
-    /// Its name.
-    effect: String,
+    /// Its name, and those that leave no more.
+    class: Vec<String>,
     /// The model with it, without them.
     model: ResidualModel,
     /// The steps of the other effects, as they are counted then.
@@ -79,10 +79,10 @@ impl Campaign<'_> {
                     account.steps[other].effect
                 ),
             };
-            let told = format!("{} of the class of {} {why}", one.effect, step.effect);
+            let effect = one.class[0].clone();
+            let told = format!("{effect} of the class of {} {why}", step.effect);
             account.remarks.push(told);
-            step.class = vec![one.effect.clone()];
-            step.effect = one.effect;
+            (step.effect, step.class) = (effect, one.class);
             account.steps.remove(first.max(other));
             if first != other {
                 account.steps.remove(first.min(other));
@@ -130,9 +130,11 @@ impl Campaign<'_> {
                 };
                 let each = class
                     .iter()
-                    .filter_map(|c| Some((*c, self.alone(&bare, c)?)));
-                let least = each.min_by(|(_, a), (_, b)| total(&a.left).total_cmp(&total(&b.left)));
-                let Some((candidate, one)) = least else {
+                    .filter_map(|c| Some((c.effect.as_str(), self.alone(&bare, c)?)));
+                let mut each: Vec<(&str, Alone)> = each.collect();
+                each.sort_by(|(_, a), (_, b)| total(&a.left).total_cmp(&total(&b.left)));
+                let mut each = each.into_iter();
+                let Some((effect, one)) = each.next() else {
                     continue;
                 };
                 let [more, error] = difference(&one.left, &as_it_is);
@@ -141,9 +143,19 @@ impl Campaign<'_> {
                     false => more <= alike * error,
                 };
                 if better {
+                    let as_good = each.filter(|(_, rival)| {
+                        let [more, error] = difference(&rival.left, &one.left);
+                        more <= alike * error
+                    });
+                    let mut class = vec![effect.to_owned()];
+                    for (rival, _) in as_good {
+                        if !class.iter().any(|known| known == rival) {
+                            class.push(rival.to_owned());
+                        }
+                    }
                     return Ok(Some(OneInstead {
                         steps: [first, other],
-                        effect: candidate.effect.clone(),
+                        class,
                         model: one.model,
                         owners: without.owners,
                     }));
