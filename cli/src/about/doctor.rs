@@ -52,7 +52,7 @@ pub fn run(_args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let on = match cores < processors {
         true => format!(
-            "{processors} processors, which are {cores} cores: threads of one core share its arithmetic"
+            "{processors} processors (cores: {cores}; threads of one core share its arithmetic)"
         ),
         false => format!("{processors} cores"),
     };

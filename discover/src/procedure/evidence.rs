@@ -117,9 +117,7 @@ impl Account {
         }
         self.remarks.push(told);
     }
-}
 
-impl Account {
     /// Takes back every claim, of which these shares of what can be explained on locked-away data are closed.
     pub fn take_back_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
@@ -135,6 +133,11 @@ impl Account {
                 )
             })
             .collect();
+        self.is_left_without(told);
+    }
+
+    /// Nothing is named any more, for these reasons.
+    pub fn is_left_without(&mut self, told: Vec<String>) {
         self.depends.clear();
         self.unexplained.get_or_insert(told.join("; "));
         self.remarks.extend(told);

@@ -57,11 +57,10 @@ pub fn outlast<E: Evidence>(
         }
         last = base.clone();
     }
-    if account.steps.is_empty() && !tried.is_empty() {
-        account.depends.clear();
-        account.unexplained.get_or_insert(tried.join("; "));
+    match account.steps.is_empty() && !tried.is_empty() {
+        true => account.is_left_without(tried),
+        false => account.remarks.extend(tried),
     }
-    account.remarks.extend(tried);
     Ok(last)
 }
 

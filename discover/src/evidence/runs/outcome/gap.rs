@@ -4,10 +4,21 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK};
+use crate::evidence::runs::model::residual_model::{
+    CHANNEL_NAMES, CHANNELS, ChannelRows, ResidualModel, TRACK,
+};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::means;
 use crate::finding::report::ChannelGap;
+
+/// Residuals of runs as they are judged: of the track channel means over bins so wide \[m\].
+pub fn judged_rows(model: &ResidualModel, frames: &[Frame], track_bin_m: f64) -> Vec<ChannelRows> {
+    let mut runs = residuals(model, frames);
+    for (rows, frame) in runs.iter_mut().zip(frames) {
+        rows[TRACK] = means(frame, &rows[TRACK], track_bin_m);
+    }
+    runs
+}
 
 /// Root mean square by used channel before and after, with bins of the track channel so wide \[m\].
 pub fn channels(
@@ -19,10 +30,7 @@ pub fn channels(
     track_bin_m: f64,
 ) -> Vec<ChannelGap> {
     let rms = |residual_model: &ResidualModel, frames: &[Frame]| -> [f64; CHANNELS] {
-        let mut runs = residuals(residual_model, frames);
-        for (rows, frame) in runs.iter_mut().zip(frames) {
-            rows[TRACK] = means(frame, &rows[TRACK], track_bin_m);
-        }
+        let runs = judged_rows(residual_model, frames, track_bin_m);
         std::array::from_fn(|c| {
             let rows = runs.iter().flat_map(|rows| &rows[c]);
             let (sum, count) = rows.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));

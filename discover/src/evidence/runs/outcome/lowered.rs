@@ -27,6 +27,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel, TRACK};
 use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{means, of_run};
 use crate::finding::report::Interval;
@@ -64,10 +65,10 @@ impl Campaign<'_> {
         }
         let lowered = self.lowered_between(&before, &after, to.told.as_ref())?;
         // What repeats because the installation is off within its tolerances is no gap that a claim has to close.
-        let repeats = match from.residual_model.installation.sizes.is_empty() {
-            true => lowered.repeats,
-            false => lowered.repeats.min(self.repeats(&from.residual_model)),
-        };
+        let mut repeats = self.repeats(&before);
+        if !from.residual_model.installation.sizes.is_empty() {
+            repeats = repeats.min(self.repeats(&from.residual_model));
+        }
         Some(Lowered {
             tolerated: self.tolerated(&before),
             repeats,
@@ -92,10 +93,7 @@ impl Campaign<'_> {
 
     /// Rows of the training runs and their deviations.
     fn learned(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
-        let mut learned = residuals(model, &self.training);
-        for (rows, frame) in learned.iter_mut().zip(&self.training) {
-            rows[TRACK] = means(frame, &rows[TRACK], self.rules().track_bin_m);
-        }
+        let learned = judged_rows(model, &self.training, self.rules().track_bin_m);
         let whitener = Whitener::estimate(&learned, self.used);
         (learned, whitener)
     }
@@ -114,7 +112,7 @@ impl Campaign<'_> {
             .trace()
     }
 
-    /// The same for two models, the second with an effect beside it that no simulation knows.
+    /// The fall alone for two models, the second with an effect beside it that no simulation knows.
     pub fn lowered_between(
         &self,
         before: &ResidualModel,
@@ -177,7 +175,7 @@ impl Campaign<'_> {
             .collect();
         let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
         let kept: f64 = each.iter().map(|(_, kept)| kept).sum();
-        let lowered = Lowered::over(&falls, self.repeats(before))?;
+        let lowered = Lowered::over(&falls, 0.0)?;
         Some(
             match before.contacts.is_some() == after.contacts.is_some() {
                 true => lowered,
