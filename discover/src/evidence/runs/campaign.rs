@@ -15,6 +15,7 @@ use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
+use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::options::Options;
 use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
@@ -269,7 +270,7 @@ impl Campaign<'_> {
         whitener: &Whitener,
     ) -> (Vec<Estimate>, ResidualModel) {
         // Where the noise is only estimated its bias is not known well enough to be taken off.
-        let settle = !self.data.noise_estimated;
+        let settle = self.data.noise_from != NoiseFrom::Differences;
         // An installation makes many columns, and its errors are known by no more than their tolerance.
         let pairs: &[u64] = match residual_model.installation.fitted() {
             0 => &[1, 4, 16],
@@ -286,9 +287,9 @@ impl Campaign<'_> {
         pairs: &[u64],
         settle: bool,
     ) -> (Vec<Estimate>, ResidualModel) {
-        let trust = match self.data.noise_estimated {
-            true => self.rules().estimated_noise_error,
-            false => self.rules().stated_noise_error,
+        let trust = match self.data.noise_from {
+            NoiseFrom::Model => self.rules().stated_noise_error,
+            _ => self.rules().estimated_noise_error,
         };
         let simulator = self.simulator(residual_model);
         let rows = FittedRows {

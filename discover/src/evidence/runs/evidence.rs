@@ -26,6 +26,7 @@ use crate::evidence::runs::outcome::gap::channels;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
+use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::finding::report::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
@@ -137,8 +138,8 @@ impl Evidence for Campaign<'_> {
         for model in [&mut base.residual_model, &mut base.settled] {
             model.beyond_noise = self.given.beyond_noise;
         }
-        if self.data.noise_estimated {
-            let n = &self.data.noise;
+        if self.data.noise_from == NoiseFrom::Differences {
+            let n = &self.data.noise.sd;
             let [low, high] = self.rules().estimated_noise_trust;
             let low = match low {
                 0.5 => "half".to_owned(),
@@ -345,9 +346,9 @@ impl Evidence for Campaign<'_> {
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
-            // Noise that is not what it is said to be makes bins stand out, too.
+            // Noise that is not white, or not what it is said to be, makes bins stand out, too.
             located: account.steps.is_empty()
-                && !self.data.noise_doubted
+                && !matches!(self.data.noise_from, NoiseFrom::Doubted | NoiseFrom::Spectra)
                 && self.stands_out(last, &bins_after),
             bins_after,
             by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),

@@ -1,7 +1,7 @@
 //! Twins: data simulated from the fitted model and sent through the whole measurement model.
 //!
 //! A twin takes the measured motion as the truth and moves the measured accelerations to where the model says they are:
-//! nothing is missing from the model there. Each sensor's white noise at the recorded rate is added, smoothed and
+//! nothing is missing from the model there. Each sensor's noise at the recorded rate is added, smoothed and
 //! differentiated as the data were; what the residual holds beyond that comes back as a shifted copy of itself with a
 //! random sign. Twins come in pairs of opposite noise, so that in a pair's mean everything odd in the noise cancels and
 //! what is left is what noisy inputs do to products of signals.
@@ -13,15 +13,17 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece_of;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
+use crate::evidence::runs::recordings::colour::Colour;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::sensor_noise::SensorNoise;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
-use crate::null::random::{below, normal, sign, stream};
+use crate::null::random::{below, sign, stream};
 use crate::procedure::rules::{RecordingRules, RunRules};
 
 /// How twins are made.
 #[derive(Clone, Debug)]
 pub struct RunSimulator {
-    noise: Noise,
+    noise: SensorNoise,
     /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
     pub beyond: [f64; CHANNELS],
     seed: u64,
@@ -55,7 +57,7 @@ impl RunSimulator {
     pub fn new(
         frames: &[Frame],
         residual_model: &ResidualModel,
-        noise: Noise,
+        noise: SensorNoise,
         used: [bool; CHANNELS],
         (seed, rules): (u64, &RunRules),
     ) -> Self {
@@ -83,7 +85,7 @@ impl RunSimulator {
     }
 
     /// The sensors' noise alone.
-    pub fn of_sensors(noise: Noise, (seed, rules): (u64, &RunRules)) -> Self {
+    pub fn of_sensors(noise: SensorNoise, (seed, rules): (u64, &RunRules)) -> Self {
         Self {
             noise,
             beyond: [0.0; CHANNELS],
@@ -107,16 +109,17 @@ impl RunSimulator {
     }
 
     fn at_least(&self, least: Noise) -> Self {
-        let own = &self.noise;
+        let own = &self.noise.sd;
+        let sd = Noise {
+            accel_mps2: own.accel_mps2.max(least.accel_mps2),
+            rate_radps: own.rate_radps.max(least.rate_radps),
+            speed_mps: own.speed_mps.max(least.speed_mps),
+            slip_rad: own.slip_rad.max(least.slip_rad),
+            steer_rad: own.steer_rad.max(least.steer_rad),
+            roll_split_rad: own.roll_split_rad.max(least.roll_split_rad),
+        };
         Self {
-            noise: Noise {
-                accel_mps2: own.accel_mps2.max(least.accel_mps2),
-                rate_radps: own.rate_radps.max(least.rate_radps),
-                speed_mps: own.speed_mps.max(least.speed_mps),
-                slip_rad: own.slip_rad.max(least.slip_rad),
-                steer_rad: own.steer_rad.max(least.steer_rad),
-                roll_split_rad: own.roll_split_rad.max(least.roll_split_rad),
-            },
+            noise: SensorNoise { sd, ..self.noise },
             ..self.clone()
         }
     }
@@ -193,22 +196,26 @@ impl RunSimulator {
         let kernel = signal_kernel(plus.recorded_dt, &self.signals);
         let n = plus.len();
         let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
-        let mut white = |sd: f64| -> Vec<f64> { (0..length).map(|_| sd * normal(rng)).collect() };
+        let dt = plus.recorded_dt;
+        let mut noise_of = |sd: f64, colour: Colour| -> Vec<f64> {
+            let noise = colour.noise(length, dt, rng);
+            noise.into_iter().map(|e| sd * e).collect()
+        };
         let add = |to: &mut [f64], against: &mut [f64], what: Vec<f64>| {
             for ((x, y), e) in to.iter_mut().zip(against).zip(what) {
                 *x += e;
                 *y -= e;
             }
         };
-        let noise = self.noise;
+        let SensorNoise { sd, colours } = self.noise;
         for axis in 0..3 {
-            let e = kernel.smooth(&white(noise.accel_mps2));
+            let e = kernel.smooth(&noise_of(sd.accel_mps2, colours.accel));
             add(
                 &mut plus.acceleration[axis],
                 &mut minus.acceleration[axis],
                 e,
             );
-            let e = white(noise.rate_radps);
+            let e = noise_of(sd.rate_radps, colours.rate);
             add(
                 &mut plus.rate[axis],
                 &mut minus.rate[axis],
@@ -221,20 +228,20 @@ impl RunSimulator {
                 slope,
             );
         }
-        let e = white(noise.speed_mps);
+        let e = noise_of(sd.speed_mps, colours.speed);
         add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
         add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
-        let e = white(noise.slip_rad);
+        let e = noise_of(sd.slip_rad, colours.slip);
         add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
         add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
-        let e = white(noise.steer_rad);
+        let e = noise_of(sd.steer_rad, colours.steer);
         add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
         add(
             &mut plus.steer_rate,
             &mut minus.steer_rate,
             kernel.slope(&e),
         );
-        let e = kernel.smooth(&white(noise.roll_split_rad));
+        let e = kernel.smooth(&noise_of(sd.roll_split_rad, colours.roll_split));
         add(&mut plus.roll_split, &mut minus.roll_split, e);
     }
 }

@@ -38,7 +38,7 @@ impl Campaign<'_> {
         let residual_model = &fit.residual_model.hold(false);
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
         let law = |step: &Step| step.effect.starts_with("unknown:");
-        if steps.len() < 2 && !steps.iter().any(law) {
+        if steps.is_empty() {
             return None;
         }
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);

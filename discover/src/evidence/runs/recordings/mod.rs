@@ -1,7 +1,9 @@
 //! Recorded runs, read and made ready for the model.
 
 pub(crate) mod available;
+pub(crate) mod colour;
 pub(crate) mod frame;
+pub(crate) mod periodogram;
 pub(crate) mod prepare;
 pub(crate) mod read;
 pub(crate) mod sensor_noise;

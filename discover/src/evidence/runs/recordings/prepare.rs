@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use kufe_sled::effects::Column;
-use kufe_sled::{Model, Noise, Run, TakingPart, Track, gaps_line};
+use kufe_sled::{Model, Run, TakingPart, Track, gaps_line};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::sensor_noise::{
-    Learned, doubted, estimate, estimate_below, louder, quieter,
+    Learned, NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
 };
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
@@ -21,12 +21,10 @@ use crate::procedure::rules::Rules;
 pub struct Data {
     /// The runs, or the segments of a single one.
     pub frames: Vec<Frame>,
-    /// White noise of each sensor at the recorded rate.
-    pub noise: Noise,
-    /// Names of the sensors whose noise was estimated rather than stated.
-    pub noise_estimated: bool,
-    /// Whether the recordings contradict the noise that is stated.
-    pub noise_doubted: bool,
+    /// Noise of each sensor at the recorded rate.
+    pub noise: SensorNoise,
+    /// How it is known.
+    pub noise_from: NoiseFrom,
     /// Columns that were recorded and vary.
     pub available: Vec<Column>,
     /// Whether one run was cut into segments.
@@ -127,17 +125,30 @@ pub fn prepare(
     let locked = locked(&frames, segmented, &rules.lock);
     let learned = learned(runs, &frames, segmented, &locked);
     let seen = estimate(&learned);
-    let (noise, noise_estimated) = match model.noise {
-        Some(stated) => {
+    let as_stated = |stated| !doubted(stated, &seen, recordings.noise_as_stated);
+    let coloured = match &model.noise {
+        Some(stated) if !as_stated(stated) => {
+            SensorNoise::of_spectra(&learned, recordings.row_cutoff_hz)
+        }
+        _ => None,
+    };
+    let (noise, noise_from) = match (coloured, &model.noise) {
+        (Some(noise), _) => {
+            remarks.push(noise.remark());
+            (noise, NoiseFrom::Spectra)
+        }
+        (None, Some(stated)) => {
             let below = estimate_below(&learned, recordings.signal_cutoff_hz);
             let shown = louder(&seen, &below);
-            (quieter(&stated, &shown, &mut remarks), false)
+            let noise = SensorNoise::white(quieter(stated, &shown, &mut remarks));
+            let from = match as_stated(stated) {
+                true => NoiseFrom::Model,
+                false => NoiseFrom::Doubted,
+            };
+            (noise, from)
         }
-        None => (seen, true),
+        (None, None) => (SensorNoise::white(seen), NoiseFrom::Differences),
     };
-    let noise_doubted = model
-        .noise
-        .is_some_and(|stated| doubted(&stated, &seen, recordings.noise_as_stated));
     let uphill = turn_slopes(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
     let mut available = available(runs, &learned, &training, &mut remarks);
@@ -158,8 +169,7 @@ pub fn prepare(
     Ok(Data {
         frames,
         noise,
-        noise_estimated,
-        noise_doubted,
+        noise_from,
         available,
         segmented,
         tracks: Vec::new(),

@@ -1,8 +1,145 @@
-//! White noise of each sensor: as stated, or as the recordings show it.
+//! Noise of each sensor: as stated, or as the recordings show it.
 
 use std::ops::Range;
 
 use kufe_sled::{Noise, Run};
+use rayon::prelude::*;
+
+use crate::evidence::runs::recordings::colour::Colour;
+
+/// How the sensors' noise is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseFrom {
+    /// Stated in the model, and the recordings agree.
+    Model,
+    /// From the recordings' spectra: the recordings contradict what is stated.
+    Spectra,
+    /// From differences of the recordings, taken for white: nothing is stated.
+    Differences,
+    /// Stated, but the recordings contradict it and are too short or too slow to show a spectrum.
+    Doubted,
+}
+
+/// Deviations of the sensors' noise at the recorded rate, and how it is coloured.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorNoise {
+    /// Deviations.
+    pub sd: Noise,
+    /// Colours.
+    pub colours: Colours,
+}
+
+/// The colour of each sensor's noise.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)]
+pub struct Colours {
+    pub accel: Colour,
+    pub rate: Colour,
+    pub speed: Colour,
+    pub slip: Colour,
+    pub steer: Colour,
+    pub roll_split: Colour,
+}
+
+impl SensorNoise {
+    /// White noise of these deviations.
+    pub fn white(sd: Noise) -> Self {
+        Self {
+            sd,
+            colours: Colours {
+                accel: Colour::WHITE,
+                rate: Colour::WHITE,
+                speed: Colour::WHITE,
+                slip: Colour::WHITE,
+                steer: Colour::WHITE,
+                roll_split: Colour::WHITE,
+            },
+        }
+    }
+
+    /// As the recordings' spectra show it from this frequency on; `None` where they hold too little.
+    pub fn of_spectra(learned: &[Learned], from_hz: f64) -> Option<Self> {
+        let each: Vec<Option<(Colour, f64)>> = COLUMNS_ALIKE
+            .par_iter()
+            .map(|alike| {
+                match alike
+                    .iter()
+                    .any(|name| learned.iter().all(|p| p.column(name).is_some()))
+                {
+                    true => Colour::of_sensors(learned, alike, from_hz),
+                    false => Some((Colour::WHITE, 0.0)),
+                }
+            })
+            .collect();
+        let each: Vec<(Colour, f64)> = each.into_iter().collect::<Option<_>>()?;
+        let [accel, rate, speed, slip, steer, roll_split] = each.try_into().ok()?;
+        Some(Self {
+            sd: Noise {
+                accel_mps2: accel.1,
+                rate_radps: rate.1,
+                speed_mps: speed.1,
+                slip_rad: slip.1,
+                steer_rad: steer.1,
+                roll_split_rad: roll_split.1,
+            },
+            colours: Colours {
+                accel: accel.0,
+                rate: rate.0,
+                speed: speed.0,
+                slip: slip.0,
+                steer: steer.0,
+                roll_split: roll_split.0,
+            },
+        })
+    }
+}
+
+impl SensorNoise {
+    /// A sentence on noise that is taken from spectra.
+    pub fn remark(&self) -> String {
+        let (sd, colours) = (&self.sd, &self.colours);
+        let each = [
+            ("accelerometer [m/s2]", sd.accel_mps2, colours.accel),
+            ("rates [rad/s]", sd.rate_radps, colours.rate),
+            ("speed [m/s]", sd.speed_mps, colours.speed),
+            ("slip [rad]", sd.slip_rad, colours.slip),
+            ("steering [rad]", sd.steer_rad, colours.steer),
+            ("roll split [rad]", sd.roll_split_rad, colours.roll_split),
+        ];
+        let of = |(name, sd, colour): &(&str, f64, Colour)| match colour
+            .knee_hz
+            .min(colour.corner_hz)
+        {
+            corner if corner.is_finite() => format!("{name} {sd:.2e}, less above {corner:.0} Hz"),
+            _ => format!("{name} {sd:.2e}"),
+        };
+        let each: Vec<String> = each.iter().filter(|s| s.1 > 0.0).map(of).collect();
+        format!(
+            "the sensors' noise is not the white noise that [noise] states; it is taken from the recordings' spectra above the motion: {}",
+            each.join("; ")
+        )
+    }
+}
+
+/// Columns of sensors that are alike.
+const COLUMNS_ALIKE: [&[&str]; 6] = [
+    &["ax_mps2", "ay_mps2", "az_mps2"],
+    &["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
+    &["v_mps"],
+    &["alpha_rad"],
+    &["delta_rad"],
+    &["gamma_rad"],
+];
+
+/// The column that each sensor's noise is learned from by differences.
+const COLUMNS: [&str; 6] = [
+    "ay_mps2",
+    "yaw_rate_radps",
+    "v_mps",
+    "alpha_rad",
+    "delta_rad",
+    "gamma_rad",
+];
 
 /// Rows of a run that are learned from.
 #[derive(Clone, Debug)]
@@ -109,12 +246,20 @@ fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize
         each.sort_by(f64::total_cmp);
         each.get(each.len() / 2).copied().unwrap_or(0.0)
     };
+    let [
+        accel_mps2,
+        rate_radps,
+        speed_mps,
+        slip_rad,
+        steer_rad,
+        roll_split_rad,
+    ] = COLUMNS.map(sd);
     Noise {
-        accel_mps2: sd("ay_mps2"),
-        rate_radps: sd("yaw_rate_radps"),
-        speed_mps: sd("v_mps"),
-        slip_rad: sd("alpha_rad"),
-        steer_rad: sd("delta_rad"),
-        roll_split_rad: sd("gamma_rad"),
+        accel_mps2,
+        rate_radps,
+        speed_mps,
+        slip_rad,
+        steer_rad,
+        roll_split_rad,
     }
 }

@@ -11,6 +11,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
+use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::evidence::runs::screen::leaders::Leader;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::procedure::candidate::Candidate;
@@ -27,7 +28,9 @@ impl Campaign<'_> {
         regular: &[Candidate<Amplitude>],
         options: &ScreenOptions,
     ) -> Option<(Claim<Amplitude>, f64)> {
-        if self.data.noise_doubted || !at.residual_model.installation.has_own_clocks() {
+        if self.data.noise_from == NoiseFrom::Doubted
+            || !at.residual_model.installation.has_own_clocks()
+        {
             return None;
         }
         let bare = self.refitted_bare(at, None, f64::INFINITY)?;

@@ -9,6 +9,7 @@ use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::finding::report::Rival;
 use crate::null::sign_flips::chances_of_gains;
@@ -133,7 +134,8 @@ impl Campaign<'_> {
     /// Whether a part of a model's installation is off by more than its tolerance can mean: then it stands for something that has a name.
     /// Where the noise is not what it is said to be a part may stand for that.
     pub fn is_beyond_belief(&self, model: &ResidualModel) -> bool {
-        !self.data.noise_doubted && model.installation.is_beyond(self.rules().belief)
+        self.data.noise_from != NoiseFrom::Doubted
+            && model.installation.is_beyond(self.rules().belief)
     }
 
     /// A model whose installation is off by what its tolerances can mean and no more, its base refitted beside that.

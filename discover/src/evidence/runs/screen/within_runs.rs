@@ -9,6 +9,7 @@ use crate::evidence::runs::laws::claim::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::{Window, windows};
+use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
     RunScreen, ScreenOptions, best_windows, screen_runs,
@@ -112,11 +113,11 @@ impl Campaign<'_> {
             alpha: share * rules.alpha,
             alpha_local: share * rules.alpha_window,
             alpha_beyond: share * rules.alpha_beyond,
-            trust: match (self.data.noise_estimated, self.data.noise_doubted) {
-                (false, false) => rules.noise_trust,
-                (true, _) => rules.estimated_noise_trust,
+            trust: match self.data.noise_from {
+                NoiseFrom::Model => rules.noise_trust,
+                NoiseFrom::Spectra | NoiseFrom::Differences => rules.estimated_noise_trust,
                 // All that is known is that it makes no more than the residual.
-                (false, true) => {
+                NoiseFrom::Doubted => {
                     let [low, high] = rules.estimated_noise_trust;
                     [low, high.max(at.simulator.most_noise(self.used))]
                 }

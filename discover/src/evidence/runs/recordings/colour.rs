@@ -1,0 +1,340 @@
+//! How a sensor's noise is coloured, from what the recordings hold above the motion.
+//!
+//! Noise is white noise of the recorded rate through a first-order low pass of its own and a recorder's second-order one. Above the motion,
+//! of which a steep power of the frequency is left, a spectrum shows all three numbers:
+//!
+//! ```text
+//! S(f) = a A(f) B(f) + c f^-q
+//! A = 1/(1 + (f/knee)^2),    B = 1/(1 + (f/corner)^4)                      through a recorder's filter, which keeps what is above the rate out
+//! A = (1 - k)^2/(1 + k^2 - 2 k cos(2 pi f dt)),    k = exp(-2 pi knee dt)                                                        without one
+//! ```
+//!
+//! They make `sum_f (ln S + P/S)` least, P being the periodogram (P. Whittle, Ark. Mat. 2 (1953) 423): the shapes by trying, the amplitudes
+//! by Fisher's scoring.
+
+use std::f64::consts::{PI, SQRT_2};
+
+use rand::Rng;
+
+use crate::evidence::runs::recordings::periodogram::Periodogram;
+use crate::evidence::runs::recordings::sensor_noise::Learned;
+use crate::null::random::normal;
+
+/// A first-order low pass and a second-order one; infinite corners pass everything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// Corner of the noise's own low pass \[Hz\].
+    pub knee_hz: f64,
+    /// Corner of the recorder's Butterworth filter \[Hz\].
+    pub corner_hz: f64,
+}
+
+/// Steps from each corner tried to the next, as a factor.
+const STEP: f64 = 1.3;
+/// The last of ever smaller ones.
+const FINEST: f64 = 1.01;
+
+impl Colour {
+    /// Noise as it is at every frequency.
+    pub const WHITE: Self = Self {
+        knee_hz: f64::INFINITY,
+        corner_hz: f64::INFINITY,
+    };
+
+    /// Power at a frequency, of noise with power 1 at the lowest.
+    fn power(self, f: f64, dt: f64) -> f64 {
+        match self.corner_hz.is_finite() {
+            true => {
+                1.0 / ((1.0 + (f / self.knee_hz).powi(2)) * (1.0 + (f / self.corner_hz).powi(4)))
+            }
+            false => self.sampled(f, dt),
+        }
+    }
+
+    /// The same of noise as [`noise`](Self::noise) makes it at the recorded rate.
+    fn sampled(self, f: f64, dt: f64) -> f64 {
+        let w = 2.0 * PI * f * dt;
+        let keep = self.keep(dt);
+        let own = (1.0 - keep).powi(2) / (1.0 + keep * keep - 2.0 * keep * w.cos());
+        let warped = self.warped(dt);
+        match warped.is_finite() {
+            true => own / (1.0 + ((0.5 * w).tan() / warped).powi(4)),
+            false => own,
+        }
+    }
+
+    fn keep(self, dt: f64) -> f64 {
+        (-2.0 * PI * self.knee_hz * dt).exp()
+    }
+
+    /// tan(pi corner dt) of the bilinear transform; infinite where the corner is none below half the rate.
+    fn warped(self, dt: f64) -> f64 {
+        match self.corner_hz * dt < 0.5 {
+            true => (PI * self.corner_hz * dt).tan(),
+            false => f64::INFINITY,
+        }
+    }
+
+    /// Noise of deviation 1, so many samples of it.
+    pub fn noise(self, n: usize, dt: f64, rng: &mut impl Rng) -> Vec<f64> {
+        if self == Self::WHITE {
+            return (0..n).map(|_| normal(rng)).collect();
+        }
+        /// Samples after which the filter has forgotten that it began at rest.
+        const BEGIN: usize = 64;
+        let keep = self.keep(dt);
+        let over = self.variance(dt).sqrt();
+        let fresh = (1.0 - keep) / over;
+        // As if it had always run.
+        let mut own = fresh / (1.0 - keep * keep).sqrt() * normal(rng);
+        let coloured = (0..n + BEGIN).map(|_| {
+            own = keep * own + fresh * normal(rng);
+            own
+        });
+        let k = self.warped(dt);
+        if k.is_infinite() {
+            return coloured.skip(BEGIN).collect();
+        }
+        let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
+        let (gain, a1, a2) = (
+            k * k * norm,
+            2.0 * (k * k - 1.0) * norm,
+            (1.0 - SQRT_2 * k + k * k) * norm,
+        );
+        let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
+        let filtered = coloured.map(|now| {
+            let out = gain * (now + 2.0 * x[0] + x[1]) - a1 * y[0] - a2 * y[1];
+            (x, y) = ([now, x[0]], [out, y[0]]);
+            out
+        });
+        filtered.skip(BEGIN).collect()
+    }
+
+    /// Variance of noise that is white noise of deviation 1 at the lowest frequencies.
+    fn variance(self, dt: f64) -> f64 {
+        const FREQUENCIES: usize = 512;
+        let at = |k: usize| (k as f64 + 0.5) * 0.5 / (FREQUENCIES as f64 * dt);
+        let all: f64 = (0..FREQUENCIES).map(|k| self.sampled(at(k), dt)).sum();
+        all / FREQUENCIES as f64
+    }
+
+    /// The colour of the noise of sensors that are alike and its deviation, from what the recordings hold from this frequency on: of the
+    /// one that has least there, as motion only adds. `None` where they hold too little.
+    pub fn of_sensors(learned: &[Learned], names: &[&str], from_hz: f64) -> Option<(Self, f64)> {
+        let dt = learned.first()?.run.dt_s;
+        let seen = names.iter().filter_map(|name| {
+            let alike = learned.iter().filter(|piece| piece.run.dt_s == dt);
+            let columns: Vec<&[f64]> = alike.filter_map(|piece| piece.column(name)).collect();
+            Periodogram::of(&columns, dt, from_hz)
+        });
+        let least = seen.min_by(|a, b| a.lowest().total_cmp(&b.lowest()))?;
+        Self::of(&least, dt)
+    }
+
+    fn of(seen: &Periodogram, dt: f64) -> Option<(Self, f64)> {
+        let (first, last) = (*seen.frequency_hz.first()?, *seen.frequency_hz.last()?);
+        let corners = |from: f64, to: f64| {
+            let steps = (to / from).ln() / STEP.ln();
+            let tried = (0..=steps as i32).map(move |k| from * STEP.powi(k));
+            tried.chain([f64::INFINITY])
+        };
+        // Schwarz's price of a number.
+        let price = 0.5 * (seen.pieces * seen.power.len() as f64).ln();
+        let numbers = |colour: &Self, power: Option<i32>| {
+            let corners = [colour.knee_hz, colour.corner_hz];
+            let finite = corners.iter().filter(|corner| corner.is_finite());
+            finite.count() + 2 * power.iter().count()
+        };
+        let cost = |colour: Self, power: Option<i32>| {
+            let (misfit, level) = colour.fitted(seen, dt, power);
+            let cost = seen.pieces * misfit + price * numbers(&colour, power) as f64;
+            (cost, colour, level)
+        };
+        let less = |a: (f64, Self, f64), b: (f64, Self, f64)| if b.0 < a.0 { b } else { a };
+        // A knee below what is seen shows as a slope alone, and a slope may be the motion's.
+        let lowest = 0.5 * first;
+        let knees = corners(lowest, 2.0 * last);
+        let pairs = knees.flat_map(|knee_hz| {
+            let corners = corners(2.0 * first, last);
+            corners.map(move |corner_hz| Self { knee_hz, corner_hz })
+        });
+        let pairs: Vec<Self> = pairs.collect();
+        let powers = [None, Some(3), Some(4), Some(6), Some(10), Some(16)];
+        let best = powers.into_iter().filter_map(|power| {
+            let tried = pairs.iter().map(|colour| cost(*colour, power));
+            let mut best = tried.reduce(less)?;
+            // From the tried one on by ever smaller steps.
+            let mut step = STEP;
+            while step > FINEST {
+                let beside = best.1.beside(step).into_iter();
+                let seen = beside.filter(|colour| colour.knee_hz >= lowest);
+                let next = seen.map(|colour| cost(colour, power)).fold(best, less);
+                if next.0 >= best.0 {
+                    step = step.sqrt();
+                }
+                best = next;
+            }
+            Some(best)
+        });
+        let best = best.reduce(less);
+        let (_, colour, level) = best?;
+        let sd = (level * colour.variance(dt) * 0.5 / dt).sqrt();
+        (sd.is_finite() && sd > 0.0).then_some((colour, sd))
+    }
+
+    /// One corner moved by a factor, the other as it is.
+    fn beside(self, step: f64) -> [Self; 4] {
+        let of = |knee: f64, corner: f64| Self {
+            knee_hz: knee * self.knee_hz,
+            corner_hz: corner * self.corner_hz,
+        };
+        [
+            of(step, 1.0),
+            of(1.0 / step, 1.0),
+            of(1.0, step),
+            of(1.0, 1.0 / step),
+        ]
+    }
+
+    /// Least misfit of this colour beside what a power of the frequency leaves of the motion, and the white noise's density.
+    fn fitted(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
+        const ROUNDS: usize = 8;
+        let first = seen.frequency_hz[0];
+        let shapes: Vec<[f64; 2]> = seen
+            .frequency_hz
+            .iter()
+            .map(|f| {
+                let motion = power.map_or(0.0, |power| (f / first).powi(-power));
+                [self.power(*f, dt), motion]
+            })
+            .collect();
+        let spectrum = |amplitude: &[f64; 2]| {
+            let [noise, motion] = *amplitude;
+            let sum = move |s: &[f64; 2]| (noise * s[0] + motion * s[1]).max(1e-300);
+            shapes.iter().map(sum)
+        };
+        let last = seen.power.len() - 1;
+        let mut amplitude = [
+            seen.power[last] / shapes[last][0].max(1e-300),
+            seen.power[0],
+        ];
+        for _ in 0..ROUNDS {
+            let (mut own, mut between, mut has) = ([0.0; 2], 0.0, [0.0; 2]);
+            for ((s, p), shape) in spectrum(&amplitude).zip(&seen.power).zip(&shapes) {
+                let weight = 1.0 / (s * s);
+                between += weight * shape[0] * shape[1];
+                for k in 0..2 {
+                    own[k] += weight * shape[k] * shape[k];
+                    has[k] += weight * shape[k] * p;
+                }
+            }
+            let determinant = own[0] * own[1] - between * between;
+            let both = [
+                (own[1] * has[0] - between * has[1]) / determinant,
+                (own[0] * has[1] - between * has[0]) / determinant,
+            ];
+            amplitude = match both {
+                [noise, motion] if noise > 0.0 && motion > 0.0 => both,
+                [noise, _] if noise <= 0.0 => [0.0, has[1] / own[1]],
+                _ => [has[0] / own[0], 0.0],
+            };
+        }
+        let both = spectrum(&amplitude).zip(&seen.power);
+        (both.map(|(s, p)| s.ln() + p / s).sum(), amplitude[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::stream;
+
+    /// Runs of noise under a motion that ends at 3 Hz: of an Ornstein-Uhlenbeck process of variance 1 through x'' + sqrt 2 w x' + w^2 x = w^2 u,
+    /// both in steps of a fiftieth of a row; white at the rows without a knee.
+    fn columns(knee_hz: f64, corner_hz: f64, dt: f64) -> Vec<Vec<f64>> {
+        const FINE: usize = 50;
+        let h = dt / FINE as f64;
+        (0..20)
+            .map(|run| {
+                let rng = &mut stream(3, 1, run);
+                let w = 2.0 * PI * corner_hz;
+                let (mut own, mut x, mut speed) = (normal(rng), 0.0, 0.0);
+                let rows = 0..(18.0 / dt) as usize;
+                rows.map(|i| {
+                    if knee_hz.is_infinite() {
+                        x = normal(rng);
+                    } else {
+                        for _ in 0..FINE {
+                            let fresh = (2.0 * 2.0 * PI * knee_hz * h).sqrt() * normal(rng);
+                            own += -2.0 * PI * knee_hz * h * own + fresh;
+                            speed += h * (w * w * (own - x) - SQRT_2 * w * speed);
+                            x += h * speed;
+                        }
+                    }
+                    let turn = |hz: f64| (2.0 * PI * hz * i as f64 * dt + run as f64).sin();
+                    let seen = if corner_hz.is_finite() || knee_hz.is_infinite() {
+                        x
+                    } else {
+                        own
+                    };
+                    seen + 30.0 * turn(0.3) + 5.0 * turn(1.7) + turn(2.4)
+                })
+                .collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn power_where_the_motion_is_comes_from_what_is_above_it() {
+        let none = f64::INFINITY;
+        for (knee_hz, corner_hz, dt) in [
+            (none, none, 0.01),
+            (5.0, none, 0.01),
+            (4.85, 25.0, 0.01),
+            (4.85, 40.0, 0.01),
+            (8.0, 30.0, 0.004),
+        ] {
+            let columns = columns(knee_hz, corner_hz, dt);
+            let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+            let seen = Periodogram::of(&columns, dt, 4.0).unwrap();
+            let (found, sd) = Colour::of(&seen, dt).unwrap();
+            // The integral of S/(1 + (f/knee)^2) is S pi knee/2, that of white noise S/(2 dt).
+            let lowest = match knee_hz.is_finite() {
+                true => 2.0 / (PI * knee_hz),
+                false => 2.0 * dt,
+            };
+            let ratio = sd * sd * 2.0 * dt / found.variance(dt) / lowest;
+            assert!(
+                (0.75..1.33).contains(&ratio),
+                "{knee_hz} {corner_hz}: {ratio} {found:?}"
+            );
+            assert!((0.9..1.1).contains(&sd), "{sd} {found:?}");
+        }
+    }
+
+    #[test]
+    fn noise_has_the_deviation_and_the_correlation_of_its_colour() {
+        let dt = 0.01;
+        let colour = Colour {
+            knee_hz: 5.0,
+            corner_hz: f64::INFINITY,
+        };
+        let x = colour.noise(200_000, dt, &mut stream(5, 1, 1));
+        let mean = |lag: usize| {
+            let pairs = x.iter().zip(&x[lag..]);
+            pairs.map(|(a, b)| a * b).sum::<f64>() / (x.len() - lag) as f64
+        };
+        assert!((mean(0) - 1.0).abs() < 0.03);
+        for lag in [1, 3] {
+            let expected = (-2.0 * PI * 5.0 * dt * lag as f64).exp();
+            assert!((mean(lag) - expected).abs() < 0.03);
+        }
+        let filtered = Colour {
+            corner_hz: 20.0,
+            ..colour
+        };
+        let x = filtered.noise(200_000, dt, &mut stream(5, 1, 2));
+        let power = x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
+        assert!((power - 1.0).abs() < 0.03);
+    }
+}

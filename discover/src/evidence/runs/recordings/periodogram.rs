@@ -1,0 +1,128 @@
+//! Spectra of recorded columns, above the motion.
+
+use std::f64::consts::PI;
+
+/// A periodogram at evenly spaced frequencies, one-sided: unit squared a hertz.
+pub struct Periodogram {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: Vec<f64>,
+    /// Power at them.
+    pub power: Vec<f64>,
+    /// Pieces behind it that no other shares rows with.
+    pub pieces: f64,
+}
+
+/// Seconds of a piece that a periodogram is made of; its frequencies are 0.4 Hz apart.
+const PIECE_S: f64 = 2.5;
+/// Highest frequency looked at, over the rate.
+const HIGHEST: f64 = 0.3;
+/// Fewest frequencies that five numbers are fitted to.
+const FEWEST: usize = 20;
+
+impl Periodogram {
+    /// Power at the lowest frequencies.
+    pub fn lowest(&self) -> f64 {
+        self.power.iter().take(4).sum()
+    }
+
+    /// The mean over pieces of all columns, half of each in the next, under a Hann window; a piece with a gap is left out.
+    pub fn of(columns: &[&[f64]], dt: f64, from_hz: f64) -> Option<Self> {
+        let n = (PIECE_S / dt).round() as usize;
+        let lowest = (from_hz * PIECE_S).ceil() as usize;
+        let highest = (HIGHEST * PIECE_S / dt).floor() as usize;
+        if n < 4 || highest < lowest + FEWEST {
+            return None;
+        }
+        // What is beyond twelve times the lowest tells nothing of the noise where the motion is.
+        let highest = highest.min(12 * lowest);
+        let window: Vec<f64> = (0..n)
+            .map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(4))
+            .collect();
+        let weight: f64 = window.iter().map(|w| w * w).sum();
+        let mut power = vec![0.0; highest - lowest + 1];
+        let mut pieces = 0.0;
+        for column in columns {
+            for piece in (0..)
+                .map(|k| k * (n / 2))
+                .take_while(|from| from + n <= column.len())
+                .map(|from| &column[from..from + n])
+                .filter(|piece| piece.iter().all(|x| x.is_finite()))
+            {
+                // From the piece's line, so that a drift does not leak.
+                let rise = (piece[n - 1] - piece[0]) / (n - 1) as f64;
+                let mean = piece.iter().sum::<f64>() / n as f64;
+                let middle = 0.5 * (n - 1) as f64;
+                let level: Vec<f64> = piece
+                    .iter()
+                    .zip(&window)
+                    .enumerate()
+                    .map(|(i, (x, w))| w * (x - mean - rise * (i as f64 - middle)))
+                    .collect();
+                for (sum, k) in power.iter_mut().zip(lowest..) {
+                    *sum += magnitude_squared(&level, k);
+                }
+                pieces += 1.0;
+            }
+        }
+        if pieces == 0.0 || power.iter().any(|p| *p <= 0.0) {
+            return None;
+        }
+        power
+            .iter_mut()
+            .for_each(|p| *p *= 2.0 * dt / (weight * pieces));
+        let frequency_hz = (lowest..=highest)
+            .map(|k| k as f64 / (n as f64 * dt))
+            .collect();
+        // Under this window pieces that share half of their rows are as good as two thirds of them apart.
+        let pieces = 2.0 / 3.0 * pieces;
+        Some(Self {
+            frequency_hz,
+            power,
+            pieces,
+        })
+    }
+}
+
+/// Squared magnitude of the `k`-th coefficient of a discrete Fourier transform, by Goertzel's recurrence.
+fn magnitude_squared(x: &[f64], k: usize) -> f64 {
+    let twice = 2.0 * (2.0 * PI * k as f64 / x.len() as f64).cos();
+    let (mut one, mut two) = (0.0, 0.0);
+    for x in x {
+        (one, two) = (x + twice * one - two, one);
+    }
+    one * one + two * two - twice * one * two
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::{normal, stream};
+
+    #[test]
+    fn white_noise_has_its_variance_over_half_the_rate() {
+        let rng = &mut stream(3, 1, 1);
+        let mut x: Vec<f64> = (0..20_000).map(|_| 2.0 * normal(rng)).collect();
+        // A piece with a gap is left out, a drift is none of the noise.
+        x[300] = f64::NAN;
+        x.iter_mut()
+            .enumerate()
+            .for_each(|(i, x)| *x += 0.1 * i as f64);
+        let seen = Periodogram::of(&[&x], 0.01, 4.0).unwrap();
+        let mean = seen.power.iter().sum::<f64>() / seen.power.len() as f64;
+        assert!((mean / 0.08 - 1.0).abs() < 0.06, "{mean}");
+        assert_eq!(seen.frequency_hz[0], 4.0);
+        assert!((seen.frequency_hz.last().unwrap() - 30.0).abs() < 0.4);
+    }
+
+    #[test]
+    fn short_or_slow_recordings_tell_no_colour() {
+        let x = vec![1.0; 100];
+        assert!(Periodogram::of(&[&x], 0.01, 4.0).is_none());
+        let x = vec![1.0; 4000];
+        assert!(Periodogram::of(&[&x], 0.05, 4.0).is_none());
+        assert!(
+            Periodogram::of(&[&x], 0.01, 4.0).is_none(),
+            "no noise at all"
+        );
+    }
+}
