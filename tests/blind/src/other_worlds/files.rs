@@ -71,10 +71,10 @@ pub fn model_file(sled: &Sled, wrong: &Wrong, source: &mut Source) -> String {
         );
     }
     text.push_str("[survey]\nslope_sd_rad = 0.0008\n");
-    if wrong.noise.is_some() {
+    let Some(stated) = wrong.stated.filter(|_| wrong.noise.is_none()) else {
         return text;
-    }
-    let said = |channel: usize| NOISE[channel] * wrong.stated;
+    };
+    let said = |channel: usize| NOISE[channel] * stated;
     let _ = write!(
         text,
         "\n[noise]\naccel_mps2 = {:?}\nrate_radps = {:?}\nspeed_mps = {:?}\n\

@@ -15,6 +15,7 @@
 //! | `lines` | each driver takes a line of his own up the banks |
 //! | `sessions` | friction and grip scatter by 5 % from session to session |
 //! | `filters` | coloured noise through anti-alias filters, stated wrongly by a factor of two |
+//! | `coloured` | noise of a colour of each channel's own, through anti-alias filters or none, which nobody states |
 //! | `bare` | no column and no track table beyond what is required |
 //! | `few` | six to ten runs |
 //! | `walls` | some runs hit a wall somewhere, harder or softer |

@@ -84,7 +84,12 @@ impl Recorder<'_> {
                 .noise
                 .map_or(NOISE[c], |share| share * spread(&late[c]));
             let count = (late[c].len() as f64 * RATE_HZ / rate_hz) as usize;
-            noise(count, sd, self.wrong, source)
+            noise(
+                count,
+                sd,
+                [self.wrong.colour[c], self.wrong.filter_hz],
+                source,
+            )
         });
         (0..columns[0].len())
             .step_by(stride)
@@ -168,9 +173,8 @@ fn filtered(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Noise with this standard deviation, as coloured and filtered as the world's.
-fn noise(count: usize, sd: f64, wrong: &Wrong, source: &mut Source) -> Vec<f64> {
-    let keep = wrong.colour;
+/// Noise with this standard deviation, this correlation from one millisecond to the next, and through a filter of this corner [Hz].
+fn noise(count: usize, sd: f64, [keep, corner_hz]: [f64; 2], source: &mut Source) -> Vec<f64> {
     let mut state = source.normal();
     let raw: Vec<f64> = (0..count)
         .map(|_| {
@@ -178,7 +182,7 @@ fn noise(count: usize, sd: f64, wrong: &Wrong, source: &mut Source) -> Vec<f64> 
             state
         })
         .collect();
-    let shaped = filtered(&raw, wrong.filter_hz, RATE_HZ);
+    let shaped = filtered(&raw, corner_hz, RATE_HZ);
     let spread = (shaped.iter().map(|x| x * x).sum::<f64>() / count.max(1) as f64).sqrt();
     shaped.iter().map(|x| sd * x / spread.max(1e-300)).collect()
 }

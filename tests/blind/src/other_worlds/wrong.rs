@@ -3,7 +3,7 @@
 use crate::world::noise::Source;
 
 /// The worlds by name.
-pub const WORLDS: [World; 12] = [
+pub const WORLDS: [World; 13] = [
     World::Clean,
     World::Delays,
     World::Gyros,
@@ -12,6 +12,7 @@ pub const WORLDS: [World; 12] = [
     World::Lines,
     World::Sessions,
     World::Filters,
+    World::Coloured,
     World::Bare,
     World::Few,
     World::Walls,
@@ -30,6 +31,7 @@ pub enum World {
     Lines,
     Sessions,
     Filters,
+    Coloured,
     Bare,
     Few,
     Walls,
@@ -53,6 +55,7 @@ impl World {
             World::Lines => ["lines-null", "lines-effect"],
             World::Sessions => ["sessions-null", "sessions-effect"],
             World::Filters => ["filters-null", "filters-effect"],
+            World::Coloured => ["coloured-null", "coloured-effect"],
             World::Bare => ["bare-null", "bare-effect"],
             World::Few => ["few-null", "few-effect"],
             World::Walls => ["walls-null", "walls-effect"],
@@ -132,12 +135,12 @@ pub struct Wrong {
     pub session: f64,
     /// Noise over what a channel spreads in a run; none where sensors have their usual one.
     pub noise: Option<f64>,
-    /// Correlation of the noise from one millisecond to the next.
-    pub colour: f64,
+    /// Correlation of each channel's noise from one millisecond to the next.
+    pub colour: [f64; CHANNELS],
     /// Corner of the anti-alias filters [Hz]; none where infinite.
     pub filter_hz: f64,
-    /// Stated over true noise.
-    pub stated: f64,
+    /// Stated over true noise; `None` where nobody states it.
+    pub stated: Option<f64>,
     /// Whether nothing but the required columns is recorded and no track table is there.
     pub bare: bool,
     /// Sessions and runs in each.
@@ -161,9 +164,9 @@ impl Wrong {
             line_m: 0.0,
             session: 0.0,
             noise: None,
-            colour: 0.0,
+            colour: [0.0; CHANNELS],
             filter_hz: f64::INFINITY,
-            stated: 1.0,
+            stated: Some(1.0),
             bare: false,
             runs: [8, 3],
             wall: 0.0,
@@ -185,9 +188,16 @@ impl Wrong {
             World::Lines => wrong.line_m = 0.15,
             World::Sessions => wrong.session = 0.05,
             World::Filters => {
-                wrong.colour = 0.97;
+                wrong.colour = [0.97; CHANNELS];
                 wrong.filter_hz = source.uniform(25.0, 40.0);
-                wrong.stated = if source.sign() > 0.0 { 2.0 } else { 0.5 };
+                wrong.stated = Some(if source.sign() > 0.0 { 2.0 } else { 0.5 });
+            }
+            World::Coloured => {
+                wrong.colour = [(); CHANNELS].map(|()| source.uniform(0.9, 0.985));
+                if source.sign() > 0.0 {
+                    wrong.filter_hz = source.uniform(20.0, 45.0);
+                }
+                wrong.stated = None;
             }
             World::Bare => wrong.bare = true,
             World::Few => wrong.runs = [2, 3 + source.uniform(0.0, 3.0) as usize],

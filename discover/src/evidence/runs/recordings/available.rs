@@ -4,7 +4,7 @@ use kufe_sled::Run;
 use kufe_sled::effects::Column;
 
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::sensor_noise::Learned;
+use crate::evidence::runs::recordings::learned::Learned;
 
 /// The columns that effects may need, recorded in every run and varying in those that are learned from; what is missing or
 /// constant is told in `remarks`.

@@ -16,8 +16,8 @@ use std::f64::consts::{PI, SQRT_2};
 
 use rand::Rng;
 
+use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::periodogram::Periodogram;
-use crate::evidence::runs::recordings::sensor_noise::Learned;
 use crate::null::random::normal;
 
 /// A first-order low pass and a second-order one; infinite corners pass everything.

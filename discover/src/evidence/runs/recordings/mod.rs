@@ -3,6 +3,7 @@
 pub(crate) mod available;
 pub(crate) mod colour;
 pub(crate) mod frame;
+pub(crate) mod learned;
 pub(crate) mod periodogram;
 pub(crate) mod prepare;
 pub(crate) mod read;

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use kufe_sled::effects::Column;
-use kufe_sled::{Model, Run, TakingPart, Track, gaps_line};
+use kufe_sled::{Model, Noise, Run, TakingPart, Track, gaps_line};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::sensor_noise::{
-    Learned, NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
+    NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
 };
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
@@ -125,29 +126,22 @@ pub fn prepare(
     let locked = locked(&frames, segmented, &rules.lock);
     let learned = learned(runs, &frames, segmented, &locked);
     let seen = estimate(&learned);
-    let as_stated = |stated| !doubted(stated, &seen, recordings.noise_as_stated);
-    let coloured = match &model.noise {
-        Some(stated) if !as_stated(stated) => {
-            SensorNoise::of_spectra(&learned, recordings.row_cutoff_hz)
-        }
-        _ => None,
+    let as_stated = |stated: &Noise| !doubted(stated, &seen, recordings.noise_as_stated);
+    let white = |stated: &Noise, remarks: &mut Vec<String>| {
+        let below = estimate_below(&learned, recordings.signal_cutoff_hz);
+        SensorNoise::white(quieter(stated, &louder(&seen, &below), remarks))
     };
-    let (noise, noise_from) = match (coloured, &model.noise) {
-        (Some(noise), _) => {
-            remarks.push(noise.remark());
-            (noise, NoiseFrom::Spectra)
-        }
-        (None, Some(stated)) => {
-            let below = estimate_below(&learned, recordings.signal_cutoff_hz);
-            let shown = louder(&seen, &below);
-            let noise = SensorNoise::white(quieter(stated, &shown, &mut remarks));
-            let from = match as_stated(stated) {
-                true => NoiseFrom::Model,
-                false => NoiseFrom::Doubted,
-            };
-            (noise, from)
-        }
-        (None, None) => (SensorNoise::white(seen), NoiseFrom::Differences),
+    let of_spectra = || SensorNoise::of_spectra(&learned, recordings.row_cutoff_hz);
+    let (noise, noise_from) = match &model.noise {
+        Some(stated) if as_stated(stated) => (white(stated, &mut remarks), NoiseFrom::Model),
+        stated => match (of_spectra(), stated) {
+            (Some(noise), _) => {
+                remarks.push(noise.remark(stated.is_some()));
+                (noise, NoiseFrom::Spectra)
+            }
+            (None, Some(stated)) => (white(stated, &mut remarks), NoiseFrom::Doubted),
+            (None, None) => (SensorNoise::white(seen), NoiseFrom::Differences),
+        },
     };
     let uphill = turn_slopes(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();

@@ -1,20 +1,19 @@
 //! Noise of each sensor: as stated, or as the recordings show it.
 
-use std::ops::Range;
-
-use kufe_sled::{Noise, Run};
+use kufe_sled::Noise;
 use rayon::prelude::*;
 
 use crate::evidence::runs::recordings::colour::Colour;
+use crate::evidence::runs::recordings::learned::Learned;
 
 /// How the sensors' noise is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseFrom {
     /// Stated in the model, and the recordings agree.
     Model,
-    /// From the recordings' spectra: the recordings contradict what is stated.
+    /// From the recordings' spectra: nothing is stated, or the recordings contradict it.
     Spectra,
-    /// From differences of the recordings, taken for white: nothing is stated.
+    /// From differences of the recordings, taken for white: nothing is stated, and they are too short or too slow to show a spectrum.
     Differences,
     /// Stated, but the recordings contradict it and are too short or too slow to show a spectrum.
     Doubted,
@@ -95,8 +94,12 @@ impl SensorNoise {
 }
 
 impl SensorNoise {
-    /// A sentence on noise that is taken from spectra.
-    pub fn remark(&self) -> String {
+    /// A sentence on noise that is taken from spectra, where the model states other or none.
+    pub fn remark(&self, stated: bool) -> String {
+        let why = match stated {
+            true => "the sensors' noise is not the white noise that [noise] states",
+            false => "no [noise] in the model",
+        };
         let (sd, colours) = (&self.sd, &self.colours);
         let each = [
             ("accelerometer [m/s2]", sd.accel_mps2, colours.accel),
@@ -115,7 +118,7 @@ impl SensorNoise {
         };
         let each: Vec<String> = each.iter().filter(|s| s.1 > 0.0).map(of).collect();
         format!(
-            "the sensors' noise is not the white noise that [noise] states; it is taken from the recordings' spectra above the motion: {}",
+            "{why}: it is taken from the recordings' spectra above the motion: {}",
             each.join("; ")
         )
     }
@@ -140,22 +143,6 @@ const COLUMNS: [&str; 6] = [
     "delta_rad",
     "gamma_rad",
 ];
-
-/// Rows of a run that are learned from.
-#[derive(Clone, Debug)]
-pub struct Learned<'a> {
-    /// The run.
-    pub run: &'a Run,
-    /// Its rows.
-    pub rows: Range<usize>,
-}
-
-impl Learned<'_> {
-    /// A column of these rows; `None` where it is not recorded.
-    pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.run.columns.get(name)?.get(self.rows.clone())
-    }
-}
 
 /// What is stated, where the recordings are not quieter still.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
