@@ -107,11 +107,11 @@ impl Campaign<'_> {
         let alike = self.rules().laws.alike;
         for (first, step) in steps.iter().enumerate().filter(|(_, step)| known(step)) {
             let of_class = |c: &&Candidate<Amplitude>| {
-                let in_class = step.class.contains(&c.effect);
-                in_class && steps.iter().all(|other| other.effect != c.effect)
+                let mut others = steps.iter().filter(|other| other.effect != step.effect);
+                step.class.contains(&c.effect) && others.all(|other| other.effect != c.effect)
             };
             let class: Vec<&Candidate<Amplitude>> = regular.iter().filter(of_class).collect();
-            if class.is_empty() {
+            if class.iter().all(|c| c.effect == step.effect) {
                 continue;
             }
             let Some(as_it_is) = self.left_by(&fit.residual_model) else {
@@ -133,17 +133,17 @@ impl Campaign<'_> {
                     .filter_map(|c| Some((c.effect.as_str(), self.alone(&bare, c)?)));
                 let mut each: Vec<(&str, Alone)> = each.collect();
                 each.sort_by(|(_, a), (_, b)| total(&a.left).total_cmp(&total(&b.left)));
-                let mut each = each.into_iter();
-                let Some((effect, one)) = each.next() else {
+                let Some(best) = each.iter().position(|(name, _)| *name != step.effect) else {
                     continue;
                 };
+                let (effect, one) = each.remove(best);
                 let [more, error] = difference(&one.left, &as_it_is);
                 let better = match other == first {
                     true => more < -alike * error,
                     false => more <= alike * error,
                 };
                 if better {
-                    let as_good = each.filter(|(_, rival)| {
+                    let as_good = each.into_iter().filter(|(_, rival)| {
                         let [more, error] = difference(&rival.left, &one.left);
                         more <= alike * error
                     });
@@ -152,6 +152,10 @@ impl Campaign<'_> {
                         if !class.iter().any(|known| known == rival) {
                             class.push(rival.to_owned());
                         }
+                    }
+                    // What the step's own effect does as well, fitted in the same way, is no reason to call it otherwise.
+                    if other == first && class.contains(&step.effect) {
+                        continue;
                     }
                     return Ok(Some(OneInstead {
                         steps: [first, other],
