@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! S(f) = a A(f) B(f) + c f^-q
-//! A = 1/(1 + (f/knee)^2),    B = 1/(1 + (f/corner)^4)                      through a recorder's filter, which keeps what is above the rate out
-//! A = (1 - k)^2/(1 + k^2 - 2 k cos(2 pi f dt)),    k = exp(-2 pi knee dt)                                                        without one
+//! A = 1/(1 + (f/knee)^2),    B = 1/(1 + (f/corner)^4)                        through a recorder's filter: nothing is folded back
+//! A = (1 - k)^2/(1 + k^2 - 2 k cos(2 pi f dt)),    k = exp(-2 pi knee dt)    without one
 //! ```
 //!
 //! They make `sum_f (ln S + P/S)` least, P being the periodogram (P. Whittle, Ark. Mat. 2 (1953) 423): the shapes by trying, the amplitudes

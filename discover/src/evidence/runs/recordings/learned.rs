@@ -18,4 +18,10 @@ impl Learned<'_> {
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.run.columns.get(name)?.get(self.rows.clone())
     }
+
+    /// Whether a column is recorded and holds more than one value.
+    pub fn moves(&self, name: &str) -> bool {
+        let column = self.column(name).unwrap_or_default();
+        column.windows(2).any(|pair| pair[0] != pair[1])
+    }
 }

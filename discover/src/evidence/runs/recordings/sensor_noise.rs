@@ -61,12 +61,12 @@ impl SensorNoise {
         let each: Vec<Option<(Colour, f64)>> = COLUMNS_ALIKE
             .par_iter()
             .map(|alike| {
-                match alike
-                    .iter()
-                    .any(|name| learned.iter().all(|p| p.column(name).is_some()))
-                {
-                    true => Colour::of_sensors(learned, alike, from_hz),
-                    false => Some((Colour::WHITE, 0.0)),
+                // What stands still all the time, as a roll split of zeros, is no sensor.
+                let moves = |name: &&str| learned.iter().any(|piece| piece.moves(name));
+                let moving: Vec<&str> = alike.iter().copied().filter(moves).collect();
+                match moving.is_empty() {
+                    true => Some((Colour::WHITE, 0.0)),
+                    false => Colour::of_sensors(learned, &moving, from_hz),
                 }
             })
             .collect();
