@@ -15,7 +15,7 @@ use crate::evidence::runs::fit::piece::piece_of;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::colour::Colour;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::sensor_noise::SensorNoise;
+use crate::evidence::runs::recordings::sensor_noise::{SensorNoise, louder};
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, sign, stream};
 use crate::procedure::rules::{RecordingRules, RunRules};
@@ -103,25 +103,12 @@ impl RunSimulator {
         let piece = piece_of(frame, SHARE, 0.5 * self.piece_s, ROUND, i);
         let mut both = [piece.clone(), piece];
         let [plus, minus] = &mut both;
-        self.at_least(LEAST_NOISE)
-            .add_noise(plus, minus, &mut stream(self.seed, ROUND, i as u64));
-        both
-    }
-
-    fn at_least(&self, least: Noise) -> Self {
-        let own = &self.noise.sd;
-        let sd = Noise {
-            accel_mps2: own.accel_mps2.max(least.accel_mps2),
-            rate_radps: own.rate_radps.max(least.rate_radps),
-            speed_mps: own.speed_mps.max(least.speed_mps),
-            slip_rad: own.slip_rad.max(least.slip_rad),
-            steer_rad: own.steer_rad.max(least.steer_rad),
-            roll_split_rad: own.roll_split_rad.max(least.roll_split_rad),
+        let noise = SensorNoise {
+            sd: louder(&self.noise.sd, &LEAST_NOISE),
+            ..self.noise
         };
-        Self {
-            noise: SensorNoise { sd, ..self.noise },
-            ..self.clone()
-        }
+        self.add_noise(&noise, plus, minus, &mut stream(self.seed, ROUND, i as u64));
+        both
     }
 
     /// By which factor the sensors' noise, as a variance, may be larger before it explains more than the whole residual of every channel.
@@ -154,7 +141,7 @@ impl RunSimulator {
         let truth = truth(frame, residual_model, &rows);
         let (mut plus, mut minus) = (truth.clone(), truth.clone());
         self.add_rest(&mut plus, &mut minus, residual_model, &rows, &mut rng);
-        self.add_noise(&mut plus, &mut minus, &mut rng);
+        self.add_noise(&self.noise, &mut plus, &mut minus, &mut rng);
         SimulatedPair { truth, plus, minus }
     }
 
@@ -192,7 +179,13 @@ impl RunSimulator {
         }
     }
 
-    fn add_noise(&self, plus: &mut Frame, minus: &mut Frame, rng: &mut impl Rng) {
+    fn add_noise(
+        &self,
+        noise: &SensorNoise,
+        plus: &mut Frame,
+        minus: &mut Frame,
+        rng: &mut impl Rng,
+    ) {
         let kernel = signal_kernel(plus.recorded_dt, &self.signals);
         let n = plus.len();
         let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
@@ -207,15 +200,16 @@ impl RunSimulator {
                 *y -= e;
             }
         };
-        let SensorNoise { sd, colours } = self.noise;
+        let sd = noise.sd;
+        let [accel, rate, speed, slip, steer, roll_split] = noise.colours;
         for axis in 0..3 {
-            let e = kernel.smooth(&noise_of(sd.accel_mps2, colours.accel));
+            let e = kernel.smooth(&noise_of(sd.accel_mps2, accel));
             add(
                 &mut plus.acceleration[axis],
                 &mut minus.acceleration[axis],
                 e,
             );
-            let e = noise_of(sd.rate_radps, colours.rate);
+            let e = noise_of(sd.rate_radps, rate);
             add(
                 &mut plus.rate[axis],
                 &mut minus.rate[axis],
@@ -228,20 +222,20 @@ impl RunSimulator {
                 slope,
             );
         }
-        let e = noise_of(sd.speed_mps, colours.speed);
+        let e = noise_of(sd.speed_mps, speed);
         add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
         add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
-        let e = noise_of(sd.slip_rad, colours.slip);
+        let e = noise_of(sd.slip_rad, slip);
         add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
         add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
-        let e = noise_of(sd.steer_rad, colours.steer);
+        let e = noise_of(sd.steer_rad, steer);
         add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
         add(
             &mut plus.steer_rate,
             &mut minus.steer_rate,
             kernel.slope(&e),
         );
-        let e = kernel.smooth(&noise_of(sd.roll_split_rad, colours.roll_split));
+        let e = kernel.smooth(&noise_of(sd.roll_split_rad, roll_split));
         add(&mut plus.roll_split, &mut minus.roll_split, e);
     }
 }

@@ -47,19 +47,11 @@ impl Colour {
             true => {
                 1.0 / ((1.0 + (f / self.knee_hz).powi(2)) * (1.0 + (f / self.corner_hz).powi(4)))
             }
-            false => self.sampled(f, dt),
-        }
-    }
-
-    /// The same of noise as [`noise`](Self::noise) makes it at the recorded rate.
-    fn sampled(self, f: f64, dt: f64) -> f64 {
-        let w = 2.0 * PI * f * dt;
-        let keep = self.keep(dt);
-        let own = (1.0 - keep).powi(2) / (1.0 + keep * keep - 2.0 * keep * w.cos());
-        let warped = self.warped(dt);
-        match warped.is_finite() {
-            true => own / (1.0 + ((0.5 * w).tan() / warped).powi(4)),
-            false => own,
+            false => {
+                let keep = self.keep(dt);
+                let turn = (2.0 * PI * f * dt).cos();
+                (1.0 - keep).powi(2) / (1.0 + keep * keep - 2.0 * keep * turn)
+            }
         }
     }
 
@@ -84,38 +76,49 @@ impl Colour {
         const BEGIN: usize = 64;
         let keep = self.keep(dt);
         let over = self.variance(dt).sqrt();
-        let fresh = (1.0 - keep) / over;
         // As if it had always run.
-        let mut own = fresh / (1.0 - keep * keep).sqrt() * normal(rng);
-        let coloured = (0..n + BEGIN).map(|_| {
-            own = keep * own + fresh * normal(rng);
-            own
-        });
+        let own = (1.0 - keep) / (over * (1.0 - keep * keep).sqrt()) * normal(rng);
+        let white = (0..n + BEGIN).map(|_| normal(rng) / over);
+        self.through(white, own, dt).skip(BEGIN).collect()
+    }
+
+    /// What both filters make of samples, the first of them holding `own` before.
+    fn through(
+        self,
+        samples: impl Iterator<Item = f64>,
+        own: f64,
+        dt: f64,
+    ) -> impl Iterator<Item = f64> {
+        let keep = self.keep(dt);
         let k = self.warped(dt);
-        if k.is_infinite() {
-            return coloured.skip(BEGIN).collect();
-        }
         let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
         let (gain, a1, a2) = (
             k * k * norm,
             2.0 * (k * k - 1.0) * norm,
             (1.0 - SQRT_2 * k + k * k) * norm,
         );
-        let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
-        let filtered = coloured.map(|now| {
-            let out = gain * (now + 2.0 * x[0] + x[1]) - a1 * y[0] - a2 * y[1];
-            (x, y) = ([now, x[0]], [out, y[0]]);
+        let (mut own, mut x, mut y) = (own, [0.0; 2], [0.0; 2]);
+        samples.map(move |now| {
+            own = keep * own + (1.0 - keep) * now;
+            if k.is_infinite() {
+                return own;
+            }
+            let out = gain * (own + 2.0 * x[0] + x[1]) - a1 * y[0] - a2 * y[1];
+            (x, y) = ([own, x[0]], [out, y[0]]);
             out
-        });
-        filtered.skip(BEGIN).collect()
+        })
     }
 
-    /// Variance of noise that is white noise of deviation 1 at the lowest frequencies.
+    /// Variance of noise that is white noise of deviation 1 at the lowest frequencies: the sum of squares of what the filters answer to an
+    /// impulse, over some time constants of the slower.
     fn variance(self, dt: f64) -> f64 {
-        const FREQUENCIES: usize = 512;
-        let at = |k: usize| (k as f64 + 0.5) * 0.5 / (FREQUENCIES as f64 * dt);
-        let all: f64 = (0..FREQUENCIES).map(|k| self.sampled(at(k), dt)).sum();
-        all / FREQUENCIES as f64
+        const TIMES: f64 = 12.0;
+        let slower = self.knee_hz.min(self.corner_hz);
+        let samples = (TIMES / (2.0 * PI * slower * dt)).ceil() as usize + 2;
+        let impulse = std::iter::once(1.0).chain(std::iter::repeat_n(0.0, samples));
+        self.through(impulse, 0.0, dt)
+            .map(|answer| answer * answer)
+            .sum()
     }
 
     /// The colour of the noise of sensors that are alike and its deviation, from what the recordings hold from this frequency on: of the

@@ -24,20 +24,52 @@ pub enum NoiseFrom {
 pub struct SensorNoise {
     /// Deviations.
     pub sd: Noise,
-    /// Colours.
-    pub colours: Colours,
+    /// Colours: of accelerometer, gyroscope, speed, slip, steering and roll split.
+    pub colours: [Colour; SENSORS],
 }
 
-/// The colour of each sensor's noise.
-#[derive(Clone, Copy, Debug)]
-#[allow(missing_docs)]
-pub struct Colours {
-    pub accel: Colour,
-    pub rate: Colour,
-    pub speed: Colour,
-    pub slip: Colour,
-    pub steer: Colour,
-    pub roll_split: Colour,
+/// Kinds of sensors.
+const SENSORS: usize = 6;
+/// What they are called, and in which unit their noise is.
+const NAMES: [&str; SENSORS] = [
+    "accelerometer [m/s2]",
+    "rates [rad/s]",
+    "speed [m/s]",
+    "slip [rad]",
+    "steering [rad]",
+    "roll split [rad]",
+];
+
+/// Deviations by sensor.
+fn each(noise: &Noise) -> [f64; SENSORS] {
+    [
+        noise.accel_mps2,
+        noise.rate_radps,
+        noise.speed_mps,
+        noise.slip_rad,
+        noise.steer_rad,
+        noise.roll_split_rad,
+    ]
+}
+
+/// Noise of these deviations.
+fn of_each(sd: [f64; SENSORS]) -> Noise {
+    let [
+        accel_mps2,
+        rate_radps,
+        speed_mps,
+        slip_rad,
+        steer_rad,
+        roll_split_rad,
+    ] = sd;
+    Noise {
+        accel_mps2,
+        rate_radps,
+        speed_mps,
+        slip_rad,
+        steer_rad,
+        roll_split_rad,
+    }
 }
 
 impl SensorNoise {
@@ -45,14 +77,7 @@ impl SensorNoise {
     pub fn white(sd: Noise) -> Self {
         Self {
             sd,
-            colours: Colours {
-                accel: Colour::WHITE,
-                rate: Colour::WHITE,
-                speed: Colour::WHITE,
-                slip: Colour::WHITE,
-                steer: Colour::WHITE,
-                roll_split: Colour::WHITE,
-            },
+            colours: [Colour::WHITE; SENSORS],
         }
     }
 
@@ -71,52 +96,26 @@ impl SensorNoise {
             })
             .collect();
         let each: Vec<(Colour, f64)> = each.into_iter().collect::<Option<_>>()?;
-        let [accel, rate, speed, slip, steer, roll_split] = each.try_into().ok()?;
+        let each: [(Colour, f64); SENSORS] = each.try_into().ok()?;
         Some(Self {
-            sd: Noise {
-                accel_mps2: accel.1,
-                rate_radps: rate.1,
-                speed_mps: speed.1,
-                slip_rad: slip.1,
-                steer_rad: steer.1,
-                roll_split_rad: roll_split.1,
-            },
-            colours: Colours {
-                accel: accel.0,
-                rate: rate.0,
-                speed: speed.0,
-                slip: slip.0,
-                steer: steer.0,
-                roll_split: roll_split.0,
-            },
+            sd: of_each(each.map(|(_, sd)| sd)),
+            colours: each.map(|(colour, _)| colour),
         })
     }
-}
 
-impl SensorNoise {
     /// A sentence on noise that is taken from spectra, where the model states other or none.
     pub fn remark(&self, stated: bool) -> String {
         let why = match stated {
             true => "the sensors' noise is not the white noise that [noise] states",
             false => "no [noise] in the model",
         };
-        let (sd, colours) = (&self.sd, &self.colours);
-        let each = [
-            ("accelerometer [m/s2]", sd.accel_mps2, colours.accel),
-            ("rates [rad/s]", sd.rate_radps, colours.rate),
-            ("speed [m/s]", sd.speed_mps, colours.speed),
-            ("slip [rad]", sd.slip_rad, colours.slip),
-            ("steering [rad]", sd.steer_rad, colours.steer),
-            ("roll split [rad]", sd.roll_split_rad, colours.roll_split),
-        ];
-        let of = |(name, sd, colour): &(&str, f64, Colour)| match colour
-            .knee_hz
-            .min(colour.corner_hz)
-        {
+        let lowest = |colour: Colour| colour.knee_hz.min(colour.corner_hz);
+        let of = |((name, sd), colour): ((&str, f64), Colour)| match lowest(colour) {
             corner if corner.is_finite() => format!("{name} {sd:.2e}, less above {corner:.0} Hz"),
             _ => format!("{name} {sd:.2e}"),
         };
-        let each: Vec<String> = each.iter().filter(|s| s.1 > 0.0).map(of).collect();
+        let sensors = NAMES.into_iter().zip(each(&self.sd)).zip(self.colours);
+        let each: Vec<String> = sensors.filter(|((_, sd), _)| *sd > 0.0).map(of).collect();
         format!(
             "{why}: it is taken from the recordings' spectra above the motion: {}",
             each.join("; ")
@@ -125,7 +124,7 @@ impl SensorNoise {
 }
 
 /// Columns of sensors that are alike.
-const COLUMNS_ALIKE: [&[&str]; 6] = [
+const COLUMNS_ALIKE: [&[&str]; SENSORS] = [
     &["ax_mps2", "ay_mps2", "az_mps2"],
     &["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
     &["v_mps"],
@@ -135,7 +134,7 @@ const COLUMNS_ALIKE: [&[&str]; 6] = [
 ];
 
 /// The column that each sensor's noise is learned from by differences.
-const COLUMNS: [&str; 6] = [
+const COLUMNS: [&str; SENSORS] = [
     "ay_mps2",
     "yaw_rate_radps",
     "v_mps",
@@ -146,44 +145,31 @@ const COLUMNS: [&str; 6] = [
 
 /// What is stated, where the recordings are not quieter still.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
-    let mut lowered = Vec::new();
-    let mut least = |name: &str, stated: f64, seen: f64| {
-        if seen < 0.9 * stated {
-            lowered.push(format!("{name} {stated:.2e} stated, {seen:.2e} seen"));
-        }
-        stated.min(seen)
-    };
-    let noise = Noise {
-        accel_mps2: least("accelerometer [m/s2]", stated.accel_mps2, seen.accel_mps2),
-        rate_radps: least("rates [rad/s]", stated.rate_radps, seen.rate_radps),
-        speed_mps: least("speed [m/s]", stated.speed_mps, seen.speed_mps),
-        slip_rad: least("slip [rad]", stated.slip_rad, seen.slip_rad),
-        steer_rad: least("steering [rad]", stated.steer_rad, seen.steer_rad),
-        roll_split_rad: least(
-            "roll split [rad]",
-            stated.roll_split_rad,
-            seen.roll_split_rad,
-        ),
-    };
+    let both = each(stated).into_iter().zip(each(seen));
+    let lowered: Vec<String> = NAMES
+        .iter()
+        .zip(both)
+        .filter(|(_, (stated, seen))| *seen < 0.9 * stated)
+        .map(|(name, (stated, seen))| format!("{name} {stated:.2e} stated, {seen:.2e} seen"))
+        .collect();
     if !lowered.is_empty() {
         remarks.push(format!(
             "sensors quieter than [noise] states are taken as they are: {}",
             lowered.join("; ")
         ));
     }
-    noise
+    by_sensor(stated, seen, f64::min)
+}
+
+/// One noise of two, sensor by sensor.
+fn by_sensor(a: &Noise, b: &Noise, pick: fn(f64, f64) -> f64) -> Noise {
+    let (a, b) = (each(a), each(b));
+    of_each(std::array::from_fn(|k| pick(a[k], b[k])))
 }
 
 /// The larger of two noises, sensor by sensor: what is quiet from sample to sample may be filtered, and what is quiet below a corner white.
 pub fn louder(a: &Noise, b: &Noise) -> Noise {
-    Noise {
-        accel_mps2: a.accel_mps2.max(b.accel_mps2),
-        rate_radps: a.rate_radps.max(b.rate_radps),
-        speed_mps: a.speed_mps.max(b.speed_mps),
-        slip_rad: a.slip_rad.max(b.slip_rad),
-        steer_rad: a.steer_rad.max(b.steer_rad),
-        roll_split_rad: a.roll_split_rad.max(b.roll_split_rad),
-    }
+    by_sensor(a, b, f64::max)
 }
 
 /// Whether a sensor that forces are computed from is noisier or quieter from sample to sample than stated: its noise is not
@@ -233,20 +219,5 @@ fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize
         each.sort_by(f64::total_cmp);
         each.get(each.len() / 2).copied().unwrap_or(0.0)
     };
-    let [
-        accel_mps2,
-        rate_radps,
-        speed_mps,
-        slip_rad,
-        steer_rad,
-        roll_split_rad,
-    ] = COLUMNS.map(sd);
-    Noise {
-        accel_mps2,
-        rate_radps,
-        speed_mps,
-        slip_rad,
-        steer_rad,
-        roll_split_rad,
-    }
+    of_each(COLUMNS.map(sd))
 }
