@@ -39,7 +39,8 @@ pub use icehouse::line_fit::{LineFit, fit_line};
 pub use icehouse::plot::draw_glide;
 pub use icehouse::specimens::{GlidePair, IceHouse, SpecimenFriction, evaluate_ice_house};
 pub use lateral::fit::{LateralFit, fit_lateral};
-pub use lateral::law::{Braghin, LateralDerivatives, MagicFormula};
+pub use lateral::law::{Braghin, LateralAngles, LateralDerivatives, MagicFormula};
+pub use lateral::nearby::{atan_near, sin_cos_near};
 pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
 pub use longitudinal::law::{
     Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,

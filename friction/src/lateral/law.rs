@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, in_range};
+use crate::lateral::nearby::{atan_near, sin_cos_near};
 
 /// Pacejka's magic formula as the paper uses it for a runner on ice.
 ///
@@ -45,6 +46,17 @@ pub struct LateralDerivatives {
     pub k_n_per_rad: f64,
 }
 
+/// Arguments and arctangents inside the formula at one slip angle and load, from which those close by follow without a library's function.
+#[derive(Clone, Copy, Debug)]
+pub struct LateralAngles {
+    /// `x = B alpha` and its arctangent.
+    x: (f64, f64),
+    /// `(1-E) x + E atan x` and its arctangent.
+    u: (f64, f64),
+    /// Sine and cosine of C times that.
+    wave: (f64, f64),
+}
+
 impl MagicFormula {
     /// The published front runner.
     pub const PUBLISHED_FRONT: MagicFormula = MagicFormula {
@@ -83,6 +95,16 @@ impl MagicFormula {
     ///
     /// At `fz = 0` the derivative by the load is the one-sided limit; below, everything is 0.
     pub fn derivatives(&self, alpha: f64, fz: f64) -> LateralDerivatives {
+        self.derivatives_near(alpha, fz, &mut None)
+    }
+
+    /// The same, quicker where `near` holds the angles of a slip and load close by; it is left with those of this one.
+    pub fn derivatives_near(
+        &self,
+        alpha: f64,
+        fz: f64,
+        near: &mut Option<LateralAngles>,
+    ) -> LateralDerivatives {
         if fz < 0.0 || (fz == 0.0 && alpha == 0.0) {
             return LateralDerivatives::default();
         }
@@ -104,10 +126,9 @@ impl MagicFormula {
                 ..Default::default()
             };
         }
-        let of_x = x.atan();
-        let u = self.inner_of(x, of_x);
-        let of_u = u.atan();
-        let (sine, cosine) = (self.c * of_u).sin_cos();
+        let at = self.angles(x, near.as_ref());
+        *near = Some(at);
+        let ((x, of_x), (u, of_u), (sine, cosine)) = (at.x, at.u, at.wave);
         let du_dx = (1.0 - self.e) + self.e / (1.0 + x * x);
         let slope = cosine * du_dx / (1.0 + u * u);
         // What is left of the sine when the load is varied: B falls as D rises.
@@ -120,6 +141,27 @@ impl MagicFormula {
             c: d * (cosine * of_u - x * slope),
             e: d * self.c * cosine / (1.0 + u * u) * (of_x - x),
             k_n_per_rad: alpha * slope,
+        }
+    }
+
+    fn angles(&self, x: f64, near: Option<&LateralAngles>) -> LateralAngles {
+        let Some(near) = near else {
+            let of_x = x.atan();
+            let u = self.inner_of(x, of_x);
+            let of_u = u.atan();
+            return LateralAngles {
+                x: (x, of_x),
+                u: (u, of_u),
+                wave: (self.c * of_u).sin_cos(),
+            };
+        };
+        let of_x = atan_near(x, near.x.0, near.x.1);
+        let u = self.inner_of(x, of_x);
+        let of_u = atan_near(u, near.u.0, near.u.1);
+        LateralAngles {
+            x: (x, of_x),
+            u: (u, of_u),
+            wave: sin_cos_near(self.c * of_u, self.c * near.u.1, near.wave),
         }
     }
 

@@ -4,6 +4,7 @@ pub mod fit;
 mod identifiability;
 pub mod law;
 mod least_squares;
+pub mod nearby;
 mod options;
 mod root;
 mod score;

@@ -12,7 +12,7 @@
 //! gravity. Fits, validation, evaluation, simulation and discovery all take their forces and balances from here.
 
 use kufe_effect::{self as effects, Active, Conditions, Forces, Sensor, Signals};
-use kufe_friction::GRAVITY;
+use kufe_friction::{GRAVITY, sin_cos_near};
 
 use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;
@@ -72,32 +72,12 @@ fn angles(state: &State) -> [f64; 5] {
     ]
 }
 
-/// Sine and cosine of an angle from those of one close by.
-///
-/// Series of sine and cosine of the difference, whose remainder is 1e-18 for a difference of 1e-3.
-#[inline]
-fn turned_by(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, f64) {
-    const NEAR: f64 = 1e-3;
-    let d = angle - from;
-    if d == 0.0 {
-        return (sine, cosine);
-    }
-    if d.abs() > NEAR || d.is_nan() {
-        return angle.sin_cos();
-    }
-    let squared = d * d;
-    let (s, c) = (
-        d * (1.0 - squared / 6.0),
-        1.0 - squared * (0.5 - squared / 24.0),
-    );
-    (sine * c + cosine * s, cosine * c - sine * s)
-}
-
 impl Balance {
     /// The balance of a sled in a state with the motion measured there.
     #[inline]
     pub fn new(sled: &Sled, state: &State, motion: &Motion) -> Self {
-        let angles = angles(state).map(f64::sin_cos);
+        // Nearly all of them are small.
+        let angles = angles(state).map(|angle| sin_cos_near(angle, 0.0, (0.0, 1.0)));
         Self::with_angles(sled, state, motion, angles)
     }
 
@@ -112,7 +92,7 @@ impl Balance {
             known.chassis,
         ];
         let (now, before) = (angles(state), angles(&known.state));
-        let angles = std::array::from_fn(|k| turned_by(now[k], before[k], then[k]));
+        let angles = std::array::from_fn(|k| sin_cos_near(now[k], before[k], then[k]));
         Self::with_angles(sled, state, motion, angles)
     }
 

@@ -42,13 +42,14 @@ impl Balance {
         let (state, runner) = (&self.state, &vehicle.front);
         let alpha = state.alpha_f_rad;
         let mut load = state.fz_f0_n / cg;
-        let mut front = runner.lateral.derivatives(alpha, load);
+        let mut near = None;
+        let mut front = runner.lateral.derivatives_near(alpha, load, &mut near);
         if sg != 0.0 {
             let fx = self.longitudinal_of(runner, self.slips[0], load);
             let residual = cg * load + sg * (sd * fx + cd * front.fy) - state.fz_f0_n;
             let by_load = if load > 0.0 { fx / load } else { 0.0 };
             load -= residual / (cg + sg * (sd * by_load + cd * front.fz));
-            front = runner.lateral.derivatives(alpha, load);
+            front = runner.lateral.derivatives_near(alpha, load, &mut near);
         }
         let rear = vehicle
             .rear

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
-use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::on_run::{Instant, ModelOnRun};
 use crate::evidence::runs::model::readings::Differences;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -127,6 +127,7 @@ impl Design<'_> {
             vec![vec![0.0; samples]; count]
         });
         let mut left: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
+        let mut instants = Vec::with_capacity(if shifted.is_empty() { 0 } else { n });
         let in_time: Vec<_> = (first_trial..)
             .zip(&trials)
             .filter(|(_, (trial, _))| !trial.is_late())
@@ -137,10 +138,14 @@ impl Design<'_> {
             let own = on_run.forces(&at);
             let by = any_reads.then(|| on_run.left_by(&at, &own)).flatten();
             let rest = on_run.balances(&at, &own);
+            if !shifted.is_empty() {
+                instants.push(at);
+            }
             let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
+                let by = 1.0 / step;
                 for (c, raw) in raw.iter_mut().enumerate() {
                     if let Some(to) = raw[k].get_mut(i) {
-                        *to = (rest[c] - values[c]) / step;
+                        *to = (rest[c] - values[c]) * by;
                     }
                 }
             };
@@ -170,7 +175,7 @@ impl Design<'_> {
                 left.push(rest);
             }
         }
-        self.put_shifted(frame, &shifted, &left, &mut raw);
+        self.put_shifted(frame, &shifted, (&instants, &left), &mut raw);
         // Low-passed, thinned and whitened, the channels one below the other.
         let per_channel = frame.row_count();
         let mut all: Vec<Vec<f64>> = vec![Vec::new(); count];
@@ -208,14 +213,15 @@ impl Design<'_> {
         (gather(&order), gather(&locals))
     }
 
-    /// The columns of models that ask for the channels at other times or places, by their places, where the balances leave `left`.
+    /// The columns of models that ask for the channels at other times or places, by their places, where the run's instants are known and
+    /// its balances leave `left`.
     ///
     /// As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
     fn put_shifted(
         &self,
         frame: &Frame,
         shifted: &[(usize, ResidualModel)],
-        left: &[Vec<f64>; BALANCES],
+        (instants, left): (&[Instant], &[Vec<f64>; BALANCES]),
         raw: &mut [Vec<Vec<f64>>; BALANCES],
     ) {
         if shifted.is_empty() {
@@ -227,8 +233,8 @@ impl Design<'_> {
             .iter()
             .map(|(k, other)| (*k, Differences::new(self.residual_model, other, &modelled)))
             .collect();
-        for i in 0..frame.len() {
-            let at = on_modelled.instant(i, &on_modelled.measured(i));
+        for (i, known) in instants.iter().enumerate() {
+            let at = on_modelled.instant_near(i, &on_modelled.measured(i), known);
             let forces = on_modelled.forces(&at);
             let (own, by) = (
                 on_modelled.balances(&at, &forces),

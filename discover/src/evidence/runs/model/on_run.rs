@@ -220,7 +220,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// The same from the laws of a motion close by, to first order.
-    fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
+    pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant {

@@ -20,13 +20,14 @@ use crate::procedure::evidence::Claim;
 impl Campaign<'_> {
     /// Where the clocks of the channels were found to lie further apart than is stated, by more than can be believed: the effect of the
     /// catalogue beside which clocks as they are stated leave no more, as far as the runs can tell, than clocks of their own do without
-    /// it, claimed, with what it explains. A late channel is no such effect: it is a clock.
+    /// it, claimed, with what it explains. A late channel is no such effect: it is a clock. Where clocks explain far less than `contacts`, as
+    /// in [`leading`](Self::leading), these come first, and clocks are asked again beside them.
     pub fn instead_of_clocks(
         &self,
         at: &Current,
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
-        options: &ScreenOptions,
+        (options, contacts): (&ScreenOptions, f64),
     ) -> Option<(Claim<Amplitude>, f64)> {
         if self.data.noise_from == NoiseFrom::Doubted
             || !at.residual_model.installation.has_own_clocks()
@@ -40,6 +41,9 @@ impl Campaign<'_> {
         }
         let bare = self.misfit_by_run(&stated);
         let by_clocks = self.gains(self.refitted_alone(at)?, &bare);
+        if total(&by_clocks) < self.rules().leads * contacts {
+            return None;
+        }
         let mut leaders = self.that_leave_least(at, screen, regular);
         for leader in &mut leaders {
             let found = self.installed_with_stated_clocks(&leader.refit)?;

@@ -58,7 +58,7 @@ impl Campaign<'_> {
         if no_model || self.least_p() > options.alpha {
             return None;
         }
-        if let Some(found) = self.instead_of_clocks(at, screen, regular, options) {
+        if let Some(found) = self.instead_of_clocks(at, screen, regular, (options, contacts)) {
             return Some(found);
         }
         if !(strange || self.is_large(at, most)) {
@@ -66,6 +66,11 @@ impl Campaign<'_> {
         }
         let without = self.refitted_alone(at)?;
         let bare = self.misfit_by_run(without);
+        // What explains far less than contacts does is given up on the way.
+        let enough = match contacts > 0.0 {
+            true => without.misfit - 0.5 * self.rules().leads * contacts,
+            false => f64::INFINITY,
+        };
         let leader = |c: usize, refit: Arc<Refit>| Leader {
             candidate: &regular[c],
             at: c,
@@ -73,7 +78,7 @@ impl Campaign<'_> {
             refit,
         };
         let first = order.iter().filter_map(|c| {
-            let refit = self.refitted_at(at, &regular[*c], screen.seen[*c].size)?;
+            let refit = self.refitted_below(at, &regular[*c], screen.seen[*c].size, enough)?;
             Some(leader(*c, refit))
         });
         let mut leaders: Vec<Leader> = first.collect();
@@ -87,7 +92,7 @@ impl Campaign<'_> {
             }
             leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
             let last = leaders.get(self.rules().finalists - 1);
-            let beat = last.map_or(f64::INFINITY, |last| last.refit.misfit);
+            let beat = last.map_or(enough, |last| last.refit.misfit);
             let refit = self.refitted_below(at, &regular[c], screen.seen[c].size, beat);
             leaders.extend(refit.map(|refit| leader(c, refit)));
         }
