@@ -35,7 +35,7 @@ pub use catalogue::{CATALOGUE, find};
 pub use expression::{Expression, ExpressionError};
 pub use known::{ActsOn, Column, Edge, Experiments, Form, Info, Judged, Level, Parameter};
 pub use law::{Effect, Example, Fault, Reading};
-pub use motion::{Conditions, Constants, Forces, SENSORS, Sensor, Signals, State, ahead};
+pub use motion::{Conditions, Constants, Forces, Relaxed, SENSORS, Sensor, Signals, State, ahead};
 pub use switched::{
     Active, Channel, Custom, EffectError, Effects, Kind, columns_of_forces, columns_of_sensors,
     is_column, schema,

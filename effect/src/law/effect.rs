@@ -22,6 +22,8 @@ pub struct Effect {
     pub on_forces: Option<fn(&[f64], &State, &mut Forces)>,
     /// What sensors read.
     pub on_sensors: &'static [Fault],
+    /// The parameter that is a distance after which forces follow the slip ([`Relaxed`](crate::Relaxed)).
+    pub relaxes: Option<usize>,
     /// Changes the stated constants of the sled to the true ones.
     pub on_sled: Option<fn(&[f64], &mut Constants)>,
     /// What is added to the track's slope at a distance [m], downhill positive [rad].
@@ -37,6 +39,7 @@ impl Effect {
         on_friction: None,
         on_forces: None,
         on_sensors: &[],
+        relaxes: None,
         on_sled: None,
         on_slope: None,
         example: Example::NEW,

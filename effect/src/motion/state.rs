@@ -9,7 +9,7 @@ pub struct State {
     pub conditions: Conditions,
     /// Slip angle, front and rear [rad].
     pub slip: [f64; 2],
-    /// Rate of the slip angle, front and rear [rad/s].
+    /// Rate of the slip angle, front and rear [rad/s]; of the one that forces follow where an effect makes them follow it late.
     pub slip_rate: [f64; 2],
     /// Normal force, front and rear [N].
     pub load: [f64; 2],

@@ -76,6 +76,14 @@ impl Active {
         }
     }
 
+    /// The distance after which forces follow the slip by it [m]; 0 where they do so at once.
+    pub fn relaxation(&self) -> f64 {
+        match &self.kind {
+            Kind::Catalogue(effect) => effect.relaxes.map_or(0.0, |p| self.values[p]),
+            Kind::Custom(_) => 0.0,
+        }
+    }
+
     /// How late each sensor is by it [s], in the order of [`Sensor::ALL`](crate::Sensor::ALL).
     pub fn delays(&self) -> [f64; SENSORS] {
         let mut delays = [0.0; SENSORS];

@@ -99,6 +99,12 @@ impl Effects {
         delays
     }
 
+    /// The distance after which forces follow the slip [m], where there is one.
+    pub fn relaxation(&self) -> Option<f64> {
+        let distance: f64 = self.active.iter().map(Active::relaxation).sum();
+        (distance > 0.0).then_some(distance)
+    }
+
     /// The same effects with every sensor in time.
     pub fn in_time(self) -> Self {
         Self {

@@ -47,7 +47,7 @@ pub struct State {
     pub humidity_pct: f64,
     /// Distance run on this finish of the runners before the run [m]; only effects ask for it, NaN where nothing states it.
     pub distance_before_m: f64,
-    /// Rates of the slip angles, front and rear [rad/s]; only effects ask for them.
+    /// Rates of the slip angles, front and rear [rad/s], or of those that forces follow late; only effects ask for them.
     pub slip_rate_radps: [f64; 2],
     /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
     pub accel_mps2: [f64; 3],

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_effect::{Active, Effects};
+use kufe_effect::{Active, Effects, Relaxed};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -107,12 +107,20 @@ pub fn prepare(
         speeds.0 += (0..count).map(|i| sensed.conditions(i).v).sum::<f64>();
         speeds.1 += count;
         let start = states.len();
+        let relaxation = effects.relaxation();
+        let mut relaxed = Relaxed::default();
         for i in base.kept(number, run.gaps.pieces.len(), count) {
             let (mut state, mut motion) =
                 from_sensors(sled, &sensed.signals(i), &sensed.conditions(i));
             if !along {
                 // What is not measured is no number, so that nothing rests on it.
                 (motion.accel_mps2[0], state.accel_mps2[0]) = (f64::NAN, f64::NAN);
+            }
+            if let Some(distance) = relaxation {
+                let slip = [state.alpha_f_rad, state.alpha_r_rad];
+                let v = state.v_mps.max(1.0);
+                state.slip_rate_radps =
+                    relaxed.rates(slip, state.slip_rate_radps, v, 1.0 / base.rate_hz, distance);
             }
             states.push(state);
             motions.push(motion);

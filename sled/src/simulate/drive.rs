@@ -131,7 +131,7 @@ pub(crate) fn integrate(
     let mut before = Before::default();
     // The first instant's growth of speed is not known yet; a few rounds settle it.
     for _ in 0..4 {
-        before = World::before(&world.rates(&y, &before).1, &before);
+        before = world.before(&world.rates(&y, &before).1, &before, h);
     }
     let mut growth_then = before.growth;
     let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
@@ -147,7 +147,7 @@ pub(crate) fn integrate(
         before.growth = 2.0 * growth_now - growth_then;
         growth_then = growth_now;
         let (rates, mut instant) = world.rates(&y, &before);
-        before = World::before(&instant, &before);
+        before = world.before(&instant, &before, h);
         past.rotate_right(1);
         past[0] = rates;
         if steps % every == 0 {

@@ -1,5 +1,6 @@
 //! Equations of motion of the one-track sled on a track.
 
+use kufe_effect::Relaxed;
 use kufe_friction::GRAVITY;
 
 use crate::model::vehicle::Vehicle;
@@ -79,6 +80,8 @@ pub(crate) struct Before {
     pub accel: [f64; 3],
     /// Roll acceleration [rad/s2]; only effects ask for it.
     pub roll_accel: f64,
+    /// The slip that forces follow late.
+    pub relaxed: Relaxed,
 }
 
 /// Everything known at one instant of a simulation.
@@ -270,15 +273,25 @@ impl World<'_> {
 
     /// What the next moment needs of this one.
     ///
-    /// The slip rate is smoothed over ten steps: a force that follows it, as with a relaxation length, would otherwise
-    /// answer itself from step to step and grow. The price is a lag of ten steps in such a force.
-    pub(crate) fn before(instant: &Instant, then: &Before) -> Before {
-        let now = instant.state.slip_rate_radps;
+    /// The slip rate is that of the slip which forces follow late, and where none is late smoothed over ten steps: a force that follows it
+    /// would otherwise answer itself from step to step and grow. The price is a lag of ten steps in such a force.
+    pub(crate) fn before(&self, instant: &Instant, then: &Before, step_s: f64) -> Before {
+        let (state, mut relaxed) = (&instant.state, then.relaxed);
+        let slip_rate = match self.vehicle.effects.relaxation() {
+            Some(distance) => {
+                let slip = [state.alpha_f_rad, state.alpha_r_rad];
+                let v = state.v_mps.max(1.0);
+                relaxed.rates(slip, state.slip_rate_radps, v, step_s, distance)
+            }
+            None => std::array::from_fn(|i| {
+                let (now, then) = (state.slip_rate_radps[i], then.slip_rate[i]);
+                then + 0.1 * (now - then)
+            }),
+        };
         Before {
             growth: instant.speed_growth,
-            slip_rate: std::array::from_fn(|i| {
-                then.slip_rate[i] + 0.1 * (now[i] - then.slip_rate[i])
-            }),
+            slip_rate,
+            relaxed,
             accel: instant.state.accel_mps2,
             roll_accel: instant.state.roll_accel_radps2,
         }

@@ -1,4 +1,5 @@
-//! The side force follows the slip after a distance sigma: sigma/v dF_y/dt + F_y = F_y(alpha), to first order.
+//! The side force follows the slip after a distance: sigma/v dalpha'/dt + alpha' = alpha, the force being that of alpha', to first order in
+//! how far alpha' is behind.
 //!
 //! A lag of the slip sensor does not depend on speed.
 
@@ -8,7 +9,7 @@ pub static EFFECT: Effect = Effect {
     info: Info {
         name: "relaxation-length",
         summary: "the side force follows the slip after a distance",
-        formula: "F_y - (sigma/v) dF_y/dalpha dalpha/dt",
+        formula: "F_y - (sigma/v) dF_y/dalpha dalpha'/dt",
         signature: "slip rate over speed",
         acts_on: &[ActsOn::Across],
         parameters: &[Parameter::amplitude("length_m", "m", -5.0, 10.0, 0.05)],
@@ -25,6 +26,7 @@ pub static EFFECT: Effect = Effect {
             forces.across[runner] -= lag * forces.stiffness[runner] * at.slip_rate[runner];
         }
     }),
+    relaxes: Some(0),
     example: Example {
         parameters: &[0.5],
         given: &[

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::evidence::runs::fit::balance_products::BalanceProducts;
 use crate::evidence::runs::fit::row_noise::{by_amplitudes, by_base as noise_by_base, log_noise};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{
@@ -11,7 +12,6 @@ use crate::evidence::runs::model::residual_model::{
 };
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::regression::gram::squares;
 use crate::regression::inverse::ridge_inverse;
 
 /// Residuals of all runs.
@@ -96,7 +96,7 @@ impl Effort {
 /// Base and effects as they fit.
 #[derive(Clone)]
 pub struct Fit {
-    /// `sum_c n_c (ln(rms_c) - noise_c)`.
+    /// `n (ln(det S) / 2 - noise)`, n being the number of rows.
     pub criterion: f64,
     /// The model.
     pub model: ResidualModel,
@@ -104,10 +104,10 @@ pub struct Fit {
     pub whitener: Whitener,
 }
 
-/// Fits base and effects by Gauss-Newton, the installation as it stands, each channel over its own residual's deviation.
+/// Fits base and effects by Gauss-Newton, the installation as it stands, the balances over the covariance S of their own residuals.
 ///
-/// Minimises `sum_c n_c (ln(rms_c) - noise_c)` ([`log_noise`]) over the effects, and over the base that or `sum_c n_c ln(rms_c)`: least
-/// squares with the deviations found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where half as much
+/// Minimises `n (ln(det S) / 2 - noise)` ([`log_noise`]) over the effects, and over the base that or `n ln(det S) / 2`: least
+/// squares with the covariance found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where half as much
 /// again as a step promises would leave more than `beat`.
 ///
 /// # Errors
@@ -124,7 +124,7 @@ pub fn fit(
     let mut best: Option<(Fit, DVector<f64>)> = None;
     let mut trial = residual_model.clone();
     let mut share = 1.0;
-    let mut by_base: Option<Vec<Vec<f64>>> = None;
+    let mut by_base: Option<Vec<f64>> = None;
     for _ in 0..effort.rounds {
         let design = Design {
             residual_model: &trial,
@@ -135,60 +135,41 @@ pub fn fit(
             windows: &[],
         };
         let p = design.fitted();
-        let blocks: Vec<Vec<(DMatrix<f64>, usize)>> = frames
-            .par_iter()
-            .map(|frame| channel_grams(&design, frame))
-            .collect();
-        let m = OWN_LEVELS + p + 1;
-        let mut sums = vec![(DMatrix::zeros(m, m), 0); plain.count()];
-        for run in &blocks {
-            for (sum, (gram, n)) in sums.iter_mut().zip(run) {
-                sum.0 += gram;
-                sum.1 += n;
-            }
+        let products = BalanceProducts::new(&design, frames);
+        let finite = products.are_finite();
+        if !finite && best.is_none() {
+            return Err(Error::BaseFit {
+                reason: "a residual is not a finite number".to_owned(),
+            });
         }
-        if !sums.iter().all(|(g, _)| g.iter().all(|x| x.is_finite())) {
-            if best.is_none() {
-                return Err(Error::BaseFit {
-                    reason: "a residual is not a finite number".to_owned(),
-                });
-            }
-            sums.clear();
-        }
-        let mut whitener = plain.clone();
-        let mut total = DMatrix::zeros(m, m);
-        let mut criterion = if sums.is_empty() { f64::INFINITY } else { 0.0 };
+        let whitener = Whitener::of(&products.covariance(), used);
         let mut based = trial.clone();
         if !effort.by_own_base {
             based.base = residual_model.base;
         }
         let noise = log_noise(&based, frames, used);
-        for (k, ((gram, n), noise)) in sums.iter().zip(&noise).enumerate() {
-            let square = gram[(m - 1, m - 1)] / (*n).max(1) as f64;
-            let sd = if square > 0.0 { square.sqrt() } else { 1.0 };
-            whitener.sd[plain.channel(k)] = sd;
-            total += gram / (sd * sd);
-            criterion += *n as f64 * (sd.ln() - noise);
-        }
+        let criterion = match finite {
+            true => products.rows * (whitener.log_scale() - noise),
+            false => f64::INFINITY,
+        };
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
             // How what is to be expected of noise changes with the base, found once, and with each amplitude.
             let mut counted = DVector::zeros(p);
-            let mut count = |first: usize, by_each: &[Vec<f64>]| {
-                for (k, by) in by_each.iter().enumerate() {
-                    let all = sums.iter().zip(by).map(|((_, n), by)| *n as f64 * by);
-                    counted[first + k] = all.sum();
-                }
+            let mut count = |first: usize, by: &[f64]| {
+                by.iter()
+                    .enumerate()
+                    .for_each(|(k, by)| counted[first + k] = products.rows * by);
             };
             if effort.by_own_base {
-                let of_base = || noise_by_base(&trial, frames, used, (free_base, &noise));
+                let of_base = || noise_by_base(&trial, frames, used, (free_base, noise));
                 count(0, by_base.get_or_insert_with(of_base));
             }
-            let by_amplitudes = by_amplitudes(&based, frames, used, &noise);
-            count(free_base.len(), &by_amplitudes);
-            let step = joint_step(&total, &counted);
-            let promised = criterion - promise(&sums, &step) - counted.dot(&step);
+            count(free_base.len(), &by_amplitudes(&based, frames, used, noise));
+            let step = joint_step(&products.weighted(&whitener), &counted);
+            let after = Whitener::of(&products.left_by(&step), used);
+            let promised = products.rows * (after.log_scale() - noise) - counted.dot(&step);
             let fit = Fit {
                 criterion,
                 model: trial.clone(),
@@ -221,18 +202,7 @@ pub fn fit(
 fn criterion_of(fit: &Fit, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
     let rows: usize = frames.iter().map(Frame::row_count).sum();
     let noise = log_noise(&fit.model, frames, used);
-    let channels = noise.iter().enumerate();
-    let each = channels.map(|(k, noise)| fit.whitener.sd[fit.whitener.channel(k)].ln() - noise);
-    rows as f64 * each.sum::<f64>()
-}
-
-/// Products of a run's columns by channel, with the number of rows.
-fn channel_grams(design: &Design, frame: &Frame) -> Vec<(DMatrix<f64>, usize)> {
-    let columns = design.columns(frame);
-    let n = frame.row_count();
-    (0..design.whitener.count())
-        .map(|k| (squares(&columns.rows(k * n, n).into_owned()), n))
-        .collect()
+    rows as f64 * (fit.whitener.log_scale() - noise)
 }
 
 /// The Gauss-Newton step of base and effects together, with what is added to their scores.
@@ -241,22 +211,6 @@ fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
     ridge_inverse(jj) * (jr.column(0) + counted)
-}
-
-/// What a step takes off `sum_c n_c ln(rms_c)` where the rows go with it in a straight line.
-fn promise(sums: &[(DMatrix<f64>, usize)], step: &DVector<f64>) -> f64 {
-    let p = step.len();
-    let of_channel = |(gram, n): &(DMatrix<f64>, usize)| {
-        let jj = gram.view((OWN_LEVELS, OWN_LEVELS), (p, p));
-        let jr = gram
-            .view((OWN_LEVELS, OWN_LEVELS + p), (p, 1))
-            .column(0)
-            .dot(step);
-        let before = gram[(OWN_LEVELS + p, OWN_LEVELS + p)];
-        let after = before - 2.0 * jr + step.dot(&(jj * step));
-        0.5 * *n as f64 * (before.max(1e-300) / after.max(1e-9 * before).max(1e-300)).ln()
-    };
-    sums.iter().map(of_channel).sum()
 }
 
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off
@@ -293,25 +247,4 @@ pub fn stepped(
     let installed: Vec<f64> = step[first..].iter().map(|step| share * step).collect();
     trial.installation.step(&installed);
     trial
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_step_promises_what_it_takes_off_rows_that_go_with_it_in_a_straight_line() {
-        let columns = DMatrix::from_fn(40, OWN_LEVELS + 3, |i, k| {
-            ((i * (3 * k + 2)) as f64 * 0.618).sin() + if k == OWN_LEVELS + 2 { 0.3 } else { 0.0 }
-        });
-        let gram = squares(&columns);
-        let step = DVector::from_vec(vec![0.4, -0.2]);
-        let rms = |step: &DVector<f64>| -> f64 {
-            let rows = columns.column(OWN_LEVELS + 2) - columns.columns(OWN_LEVELS, 2) * step;
-            (rows.norm_squared() / 40.0).sqrt()
-        };
-        let taken = 40.0 * (rms(&DVector::zeros(2)) / rms(&step)).ln();
-        let promised = promise(&[(gram, 40)], &step);
-        assert!((promised - taken).abs() < 1e-9 * taken.abs().max(1.0));
-    }
 }

@@ -1,5 +1,6 @@
 //! Base and effects fitted together, with what noisy inputs add taken off.
 
+mod balance_products;
 pub(crate) mod estimate;
 pub(crate) mod gauss_newton;
 mod installed;

@@ -9,7 +9,7 @@ use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::fit::row_noise::log_noise_of;
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows, ResidualModel};
+use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
@@ -118,14 +118,9 @@ impl Campaign<'_> {
         let (model, whitener) = (&refit.model, &refit.whitener);
         let cost = model.installation.cost() / self.training.len().max(1) as f64;
         let of_run = |(frame, rows): (&Frame, &ChannelRows)| {
-            let gains = log_noise_of(model, frame);
-            let channels = (0..BALANCES).filter(|c| self.used[*c]);
-            let each = channels.map(|c| {
-                let sd = whitener.sd[c];
-                let squares: f64 = rows[c].iter().map(|x| (x / sd).powi(2)).sum();
-                0.5 * squares + rows[c].len() as f64 * (sd.ln() - gains[c])
-            });
-            cost + each.sum::<f64>()
+            let squares: f64 = whitener.apply(rows).iter().map(|x| x * x).sum();
+            let noise = log_noise_of(model, frame, self.used);
+            cost + 0.5 * squares + frame.row_count() as f64 * (whitener.log_scale() - noise)
         };
         let all = residuals(model, &self.training);
         self.training.iter().zip(&all).map(of_run).collect()

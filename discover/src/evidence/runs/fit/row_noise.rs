@@ -2,51 +2,51 @@
 //! nothing by it.
 //!
 //! The true motion is unknown, and noise of known deviations lies in the accelerations a as in what the forces are made of. With v the
-//! variance that it gives the residual r by this model, and b what the model lacks of the acceleration itself, the criterion of a fit is
-//! that of r over the deviation to expect, whose size is left open:
+//! covariance that it gives the residuals r of the balances by this model, and b what the model lacks of each acceleration itself, the
+//! criterion of a fit is that of r over the covariance to expect, whose size is left open:
 //!
 //! ```text
-//! sum_c n_c (ln(rms_c) - ln(v_c + b_c (dr/da)^2) / 2)
+//! n (ln det S - ln det(V + diag(b (dr/da)^2))) / 2,   S = r r' / n
 //! ```
 //!
-//! Half masses, forces and inertias leave half the residual, and half of what is to be expected. v is found from a piece of each run with
+//! Half masses, forces and inertias leave half the residual, and half of what is to be expected. V is found from a piece of each run with
 //! noise of both signs upon it, the same for every model; b once, from what the base leaves.
 //!
 //! Source: R. J. Carroll, D. Ruppert, L. A. Stefanski, C. M. Crainiceanu, Measurement Error in Nonlinear Models (2006), section 3.4, where
-//! b is the error in the equation.
+//! b is the error in the equation; A. Zellner, An efficient method of estimating seemingly unrelated regressions, Journal of the American
+//! Statistical Association 57 (1962) 348, for balances that share their noise.
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::residual_model::{
+    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+};
+use crate::evidence::runs::model::whiten::{Whitener, covariance};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Means over the runs of `ln(v + b (dr/da)^2) / 2`, by channel in use.
-pub fn log_noise(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> Vec<f64> {
-    let each: Vec<[f64; BALANCES]> = frames.par_iter().map(|f| log_noise_of(model, f)).collect();
-    let rows = frames.iter().map(|frame| frame.row_count() as f64);
-    let all: f64 = rows.clone().sum();
-    (0..BALANCES)
-        .filter(|c| used[*c])
-        .map(|c| {
-            let of_runs = each.iter().zip(rows.clone());
-            of_runs.map(|(log, n)| n * log[c]).sum::<f64>() / all.max(1.0)
-        })
-        .collect()
+/// Mean over the runs of `ln det(V + diag(b (dr/da)^2)) / 2` of the balances in use.
+pub fn log_noise(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
+    let of_run = |frame: &Frame| log_noise_of(model, frame, used) * frame.row_count() as f64;
+    let sum: f64 = frames.par_iter().map(of_run).sum();
+    let rows: usize = frames.iter().map(Frame::row_count).sum();
+    sum / rows.max(1) as f64
 }
 
-/// `ln(v + b (dr/da)^2) / 2` of one run, by balance; 0 where nothing tells.
-pub fn log_noise_of(model: &ResidualModel, frame: &Frame) -> [f64; BALANCES] {
-    let of_channel = |(of, beyond): (OfNoise, f64)| {
-        let expected = of.variance + beyond * of.gain * of.gain;
-        if expected > 0.0 {
-            0.5 * expected.ln()
-        } else {
-            0.0
-        }
-    };
-    let mut each = of_noise(model, frame).into_iter().zip(model.beyond_noise);
-    std::array::from_fn(|_| each.next().map_or(0.0, of_channel))
+/// The same of one run.
+pub fn log_noise_of(model: &ResidualModel, frame: &Frame, used: [bool; CHANNELS]) -> f64 {
+    Whitener::of(&expected(model, frame), used).log_scale()
+}
+
+/// `V + diag(b (dr/da)^2)` of one run.
+pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
+    let of = of_noise(model, frame);
+    let mut expected = of.covariance;
+    for (c, beyond) in model.beyond_noise.iter().enumerate() {
+        expected[(c, c)] += beyond * of.gain[c] * of.gain[c];
+    }
+    expected
 }
 
 /// What each balance leaves beyond the noise, over the square of what it takes of its acceleration.
@@ -54,10 +54,10 @@ pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] 
     let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
         let (noise, left) = (of_noise(model, frame), model.residuals(frame));
         std::array::from_fn(|c| {
-            let gain = (noise[c].gain * noise[c].gain).max(1e-300);
+            let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
             let squares: f64 = left[c].iter().map(|r| r * r).sum();
             let n = left[c].len() as f64;
-            [n, (squares - n * noise[c].variance) / gain]
+            [n, (squares - n * noise.covariance[(c, c)]) / gain]
         })
     };
     let each: Vec<[[f64; 2]; BALANCES]> = frames.par_iter().map(of_run).collect();
@@ -67,13 +67,13 @@ pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] 
     })
 }
 
-/// Variance that the sensors' noise gives a balance, and how much of its acceleration it takes.
+/// Covariance that the sensors' noise gives the balances, and how much of its acceleration each takes.
 struct OfNoise {
-    variance: f64,
-    gain: f64,
+    covariance: Matrix3<f64>,
+    gain: [f64; BALANCES],
 }
 
-fn of_noise(model: &ResidualModel, frame: &Frame) -> [OfNoise; BALANCES] {
+fn of_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
     /// Samples of a piece: masses and scales are the same all along, and what a bent sensor reads is not by much.
     const SAMPLES: usize = 16;
     let noisy = frame.noisy.as_deref();
@@ -86,24 +86,29 @@ fn of_noise(model: &ResidualModel, frame: &Frame) -> [OfNoise; BALANCES] {
         .step_by(stride)
         .map(|i| on_run.gains(i))
         .collect();
-    std::array::from_fn(|c| {
-        let variance = rows.as_ref().map_or(0.0, |[plus, minus]| {
+    let noise = rows.map(|[plus, minus]| -> ChannelRows {
+        std::array::from_fn(|c| {
             let both = plus[c].iter().zip(&minus[c]);
-            let squares: f64 = both.map(|(p, m)| (0.5 * (p - m)).powi(2)).sum();
-            squares / plus[c].len().max(1) as f64
-        });
-        let gain = gains.iter().map(|g| g[c].abs()).sum::<f64>() / gains.len().max(1) as f64;
-        OfNoise { variance, gain }
-    })
+            both.map(|(p, m)| 0.5 * (p - m)).collect()
+        })
+    });
+    let gain = |c: usize| {
+        let sum: f64 = gains.iter().map(|g: &[f64; BALANCES]| g[c].abs()).sum();
+        sum / gains.len().max(1) as f64
+    };
+    OfNoise {
+        covariance: covariance(noise.as_ref(), [true; CHANNELS]),
+        gain: std::array::from_fn(gain),
+    }
 }
 
-/// How they change with each of these base parameters, `own` being what they are.
+/// How it changes with each of these base parameters, `own` being what it is.
 pub fn by_base(
     model: &ResidualModel,
     frames: &[Frame],
     used: [bool; CHANNELS],
-    (free_base, own): (&[usize], &[f64]),
-) -> Vec<Vec<f64>> {
+    (free_base, own): (&[usize], f64),
+) -> Vec<f64> {
     let of = |b: &usize| {
         let mut moved = model.clone();
         moved.base[*b] += STEP;
@@ -112,13 +117,13 @@ pub fn by_base(
     free_base.iter().map(of).collect()
 }
 
-/// How they change with each fitted amplitude of the model's effects, in the unit in which it is fitted.
+/// How it changes with each fitted amplitude of the model's effects, in the unit in which it is fitted.
 pub fn by_amplitudes(
     model: &ResidualModel,
     frames: &[Frame],
     used: [bool; CHANNELS],
-    own: &[f64],
-) -> Vec<Vec<f64>> {
+    own: f64,
+) -> Vec<f64> {
     let of = |(e, q): (usize, usize)| {
         let mut moved = model.clone();
         moved.effects.active[e].values[q] += STEP * model.scale(e, q);
@@ -130,14 +135,7 @@ pub fn by_amplitudes(
 /// What a parameter is moved by, in the unit in which it is fitted.
 const STEP: f64 = 0.01;
 
-/// How they change with a parameter, from a model in which it is moved by a step.
-fn by_step(
-    moved: &ResidualModel,
-    frames: &[Frame],
-    used: [bool; CHANNELS],
-    own: &[f64],
-) -> Vec<f64> {
-    let noise = log_noise(moved, frames, used);
-    let both = noise.iter().zip(own);
-    both.map(|(log, own)| (log - own) / STEP).collect()
+/// How it changes with a parameter, from a model in which it is moved by a step.
+fn by_step(moved: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS], own: f64) -> f64 {
+    (log_noise(moved, frames, used) - own) / STEP
 }

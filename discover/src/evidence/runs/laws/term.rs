@@ -161,7 +161,6 @@ impl TermsOnRun {
     pub fn with(&self, design: &Design, frame: &Frame, terms: &[Term]) -> DMatrix<f64> {
         let before = self.fitted.ncols() - 1 - design.candidates.len();
         let whitener = design.whitener;
-        let rows = frame.row_count();
         let mut all = DMatrix::zeros(self.fitted.nrows(), self.fitted.ncols() + terms.len());
         all.columns_mut(0, before)
             .copy_from(&self.fitted.columns(0, before));
@@ -177,21 +176,19 @@ impl TermsOnRun {
                 true => Vec::new(),
                 false => (0..frame.len()).map(|i| self.rate(term, i)).collect(),
             };
-            let used = (0..BALANCES).filter(|c| whitener.used[*c]);
-            for (block, c) in used.enumerate() {
-                let mut raw: Vec<f64> = values
-                    .iter()
-                    .zip(&unit.by_value[c])
-                    .map(|(f, u)| f * u)
-                    .collect();
+            let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| {
+                if !whitener.used[c] {
+                    return Vec::new();
+                }
+                let both = values.iter().zip(&unit.by_value[c]);
+                let mut raw: Vec<f64> = both.map(|(f, u)| f * u).collect();
                 for ((raw, rate), u) in raw.iter_mut().zip(&rates).zip(&unit.by_rate[c]) {
                     *raw += rate * u;
                 }
-                let sd = whitener.sd[c];
-                for (row, x) in frame.rows(&raw).iter().enumerate() {
-                    all[(block * rows + row, before + k)] = x / sd;
-                }
-            }
+                frame.rows(&raw)
+            });
+            whitener.mix(&mut white);
+            all.column_mut(before + k).copy_from_slice(&white.concat());
         }
         all
     }

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
-use crate::evidence::runs::model::on_run::{Instant, ModelOnRun};
+use crate::evidence::runs::model::instant::Instant;
+use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::readings::Differences;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -177,18 +178,13 @@ impl Design<'_> {
         }
         self.put_shifted(frame, &shifted, (&instants, &left), &mut raw);
         // Low-passed, thinned and whitened, the channels one below the other.
-        let per_channel = frame.row_count();
-        let mut all: Vec<Vec<f64>> = vec![Vec::new(); count];
-        for (c, raw) in raw
-            .iter()
-            .enumerate()
-            .filter(|(c, _)| self.whitener.used[*c])
-        {
-            for (to, x) in all.iter_mut().zip(raw) {
-                to.extend(frame.rows(x).iter().map(|x| x / self.whitener.sd[c]));
-            }
+        let mut all: Vec<Vec<f64>> = Vec::with_capacity(count);
+        for k in 0..count {
+            let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
+            self.whitener.mix(&mut white);
+            all.push(white.concat());
         }
-        let rows = per_channel * self.whitener.count();
+        let rows = frame.row_count() * self.whitener.count();
         let grip: Vec<f64> = (0..rows)
             .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
             .collect();

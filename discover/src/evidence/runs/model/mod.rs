@@ -4,6 +4,7 @@ pub(crate) mod channels;
 pub(crate) mod clocks;
 pub(crate) mod design;
 pub(crate) mod installation;
+pub(crate) mod instant;
 pub(crate) mod on_run;
 pub(crate) mod readings;
 pub(crate) mod residual_model;

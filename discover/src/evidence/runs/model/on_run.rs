@@ -6,12 +6,11 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use kufe_sled::effects::{self, Active, Conditions, Constants, Forces, Sensor, Signals};
-use kufe_sled::{
-    Balance, BaseParameter, LawForces, LeftBy, Motion, Sled, State, Vehicle, aero, from_sensors,
-};
+use kufe_sled::effects::{Active, Conditions, Constants, Forces, Relaxed, Sensor, Signals};
+use kufe_sled::{Balance, BaseParameter, LeftBy, Motion, Sled, State, Vehicle, aero, from_sensors};
 
 use crate::evidence::runs::model::channels::Channels;
+use crate::evidence::runs::model::instant::Instant;
 use crate::evidence::runs::model::readings::Differences;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
@@ -55,23 +54,6 @@ impl ResidualModel {
     }
 }
 
-/// One sample: its balance, the base laws there and what effects see.
-#[derive(Clone, Copy)]
-pub struct Instant {
-    /// What the effects see.
-    pub seen: effects::State,
-    balance: Balance,
-    laws: LawForces,
-    signals: Signals,
-}
-
-impl Instant {
-    /// What the sensors say, corrected by the active effects.
-    pub fn signals(&self) -> &Signals {
-        &self.signals
-    }
-}
-
 /// A model on one run: the vehicle with the effects that act there, and the weather.
 pub struct ModelOnRun<'a> {
     residual_model: &'a ResidualModel,
@@ -86,6 +68,9 @@ pub struct ModelOnRun<'a> {
     ice: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
     slopes: OnceLock<Cow<'a, [f64]>>,
+    /// The distance after which forces follow the slip [m].
+    relaxation: Option<f64>,
+    slower: OnceLock<Vec<[f64; 2]>>,
 }
 
 impl<'a> ModelOnRun<'a> {
@@ -114,13 +99,30 @@ impl<'a> ModelOnRun<'a> {
             channels,
             constants,
             corrects: vehicle.effects.active.iter().any(Active::moves_signals),
+            relaxation: vehicle.effects.relaxation(),
             vehicle,
             air_density: aero::air_density(frame.air_pa, frame.air_c),
             humidity: frame.extra.get("humidity_pct"),
             ice: frame.extra.get("ice_c"),
             wear: frame.extra.get("distance_m"),
             slopes: OnceLock::new(),
+            slower: OnceLock::new(),
         }
+    }
+
+    /// By how much the slip that forces follow late changes faster than the slip itself, by sample, front and rear [rad/s].
+    fn slower(&self, distance: f64) -> &[[f64; 2]] {
+        self.slower.get_or_init(|| {
+            let (mut relaxed, dt) = (Relaxed::default(), self.frame.sample_s());
+            let of = |i: usize| {
+                let (_, state, _) = self.as_told(i, &self.measured(i));
+                let slip = [state.alpha_f_rad, state.alpha_r_rad];
+                let v = state.v_mps.max(1.0);
+                let followed = relaxed.rates(slip, state.slip_rate_radps, v, dt, distance);
+                [0, 1].map(|k| followed[k] - state.slip_rate_radps[k])
+            };
+            (0..self.frame.len()).map(of).collect()
+        })
     }
 
     /// The surveyed slope where the run was: of a distance that is the speed's sum, by the corrected speed.
@@ -193,6 +195,16 @@ impl<'a> ModelOnRun<'a> {
 
     /// Sled, state and motion of a sample, from its corrected signals.
     fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
+        let (sled, mut state, motion) = self.as_told(i, signals);
+        if let Some(distance) = self.relaxation {
+            let slower = self.slower(distance)[i];
+            (0..2).for_each(|k| state.slip_rate_radps[k] += slower[k]);
+        }
+        (sled, state, motion)
+    }
+
+    /// The same with forces that follow the slip at once.
+    fn as_told(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let mut sled = self.vehicle.sled;
         sled.set_constants(&signals.sled);
         let mut moving = *signals;
@@ -211,24 +223,14 @@ impl<'a> ModelOnRun<'a> {
     pub fn instant(&self, i: usize, signals: &Signals) -> Instant {
         let balance = self.balance(i, signals);
         let laws = balance.laws(&self.vehicle);
-        Instant {
-            seen: balance.seen(&self.vehicle, laws.load_n),
-            balance,
-            laws,
-            signals: *signals,
-        }
+        Instant::new(&self.vehicle, balance, laws, signals)
     }
 
     /// The same from the laws of a motion close by, to first order.
     pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
-        Instant {
-            seen: balance.seen(&self.vehicle, laws.load_n),
-            balance,
-            laws,
-            signals: *signals,
-        }
+        Instant::new(&self.vehicle, balance, laws, signals)
     }
 
     /// Balances of a sample from the laws of a motion close by, as of [`instant_near`](Self::instant_near).
@@ -343,7 +345,7 @@ impl<'a> ModelOnRun<'a> {
     /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
     pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
         let signals = self.measured(i);
-        if signals == at.signals {
+        if signals == at.signals && self.relaxation.is_none() {
             return self.balances(at, &self.forces(at));
         }
         let other = self.instant(i, &signals);

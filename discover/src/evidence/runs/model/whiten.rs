@@ -1,9 +1,21 @@
-//! ChannelRows made comparable: each channel over its own deviation.
+//! Rows made comparable: each balance over its own deviation, and apart from the noise that it shares with others.
 //!
-//! Correlation in time is not filtered out: tests move whole runs, and errors are taken over runs, so that they stay right
-//! whatever the correlation; a filter fitted to a residual that still holds an effect would remove the effect with it.
+//! The balances aside and about the vertical hold the noise of the same sensors, slip above all, so that a part of each tells of the other.
+//! With S the covariance of the three balances' residuals, rows are
+//!
+//! ```text
+//! w = L^-1 r,   L L' = S,   so that   w.w = r' S^-1 r
+//! ```
+//!
+//! Correlation in time is not filtered out: of neighbouring rows it is 0.1 to 0.3 at most, and beyond them nothing.
 
-use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows};
+use nalgebra::Matrix3;
+
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows};
+
+/// Share of its variance that each balance is taken to have to itself: where noise is the same in two balances to the last digit, what
+/// tells them apart is no noise but how they are computed.
+const OWN_SHARE: f64 = 0.01;
 
 /// What turns residuals of several channels into rows of one scale.
 #[derive(Clone, Debug)]
@@ -12,6 +24,8 @@ pub struct Whitener {
     pub sd: [f64; CHANNELS],
     /// Which channels take part; the track channel is treated by itself.
     pub used: [bool; CHANNELS],
+    /// L^-1, with 1 for a balance that takes no part.
+    mix: Matrix3<f64>,
 }
 
 impl Whitener {
@@ -20,44 +34,191 @@ impl Whitener {
         Self {
             sd: [1.0; CHANNELS],
             used,
+            mix: Matrix3::identity(),
         }
+    }
+
+    /// Of balances of this covariance; the track channel in its own unit.
+    pub fn of(covariance: &Matrix3<f64>, used: [bool; CHANNELS]) -> Self {
+        let mut whitener = Self::plain(used);
+        let mut s = Matrix3::identity();
+        for c in (0..BALANCES).filter(|c| used[*c] && covariance[(*c, *c)] > 0.0) {
+            whitener.sd[c] = covariance[(c, c)].sqrt();
+            s[(c, c)] = covariance[(c, c)];
+            for other in (0..c).filter(|other| used[*other] && covariance[(*other, *other)] > 0.0) {
+                let shared = (1.0 - OWN_SHARE) * covariance[(c, other)];
+                (s[(c, other)], s[(other, c)]) = (shared, shared);
+            }
+        }
+        let root = s.cholesky().and_then(|s| s.l().try_inverse());
+        whitener.mix = root.unwrap_or_else(|| whitener.apart().mix);
+        whitener
     }
 
     /// From the residuals of all runs.
     pub fn estimate(rows: &[ChannelRows], used: [bool; CHANNELS]) -> Self {
-        let sd = std::array::from_fn(|c| {
-            let (sum, count) = rows
-                .iter()
-                .flat_map(|run| run[c].iter())
-                .fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
+        let mut whitener = Self::of(&covariance(rows, used), used);
+        for c in BALANCES..CHANNELS {
+            let all = rows.iter().flat_map(|run| run[c].iter());
+            let (sum, count) = all.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
             if sum > 0.0 {
-                f64::sqrt(sum / count)
-            } else {
-                1.0
+                whitener.sd[c] = f64::sqrt(sum / count);
             }
-        });
-        Self { sd, used }
-    }
-
-    /// All used channels of one run, one after the other.
-    pub fn apply(&self, rows: &ChannelRows) -> Vec<f64> {
-        let mut out = Vec::new();
-        for channel in (0..3).filter(|c| self.used[*c]) {
-            out.extend(rows[channel].iter().map(|x| x / self.sd[channel]));
         }
-        out
+        whitener
     }
 
-    /// Number of channels in [`Whitener::apply`].
+    /// The same with each balance over its deviation alone.
+    pub fn apart(&self) -> Self {
+        let mut apart = self.clone();
+        apart.mix = Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
+        apart
+    }
+
+    /// The same with other deviations of the balances, what they share of their noise as it is.
+    pub fn with_sd(&self, sd: [f64; BALANCES]) -> Self {
+        let mut other = self.clone();
+        for (c, sd) in sd.into_iter().enumerate() {
+            let by = self.sd[c] / sd;
+            other.mix.column_mut(c).iter_mut().for_each(|x| *x *= by);
+            other.sd[c] = sd;
+        }
+        other
+    }
+
+    /// `ln(det S) / 2`.
+    pub fn log_scale(&self) -> f64 {
+        -self.mix.diagonal().map(f64::ln).sum()
+    }
+
+    /// `S^-1`; 1 for a balance that takes no part.
+    pub fn inverse(&self) -> Matrix3<f64> {
+        self.mix.tr_mul(&self.mix)
+    }
+
+    /// Rows of the three balances, whitened in place; a balance that takes no part may be empty.
+    pub fn mix<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
+        let used = (0..BALANCES).filter(|c| self.used[*c]);
+        let n = used.clone().map(|c| rows[c].as_mut().len()).max();
+        for i in 0..n.unwrap_or(0) {
+            let mut r = [0.0; BALANCES];
+            for c in used.clone() {
+                r[c] = rows[c].as_mut()[i];
+            }
+            for c in used.clone() {
+                let of = |other: usize| self.mix[(c, other)] * r[other];
+                rows[c].as_mut()[i] = (0..=c).map(of).sum();
+            }
+        }
+    }
+
+    /// Residuals of the channels that take part as rows of one scale; the others are empty.
+    pub fn rows(&self, rows: &ChannelRows) -> ChannelRows {
+        let mut rows = rows.clone();
+        for (c, row) in rows.iter_mut().enumerate() {
+            match self.used[c] {
+                true if c >= BALANCES => row.iter_mut().for_each(|r| *r /= self.sd[c]),
+                true => {}
+                false => row.clear(),
+            }
+        }
+        let (balances, _) = rows.split_at_mut(BALANCES);
+        let balances: &mut [Vec<f64>; BALANCES] = balances.try_into().expect("three of four");
+        self.mix(balances);
+        rows
+    }
+
+    /// All used balances of one run, one after the other.
+    pub fn apply(&self, rows: &ChannelRows) -> Vec<f64> {
+        let [along, side, yaw, _] = self.rows(rows);
+        [along, side, yaw].concat()
+    }
+
+    /// Number of balances in [`Whitener::apply`].
     pub fn count(&self) -> usize {
-        self.used[..3].iter().filter(|used| **used).count()
+        self.used[..BALANCES].iter().filter(|used| **used).count()
     }
 
     /// The channel of the `k`-th block of [`Whitener::apply`].
     pub fn channel(&self, k: usize) -> usize {
-        (0..3)
+        (0..BALANCES)
             .filter(|c| self.used[*c])
             .nth(k)
             .expect("a used channel")
+    }
+}
+
+/// Mean products of the balances that take part, over the rows of all runs.
+pub fn covariance<'a>(
+    rows: impl IntoIterator<Item = &'a ChannelRows>,
+    used: [bool; CHANNELS],
+) -> Matrix3<f64> {
+    let (mut sums, mut counts) = (Matrix3::zeros(), Matrix3::zeros());
+    let used: Vec<usize> = (0..BALANCES).filter(|c| used[*c]).collect();
+    for run in rows {
+        for a in &used {
+            for b in &used {
+                let products = run[*a].iter().zip(&run[*b]).map(|(x, y)| x * y);
+                sums[(*a, *b)] += products.sum::<f64>();
+                counts[(*a, *b)] += run[*a].len() as f64;
+            }
+        }
+    }
+    sums.zip_map(&counts, |sum: f64, count: f64| sum / count.max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three sources of noise, two of them in two balances each.
+    fn rows() -> ChannelRows {
+        let source = |k: u32, i: u32| (f64::from(i * (2 * k + 1)) * 0.618 + f64::from(k)).sin();
+        let row = |of: [f64; 3]| -> Vec<f64> {
+            (0..5000)
+                .map(|i| (0..3).map(|k| of[k as usize] * source(k, i)).sum())
+                .collect()
+        };
+        let along = row([3.0, 0.0, 0.0]);
+        let side = row([0.5, 40.0, 0.0]);
+        let yaw = row([0.0, -30.0, 15.0]);
+        [along, side, yaw, Vec::new()]
+    }
+
+    #[test]
+    fn rows_have_unit_variance_and_share_nothing() {
+        let used = [true, true, true, false];
+        let whitener = Whitener::estimate(&[rows()], used);
+        let white = covariance(&[whitener.rows(&rows())], used);
+        for a in 0..3 {
+            for b in 0..3 {
+                let want = if a == b { 1.0 } else { 0.0 };
+                assert!((white[(a, b)] - want).abs() < 0.1, "{white}");
+            }
+        }
+        let covariance = covariance(&[rows()], used);
+        let exact = 0.5 * covariance.determinant().ln();
+        assert!((whitener.log_scale() - exact).abs() < 0.06);
+        let louder = whitener.with_sd([0, 1, 2].map(|c| 2.0 * whitener.sd[c]));
+        assert!((louder.log_scale() - whitener.log_scale() - 3.0 * 2.0_f64.ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_balance_that_takes_no_part_changes_nothing() {
+        let whitener = Whitener::estimate(&[rows()], [false, true, true, false]);
+        let [mut some, all] = [rows(), rows()];
+        some[0].clear();
+        assert_eq!(whitener.apply(&some), whitener.apply(&all));
+        assert_eq!(whitener.apply(&all).len(), 2 * all[1].len());
+        assert_eq!((whitener.count(), whitener.channel(0)), (2, 1));
+    }
+
+    #[test]
+    fn balances_that_are_one_and_the_same_are_not_told_apart_by_rounding() {
+        let mut rows = rows();
+        rows[2] = rows[1].iter().map(|y| 2.0 * y).collect();
+        let whitener = Whitener::estimate(std::slice::from_ref(&rows), [true, true, true, false]);
+        let white = whitener.apply(&rows);
+        assert!(white.iter().all(|w| w.is_finite() && w.abs() < 10.0));
     }
 }

@@ -41,7 +41,9 @@ pub fn stand_out(
         sums: Vec<(f64, f64)>,
     }
     let rows = residuals(residual_model, frames);
-    let white: Vec<Vec<f64>> = rows.iter().map(|r| whitener.apply(r)).collect();
+    // A bin is one balance's own.
+    let apart = whitener.apart();
+    let white: Vec<Vec<f64>> = rows.iter().map(|r| apart.apply(r)).collect();
     let mut cells: Vec<Cell> = Vec::new();
     for (name, of) in &COLUMNS {
         let tracks: Vec<Option<String>> = if *name == "s_m" {

@@ -22,7 +22,7 @@ use crate::evidence::runs::contacts::grip::apart_from_grip;
 use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_pushes};
 use crate::evidence::runs::contacts::promise::kept_promise;
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::fit::row_noise::log_noise_of;
+use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel, TRACK};
@@ -121,7 +121,11 @@ impl Campaign<'_> {
     ) -> Option<Lowered> {
         let rules = self.rules();
         let width = rules.track_bin_m;
-        let (_, whitener) = self.learned(before);
+        let (_, mut whitener) = self.learned(before);
+        // A push that is taken off one balance and left in the other is no noise that they share.
+        if before.contacts.is_some() || after.contacts.is_some() {
+            whitener = whitener.apart();
+        }
         let each: Vec<(Vec<f64>, f64)> = self
             .held
             .par_iter()
@@ -131,13 +135,14 @@ impl Campaign<'_> {
                 let frame = &few.at_every_sample();
                 let shares = shares(&few, frame);
                 let rows = judged(before, frame, width, &whitener);
-                let mut left = judged(after, frame, width, &whitener);
                 // A model that counts less of what was measured leaves less, and explains nothing by it.
-                let [gains, of_after] = [before, after].map(|model| log_noise_of(model, frame));
-                for (rows, (after, before)) in left.iter_mut().zip(of_after.iter().zip(&gains)) {
-                    let gain = (before - after).exp();
-                    rows.iter_mut().for_each(|r| *r *= gain);
-                }
+                let [own, of_after] = [before, after].map(|model| expected(model, frame));
+                let counts = std::array::from_fn(|c| {
+                    let by = of_after[(c, c)] / own[(c, c)];
+                    let known = by.is_finite() && by > 0.0;
+                    whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
+                });
+                let mut left = judged(after, frame, width, &whitener.with_sd(counts));
                 if let Some(Told {
                     candidate, size, ..
                 }) = told
@@ -196,11 +201,11 @@ impl Campaign<'_> {
             contacts: None,
             ..with.clone()
         };
-        let whitener = Whitener::estimate(&residuals(with, &self.training), self.used);
+        let whitener = Whitener::estimate(&residuals(with, &self.training), self.used).apart();
         let of_run = |frame: &Frame| -> [f64; 2] {
             let beneath = rows_beneath(frame);
             let square = |model: &ResidualModel| -> f64 {
-                let rows = whitened(&model.residuals(frame), &whitener);
+                let rows = whitener.rows(&model.residuals(frame));
                 let there = |c: usize| rows[c].iter().zip(&beneath).filter(|(_, b)| **b);
                 [0, 2]
                     .iter()
@@ -238,7 +243,7 @@ impl Campaign<'_> {
         let mut sums: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
         let mut visits: BTreeMap<Place, usize> = BTreeMap::new();
         for (frame, rows) in self.training.iter().zip(rows) {
-            let rows = whitened(rows, whitener);
+            let rows = whitener.rows(rows);
             let mut here: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
             for (place, r) in self.placed(frame, &rows) {
                 let sum = here.entry(place).or_default();
@@ -299,15 +304,7 @@ fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
 fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
     let mut rows = with_whole_side(model, frame);
     rows[TRACK] = means(frame, &rows[TRACK], width);
-    whitened(&rows, whitener)
-}
-
-/// Residuals of the channels that take part, each over its deviation.
-fn whitened(rows: &ChannelRows, whitener: &Whitener) -> ChannelRows {
-    std::array::from_fn(|c| match whitener.used[c] {
-        true => rows[c].iter().map(|r| r / whitener.sd[c]).collect(),
-        false => Vec::new(),
-    })
+    whitener.rows(&rows)
 }
 
 fn repeating(

@@ -229,13 +229,12 @@ impl Campaign<'_> {
     ) -> Whitener {
         let sd = |frame: Frame| Whitener::estimate(&residuals(model, &[frame]), whitener.used).sd;
         let (before, after) = (sd(before), sd(after));
-        let mut better = whitener.clone();
-        for (c, sd) in better.sd.iter_mut().enumerate() {
+        whitener.with_sd(std::array::from_fn(|c| {
+            let sd = whitener.sd[c];
             // What is no sensor's noise stays.
-            let left = *sd * *sd - before[c].powi(2) + after[c].powi(2);
-            *sd = left.max(after[c].powi(2)).sqrt().min(*sd);
-        }
-        better
+            let left = sd * sd - before[c].powi(2) + after[c].powi(2);
+            left.max(after[c].powi(2)).sqrt().min(sd)
+        }))
     }
 }
 
