@@ -149,11 +149,6 @@ impl Evidence for Joint<'_> {
         Ok(next)
     }
 
-    /// What one kind's locked-away data refuse another's may hold.
-    fn set_aside(&mut self, _: &str) -> bool {
-        false
-    }
-
     fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit, Error> {
         let mut next = fit.clone();
         for (k, part) in next.parts.iter_mut().enumerate() {

@@ -72,10 +72,6 @@ impl<E: Evidence> Evidence for Kept<E> {
         Ok(self.keep(settled))
     }
 
-    fn set_aside(&mut self, effect: &str) -> bool {
-        self.evidence.set_aside(effect)
-    }
-
     fn without(&mut self, fit: &usize, step: usize) -> Result<usize, Error> {
         let without = self.evidence.without(&self.fits[*fit], step)?;
         Ok(self.keep(without))

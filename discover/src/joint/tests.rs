@@ -39,9 +39,6 @@ impl Evidence for Told {
     fn settle(&mut self, fit: String, _: &mut Account) -> Result<String, Error> {
         Ok(fit)
     }
-    fn set_aside(&mut self, _: &str) -> bool {
-        false
-    }
     fn without(&mut self, fit: &String, _: usize) -> Result<String, Error> {
         Ok(fit.clone())
     }

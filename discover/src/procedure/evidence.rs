@@ -49,9 +49,6 @@ pub trait Evidence {
     /// Those of the fit.
     fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit, Error>;
 
-    /// Leaves an effect out of all further screens: it stood out, and did not last. Whether anything is left to screen without it.
-    fn set_aside(&mut self, effect: &str) -> bool;
-
     /// The fit without the effects of a step, what remains fitted again.
     ///
     /// # Errors
@@ -99,8 +96,6 @@ pub struct Account {
     pub depends: Vec<String>,
     /// What differs although nothing can be named.
     pub unexplained: Option<String>,
-    /// Effects that stood out, did not last, and were set aside.
-    pub set_aside: Vec<String>,
 }
 
 impl Account {
@@ -139,11 +134,6 @@ impl Account {
             })
             .collect();
         self.is_left_without(told);
-    }
-
-    /// Whether something has stood out already: what comes after it is held to less chance of an error.
-    pub fn has_claimed(&self) -> bool {
-        !self.steps.is_empty() || !self.set_aside.is_empty()
     }
 
     /// Nothing is named any more, for these reasons.

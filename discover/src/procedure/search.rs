@@ -1,12 +1,10 @@
-//! The search: fit, screen, claim, add, refit, screen again; at the end the locked-away data. Where nothing lasts there, what stood out
-//! first is set aside and the search made once more.
+//! The search: fit, screen, claim, add, refit, screen again; at the end, once, the locked-away data.
 
 use crate::error::Error;
-use crate::finding::report::{Detectable, Interval, Report, Step};
+use crate::finding::report::{Interval, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Claim, Evidence};
 use crate::procedure::outlast::outlast;
-use crate::procedure::rules::SearchRules;
 use crate::procedure::sentence::sentence;
 use crate::procedure::verdict::{next_experiment, verdict};
 
@@ -34,41 +32,57 @@ pub fn search_evidence<E: Evidence>(
     progress("fitting the base model");
     let base = evidence.fit_base(&mut account)?;
     let rules = &options.rules.search;
+    let mut fit = base.clone();
     let mut detectable = None;
-    let mut written = None;
-    let mut last = loop {
-        let fit = claimed(
-            evidence,
-            base.clone(),
-            &mut account,
-            &mut detectable,
-            (rules, progress),
-        )?;
-        let first = account.steps.first().map(|step| step.effect.clone());
-        let mut last = evidence.settle(fit, &mut account)?;
-        progress("opening the locked-away data");
-        if !account.steps.is_empty() {
-            let bare = match written.take() {
-                Some(bare) => bare,
-                None => evidence.settle(base.clone(), &mut Account::default())?,
-            };
-            last = outlast(evidence, &bare, last, &mut account, rules)?;
-            written = Some(bare);
+    for number in 0..=rules.most_screens {
+        progress(&format!("screen {}", number + 1));
+        let screen = evidence.screen(&fit, &mut account)?;
+        detectable.get_or_insert(screen.detectable);
+        let Some(claim) = screen.claim else { break };
+        let effect = &claim.candidate.effect;
+        let known = account.steps.iter().position(|s| s.effect == *effect);
+        let full = known.is_none() && account.steps.len() == rules.most_claims;
+        if number == rules.most_screens || full {
+            let told = format!(
+                "after {} effects {effect} still stands out",
+                account.steps.len()
+            );
+            account.remarks.push(told);
+            break;
         }
-        // What led the search astray may have hidden what is there.
-        let astray = first.filter(|_| account.steps.is_empty());
-        let again = astray.is_some_and(|effect| {
-            let again =
-                account.set_aside.len() < rules.most_set_aside && evidence.set_aside(&effect);
-            account.set_aside.push(effect);
-            again
-        });
-        if !again {
-            break last;
+        progress(&format!("adding {}", claim.candidate.label()));
+        let at = known.unwrap_or(account.steps.len());
+        let added = evidence.add(&fit, &claim, at)?;
+        match known {
+            // Another stretch or another amplitude of an effect belongs to the same step.
+            Some(known) => {
+                let place = added.place.unwrap_or_default();
+                account.steps[known].join(&place, added.gap[1]);
+                account.remarks.extend(claim.remark);
+            }
+            None => {
+                let remark = claim.remark.clone();
+                account.steps.push(step(claim, added.place, added.gap));
+                account.remarks.extend(remark.filter(|_| added.written));
+            }
         }
+        fit = added.fit;
+        if !added.written {
+            let effect = &account.steps[at].effect;
+            let told =
+                format!("{effect}: the model has no such column, so that nothing was switched on");
+            account.remarks.push(told);
+            break;
+        }
+    }
+    let mut last = evidence.settle(fit, &mut account)?;
+    progress("opening the locked-away data");
+    let written = match account.steps.is_empty() {
+        true => None,
+        false => Some(evidence.settle(base.clone(), &mut Account::default())?),
     };
-    if !account.steps.is_empty() {
-        account.unexplained = None;
+    if let Some(written) = &written {
+        last = outlast(evidence, written, last, &mut account, rules)?;
     }
     let mut opened = evidence.open(&base, &last, &mut account)?;
     // What makes more of what can be explained is no explanation, however much of the rest it takes along.
@@ -136,59 +150,6 @@ pub fn search_evidence<E: Evidence>(
         next_model: described.next_model,
         next_case: described.next_case,
     })
-}
-
-/// The base with what stands out beside it, claimed and added one after the other.
-fn claimed<E: Evidence>(
-    evidence: &mut E,
-    base: E::Fit,
-    account: &mut Account,
-    detectable: &mut Option<Vec<Detectable>>,
-    (rules, progress): (&SearchRules, &(dyn Fn(&str) + Sync)),
-) -> Result<E::Fit, Error> {
-    let mut fit = base;
-    for number in 0..=rules.most_screens {
-        progress(&format!("screen {}", number + 1));
-        let screen = evidence.screen(&fit, account)?;
-        detectable.get_or_insert(screen.detectable);
-        let Some(claim) = screen.claim else { break };
-        let effect = &claim.candidate.effect;
-        let known = account.steps.iter().position(|s| s.effect == *effect);
-        let full = known.is_none() && account.steps.len() == rules.most_claims;
-        if number == rules.most_screens || full {
-            let told = format!(
-                "after {} effects {effect} still stands out",
-                account.steps.len()
-            );
-            account.remarks.push(told);
-            break;
-        }
-        progress(&format!("adding {}", claim.candidate.label()));
-        let at = known.unwrap_or(account.steps.len());
-        let added = evidence.add(&fit, &claim, at)?;
-        match known {
-            // Another stretch or another amplitude of an effect belongs to the same step.
-            Some(known) => {
-                let place = added.place.unwrap_or_default();
-                account.steps[known].join(&place, added.gap[1]);
-                account.remarks.extend(claim.remark);
-            }
-            None => {
-                let remark = claim.remark.clone();
-                account.steps.push(step(claim, added.place, added.gap));
-                account.remarks.extend(remark.filter(|_| added.written));
-            }
-        }
-        fit = added.fit;
-        if !added.written {
-            let effect = &account.steps[at].effect;
-            let told =
-                format!("{effect}: the model has no such column, so that nothing was switched on");
-            account.remarks.push(told);
-            break;
-        }
-    }
-    Ok(fit)
 }
 
 /// What a claim adds to the report; how much of the gap it closes is told once the locked-away data are open.

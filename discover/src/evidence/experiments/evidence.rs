@@ -250,11 +250,6 @@ impl Evidence for Experiments<'_> {
         Ok(fit)
     }
 
-    /// Screens are of all candidates at once: an effect that misleads is among the rivals already.
-    fn set_aside(&mut self, _: &str) -> bool {
-        false
-    }
-
     fn without(&mut self, fit: &TableFit, step: usize) -> Result<TableFit, Error> {
         let mut chosen = fit.chosen.clone();
         chosen.remove(step);

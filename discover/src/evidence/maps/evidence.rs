@@ -305,11 +305,6 @@ impl Evidence for Maps<'_> {
         Ok(fit)
     }
 
-    /// Screens are of all candidates at once: an effect that misleads is among the rivals already.
-    fn set_aside(&mut self, _: &str) -> bool {
-        false
-    }
-
     fn without(&mut self, fit: &MapFit, step: usize) -> Result<MapFit, Error> {
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.remove(step);

@@ -50,8 +50,6 @@ pub struct Campaign<'a> {
     pub outside: Vec<String>,
     /// What the forces alone say of each candidate's size, with its standard error.
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
-    /// Effects that are left out of screens.
-    pub aside: Vec<String>,
     /// What the last screen shows of the effects that other kinds of data may know, too.
     pub chances: Vec<Chance>,
 }
@@ -195,9 +193,9 @@ impl Campaign<'_> {
 
     /// After a first name the next ones are held to half of the chance of an error.
     pub fn share(&self, account: &Account) -> f64 {
-        match account.has_claimed() {
-            false => 1.0,
-            true => self.rules().alpha_again,
+        match account.steps.is_empty() {
+            true => 1.0,
+            false => self.rules().alpha_again,
         }
     }
 
@@ -318,8 +316,7 @@ impl Campaign<'_> {
                     && e.values[c.act.parameter] != 0.0
             })
         };
-        let free = |c: &&Candidate<Amplitude>| !on(c) && !self.aside.contains(&c.effect);
-        list.iter().filter(free).cloned().collect()
+        list.iter().filter(|c| !on(c)).cloned().collect()
     }
 }
 

@@ -105,7 +105,6 @@ impl<'a> Campaign<'a> {
             chances: Vec::new(),
             whole: Vec::new(),
             claimed: None,
-            aside: Vec::new(),
         };
         if let Some(contacts) = contacts {
             campaign.given_contacts(contacts);
@@ -244,12 +243,6 @@ impl Evidence for Campaign<'_> {
             last.settled = self.given.clone();
         }
         Ok(last)
-    }
-
-    fn set_aside(&mut self, effect: &str) -> bool {
-        self.candidates.local.retain(|c| c.effect != effect);
-        self.aside.push(effect.to_owned());
-        true
     }
 
     fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {

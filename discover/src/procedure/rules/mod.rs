@@ -40,9 +40,6 @@ pub struct SearchRules {
     pub most_claims: usize,
     /// Most screens: several amplitudes or places of one effect belong to one claim. Chosen.
     pub most_screens: usize,
-    /// Effects that are set aside where nothing lasts, one at a time, for the search to be made again. Chosen: each is another chance of
-    /// an error.
-    pub most_set_aside: usize,
     /// |t| beside all others below which a claim has become superfluous. Chosen.
     pub superfluous_t: f64,
     /// Standard errors by which the gap on locked-away data must fall for a step, and for the whole answer, to be named. Chosen:
@@ -66,7 +63,6 @@ impl Default for SearchRules {
         Self {
             most_claims: 4,
             most_screens: 8,
-            most_set_aside: 1,
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
             material: 0.05,

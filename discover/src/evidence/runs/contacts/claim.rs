@@ -30,7 +30,7 @@ impl Campaign<'_> {
         if !lateral || model.contacts.is_some() || self.data.segmented {
             return None;
         }
-        let effect = wall().filter(|wall| !self.aside.iter().any(|a| a == wall.info.name))?;
+        let effect = wall()?;
         let whole = self.whole();
         let as_it_is = left_without(model, whole);
         let mut left = as_it_is.clone();

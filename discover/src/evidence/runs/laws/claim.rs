@@ -24,16 +24,6 @@ pub enum Law {
     Beside(String),
 }
 
-impl Law {
-    /// What it is called.
-    pub fn name(&self) -> &str {
-        match self {
-            Law::Instead(claim) => &claim.candidate.effect,
-            Law::Beside(name) => name,
-        }
-    }
-}
-
 impl Campaign<'_> {
     /// The law that stands out most, where one does, explains more than the claim and leaves less, in full refits, than each of the
     /// `strongest` of the catalogue with their sizes.

@@ -38,7 +38,6 @@ impl Campaign<'_> {
         let strange = self.is_beyond_belief(at.residual_model);
         regular.retain(|c| strange || !c.act.is_beyond_tolerance());
         regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
-        regular.retain(|c| !self.aside.contains(&c.effect));
         // A person's own effect may bear such a name, too.
         regular.sort_by_key(Candidate::is_column);
         let all_windows = windows(
@@ -95,8 +94,7 @@ impl Campaign<'_> {
         }
         let claim = leading.map(|(claim, _)| claim).or(claim);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
-        let law = self.law(at, claim.as_ref(), &strongest, &options);
-        let claim = match law.filter(|law| !self.aside.iter().any(|a| a == law.name())) {
+        let claim = match self.law(at, claim.as_ref(), &strongest, &options) {
             Some(Law::Instead(law)) => Some(*law),
             Some(Law::Beside(name)) => claim.map(|mut claim| {
                 claim.class.push(name);

@@ -66,7 +66,7 @@ impl Campaign<'_> {
                 channel.scan(c, (residual_model, &self.training), candidate, sd);
             }
         }
-        if stated.is_none() && !account.has_claimed() {
+        if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
                 "no [survey] in the model: a slope deviation of {} rad is assumed",
                 self.rules().slope_sd_rad
@@ -85,7 +85,7 @@ impl Campaign<'_> {
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
                 channel.scatter()
             );
-            if !account.has_claimed() {
+            if account.steps.is_empty() {
                 account.remarks.push(told);
             }
             return None;
@@ -203,8 +203,7 @@ impl Campaign<'_> {
                 parameters: self.by_track(&list[named], seen.size, seen.error),
             });
         }
-        let fresh = |c: &&Candidate<Amplitude>| c.is_profile() && !self.aside.contains(&c.effect);
-        let profile = self.candidates.track.iter().find(fresh)?;
+        let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
         if residual_model
             .effects
             .active
