@@ -24,6 +24,7 @@ fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
         ("lever-arm", "x_m = 0.3\nz_m = -0.2"),
         ("slip-offset", "offset_rad = 0.004"),
         ("slip-lag", "time_s = 0.03"),
+        ("relaxation-length", "length_m = 0.5"),
         ("mass", "excess_kg = 40.0"),
     ] {
         let text = format!(

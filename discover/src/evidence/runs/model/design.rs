@@ -178,12 +178,12 @@ impl Design<'_> {
         }
         self.put_shifted(frame, &shifted, (&instants, &left), &mut raw);
         // Low-passed, thinned and whitened, the channels one below the other.
-        let mut all: Vec<Vec<f64>> = Vec::with_capacity(count);
-        for k in 0..count {
+        let white = |k: usize| {
             let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
             self.whitener.mix(&mut white);
-            all.push(white.concat());
-        }
+            white.concat()
+        };
+        let all: Vec<Vec<f64>> = (0..count).map(white).collect();
         let rows = frame.row_count() * self.whitener.count();
         let grip: Vec<f64> = (0..rows)
             .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
