@@ -19,15 +19,22 @@ pub fn step(out: &mut String, number: usize, step: Data, report: Data) {
         true => "",
         false => " on data that the search had not seen",
     };
+    let gap = |key: &str| quantity(step.number(key), step.text("unit"));
+    let (before, after) = (gap("gap_before"), gap("gap_after"));
+    let learned = match step.number("gap_after") < step.number("gap_before") {
+        true => format!("The gap on the data it was learned from went from {before} to {after}."),
+        false => format!(
+            "On the data it was learned from the base model had bent to stand for it: the gap was {before} and is {after}."
+        ),
+    };
     let _ = write!(
         out,
-        "<h2>{number}. {}</h2>\n<p>Channel {}; p {}. The gap on the data it was learned from went from {} to {}. \
+        "<h2>{number}. {}</h2>\n<p>Channel {}; p {}. {} \
 Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}.</p>\n",
         escape(step.text("effect")),
         escape(step.text("channel")),
         p_is(step.number("p_value")),
-        escape(&quantity(step.number("gap_before"), step.text("unit"))),
-        escape(&quantity(step.number("gap_after"), step.text("unit"))),
+        escape(&learned),
         100.0 * step.part("explainable_gap_closed").number("value"),
         100.0 * step.part("explainable_gap_closed").number("low"),
         100.0 * step.part("explainable_gap_closed").number("high")

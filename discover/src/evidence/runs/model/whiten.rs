@@ -14,7 +14,8 @@ use nalgebra::Matrix3;
 use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows};
 
 /// Share of its variance that each balance is taken to have to itself: where noise is the same in two balances to the last digit, what
-/// tells them apart is no noise but how they are computed.
+/// tells them apart is no noise but how they are computed. Chosen: at half and at twice of it two balances with a correlation of 0.84 tell 2 %
+/// more and 4 % less of an effect that is in one of them.
 const OWN_SHARE: f64 = 0.01;
 
 /// What turns residuals of several channels into rows of one scale.
