@@ -226,13 +226,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
-        let mut fit = fit;
-        while let Some(step) = self.superfluous(&fit, &account.steps) {
-            account.leave_out(step);
-            fit = self.without_step(&fit, step)?;
-        }
-        let mut last = self.with_one_instead(fit, account)?;
-        self.write(&mut last)?;
+        let mut last = self.with_what_lasts(fit, account)?;
         // A refit of the base alone is written only where it is better than what was given.
         let contacts = &last.residual_model.contacts;
         let claimed = contacts.as_ref().is_some_and(|c| c.step.is_some());

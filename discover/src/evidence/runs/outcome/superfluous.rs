@@ -32,9 +32,29 @@ struct OneInstead {
 }
 
 impl Campaign<'_> {
+    /// The fit with the steps that each stand out of their errors beside the others, as it would be written.
+    ///
+    /// # Errors
+    /// Those of the fits.
+    pub fn with_what_lasts(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
+        loop {
+            while let Some(step) = self.superfluous(&fit, &account.steps) {
+                account.leave_out(step);
+                fit = self.without_step(&fit, step)?;
+            }
+            let mut last = self.with_one_instead(fit, account)?;
+            self.write(&mut last)?;
+            let Some(step) = self.of_no_size(&last, &account.steps) else {
+                return Ok(last);
+            };
+            account.leave_out(step);
+            fit = self.without_step(&last, step)?;
+        }
+    }
+
     /// The first step whose every amplitude has become weak: beside the others, or, of a law beyond the catalogue, beside what its
     /// numbers are known by with everything else free.
-    pub fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
+    fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
         let residual_model = &fit.residual_model.hold(false);
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
         let law = |step: &Step| step.effect.starts_with("unknown:");
@@ -60,15 +80,23 @@ impl Campaign<'_> {
             .find(|step| fit.owners.contains(step) && steps[*step].channel != track && weak(*step))
     }
 
+    /// The first step of which every amplitude could as well be 0, by the intervals that are told of it.
+    fn of_no_size(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
+        let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
+        let sizes = self.parameters(last, steps.len());
+        let nothing = |step: &usize| {
+            let mut sizes = sizes[*step].iter();
+            let known = last.owners.contains(step) && sizes.len() > 0;
+            known && sizes.all(|p| p.low <= 0.0 && p.high >= 0.0)
+        };
+        (0..steps.len()).filter(of_forces).find(nothing)
+    }
+
     /// The fit with one effect wherever it does in place of a step, or of two.
     ///
     /// # Errors
     /// Those of the fit.
-    pub fn with_one_instead(
-        &self,
-        mut fit: RunFit,
-        account: &mut Account,
-    ) -> Result<RunFit, Error> {
+    fn with_one_instead(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
         while let Some(one) = self.one_instead(&fit, &account.steps)? {
             let [first, other] = one.steps;
             let mut step = account.steps[first].clone();
