@@ -25,7 +25,6 @@ struct Followed {
 impl Relaxed {
     /// Rates of the followed slips [rad/s] at the next sample, `dt_s` after the last: slips [rad] and their rates [rad/s], the speed
     /// \[m/s\] and the distance \[m\], which is positive. At the first sample forces follow at the slip's own rate.
-    ///
     pub fn rates(
         &mut self,
         slip: [f64; 2],

@@ -1,6 +1,6 @@
 //! What is known of a sled at one instant, and the forces on it.
 
-use kufe_effect::Conditions;
+use kufe_effect::{Conditions, Relaxed};
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,6 +54,18 @@ pub struct State {
 }
 
 impl State {
+    /// Rates of the slips that forces follow after a distance [m], `dt_s` [s] after the state before [rad/s]; below 1 m/s as at 1 m/s.
+    pub fn followed_rates(&self, relaxed: &mut Relaxed, dt_s: f64, distance: f64) -> [f64; 2] {
+        let slip = [self.alpha_f_rad, self.alpha_r_rad];
+        relaxed.rates(
+            slip,
+            self.slip_rate_radps,
+            self.v_mps.max(1.0),
+            dt_s,
+            distance,
+        )
+    }
+
     /// Time, place, speed and weather, as effects see them; the normal force and the drag area are left open.
     pub fn conditions(&self) -> Conditions {
         Conditions {

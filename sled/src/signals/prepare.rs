@@ -117,10 +117,8 @@ pub fn prepare(
                 (motion.accel_mps2[0], state.accel_mps2[0]) = (f64::NAN, f64::NAN);
             }
             if let Some(distance) = relaxation {
-                let slip = [state.alpha_f_rad, state.alpha_r_rad];
-                let v = state.v_mps.max(1.0);
                 state.slip_rate_radps =
-                    relaxed.rates(slip, state.slip_rate_radps, v, 1.0 / base.rate_hz, distance);
+                    state.followed_rates(&mut relaxed, 1.0 / base.rate_hz, distance);
             }
             states.push(state);
             motions.push(motion);

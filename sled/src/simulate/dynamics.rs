@@ -278,11 +278,7 @@ impl World<'_> {
     pub(crate) fn before(&self, instant: &Instant, then: &Before, step_s: f64) -> Before {
         let (state, mut relaxed) = (&instant.state, then.relaxed);
         let slip_rate = match self.vehicle.effects.relaxation() {
-            Some(distance) => {
-                let slip = [state.alpha_f_rad, state.alpha_r_rad];
-                let v = state.v_mps.max(1.0);
-                relaxed.rates(slip, state.slip_rate_radps, v, step_s, distance)
-            }
+            Some(distance) => state.followed_rates(&mut relaxed, step_s, distance),
             None => std::array::from_fn(|i| {
                 let (now, then) = (state.slip_rate_radps[i], then.slip_rate[i]);
                 then + 0.1 * (now - then)

@@ -29,9 +29,10 @@ use crate::evidence::runs::recordings::frame::Frame;
 /// Mean over the runs of `ln det(V + diag(b (dr/da)^2)) / 2` of the balances in use.
 pub fn log_noise(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
     let of_run = |frame: &Frame| log_noise_of(model, frame, used) * frame.row_count() as f64;
-    let sum: f64 = frames.par_iter().map(of_run).sum();
+    // One after the other, so that the sum does not depend on the threads.
+    let each: Vec<f64> = frames.par_iter().map(of_run).collect();
     let rows: usize = frames.iter().map(Frame::row_count).sum();
-    sum / rows.max(1) as f64
+    each.iter().sum::<f64>() / rows.max(1) as f64
 }
 
 /// The same of one run.

@@ -116,9 +116,7 @@ impl<'a> ModelOnRun<'a> {
             let (mut relaxed, dt) = (Relaxed::default(), self.frame.sample_s());
             let of = |i: usize| {
                 let (_, state, _) = self.as_told(i, &self.measured(i));
-                let slip = [state.alpha_f_rad, state.alpha_r_rad];
-                let v = state.v_mps.max(1.0);
-                let followed = relaxed.rates(slip, state.slip_rate_radps, v, dt, distance);
+                let followed = state.followed_rates(&mut relaxed, dt, distance);
                 [0, 1].map(|k| followed[k] - state.slip_rate_radps[k])
             };
             (0..self.frame.len()).map(of).collect()

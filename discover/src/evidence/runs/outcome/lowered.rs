@@ -1,7 +1,7 @@
 //! What the locked-away runs say of one model beside another, all channels together.
 //!
-//! With residuals r in units of their deviations on the training runs, pieces k of the locked-away runs, and m the mean residual
-//! of the training runs at the same place of the same track:
+//! With residuals r weighed by their covariance on the training runs (beside contacts by their deviations alone), pieces k of the
+//! locked-away runs, and m the mean residual of the training runs at the same place of the same track:
 //!
 //! ```text
 //! by = sum_k (r_from^2 - (r_to g_from / g_to)^2)        repeats = sum r_from . m
