@@ -7,7 +7,7 @@
 //! | [`hex8_dilatation`] | the one for nearly incompressible materials |
 //! | [`Constraints`], [`add_pressure`], [`add_traction`], [`add_body_force`] | supports and loads |
 //! | [`equilibrium`] | loads in, displacements and reactions out |
-//! | [`nodal_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
+//! | [`nodal_stresses`], [`grid_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
 //! | [`assemble`], [`BlockMatrix`], [`MatrixFree`] | the stiffness, stored and not |
 //! | [`SparseStiffness`], [`write_matrix_market`] | the stored one as faer's sparse matrix, by component, and as text |
 //! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
@@ -91,5 +91,6 @@ pub use stress::field::{
     extrapolate_to_corners, gauss_point_stresses, nodal_stresses, strain_at, stress_at,
 };
 pub use stress::measures::{maximum_shear, principal_stresses, von_mises};
+pub use stress::on_grid::grid_stresses;
 pub use tensor::axis::{Axis, AxisModes, Tridiagonal};
 pub use tensor::operator::{HeldFaces, LowerLayer, TensorOperator};

@@ -52,11 +52,11 @@ impl Gram {
         let own = full.view((0, 0), (levels, levels)).into_owned();
         let inverse = ridge_inverse(own);
         let rest = m - levels;
-        let cross = full.view((0, levels), (levels, rest)).into_owned();
-        let g = full.view((levels, levels), (rest, rest)) - cross.tr_mul(&(&inverse * &cross));
-        let to_own = windows.columns(0, levels).into_owned();
-        let reduced = &to_own * &inverse;
-        let free = windows.columns(levels, rest) - &reduced * &cross;
+        let cross = full.view((0, levels), (levels, rest));
+        let g = full.view((levels, levels), (rest, rest)) - cross.tr_mul(&(&inverse * cross));
+        let to_own = windows.columns(0, levels);
+        let reduced = to_own * &inverse;
+        let free = windows.columns(levels, rest) - &reduced * cross;
         let window_norms = norms
             .iter()
             .enumerate()

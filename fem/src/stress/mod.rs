@@ -2,3 +2,4 @@
 
 pub mod field;
 pub mod measures;
+pub mod on_grid;

@@ -5,7 +5,9 @@ use std::io::Write;
 use crate::Failure;
 use crate::field::contact_vtp::finite;
 use kufe_contact::{ElasticRunner, RunnerField, Solution, SurfaceField, VolumeField};
-use kufe_fem::{Body, ElementKind, Material, Section, maximum_shear, nodal_stresses, von_mises};
+use kufe_fem::{
+    Body, ElementKind, Material, Section, grid_stresses, maximum_shear, nodal_stresses, von_mises,
+};
 use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 /// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where there is one, the plastic depth of its surface
@@ -22,21 +24,7 @@ pub fn write_ice(
 ) -> Result<(), Failure> {
     let (volume, surface) = (&solution.volume, &solution.surface);
     let mesh = volume.grid.hex_mesh();
-    let mut sections = sections(
-        [volume.youngs_modulus, volume.poissons_ratio],
-        volume.element,
-        mesh.cells.len(),
-    )?;
-    if let Some((bed, layers)) = volume.bed {
-        let [nx, ny, _] = volume.grid.shape();
-        let cells = layers * (nx - 1) * (ny - 1);
-        let own = self::sections(
-            [bed.youngs_modulus, bed.poissons_ratio],
-            volume.element,
-            cells,
-        )?;
-        sections[..cells].copy_from_slice(&own);
-    }
+    let stresses = ice_stresses(volume, &mesh)?;
     let at_nodes = |values: &[f64], below: f64| at_nodes(volume, surface, values, below);
     let pressure = at_nodes(&surface.pressure, 0.0);
     let gap: Vec<f64> = surface.gap.iter().copied().map(finite).collect();
@@ -46,7 +34,36 @@ pub fn write_ice(
     own.extend(depth.iter().map(|depth| ("plastic_depth_m", &depth[..])));
     let mirrored = solution.symmetry;
     let moved = &volume.displacement;
-    write(writer, (mesh, mirrored), moved, sections, &own, shear)
+    write(writer, (&mesh, mirrored), moved, &stresses, &own, shear)
+}
+
+/// Stresses [Pa] at the nodes: from the grid, or where its cells are no plain ones from the mesh.
+fn ice_stresses(volume: &VolumeField, mesh: &HexMesh) -> Result<Vec<[f64; 6]>, Failure> {
+    let ice = material(volume.youngs_modulus, volume.poissons_ratio)?;
+    let below = match volume.bed {
+        Some((bed, layers)) => Some((layers, material(bed.youngs_modulus, bed.poissons_ratio)?)),
+        None => None,
+    };
+    if volume.element == ElementKind::Hex8 {
+        return Ok(grid_stresses(
+            &volume.grid,
+            ice,
+            below,
+            &volume.displacement,
+        ));
+    }
+    let [nx, ny, _] = volume.grid.shape();
+    let (layers, bed) = below.unwrap_or((0, ice));
+    let section = |cell: usize| Section {
+        material: if cell < layers * (nx - 1) * (ny - 1) {
+            bed
+        } else {
+            ice
+        },
+        kind: volume.element,
+    };
+    let sections = (0..mesh.cells.len()).map(section).collect();
+    stresses(mesh, sections, &volume.displacement)
 }
 
 /// A field on the whole surface at all nodes of the part that was solved, which has the surface's last columns and rows; `below` the surface.
@@ -72,28 +89,26 @@ pub fn write_runner(
     mirrored: [bool; 2],
     shear: bool,
 ) -> Result<(), Failure> {
-    let sections = sections(
-        [elastic.youngs_modulus, elastic.poissons_ratio],
-        elastic.element_kind(),
-        field.mesh.cells.len(),
-    )?;
-    write(
-        writer,
-        (field.mesh.clone(), mirrored),
-        &field.displacement,
-        sections,
-        &[],
-        shear,
-    )
+    let section = Section {
+        material: material(elastic.youngs_modulus, elastic.poissons_ratio)?,
+        kind: elastic.element_kind(),
+    };
+    let (mesh, moved) = (&field.mesh, &field.displacement);
+    let stresses = stresses(mesh, vec![section; mesh.cells.len()], moved)?;
+    write(writer, (mesh, mirrored), moved, &stresses, &[], shear)
 }
 
-fn sections(
-    [youngs_modulus, poissons_ratio]: [f64; 2],
-    kind: ElementKind,
-    cells: usize,
-) -> Result<Vec<Section>, Failure> {
-    let material = Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)?;
-    Ok(vec![Section { material, kind }; cells])
+fn material(youngs_modulus: f64, poissons_ratio: f64) -> Result<Material, Failure> {
+    Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)
+}
+
+fn stresses(
+    mesh: &HexMesh,
+    sections: Vec<Section>,
+    displacement: &[[f64; 3]],
+) -> Result<Vec<[f64; 6]>, Failure> {
+    let body = Body::new(mesh.clone(), sections).map_err(Failure::bad_input)?;
+    Ok(nodal_stresses(&body, displacement.as_flattened()))
 }
 
 /// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa] at the nodes, and fields of a body's own.
@@ -101,15 +116,12 @@ fn sections(
 /// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
 fn write(
     writer: &mut dyn Write,
-    (mesh, mirrored): (HexMesh, [bool; 2]),
+    (mesh, mirrored): (&HexMesh, [bool; 2]),
     displacement: &[[f64; 3]],
-    sections: Vec<Section>,
+    stresses: &[[f64; 6]],
     own: &[(&str, &[f64])],
     shear: bool,
 ) -> Result<(), Failure> {
-    let body = Body::new(mesh, sections).map_err(Failure::bad_input)?;
-    let displacement: Vec<f64> = displacement.iter().flatten().copied().collect();
-    let stresses = nodal_stresses(&body, &displacement);
     let mises: Vec<f64> = stresses.iter().map(|&stress| von_mises(stress)).collect();
     let tensors: Vec<f64> = stresses
         .iter()
@@ -125,7 +137,7 @@ fn write(
         each.collect()
     });
     let mut fields = vec![
-        field("displacement_m", 3, &displacement),
+        field("displacement_m", 3, displacement.as_flattened()),
         field("stress_pa", 9, &tensors),
         field("von_mises_pa", 1, &mises),
     ];
@@ -135,5 +147,5 @@ fn write(
     fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));
     let mirrored = mirrored.map(|used| f64::from(u8::from(used)));
     let planes = [("mirrored_at_x_y", &mirrored[..])];
-    write_vtu(body.mesh(), &fields, &[], &planes, writer).map_err(Failure::bad_input)
+    write_vtu(mesh, &fields, &[], &planes, writer).map_err(Failure::bad_input)
 }

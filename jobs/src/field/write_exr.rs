@@ -77,7 +77,10 @@ pub fn write_channels(
         channels,
     );
     let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer).write().to_buffered(&mut file)?;
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)?;
     let mut bytes = file.into_inner();
     sort_attributes(&mut bytes);
     Ok(writer.write_all(&bytes)?)

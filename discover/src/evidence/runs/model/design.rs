@@ -125,7 +125,7 @@ impl Design<'_> {
         let count = first_trial + trials.len() + 1;
         let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
             let samples = if self.whitener.used[c] { n } else { 0 };
-            vec![vec![0.0; samples]; count]
+            (0..count).map(|_| vec![0.0; samples]).collect()
         });
         let mut left: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
         let mut instants = Vec::with_capacity(if shifted.is_empty() { 0 } else { n });
@@ -354,7 +354,8 @@ impl Products {
     /// along the run.
     pub fn corrected(&self, noise: &DMatrix<f64>, share: f64) -> Gram {
         let m = self.full.ncols();
-        let full = &self.full - noise.view((0, 0), (m, m)) * share;
+        let mut full = noise.view((0, 0), (m, m)) * -share;
+        full += &self.full;
         let mut windows = self.windows.clone();
         let mut norms = self.window_norms.clone();
         for (w, (local, part)) in self.shares.iter().enumerate() {
