@@ -4,6 +4,7 @@
 mod files;
 mod imports;
 mod pages;
+mod parallel;
 mod text;
 
 use std::collections::{BTreeMap, BTreeSet};
