@@ -85,6 +85,9 @@ pub trait Evidence {
     ) -> Result<Description, Error>;
 }
 
+/// Why a claim is left out that later ones explain.
+pub const SUPERFLUOUS: &str = "became superfluous";
+
 /// What a search has to tell so far.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
@@ -99,12 +102,12 @@ pub struct Account {
 }
 
 impl Account {
-    /// Takes back a claim that later ones have made superfluous, or that does not stand out of its own error.
-    pub fn leave_out(&mut self, step: usize) {
+    /// Takes back a claim, and says why: [`SUPERFLUOUS`], or what its size lacks.
+    pub fn leave_out(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
         let told = match self.steps.is_empty() {
             false => format!(
-                "{} became superfluous once the others were there and was removed",
+                "{} {why} once the others were there and was removed",
                 gone.effect
             ),
             true => format!(

@@ -26,7 +26,7 @@ use crate::options::Options;
 use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
+    Account, Added, Claim, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -235,7 +235,7 @@ impl Evidence for Experiments<'_> {
             let Some(weak) = (0..fit.chosen.len()).find(|k| t(k) < least) else {
                 break;
             };
-            account.leave_out(weak);
+            account.leave_out(weak, SUPERFLUOUS);
             fit.chosen.remove(weak);
             fit = self.fitted(fit.chosen);
         }

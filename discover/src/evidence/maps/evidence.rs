@@ -33,7 +33,7 @@ use crate::options::Options;
 use crate::procedure::beside::Beside;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
+    Account, Added, Claim, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::MapRules;
@@ -150,7 +150,7 @@ impl<'a> Maps<'a> {
             }
             let raised = without.misfit.chi2 - fit.misfit.chi2;
             if raised < self.rules().least_drop * fit.misfit.mean_square() {
-                account.leave_out(k);
+                account.leave_out(k, SUPERFLUOUS);
                 account.steps[0].gap_before = self.start.rms;
                 *fit = without;
                 if let Some(last) = account.steps.last_mut() {

@@ -269,14 +269,17 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         whitener: &Whitener,
     ) -> (Vec<Estimate>, ResidualModel) {
-        // Where the noise is only estimated its bias is not known well enough to be taken off.
-        let settle = self.data.noise_from != NoiseFrom::Differences;
         // An installation makes many columns, and its errors are known by no more than their tolerance.
         let pairs: &[u64] = match residual_model.installation.fitted() {
             0 => &[1, 4, 16],
             _ => &BESIDE_INSTALLATION,
         };
-        self.newton(residual_model, whitener, pairs, settle)
+        self.newton(residual_model, whitener, pairs, self.settles())
+    }
+
+    /// Whether the noise's bias is known well enough to be taken off.
+    pub fn settles(&self) -> bool {
+        self.data.noise_from != NoiseFrom::Differences
     }
 
     /// Newton steps on corrected scores, by so many pairs of twins each.

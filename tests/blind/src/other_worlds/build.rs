@@ -121,7 +121,7 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
                 .iter()
                 .map(|h| hides(h, share, roads[0].name, &places))
                 .collect(),
-            tolerated: really_off(&wrong),
+            tolerated: [really_off(&wrong), wall_of_two_runs(&gauge.starts)].concat(),
             too_little_to_name: false,
             base: base.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
         },
@@ -229,6 +229,22 @@ fn really_off(wrong: &Wrong) -> Vec<String> {
     names.into_iter().map(str::to_owned).collect()
 }
 
+/// A wall is really there where two runs of a track happen to meet theirs within a stretch of 15 m, as long as a hidden one is.
+fn wall_of_two_runs(starts: &[Start]) -> Vec<String> {
+    const APART_M: f64 = 15.0;
+    let middles = starts.iter().filter_map(|start| {
+        let [from, to, _] = start.plan.wall?;
+        Some((start.track, 0.5 * (from + to)))
+    });
+    let mut middles: Vec<(usize, f64)> = middles.collect();
+    middles.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let close = |pair: &[(usize, f64)]| pair[0].0 == pair[1].0 && pair[1].1 - pair[0].1 < APART_M;
+    match middles.windows(2).any(close) {
+        true => vec!["wall-contact".to_owned()],
+        false => Vec::new(),
+    }
+}
+
 fn hides(hidden: &Hidden, share: f64, track: &str, walls: &[(String, f64, f64)]) -> Hides {
     let effect = &hidden.effect;
     let places = match effect.acts {
@@ -295,6 +311,29 @@ mod tests {
         wrong.delay_s[5] = 0.018;
         wrong.delay_s[7] = 0.015;
         assert_eq!(really_off(&wrong), ["yaw-rate-lag"]);
+    }
+
+    #[test]
+    fn a_wall_is_there_where_two_runs_of_one_track_meet_it() {
+        let starts = |walls: [Option<(usize, f64)>; 3]| -> Vec<Start> {
+            let start = |wall: Option<(usize, f64)>| Start {
+                name: "r".to_owned(),
+                track: wall.map_or(0, |(track, _)| track),
+                plan: Plan {
+                    wall: wall.map(|(_, from)| [from, from + 6.0, 500.0]),
+                    ..Plan::draw(
+                        0.0,
+                        &mut Source::new(4, "driver"),
+                        &mut Source::new(3, "run"),
+                    )
+                },
+            };
+            walls.map(start).into()
+        };
+        let none = [Some((0, 200.0)), Some((1, 203.0)), Some((0, 300.0))];
+        assert!(wall_of_two_runs(&starts(none)).is_empty());
+        let one = [Some((0, 200.0)), None, Some((0, 209.0))];
+        assert_eq!(wall_of_two_runs(&starts(one)), ["wall-contact"]);
     }
 
     #[test]

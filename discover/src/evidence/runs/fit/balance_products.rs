@@ -1,6 +1,6 @@
 //! Products of the fitted columns within each balance and between balances, from which any weighting of them follows.
 
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3};
 use rayon::prelude::*;
 
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
@@ -55,12 +55,12 @@ impl BalanceProducts {
     }
 
     /// Every two balances with the products of their columns.
-    fn blocks(&self) -> impl Iterator<Item = ((usize, usize), DMatrix<f64>)> + '_ {
+    fn blocks(&self) -> impl Iterator<Item = ((usize, usize), DMatrixView<'_, f64>)> {
         let m = self.columns;
         let places =
             (0..self.balances.len()).flat_map(|a| (0..self.balances.len()).map(move |b| (a, b)));
         places.map(move |(a, b)| {
-            let block = self.sum.view((a * m, b * m), (m, m)).into_owned();
+            let block = self.sum.view((a * m, b * m), (m, m));
             ((self.balances[a], self.balances[b]), block)
         })
     }
@@ -77,7 +77,7 @@ impl BalanceProducts {
         along.rows_mut(OWN_LEVELS, step.len()).copy_from(&-step);
         let mut left = Matrix3::zeros();
         for (at, block) in self.blocks() {
-            let square = along.dot(&(&block * &along));
+            let square = along.dot(&(block * &along));
             // A straight line leaves no less than nothing.
             let least = match at.0 == at.1 {
                 true => 1e-9 * block[(self.columns - 1, self.columns - 1)],

@@ -11,7 +11,7 @@ use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel,
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::report::Step;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Account;
+use crate::procedure::evidence::{Account, SUPERFLUOUS};
 
 /// A candidate by itself: its model, and what that leaves of each run.
 struct Alone {
@@ -39,7 +39,7 @@ impl Campaign<'_> {
     pub fn with_what_lasts(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
         loop {
             while let Some(step) = self.superfluous(&fit, &account.steps) {
-                account.leave_out(step);
+                account.leave_out(step, SUPERFLUOUS);
                 fit = self.without_step(&fit, step)?;
             }
             let mut last = self.with_one_instead(fit, account)?;
@@ -47,7 +47,7 @@ impl Campaign<'_> {
             let Some(step) = self.of_no_size(&last, &account.steps) else {
                 return Ok(last);
             };
-            account.leave_out(step);
+            account.leave_out(step, "had an interval that holds 0");
             fit = self.without_step(&last, step)?;
         }
     }

@@ -4,7 +4,6 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
-use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::finding::report::Tolerated;
 use crate::procedure::evidence::Account;
 
@@ -40,7 +39,7 @@ impl Campaign<'_> {
             &refitted.residual_model,
             &refitted.whitener,
             &BESIDE_INSTALLATION,
-            self.data.noise_from != NoiseFrom::Differences,
+            self.settles(),
         );
         fit.estimates[..base.len()].copy_from_slice(&base);
         fit.settled = ResidualModel { frozen, ..written };
