@@ -57,7 +57,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {
-        say(&summary::text(&pressed, &args.out));
+        let p_max_map = document["p_max_map_pa"].as_f64();
+        let p_max_map = p_max_map.unwrap_or(pressed.solution.p_max_mesh);
+        say(&summary::text(&pressed, p_max_map, &args.out));
     }
     match &pressed.short {
         Some(short) => Err(short.clone()),

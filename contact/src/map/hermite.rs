@@ -3,7 +3,9 @@
 /// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
 ///
 /// Slopes come from the parabola through a node and its neighbours (one-sided beside a gap), so parabolas are
-/// reproduced exactly. Cells that lack an end are gaps. Between two values that are not positive nothing is.
+/// reproduced exactly. Cells that lack an end are gaps. Between two values that are not positive nothing is; between two
+/// positive ones nothing is lower than both, and from a positive one to the other kind it falls all the way, however steep
+/// the cells beside are.
 pub struct Hermite<'a> {
     nodes: &'a [f64],
     values: &'a [f64],
@@ -31,15 +33,23 @@ impl<'a> Hermite<'a> {
         let width = self.nodes[right] - self.nodes[left];
         let t = (x - self.nodes[left]) / width;
         let rise = self.values[right] - self.values[left];
-        let (from, to) = (self.slopes[left] * width, self.slopes[right] * width);
+        let (mut from, mut to) = (self.slopes[left] * width, self.slopes[right] * width);
+        let [low, high] = [self.values[left], self.values[right]];
+        if low.is_nan() || high.is_nan() {
+            return f64::NAN;
+        }
+        if (low > 0.0) != (high > 0.0) {
+            [from, to] =
+                [from, to].map(|slope| slope.clamp(rise.min(0.0) * 3.0, rise.max(0.0) * 3.0));
+        }
         // h(t) = v + t (m0 + t (3 d - 2 m0 - m1 + t (m0 + m1 - 2 d))), d the rise, m the slopes over the cell
         let value = self.values[left]
             + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)));
         // A cubic may swing over zero between two values that are not positive: no contact is there.
-        if self.values[left] <= 0.0 && self.values[right] <= 0.0 {
-            value.min(0.0)
-        } else {
-            value
+        match (low > 0.0, high > 0.0) {
+            (false, false) => value.min(0.0),
+            (true, true) => value.max(low.min(high)),
+            _ => value,
         }
     }
 }
@@ -80,6 +90,16 @@ mod tests {
         let (nodes, values) = ([0.0, 1.0, 2.0, 3.0], [-9.0, -0.1, -0.1, -9.0]);
         let line = Hermite::new(&nodes, &values);
         assert!((0..=300).all(|k| line.at(0.01 * f64::from(k)).max(0.0) == 0.0));
+    }
+
+    #[test]
+    fn beside_steep_cells_nothing_is_lower_than_its_neighbours_and_rims_are_crossed_once() {
+        let nodes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let values = [1.0, 1.0, 1.0, 40.0, 3.0, -90.0];
+        let line = Hermite::new(&nodes, &values);
+        let at: Vec<f64> = (0..500).map(|k| line.at(0.01 * f64::from(k))).collect();
+        assert!(at[..400].iter().all(|v| *v >= 1.0));
+        assert!(at[400..].is_sorted_by(|a, b| a >= b));
     }
 
     #[test]

@@ -22,7 +22,8 @@ const LEAST: f64 = 0.1;
 /// its hat function, which reaches out of the contact. So nodes with an open one among their eight neighbours, and the open ones
 /// beside them, take the value of a paraboloid (weighted least squares) through the nodes around, which those within decide. Where
 /// that does not fall outwards (an edge of the hull) or has too few nodes, the rim lies half-way between nodes. Beside nodes that
-/// bear all they can, `bound` [Pa], it lies where the overlap ends, if there is one, and else half-way too.
+/// bear all they can, `bound` [Pa], it lies where the overlap ends, if there is one, and else half-way too; a node there that bears
+/// a part of it is one over which the rim goes, half of whose hat function presses where it bears half.
 pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let square: Vec<f64> = field.pressure.iter().map(|p| p * p).collect();
     let nodes = Nodes::new(field, &square);
@@ -46,6 +47,9 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
         .map(|n| match nodes.place[n] {
             Place::Within if full(n) && steep > 0.0 => (-steep * field.gap[n]).max(square[n]),
             Place::Beside if full(n) && steep > 0.0 => -steep * field.gap[n],
+            Place::Beside if yields(n) && steep > 0.0 => {
+                STEEP * bound * (field.pressure[n] - 0.5 * bound)
+            }
             Place::Open if yields(n) && steep > 0.0 && field.gap[n].is_finite() => {
                 -steep * field.gap[n]
             }
@@ -166,6 +170,7 @@ impl Nodes<'_> {
 mod tests {
     use super::*;
     use crate::map::hertz_field::ellipse;
+    use crate::map::pressure_map::PressureMap;
 
     #[test]
     fn a_hertz_contact_is_continued_by_its_own_paraboloid() {
@@ -256,6 +261,41 @@ mod tests {
                 }
             }
             assert!(ends > 8, "{ends}");
+        }
+    }
+
+    /// A disk whose ice bears 1 all over: nodes on the rim bear what part of their hat functions presses.
+    #[test]
+    fn ice_that_yields_has_a_map_with_its_force_and_without_holes() {
+        for cells in [5.3, 6.5, 8.8, 17.2] {
+            let field = disk(cells, |x, y| {
+                let steps = || (0..40).map(|k| (f64::from(k) - 19.5) / 20.0);
+                let hat = |t: f64| (1.0 - t.abs()) / 20.0;
+                let row = |t: f64| -> f64 {
+                    let inside = |s: &f64| (x + s / cells).hypot(y + t / cells) < 1.0;
+                    steps().filter(inside).map(hat).sum::<f64>() * hat(t)
+                };
+                let pressed: f64 = steps().map(row).sum();
+                let gap = if pressed > 0.0 && pressed < 0.999 {
+                    0.0
+                } else {
+                    x * x + y * y - 1.0
+                };
+                (if pressed < 0.999 { pressed } else { 1.0 }, gap)
+            });
+            let map = PressureMap::new(&field, std::f64::consts::PI, 1.0);
+            let force = map.pressure.iter().sum::<f64>() * map.dx * map.dy;
+            assert!(
+                (force / std::f64::consts::PI - 1.0).abs() < 0.25 / cells,
+                "{cells}: {force}"
+            );
+            for (k, p) in map.pressure.iter().enumerate() {
+                let [i, j] = [k % map.nx, k / map.nx];
+                let r = (map.x0 + i as f64 * map.dx).hypot(map.y0 + j as f64 * map.dy);
+                let near = 1.0 / cells;
+                assert!(r > 1.0 - near || *p > 0.9, "{cells}: {p} at {r}");
+                assert!(r < 1.0 + near || *p == 0.0, "{cells}: {p} at {r}");
+            }
         }
     }
 
