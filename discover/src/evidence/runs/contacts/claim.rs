@@ -40,8 +40,27 @@ impl Campaign<'_> {
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
         let (mut places, mut frames) = (hit.places, hit.frames);
         // Where the places are shows apart from grip; how hard they are hit is what the balance leaves, as in runs that did not set them.
-        for (frame, left) in frames.iter_mut().zip(&as_it_is) {
-            set_own_of(frame, &left[1], &places);
+        // A place that no runs hit then is none: it has neither a force nor a stretch.
+        loop {
+            for (frame, left) in frames.iter_mut().zip(&as_it_is) {
+                set_own_of(frame, &left[1], &places);
+            }
+            let hits = |k: usize| {
+                let own = frames.iter().flat_map(|f| &f.contacts);
+                own.filter(|own| own.place == k).count()
+            };
+            let hit: Vec<Active> = (0..places.len())
+                .filter(|k| hits(*k) >= rules.contacts.fewest_hits)
+                .map(|k| places[k].clone())
+                .collect();
+            if hit.is_empty() {
+                return None;
+            }
+            let all = hit.len() == places.len();
+            places = hit;
+            if all {
+                break;
+            }
         }
         let interval = self.options.rules.search.interval;
         let shared_m = shared_with_side(&frames, &left, 2);

@@ -222,14 +222,37 @@ pub fn ratio_of_strong(
     })
 }
 
-/// How much of the side balance's noise a balance shares, along the runs and apart from contacts: `sum y x / sum x^2`. Noise of a slip angle
-/// is in both, pushes and turns like a wall at a lever of its own.
+/// How much of the side balance's noise a balance shares, along the runs and apart from contacts. Noise of a slip angle is in both, pushes and
+/// turns like a wall at a lever of its own; which lever goes with how slow it is, so that it is asked at the length of contacts:
+///
+/// ```text
+/// sum Y X / sum X^2,   X = sum w x,  Y = sum w y  over half waves w side by side
+/// ```
 pub fn shared_with_side(frames: &[Frame], left: &[ChannelRows], balance: usize) -> f64 {
+    let own = || frames.iter().flat_map(|f| &f.contacts);
+    let length_m = own().map(|own| own.contact.length_m).sum::<f64>() / own().count() as f64;
+    if !length_m.is_finite() {
+        return 0.0;
+    }
     let [mut both, mut squares] = [0.0; 2];
     for (frame, left) in frames.iter().zip(left) {
-        for i in frame.samples().filter(|i| !beneath(frame, frame.s[*i])) {
-            both += left[1][i] * left[balance][i];
-            squares += left[1][i] * left[1][i];
+        let mut wave = WallContact {
+            s_m: f64::NEG_INFINITY,
+            length_m,
+            force_n: 1.0,
+            x_m: 0.0,
+        };
+        let [mut x, mut y] = [0.0; 2];
+        for i in frame.samples() {
+            let s = frame.s[i];
+            if s > wave.s_m + length_m {
+                (both, squares) = (both + x * y, squares + x * x);
+                (wave.s_m, x, y) = (s, 0.0, 0.0);
+            }
+            if !beneath(frame, s) {
+                let w = wave.force_at(s);
+                (x, y) = (x + w * left[1][i], y + w * left[balance][i]);
+            }
         }
     }
     if squares > 0.0 { both / squares } else { 0.0 }

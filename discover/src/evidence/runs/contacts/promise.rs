@@ -1,9 +1,10 @@
 //! What stated contacts promise of the side balance of a run that did not set them.
 
 use kufe_sled::effects::Active;
-use kufe_sled::{HITS_DIFFER, half_waves, hits_of, likelier, stretch_of};
+use kufe_sled::{HITS_DIFFER, WallContact, half_waves, hits_of, likelier, scatter, stretch_of};
 
 use crate::evidence::runs::contacts::model::Contacts;
+use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Share of runs that something else pushes on a stretch, and how much harder than a hit. Chosen: no single run can say much then.
@@ -21,7 +22,7 @@ const ELSE: (f64, f64) = (0.05, 10.0);
 /// sum over places of 2 ln ((1 - q) (1 - pi + pi L(F, F / 2)) + q L(0, 10 F)) - 2 ln (1 - q + q L(0, 10 F))
 /// ```
 ///
-/// with a share q of runs that something else pushes; `share` of the rows are independent. Source: the predictive density of a normal
+/// with a share q of runs that something else pushes; `share` of the rows are independent ([`rows_alike`]). Source: the predictive density of a normal
 /// amplitude in normal noise. Of noise alone the sum exceeds 2 ln(1 / p) with at most the probability p (Markov's inequality).
 pub fn kept_promise(
     contacts: &Contacts,
@@ -41,7 +42,43 @@ pub fn kept_promise(
     there.map(of_place).sum()
 }
 
-/// The same of one place: its half waves row by row, the share of hits and their force \[N\].
+/// How many rows of the side balance say what one would, were they independent: the square of what half waves along the runs have of it
+/// over what they have of white noise, 1 at least. `rows` are those of the training runs in units of their standard deviation.
+///
+/// Noise that is slow stays with a whole half wave. The middle of the squares counts: few half waves meet a wall.
+pub fn rows_alike(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -> f64 {
+    let lengths = contacts.places.iter().map(|place| {
+        let [from_m, to_m] = stretch_of(place);
+        0.5 * (to_m - from_m)
+    });
+    let length_m = lengths.sum::<f64>() / contacts.places.len().max(1) as f64;
+    let of_run = |(frame, rows): (&Frame, &ChannelRows)| -> Vec<f64> {
+        let s = frame.rows(&frame.s);
+        let (Some(first), Some(last)) = (s.first(), s.last()) else {
+            return Vec::new();
+        };
+        let count = ((last - first) / length_m).floor().max(0.0) as usize;
+        let had = |k: usize| {
+            let wave = WallContact {
+                s_m: first + k as f64 * length_m,
+                length_m,
+                force_n: 1.0,
+                x_m: 0.0,
+            };
+            let (mut wr, mut ww) = (0.0, 0.0);
+            for (s, r) in s.iter().zip(&rows[1]) {
+                let w = wave.force_at(*s);
+                (wr, ww) = (wr + w * r, ww + w * w);
+            }
+            (ww > 0.0).then(|| wr / ww.sqrt())
+        };
+        (0..count).filter_map(had).collect()
+    };
+    let each: Vec<f64> = frames.iter().zip(rows).flat_map(of_run).collect();
+    scatter(&each).powi(2).max(1.0)
+}
+
+/// What runs keep of one place: its half waves row by row, the share of hits and their force \[N\].
 fn kept_at(
     waves: impl Iterator<Item = Vec<f64>>,
     side: &[f64],

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
 use crate::evidence::runs::contacts::grip::apart_from_grip;
+use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_pushes};
-use crate::evidence::runs::contacts::promise::kept_promise;
+use crate::evidence::runs::contacts::promise::{kept_promise, rows_alike};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
@@ -121,11 +122,16 @@ impl Campaign<'_> {
     ) -> Option<Lowered> {
         let rules = self.rules();
         let width = rules.track_bin_m;
-        let (_, mut whitener) = self.learned(before);
+        let (learned, mut whitener) = self.learned(before);
         // A push that is taken off one balance and left in the other is no noise that they share.
         if before.contacts.is_some() || after.contacts.is_some() {
             whitener = whitener.apart();
         }
+        let alike = |contacts: &Contacts| {
+            let rows: Vec<ChannelRows> = learned.iter().map(|r| whitener.rows(r)).collect();
+            rows_alike(contacts, &self.training, &rows)
+        };
+        let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
         let each: Vec<(Vec<f64>, f64)> = self
             .held
             .par_iter()
@@ -166,16 +172,17 @@ impl Campaign<'_> {
                 let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
                 let falls = falls(&rows, &left, &shares, pieces.max(1));
                 // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
-                let kept = |model: &ResidualModel| {
+                let kept = |model: &ResidualModel, alike: f64| {
                     let contacts = model.contacts.as_ref()?;
                     let mut own = left_without(model, std::slice::from_ref(frame));
                     apart_from_grip(model, std::slice::from_ref(frame), &mut own);
                     let sd = whitener.sd[1];
                     let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
-                    Some(kept_promise(contacts, frame, &side, sd, shares[1]))
+                    Some(kept_promise(contacts, frame, &side, sd, shares[1] / alike))
                 };
-                let kept = [before, after].map(|model| kept(model).unwrap_or_default());
-                (falls, kept[1] - kept[0])
+                let [own, next] = [(before, alike[0]), (after, alike[1])]
+                    .map(|(model, alike)| kept(model, alike).unwrap_or_default());
+                (falls, next - own)
             })
             .collect();
         let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
