@@ -23,7 +23,7 @@ function drawn(spec, width) {
   const [left, right, top, bottom] = [62, 14, 8, 40];
   const x = scale(spec.x, spec.series.flatMap((line) => [...line.x]), [left, width - right], Math.max(3, Math.floor(width / 90)));
   const bandEnds = (spec.bands ?? []).flatMap((band) => [band.low, band.high]);
-  const y = scale(spec.y, [...spec.series.flatMap((line) => [...line.y]), ...bandEnds], [height - bottom, top], 5, true);
+  const y = scale(spec.y, [...spec.series.flatMap(withErrors), ...bandEnds], [height - bottom, top], 5, true);
   const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": `${spec.y.title} over ${spec.x.title}` });
   root.append(svg("rect", { x: left, y: top, width: width - left - right, height: height - top - bottom, fill: "var(--plot)" }));
   for (const band of spec.bands ?? []) {
@@ -47,11 +47,19 @@ function drawn(spec, width) {
     const at = x.at(mark.x);
     if (at >= left && at <= width - right) root.append(svg("line", { x1: at, x2: at, y1: top, y2: height - bottom, stroke: "var(--soft)", "stroke-dasharray": "3 3" }));
   }
-  for (const line of spec.series) root.append(...lineOf(line, x, y, height - bottom));
+  for (const line of spec.series) root.append(...lineOf(line, x, y, top, height - bottom));
   root.append(svg("text", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, spec.x.title));
   const middle = (top + height - bottom) / 2;
   root.append(svg("text", { x: 13, y: middle, "text-anchor": "middle", transform: `rotate(-90 13 ${middle})` }, spec.y.title));
   return root;
+}
+
+/** What the scale of a line has to hold: its values and the ends of their errors, as far as these leave the values legible. */
+function withErrors(line) {
+  const values = [...line.y].filter(Number.isFinite);
+  const far = 2 * Math.max(0, ...values.map(Math.abs));
+  const ends = (line.errors ?? []).flatMap((error, k) => (error > 0 ? [line.y[k] - Math.min(error, far), line.y[k] + Math.min(error, far)] : []));
+  return [...values, ...ends];
 }
 
 /** Names of the lines, where there are several. */
@@ -81,7 +89,7 @@ function scale(axis, values, [start, end], count, room = false) {
   return { at: (value) => start + (end - start) * ((value - from) / (to - from)), marks, texts: tickTexts(marks) };
 }
 
-function lineOf(line, x, y, floor) {
+function lineOf(line, x, y, ceiling, floor) {
   const made = [], pieces = [];
   let piece = [];
   for (let k = 0; k < line.x.length; k++) {
@@ -97,8 +105,8 @@ function lineOf(line, x, y, floor) {
   }
   (line.errors ?? []).forEach((error, k) => {
     if (!(error > 0) || !Number.isFinite(line.y[k] + error)) return;
-    const at = x.at(line.x[k]);
-    made.push(svg("line", { x1: at, x2: at, y1: y.at(line.y[k] - error), y2: y.at(line.y[k] + error), stroke: line.colour, "stroke-width": 1.5 }));
+    const at = x.at(line.x[k]), within = (value) => Math.min(floor, Math.max(ceiling, y.at(value)));
+    made.push(svg("line", { class: "error", x1: at, x2: at, y1: within(line.y[k] - error), y2: within(line.y[k] + error), stroke: line.colour, "stroke-width": 1.5 }));
   });
   return made;
 }

@@ -88,7 +88,8 @@ function valuesOf(rows, key) {
 }
 
 function everyContact(data, there) {
-  const link = (row) => (row.error ? String(row.step) : el("a", { href: `${encodeURIComponent(row.folder)}/pressure.png` }, String(row.step)));
+  // A step short of its accuracy has a map all the same.
+  const link = (row) => (row.p_max_pa === null ? String(row.step) : el("a", { href: `${encodeURIComponent(row.folder)}/pressure.png` }, String(row.step)));
   const cell = (row, [key, , , times, error]) => {
     if (!Number.isFinite(row[key])) return "";
     const stated = Number.isFinite(row[error]) ? ` \u00b1 ${figure(times * row[error], 2)}` : "";

@@ -50,6 +50,11 @@ pub enum Plot {
         /// The runs.
         runs: Vec<StripRun>,
     },
+    /// Largest pressures of measurements without a map, beside the simulated ones.
+    Peaks {
+        /// The measurements.
+        rows: Vec<Peak>,
+    },
     /// A measured map and the simulated ones on its pixels, row by row from the lower left.
     Maps {
         /// Pixels along x.
@@ -71,6 +76,24 @@ pub enum Plot {
         /// Simulated after [Pa]; empty where nothing was added.
         after: Vec<f64>,
     },
+}
+
+/// The largest pressure of one measurement.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// Row, with force and radius.
+    pub name: String,
+    /// Whether the search had not seen it.
+    pub not_seen: bool,
+    /// Measured [Pa].
+    pub measured: f64,
+    /// Its standard deviation [Pa].
+    pub sd: f64,
+    /// Simulated before any effect was added [Pa].
+    pub before: f64,
+    /// Simulated after [Pa]; nothing where nothing was added.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<f64>,
 }
 
 /// Where an effect acts along a track.

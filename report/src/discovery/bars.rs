@@ -6,6 +6,7 @@ use kufe_plot::{number4, unit_of, usual};
 
 use super::data::Data;
 use super::diagram::COLOURS;
+use super::parts::{WIDTHS, for_both};
 use crate::page::escape;
 
 /// Bins that a picture shows.
@@ -14,32 +15,57 @@ const SHOWN: usize = 12;
 /// Most of a picture's width that names of bins take.
 const NAMES: f64 = 420.0;
 
+/// A picture's opening tag.
+fn open(width: f64, height: usize, label: &str, letters: usize) -> String {
+    format!(
+        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" aria-label=\"{label}\" font-family=\"system-ui,sans-serif\" font-size=\"{letters}\" fill=\"currentColor\">"
+    )
+}
+
+fn is_narrow(width: f64) -> bool {
+    width < WIDTHS[0]
+}
+
+/// ` [unit]`, nothing where there is none.
+fn in_brackets(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    }
+}
+
 /// Horizontal bars, each channel in its own scale: before, after, and what the sensors' noise alone would give.
 pub fn gap(title: &str, channels: &[Data]) -> String {
-    let height = 34 + channels.len() * 74;
-    let mut svg = format!(
-        "<svg viewBox=\"0 0 640 {height}\" width=\"640\" role=\"img\" aria-label=\"{0}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\"><text x=\"0\" y=\"16\" font-weight=\"bold\">{0}</text>\n",
-        escape(title)
+    for_both(WIDTHS, |width| gap_drawn(title, channels, width))
+}
+
+fn gap_drawn(title: &str, channels: &[Data], width: f64) -> String {
+    // Names stand left of their bars, on a phone above them.
+    let (left, above, step) = match is_narrow(width) {
+        true => (92.0, 20, 94),
+        false => (212.0, 0, 74),
+    };
+    let most_wide = width - left - 98.0;
+    let title = escape(title);
+    let mut svg = open(width, 34 + channels.len() * step, &title, 13);
+    let _ = writeln!(
+        svg,
+        "<text x=\"0\" y=\"16\" font-weight=\"bold\">{title}</text>"
     );
     for (k, c) in channels.iter().enumerate() {
-        let y = 30 + k * 74;
+        let y = 30 + k * step;
         let most = c
             .number("before")
             .max(c.number("after"))
             .max(c.number("noise"))
             .max(1e-300);
         let (_, unit) = usual(1.0, c.text("unit"));
-        let unit = if unit.is_empty() {
-            String::new()
-        } else {
-            format!(" [{unit}]")
-        };
         let _ = write!(
             svg,
             "<text x=\"0\" y=\"{}\">{}{}</text>",
-            y + 34,
+            if above > 0 { y + 14 } else { y + 34 },
             escape(c.text("channel")),
-            escape(&unit)
+            escape(&in_brackets(unit))
         );
         for (row, (label, value, colour)) in [
             ("before", c.number("before"), COLOURS[0]),
@@ -49,36 +75,59 @@ pub fn gap(title: &str, channels: &[Data]) -> String {
         .into_iter()
         .enumerate()
         {
-            let top = y + row * 20;
-            let width = 330.0 * value / most;
+            let top = y + above + row * 20;
+            let wide = most_wide * value / most;
             let _ = writeln!(
                 svg,
-                "<text x=\"205\" y=\"{}\" text-anchor=\"end\">{label}</text><rect x=\"212\" y=\"{}\" width=\"{width:.1}\" height=\"14\" fill=\"{colour}\"/><text x=\"{:.1}\" y=\"{}\">{}</text>",
+                "<text x=\"{:.0}\" y=\"{}\" text-anchor=\"end\">{label}</text><rect x=\"{left}\" y=\"{}\" width=\"{wide:.1}\" height=\"14\" fill=\"{colour}\"/><text x=\"{:.1}\" y=\"{}\">{}</text>",
+                left - 7.0,
                 top + 13,
                 top + 2,
-                218.0 + width,
+                left + 6.0 + wide,
                 top + 13,
                 number4(usual(value, c.text("unit")).0)
             );
         }
     }
-    svg.push_str("</svg>\n");
+    svg.push_str("</svg>");
     svg
 }
 
 /// Mean residuals with two standard errors, strongest bins first.
 pub fn bins(bins: &[Data]) -> String {
     let shown = &bins[..bins.len().min(SHOWN)];
-    let height = 30 + 22 * shown.len();
+    for_both(WIDTHS, |width| bins_drawn(shown, width))
+}
+
+fn bins_drawn(shown: &[Data], width: f64) -> String {
+    let narrow = is_narrow(width);
     let named = |bin: &Data| format!("{}: {}", bin.text("channel"), range(*bin));
     let longest = shown.iter().map(|bin| named(bin).chars().count()).max();
-    // The names' end, and the middle and half of what is left beside them.
-    let names = (7.0 * longest.unwrap_or(0) as f64).min(NAMES);
-    let half = 0.5 * (630.0 - names);
+    // The names' end, and the middle and half of what is left beside them; on a phone names stand above.
+    let (names, step, first) = match narrow {
+        true => (0.0, 40, 66),
+        false => ((7.0 * longest.unwrap_or(0) as f64).min(NAMES), 22, 36),
+    };
+    let half = 0.5 * (width - 10.0 - names);
     let middle = names + 5.0 + half;
-    let mut svg = format!(
-        "<svg viewBox=\"0 0 640 {height}\" width=\"640\" role=\"img\" aria-label=\"mean residual by bin\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"currentColor\"><text x=\"0\" y=\"14\">mean residual with two standard errors, relative to the largest of its channel</text>\n"
+    let mut svg = open(
+        width,
+        first - 6 + step * shown.len(),
+        "mean residual by bin",
+        12,
     );
+    let title = [
+        "mean residual with two standard errors,",
+        "relative to the largest of its channel",
+    ];
+    let _ = match narrow {
+        true => writeln!(
+            svg,
+            "<text x=\"0\" y=\"14\">{}</text><text x=\"0\" y=\"30\">{}</text>",
+            title[0], title[1]
+        ),
+        false => writeln!(svg, "<text x=\"0\" y=\"14\">{}</text>", title.join(" ")),
+    };
     for (k, b) in shown.iter().enumerate() {
         let largest = shown
             .iter()
@@ -86,13 +135,16 @@ pub fn bins(bins: &[Data]) -> String {
             .fold(1e-300_f64, |m, o| {
                 m.max(o.number("mean").abs() + 2.0 * o.number("error"))
             });
-        let y = 36 + 22 * k;
+        let y = first + step * k;
         let x = |v: f64| middle + half * v / largest;
+        let (at, anchor, below) = match narrow {
+            true => (0.0, "start", y - 12),
+            false => (names, "end", y + 4),
+        };
         let _ = writeln!(
             svg,
-            "<text x=\"{names}\" y=\"{}\" text-anchor=\"end\">{}</text><line x1=\"{middle}\" x2=\"{middle}\" y1=\"{}\" y2=\"{}\" stroke=\"currentColor\" opacity=\"0.4\"/>\
+            "<text x=\"{at}\" y=\"{below}\" text-anchor=\"{anchor}\">{}</text><line x1=\"{middle}\" x2=\"{middle}\" y1=\"{}\" y2=\"{}\" stroke=\"currentColor\" opacity=\"0.4\"/>\
 <line x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"/><circle cx=\"{:.1}\" cy=\"{y}\" r=\"4\" fill=\"{}\"/>",
-            y + 4,
             escape(&named(b)),
             y - 10,
             y + 12,
@@ -103,35 +155,49 @@ pub fn bins(bins: &[Data]) -> String {
             COLOURS[0]
         );
     }
-    svg.push_str("</svg>\n");
+    svg.push_str("</svg>");
     svg
 }
 
 /// A channel's mean residual run by run, sessions side by side on alternate ground.
 pub fn runs(of: Data) -> String {
+    for_both(WIDTHS, |width| runs_drawn(of, width))
+}
+
+fn runs_drawn(of: Data, width: f64) -> String {
     const LEFT: f64 = 64.0;
-    const WIDE: f64 = 570.0;
-    const MIDDLE: f64 = 86.0;
     const HALF: f64 = 52.0;
+    // The legend stands beside the title, on a phone below it.
+    let lower = if is_narrow(width) { 18.0 } else { 0.0 };
+    let (middle, wide) = (86.0 + lower, width - LEFT - 6.0);
     let runs = of.list("runs");
     let largest = runs.iter().fold(1e-300_f64, |m, r| {
         m.max(r.number("before").abs()).max(r.number("after").abs())
     });
-    let step = WIDE / of.list("runs").len().max(1) as f64;
-    let y = |value: f64| MIDDLE - HALF * value / largest;
+    let step = wide / of.list("runs").len().max(1) as f64;
+    let y = |value: f64| middle - HALF * value / largest;
     let (top, unit) = usual(largest, of.text("unit"));
-    let unit = if unit.is_empty() {
-        String::new()
-    } else {
-        format!(" [{unit}]")
+    let title = escape(&format!(
+        "mean residual {}{}",
+        of.text("channel"),
+        in_brackets(unit)
+    ));
+    let mut svg = open(width, 172 + lower as usize, &format!("{title} by run"), 12);
+    let legend = match is_narrow(width) {
+        true => LEFT + 4.0,
+        false => width - 170.0,
     };
-    let title = format!("mean residual {}{unit}", of.text("channel"));
-    let mut svg = format!(
-        "<svg viewBox=\"0 0 640 172\" width=\"640\" role=\"img\" aria-label=\"{0} by run\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"currentColor\"><text x=\"0\" y=\"14\">{0}</text>\
-<circle cx=\"470\" cy=\"10\" r=\"4\" fill=\"none\" stroke=\"{1}\" stroke-width=\"1.6\"/><text x=\"480\" y=\"14\">before</text><circle cx=\"550\" cy=\"10\" r=\"4\" fill=\"{2}\"/><text x=\"560\" y=\"14\">after</text>\n",
-        escape(&title),
+    let _ = writeln!(
+        svg,
+        "<text x=\"0\" y=\"14\">{title}</text>\
+<circle cx=\"{legend}\" cy=\"{4}\" r=\"4\" fill=\"none\" stroke=\"{0}\" stroke-width=\"1.6\"/><text x=\"{2}\" y=\"{5}\">before</text><circle cx=\"{3}\" cy=\"{4}\" r=\"4\" fill=\"{1}\"/><text x=\"{6}\" y=\"{5}\">after</text>",
         COLOURS[0],
-        COLOURS[1]
+        COLOURS[1],
+        legend + 10.0,
+        legend + 80.0,
+        10.0 + lower,
+        14.0 + lower,
+        legend + 90.0
     );
     for (value, told) in [(largest, top), (0.0, 0.0), (-largest, -top)] {
         let _ = writeln!(
@@ -140,7 +206,7 @@ pub fn runs(of: Data) -> String {
             LEFT - 6.0,
             y(value) + 4.0,
             number4(told),
-            LEFT + WIDE,
+            LEFT + wide,
             y(value)
         );
     }
@@ -152,7 +218,7 @@ pub fn runs(of: Data) -> String {
         .iter()
         .map(|s| s[0].text("session").chars().count())
         .max();
-    let room = WIDE / sessions.len().max(1) as f64;
+    let room = wide / sessions.len().max(1) as f64;
     let every = (7.0 * (longest.unwrap_or(0) + 1) as f64 / room)
         .ceil()
         .max(1.0) as usize;
@@ -163,14 +229,16 @@ pub fn runs(of: Data) -> String {
         if k % 2 == 1 {
             let _ = write!(
                 svg,
-                "<rect x=\"{from:.1}\" y=\"26\" width=\"{width:.1}\" height=\"120\" opacity=\"0.07\"/>"
+                "<rect x=\"{from:.1}\" y=\"{}\" width=\"{width:.1}\" height=\"120\" opacity=\"0.07\"/>",
+                26.0 + lower
             );
         }
         if k % every == 0 {
             let _ = write!(
                 svg,
-                "<text x=\"{:.1}\" y=\"162\" text-anchor=\"middle\">{}</text>",
+                "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
                 from + 0.5 * width,
+                162.0 + lower,
                 escape(session[0].text("session"))
             );
         }
@@ -188,7 +256,11 @@ pub fn runs(of: Data) -> String {
         }
         first += session.len();
     }
-    let _ = writeln!(svg, "<text x=\"0\" y=\"162\">session</text></svg>");
+    let _ = write!(
+        svg,
+        "<text x=\"0\" y=\"{}\">session</text></svg>",
+        162.0 + lower
+    );
     svg
 }
 

@@ -5,12 +5,22 @@ use std::fmt::Write as _;
 use kufe_plot::{axis_ticks, unit_of};
 
 use super::data::Data;
+use super::parts::for_both;
 
 /// Colours of what is before and after; told apart by colour-blind readers, on white and on black.
 pub const COLOURS: [&str; 2] = ["#d0703c", "#3f8fd0"];
 
 /// Points in up to two series over a column, with bars of their deviations, a curve or the level 0.
 pub fn diagram(plot: Data) -> String {
+    drawn(plot, WIDTH)
+}
+
+/// The same over a page's whole width.
+pub fn wide_diagram(plot: Data) -> String {
+    for_both([WHOLE, WIDTH], |width| drawn(plot, width))
+}
+
+fn drawn(plot: Data, width: f64) -> String {
     let x = plot.numbers("x");
     let series = plot.list("series");
     let mut ends = Vec::new();
@@ -21,7 +31,7 @@ pub fn diagram(plot: Data) -> String {
             false => ends.extend(y.iter().zip(&sd).flat_map(|(y, sd)| [y - sd, y + sd])),
         }
     }
-    let frame = Frame::around(&x, &ends);
+    let frame = Frame::around(&x, &ends, width);
     let mut svg = frame.open(plot.text("label"));
     let column = plot.text("x_name");
     let name = match unit_of(column) {
@@ -55,10 +65,14 @@ struct Frame {
     x: [f64; 2],
     /// Range of y.
     y: [f64; 2],
+    /// Width of the picture.
+    width: f64,
 }
 
+/// Widths of a diagram beside another, and of one by itself.
+const WIDTH: f64 = 480.0;
+const WHOLE: f64 = 940.0;
 const LEFT: f64 = 58.0;
-const RIGHT: f64 = 472.0;
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 250.0;
 /// Ticks that leave three numbers on any axis.
@@ -66,7 +80,7 @@ const TICKS: usize = 8;
 
 impl Frame {
     /// Ranges that hold all values with a margin.
-    fn around(x: &[f64], y: &[f64]) -> Self {
+    fn around(x: &[f64], y: &[f64], width: f64) -> Self {
         let range = |values: &[f64]| {
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -76,20 +90,26 @@ impl Frame {
         Self {
             x: range(x),
             y: range(y),
+            width,
         }
     }
 
     /// The opening tag.
     fn open(&self, label: &str) -> String {
         format!(
-            "<svg viewBox=\"0 0 480 300\" width=\"480\" role=\"img\" aria-label=\"{label}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n"
+            "<svg viewBox=\"0 0 {0} 300\" width=\"{0}\" role=\"img\" aria-label=\"{label}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n",
+            self.width
         )
+    }
+
+    fn right(&self) -> f64 {
+        self.width - 8.0
     }
 
     fn at(&self, x: f64, y: f64) -> (f64, f64) {
         let share = |v: f64, [low, high]: [f64; 2]| (v - low) / (high - low);
         (
-            LEFT + (RIGHT - LEFT) * share(x, self.x),
+            LEFT + (self.right() - LEFT) * share(x, self.x),
             BOTTOM - (BOTTOM - TOP) * share(y, self.y),
         )
     }
@@ -100,9 +120,9 @@ impl Frame {
             svg,
             "<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"currentColor\" opacity=\"0.5\"/>\
 <text x=\"{}\" y=\"290\" text-anchor=\"middle\">{x}</text><text x=\"8\" y=\"16\">{y}</text>",
-            RIGHT - LEFT,
+            self.right() - LEFT,
             BOTTOM - TOP,
-            0.5 * (LEFT + RIGHT),
+            0.5 * (LEFT + self.right()),
         );
         for tick in axis_ticks(self.x[0], self.x[1], TICKS) {
             let (at, _) = self.at(tick, self.y[0]);
@@ -132,7 +152,8 @@ impl Frame {
         let (_, at) = self.at(self.x[0], y);
         let _ = writeln!(
             svg,
-            "<line x1=\"{LEFT}\" x2=\"{RIGHT}\" y1=\"{at:.1}\" y2=\"{at:.1}\" stroke=\"currentColor\" opacity=\"0.4\"/>"
+            "<line x1=\"{LEFT}\" x2=\"{}\" y1=\"{at:.1}\" y2=\"{at:.1}\" stroke=\"currentColor\" opacity=\"0.4\"/>",
+            self.right()
         );
     }
 
@@ -182,7 +203,7 @@ impl Frame {
     }
 
     fn key(&self, svg: &mut String, name: &str, colour: usize) {
-        let x = RIGHT - 285.0 + 140.0 * colour as f64;
+        let x = self.right() - 285.0 + 140.0 * colour as f64;
         let _ = writeln!(
             svg,
             "<rect x=\"{x}\" y=\"6\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{}\" y=\"16\">{name}</text>",

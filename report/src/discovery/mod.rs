@@ -6,6 +6,7 @@ mod diagram;
 mod maps;
 mod page;
 mod parts;
+mod peaks;
 mod sections;
 mod strip;
 mod summary;

@@ -7,9 +7,10 @@ use serde_json::Value;
 
 use super::bars;
 use super::data::Data;
-use super::diagram::diagram;
+use super::diagram::{diagram, wide_diagram};
 use super::maps::comparison;
-use super::parts::{fold, list, wide};
+use super::parts::{fold, list};
+use super::peaks::peaks;
 use super::sections::{bins, detectable, next_runs, parameters, runs, step};
 use super::strip::strip;
 use super::summary::summary;
@@ -18,8 +19,8 @@ use crate::page::{escape, plain_page};
 /// The page of a search for missing effects: one HTML file without scripts.
 ///
 /// `report` is what `kufe discover` writes to `report.json`, with its `pictures` beside: each has a `title` and a `plot`,
-/// whose `kind` is `strip` (`runs` along a track, `places`), `scatter` (`x`, `y`, `series`, a `curve` or `zero`) or `maps` (a
-/// measured and simulated maps on one grid).
+/// whose `kind` is `strip` (`runs` along a track, `places`), `scatter` (`x`, `y`, `series`, a `curve` or `zero`), `maps` (a
+/// measured and simulated maps on one grid) or `peaks` (`rows` with their largest pressures).
 pub fn discovery_page(report: &Value) -> String {
     let report = Data(report);
     let mut out = String::new();
@@ -64,10 +65,18 @@ fn figures(out: &mut String, pictures: &[Data]) {
         return;
     }
     out.push_str("<div class=\"figures\">\n");
-    for picture in pictures {
+    let is_whole = |picture: &&Data| ["maps", "peaks"].contains(&picture.part("plot").text("kind"));
+    // Diagrams stand in pairs; the one that has none beside it is as wide as the page.
+    let single = match pictures.iter().filter(|picture| !is_whole(picture)).count() % 2 {
+        1 => pictures.iter().position(|picture| !is_whole(&picture)),
+        _ => None,
+    };
+    for (k, picture) in pictures.iter().enumerate() {
         let plot = picture.part("plot");
         let (class, svg) = match plot.text("kind") {
+            _ if single == Some(k) => (" class=\"whole\"", wide_diagram(plot)),
             "maps" => (" class=\"whole\"", comparison(plot)),
+            "peaks" => (" class=\"whole\"", peaks(plot)),
             _ => ("", diagram(plot)),
         };
         let title = escape(picture.text("title"));
@@ -131,14 +140,14 @@ fn details(out: &mut String, report: Data) {
 
 fn gaps(out: &mut String, report: Data) {
     let title = "On the data it was learned from";
-    wide(out, &bars::gap(title, &report.list("training")));
+    out.push_str(&bars::gap(title, &report.list("training")));
     let held_out = report.part("held_out");
     let channels = held_out.list("channels");
     if !channels.is_empty() {
-        wide(
-            out,
-            &bars::gap("On data that the search had not seen", &channels),
-        );
+        out.push_str(&bars::gap(
+            "On data that the search had not seen",
+            &channels,
+        ));
         let _ = writeln!(
             out,
             "<p><small>Not seen: {}. Root mean squares; the noise cannot be closed by any effect.</small></p>",

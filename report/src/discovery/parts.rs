@@ -4,9 +4,29 @@ use std::fmt::Write as _;
 
 use crate::page::escape;
 
-/// What may be wider than a narrow screen scrolls by itself.
-pub fn wide(out: &mut String, what: &str) {
-    let _ = writeln!(out, "<div class=\"wide\">{what}</div>");
+/// Widths of a picture on a page and on a phone, whose letters stay as large.
+pub const WIDTHS: [f64; 2] = [640.0, 400.0];
+
+/// A picture drawn for a page and for a phone: the page shows the one that fits.
+pub fn for_both([page, phone]: [f64; 2], drawn: impl Fn(f64) -> String) -> String {
+    format!(
+        "<div class=\"page\">{}</div><div class=\"phone\">{}</div>\n",
+        drawn(page),
+        drawn(phone)
+    )
+}
+
+/// What a parameter is, where its name does not say so.
+pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
+    match (effect, parameter) {
+        ("wall-contact", "lever_m") => Some(
+            "the lever of the wall's force about the centre of gravity: how far ahead of it the wall pushes, behind it where negative",
+        ),
+        ("runner-compliance", "factor") => Some(
+            "how much the runner yields for what the ice yields; a block of steel has about 0.04",
+        ),
+        _ => None,
+    }
 }
 
 /// A section that opens when it is clicked.

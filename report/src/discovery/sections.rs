@@ -6,7 +6,7 @@ use kufe_plot::{number4, quantity, usual};
 
 use super::bars::{self, range};
 use super::data::Data;
-use super::parts::{fold, p_is, p_value, wide};
+use super::parts::{fold, p_is, p_value};
 use crate::page::escape;
 
 /// One effect: how far the gap falls, its sizes, its rivals.
@@ -19,14 +19,7 @@ pub fn step(out: &mut String, number: usize, step: Data, report: Data) {
         true => "",
         false => " on data that the search had not seen",
     };
-    let gap = |key: &str| quantity(step.number(key), step.text("unit"));
-    let (before, after) = (gap("gap_before"), gap("gap_after"));
-    let learned = match step.number("gap_after") < step.number("gap_before") {
-        true => format!("The gap on the data it was learned from went from {before} to {after}."),
-        false => format!(
-            "On the data it was learned from the base model had bent to stand for it: the gap was {before} and is {after}."
-        ),
-    };
+    let learned = learned(step, report);
     let _ = write!(
         out,
         "<h2>{number}. {}</h2>\n<p>Channel {}; p {}. {} \
@@ -48,6 +41,37 @@ Of what could be explained{judged}, {:.0} % ({:.0} to {:.0} %) is closed{shared}
     }
     let title = format!("Why {} and not its rivals", step.text("effect"));
     fold(out, &title, |out| rivals(out, &step.list("rivals")));
+}
+
+/// How far the gap falls on the data that were learned from: of a single effect as the bars tell it, from the model as given to the
+/// next one; of several, effect by effect beyond the refitted base.
+fn learned(step: Data, report: Data) -> String {
+    let training = report.list("training");
+    let of_bars = |c: &&Data| c.text("channel") == step.text("channel");
+    if let (1, Some(bars)) = (report.list("steps").len(), training.iter().find(of_bars)) {
+        let gap = |key: &str| quantity(bars.number(key), bars.text("unit"));
+        return format!(
+            "On the data it was learned from the gap is {} with the model as given and {} with the next one.",
+            gap("before"),
+            gap("after")
+        );
+    }
+    let gap = |key: &str| quantity(step.number(key), step.text("unit"));
+    let (before, after) = (gap("gap_before"), gap("gap_after"));
+    match step.number("gap_after") < step.number("gap_before") {
+        true => {
+            let beyond = match report.list("base").is_empty() {
+                true => "",
+                false => " beyond the refitted base",
+            };
+            format!(
+                "On the data it was learned from it takes the gap{beyond} from {before} to {after}."
+            )
+        }
+        false => format!(
+            "On the data it was learned from the base model had bent to stand for it: the gap was {before} and is {after}."
+        ),
+    }
 }
 
 fn rivals(out: &mut String, rivals: &[Data]) {
@@ -164,7 +188,7 @@ pub fn bins(out: &mut String, bins: &[Data]) {
         out.push_str("<p>No bin of any variable stands out (p &gt; 0.05 over all bins).</p>\n");
         return;
     }
-    wide(out, &bars::bins(bins));
+    out.push_str(&bars::bins(bins));
     out.push_str("<div class=\"wide\"><table><tr><th>channel<th>bin<th class=n>mean residual<th class=n>standard error<th>unit<th class=n>p over all bins</tr>\n");
     for b in bins.iter().take(15) {
         let (mean, unit) = usual(b.number("mean"), b.text("unit"));
@@ -192,7 +216,7 @@ pub fn bins(out: &mut String, bins: &[Data]) {
 /// Mean residuals run by run.
 pub fn runs(out: &mut String, by_run: &[Data]) {
     for channel in by_run {
-        wide(out, &bars::runs(*channel));
+        out.push_str(&bars::runs(*channel));
         let chance = |p: f64| match p {
             p if p >= 1.0 => "1".to_owned(),
             p => p_value(p),

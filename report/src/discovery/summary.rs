@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use kufe_plot::{number4, quantity, usual};
 
 use super::data::Data;
-use super::parts::p_is;
+use super::parts::{meaning, p_is};
 use crate::page::escape;
 
 /// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
@@ -37,9 +37,9 @@ pub fn summary(out: &mut String, report: Data) {
             true => (
                 "clean".to_owned(),
                 match scatter(report) {
-                    None => "nothing that repeats is left".to_owned(),
+                    None => "nothing more stands out of chance".to_owned(),
                     Some(scatter) => format!(
-                        "nothing that repeats is left; {scatter} beyond the sensors’ noise differ from {what} to {what}"
+                        "nothing more stands out of chance; {scatter} beyond the sensors’ noise differ from {what} to {what}"
                     ),
                 },
             ),
@@ -90,9 +90,18 @@ fn effect(step: Data) -> String {
     if !step.text("summary").is_empty() {
         let _ = write!(text, ": {}", escape(step.text("summary")));
     }
-    let sizes: Vec<String> = step.list("parameters").iter().map(|p| size(*p)).collect();
+    let parameters = step.list("parameters");
+    let sizes: Vec<String> = parameters.iter().map(|p| size(*p)).collect();
     if !sizes.is_empty() {
         let _ = write!(text, "<br>{}", escape(&sizes.join("; ")));
+    }
+    for (name, meaning) in parameters.iter().filter_map(|p| {
+        Some((
+            p.text("name"),
+            meaning(step.text("effect"), p.text("name"))?,
+        ))
+    }) {
+        let _ = write!(text, "<br><small>{name}: {meaning}</small>");
     }
     if let Some(contacts) = contacts(step) {
         let _ = write!(text, "<br>{}", escape(&contacts));
@@ -228,14 +237,21 @@ fn step_tiles(out: &mut String, step: Data, report: Data) {
             1 => "by it",
             _ => "by all of them together",
         };
-        let known = match low > -100.0 || high < 100.0 {
-            true => format!(" ({low:.0} to {high:.0} %)"),
-            false => String::new(),
+        let known = match (low > -100.0 || high < 100.0, low < 0.0) {
+            (true, false) => format!(" ({low:.0} to {high:.0} %)"),
+            (true, true) => {
+                format!(" ({low:.0} to {high:.0} %: too few data to tell whether any)")
+            }
+            (false, _) => ": too few data to tell".to_owned(),
+        };
+        let judged = match report.part("held_out").texts("runs").is_empty() {
+            true => "",
+            false => " on data not seen",
         };
         tile(
             out,
             &format!("{value:.0} %"),
-            &format!("of what repeats is explained {by}{known}"),
+            &format!("of what effects could explain{judged} is explained {by}{known}"),
         );
     }
     let _ = writeln!(

@@ -1,11 +1,14 @@
-//! Measured and simulated maps side by side, for the report.
+//! Measured and simulated maps side by side, and peaks of rows without a map, for the report.
 
 use crate::error::Error;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::picture::{Picture, Plot};
+use crate::finding::picture::{Peak, Picture, Plot};
 
-/// For the learned map with the largest difference, and the first locked-away one: measured pressure, and what is simulated
+/// Most rows of a picture of peaks.
+const MOST_PEAKS: usize = 60;
+
+/// Peaks of the rows without a map; for the learned map with the largest difference, and the first locked-away one: measured pressure, and what is simulated
 /// before and after.
 ///
 /// # Errors
@@ -15,7 +18,7 @@ pub fn pictures(
     locked: &Simulations,
     active: &SizedEffects,
 ) -> Result<Vec<Picture>, Error> {
-    let mut pictures = Vec::new();
+    let mut pictures: Vec<Picture> = peaks(simulations, locked, active)?.into_iter().collect();
     for (simulations, kind) in [
         (simulations, "a map that it learned from"),
         (locked, "a map that the search had not seen"),
@@ -51,4 +54,40 @@ pub fn pictures(
         }
     }
     Ok(pictures)
+}
+
+/// The peaks of rows that hold no map, row by row; `None` where all hold one.
+fn peaks(
+    simulations: &Simulations,
+    locked: &Simulations,
+    active: &SizedEffects,
+) -> Result<Option<Picture>, Error> {
+    let mut rows = Vec::new();
+    for (simulations, not_seen) in [(simulations, false), (locked, true)] {
+        let cells = simulations.rules.reporting_cells;
+        let before = simulations.peaks(&SizedEffects::new(), cells)?;
+        let after = simulations.peaks(active, cells)?;
+        let pairs = simulations.rows.iter().zip(before.into_iter().zip(after));
+        rows.extend(pairs.filter_map(|(row, (before, after))| {
+            Some(Peak {
+                name: row.name.clone(),
+                not_seen,
+                measured: row.p_max,
+                sd: row.p_max_sd,
+                before: before?,
+                after: after.filter(|_| !active.is_empty()),
+            })
+        }));
+    }
+    let count = rows.len();
+    rows.truncate(MOST_PEAKS);
+    let shown = match count > rows.len() {
+        true => format!(" The first {} of {count} rows.", rows.len()),
+        false => String::new(),
+    };
+    Ok((count > 0).then(|| Picture {
+        title: "Peak pressure, measured and simulated".to_owned(),
+        caption: format!("Bars: two standard deviations of what was measured.{shown}"),
+        plot: Plot::Peaks { rows },
+    }))
 }

@@ -158,6 +158,21 @@ impl<'a> Simulations<'a> {
             .collect())
     }
 
+    /// The peaks of rows without a map as the sensor shows them [Pa]; `None` where a map was measured.
+    ///
+    /// # Errors
+    /// Those of the contact solver.
+    pub fn peaks(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<f64>>, Error> {
+        let seen = self.simulated(active, cells)?;
+        let pairs = seen.iter().zip(&self.rows);
+        Ok(pairs
+            .map(|(seen, row)| match seen {
+                Simulated::Map(_) => None,
+                Simulated::Peak(p_max) => Some(sensed_peak(row, *p_max, active)),
+            })
+            .collect())
+    }
+
     fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>, Error> {
         let sizes = active
             .iter()
@@ -204,6 +219,13 @@ fn sensed(row: &Row, map: &Map, active: &SizedEffects) -> Map {
     map
 }
 
+/// The peak as the sensor shows it.
+fn sensed_peak(row: &Row, p_max: f64, active: &SizedEffects) -> f64 {
+    let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
+    let all = row.sensor.iter().chain(active);
+    p_max * all.map(gain).product::<f64>()
+}
+
 /// Adds a row's weighted residuals, its independent values and its squares [Pa2]; the number of its values comes back.
 fn compare(
     row: &Row,
@@ -217,9 +239,7 @@ fn compare(
         (Simulated::Map(map), Some(measured)) => (sensed(row, map, active), measured),
         (Simulated::Map(_), None) => unreachable!("a map is simulated where one was measured"),
         (Simulated::Peak(p_max), _) => {
-            let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
-            let all = row.sensor.iter().chain(active);
-            let simulated = p_max * all.map(gain).product::<f64>();
+            let simulated = sensed_peak(row, *p_max, active);
             let r = row.p_max - simulated;
             out.rest.push(r / deviation[0]);
             out.size += (simulated / deviation[0]).powi(2);

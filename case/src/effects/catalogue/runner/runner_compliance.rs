@@ -5,7 +5,7 @@ use crate::effects::effect::prelude::*;
 pub static EFFECT: Effect = Effect {
     info: Info {
         name: "runner-compliance",
-        summary: "the runner gives",
+        summary: "the runner yields elastically under its load",
         formula: "E*/(1 + k)",
         signature: "that of a softer ice",
         acts_on: &[ActsOn::Contact],

@@ -309,14 +309,12 @@ impl RunScreen {
         self.sums.t_less(a, b, share)
     }
 
-    /// Correlation of two regular candidates beyond the base.
+    /// Correlation of two regular candidates beyond the base, freed of the noise of their inputs.
+    ///
+    /// Products less their noise are estimates: of two columns that are all but the same, what is left of each by itself may come out
+    /// smaller than their product. The nearest matrix that products of two columns can form has a correlation of 1 then.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
-        let norm = (self.cross[(a, a)] * self.cross[(b, b)]).sqrt();
-        if norm > 0.0 {
-            self.cross[(a, b)] / norm
-        } else {
-            0.0
-        }
+        correlation([self.cross[(a, a)], self.cross[(a, b)], self.cross[(b, b)]])
     }
 
     /// Whether a candidate may be claimed.
@@ -355,4 +353,25 @@ pub fn best_windows<'w>(
         })
         .flatten()
         .collect()
+}
+
+/// Correlation of two columns by their products, at most 1 in size.
+fn correlation([aa, ab, bb]: [f64; 3]) -> f64 {
+    match aa > 0.0 && bb > 0.0 {
+        true => (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0),
+        false => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_correlation_exceeds_one_however_much_noise_is_taken_off() {
+        // Of products [1, -1, 1] and [4, 2, 4] a noise of 0.05 and nothing is taken off.
+        assert_eq!(correlation([0.95, -1.0, 0.95]), -1.0);
+        assert_eq!(correlation([4.0, 2.0, 4.0]), 0.5);
+        assert_eq!(correlation([-0.1, 0.2, 1.0]), 0.0);
+    }
 }
