@@ -66,7 +66,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         staging.write(&format!("{name}.vtu"), |file| write(mesh, file))?;
         document[*name] = figures(mesh);
     }
-    staging.text("quality.json", &format!("{document:#}\n"))?;
+    staging.document("quality.json", &mut document)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

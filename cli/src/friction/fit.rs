@@ -85,20 +85,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let law = fit.law(args.mu_cap, args.zeta, acts_on);
     law.check().map_err(|error| failure(&error).within(&name))?;
-    let document = document(&fit, &law, &experiments, args.confidence);
+    let mut document = document(&fit, &law, &experiments, args.confidence);
     let staging = Staging::beside(
         std::slice::from_ref(&args.experiments),
         &args.out,
         &["fit.json", "friction.toml", "mu.png"],
     )?;
     staging.remove_on_interrupt();
-    staging.text("fit.json", &format!("{document:#}\n"))?;
     let toml = model_form(&law).map_err(|error| staging.failure("friction.toml", &error))?;
     staging.text("friction.toml", &toml)?;
     kufe_plot::png(&staging.path("mu.png"), 900, 620, &|root| {
         draw_mu_over_pressure(&root, &experiments, &fit, &law)
     })
     .map_err(|error| staging.failure("mu.png", &error))?;
+    staging.document("fit.json", &mut document)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

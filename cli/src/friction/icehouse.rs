@@ -46,13 +46,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .collect::<Result<Vec<GlideRun>, Failure>>()?;
     let house =
         evaluate_ice_house(runs).map_err(|error| Failure::BadInput(format!("{index}: {error}")))?;
-    let document = document(&house);
+    let mut document = document(&house);
     let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
     inputs.push(args.glides.clone());
     let names = ["icehouse.json", "experiments.csv"];
     let staging = Staging::beside(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
-    staging.text("icehouse.json", &format!("{document:#}\n"))?;
     staging.write("experiments.csv", |file| {
         write_experiments(&house.experiments(), file)
     })?;
@@ -63,6 +62,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         })
         .map_err(|error| staging.failure(&name, &error))?;
     }
+    staging.document("icehouse.json", &mut document)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

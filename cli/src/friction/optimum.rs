@@ -32,14 +32,14 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let found = watched(global, |watch| {
         optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options)
     })?;
-    let document = document(&found, &loaded);
+    let mut document = document(&found, &loaded);
     if let Some(staging) = staging {
-        staging.text("friction.json", &format!("{document:#}\n"))?;
         staging.write("friction.csv", |file| write_csv(file, &found))?;
         kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             optimum_picture::draw(&root, &found)
         })
         .map_err(|error| staging.failure("friction.png", &error))?;
+        staging.document("friction.json", &mut document)?;
         staging.commit()?;
     }
     if global.json {

@@ -61,12 +61,12 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         document["fastest"] = verdicts.iter().map(Verdict::json).collect();
     }
     if let Some(staging) = staging {
-        staging.text("friction.json", &format!("{document:#}\n"))?;
         staging.write("friction.csv", |file| write_csv(file, &runners))?;
         kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             sliding_picture::draw(&root, &runners)
         })
         .map_err(|error| staging.failure("friction.png", &error))?;
+        staging.document("friction.json", &mut document)?;
         staging.commit()?;
     }
     if global.json {

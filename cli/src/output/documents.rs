@@ -172,15 +172,20 @@ pub fn known_as(document: &Value) -> Option<&'static Known> {
 
 /// The document that says what a folder is, with its kind; none where no command wrote one there.
 pub fn of_folder(folder: &Path) -> Option<(&'static Known, Value)> {
-    DOCUMENTS.iter().find_map(|known| {
-        let path = folder.join(known.name);
-        let text = path
-            .is_file()
-            .then(|| text_of_regular(&path, LONGEST).ok())??;
-        let document: Value = serde_json::from_str(&text).ok()?;
-        let kind = known_as(&document).filter(|kind| kind.name == known.name)?;
-        Some((kind, document))
-    })
+    DOCUMENTS
+        .iter()
+        .find_map(|known| document(folder, known.name))
+}
+
+/// The document of that name in a folder, with its kind; none where no command of kufe wrote it.
+pub fn document(folder: &Path, name: &str) -> Option<(&'static Known, Value)> {
+    let path = folder.join(name);
+    let text = path
+        .is_file()
+        .then(|| text_of_regular(&path, LONGEST).ok())??;
+    let document: Value = serde_json::from_str(&text).ok()?;
+    let kind = known_as(&document).filter(|kind| kind.name == name)?;
+    Some((kind, document))
 }
 
 /// Its figures: numbers, words and flags as they are, of a list how long it is, of what is nested what it holds; the case as it stands.

@@ -3,6 +3,8 @@
 pub mod apart;
 pub mod documents;
 pub mod global;
+pub mod held;
+pub mod marks;
 pub mod mat;
 mod progress;
 pub mod say;

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_files::{clear_temporaries, same_file};
+use kufe_files::clear_temporaries;
 use kufe_jobs::Failure;
+use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 
 use crate::output::apart::{apart, folder_apart};
+use crate::output::held::{FILES, Held};
 
 /// The file that names others of its folder.
 const INDEX: &str = "runs.csv";
@@ -20,7 +22,7 @@ pub struct Staging {
     made: Vec<PathBuf>,
     folder: Option<TempDir>,
     inputs: Vec<PathBuf>,
-    replaced: Vec<PathBuf>,
+    held: Option<Held>,
 }
 
 impl Staging {
@@ -34,7 +36,7 @@ impl Staging {
             made: Vec::new(),
             folder: None,
             inputs: Vec::new(),
-            replaced: Vec::new(),
+            held: None,
         };
         let missing: Vec<&Path> = target
             .ancestors()
@@ -58,35 +60,25 @@ impl Staging {
         Ok(staging)
     }
 
-    /// As [`Staging::begin`], for a command that reads these inputs: none of its files may take the place of one.
+    /// As [`Staging::begin`], for a command that reads these inputs: none of its files may take the place of one, nor of
+    /// what kufe did not write, and those that an earlier run of it wrote and this one does not go.
     ///
     /// What will surely be written is checked now, the rest when it is moved in.
     ///
     /// # Errors
-    /// As [`Staging::begin`]; [`Failure::BadInput`] for a name that is an input's, or no file's.
+    /// As [`Staging::begin`]; [`Failure::BadInput`] for a name that is an input's, or no file's; as [`Held::check`].
     pub fn beside(
         inputs: &[PathBuf],
         target: &Path,
         names: &[impl AsRef<Path>],
     ) -> Result<Staging, Failure> {
         folder_apart(inputs, target, names)?;
+        let held = Held::of(target);
+        held.check(inputs, names)?;
         let mut staging = Staging::begin(target)?;
         staging.inputs = inputs.to_vec();
+        staging.held = Some(held);
         Ok(staging)
-    }
-
-    /// Files of an earlier run in the output folder that go when this one's come.
-    pub fn replaces(&mut self, files: Vec<PathBuf>) {
-        self.replaced = files;
-    }
-
-    /// Length of a file written so far [bytes].
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] where it is not there.
-    pub fn length(&self, name: &str) -> Result<u64, Failure> {
-        let found = std::fs::metadata(self.path(name));
-        Ok(found.map_err(|error| self.failure(name, &error))?.len())
     }
 
     /// Where to write the file `name` for now.
@@ -143,31 +135,55 @@ impl Staging {
         })
     }
 
+    /// Writes the document that says what the folder holds, after the other files: it lists them with their lengths.
+    ///
+    /// # Errors
+    /// As [`write`](Staging::write).
+    pub fn document(&self, name: &str, document: &mut Value) -> Result<(), Failure> {
+        let mut lengths = Map::new();
+        for file in self.names().map_err(|error| self.failure(name, &error))? {
+            let file = file.to_string_lossy();
+            let found = std::fs::metadata(self.path(&file));
+            let length = found.map_err(|error| self.failure(name, &error))?.len();
+            lengths.insert(file.into_owned(), json!(length));
+        }
+        document[FILES] = Value::Object(lengths);
+        self.text(name, &format!("{document:#}\n"))
+    }
+
+    /// Names of what is written so far, sorted; an index of runs last.
+    fn names(&self) -> std::io::Result<Vec<PathBuf>> {
+        let mut names: Vec<PathBuf> = Vec::new();
+        for entry in std::fs::read_dir(self.path(""))? {
+            names.push(entry?.file_name().into());
+        }
+        names.sort_by_key(|name| (name == Path::new(INDEX), name.clone()));
+        Ok(names)
+    }
+
     /// Moves every file into the output folder; an index of runs goes first and comes last, so that what it names is whole
     /// also where this is killed.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the path that could not be replaced.
     pub fn commit(mut self) -> Result<(), Failure> {
+        let told = |error: std::io::Error| unwritable(&self.target, &error);
+        let names = self.names().map_err(told)?;
         let Some(folder) = self.folder.take() else {
             return Ok(());
         };
-        let told = |error: std::io::Error| unwritable(&self.target, &error);
-        let mut names = Vec::new();
-        for entry in std::fs::read_dir(folder.path()).map_err(told)? {
-            names.push(entry.map_err(told)?.file_name());
-        }
-        names.sort_by_key(|name| (name == INDEX, name.clone()));
         let outputs: Vec<PathBuf> = names.iter().map(|name| self.target.join(name)).collect();
         apart(&self.inputs, &outputs)?;
+        let mut replaced = Vec::new();
+        if let Some(held) = self.held.take() {
+            held.check(&self.inputs, &names)?;
+            replaced = held.replaced(&self.inputs, &names);
+        }
         let old = self.target.join(INDEX);
-        if names.iter().any(|name| name == INDEX) && old.is_file() && !old.is_symlink() {
+        if names.iter().any(|name| name == Path::new(INDEX)) && old.is_file() && !old.is_symlink() {
             std::fs::remove_file(&old).map_err(|error| unwritable(&old, &error))?;
         }
-        for file in self.replaced.iter().filter(|f| !outputs.contains(f)) {
-            if self.inputs.iter().any(|input| same_file(input, file)) {
-                continue;
-            }
+        for file in replaced.iter().filter(|file| !outputs.contains(file)) {
             std::fs::remove_file(file).map_err(|error| unwritable(file, &error))?;
         }
         for (name, to) in names.iter().zip(&outputs) {

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use kufe_contact::{Iterate, Options, Watcher};
 use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with, progress_line};
 
-use crate::output::apart::case_inputs;
+use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::press::args::Args;
-use crate::press::held::{contact_files, no_series};
+use crate::press::held::no_series;
 use crate::press::{device, files, series, summary};
 
 /// Solves the case and writes its files, all or none.
@@ -32,8 +32,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     no_series(&args.out)?;
     let inputs = case_inputs(args.case.as_deref(), &loaded)?;
-    let mut staging = Staging::beside(&inputs, &args.out, &files::NAMES)?;
-    staging.replaces(contact_files(&args.out));
+    folder_apart(&inputs, &args.out, &files::NAMES)?;
+    let surely = files::surely(&loaded.case, args);
+    let staging = Staging::beside(&inputs, &args.out, &surely)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     let (shown, asked) = (bar.clone(), loaded.case.accuracy.p_max);

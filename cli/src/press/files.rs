@@ -2,15 +2,16 @@
 
 use std::io::BufWriter;
 
+use kufe_case::Case;
 use kufe_contact::{PressureMap, pressure_maps};
 use kufe_jobs::field::{contact_vtp, map_picture, subsurface, volume_vtu, write_exr};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::bodies::placed_hull::placed_hull;
 use crate::output::staging::Staging;
-use crate::press::held::FILES;
+use crate::press::args::Args;
 use crate::press::{mat, sliding, summary};
 
 /// The files that a solved case may be written to.
@@ -30,6 +31,25 @@ pub const NAMES: [&str; 13] = [
     "subsurface.png",
 ];
 
+/// Those that this case is surely written to, and what is asked of it.
+pub fn surely(case: &Case, args: &Args) -> Vec<&'static str> {
+    let of = |wanted: bool, names: &'static [&'static str]| match wanted {
+        true => names.to_vec(),
+        false => Vec::new(),
+    };
+    [
+        of(true, &NAMES[..5]),
+        of(args.mat, &["result.mat"]),
+        of(case.runner.elastic, &["runner.vtu"]),
+        of(
+            case.sliding.is_some(),
+            &["groove.exr", "groove.png", "film.csv"],
+        ),
+        of(args.subsurface, &["subsurface.csv", "subsurface.png"]),
+    ]
+    .concat()
+}
+
 /// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu where the runner deforms; where it
 /// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files;
 /// with `mat` result.mat.
@@ -42,7 +62,7 @@ pub fn write(
     document: &mut Value,
     mat: bool,
 ) -> Result<(), Failure> {
-    let (mut names, p_max_map) = fields(staging, pressed)?;
+    let p_max_map = fields(staging, pressed)?;
     if let Value::Object(document) = document {
         let place = document.keys().position(|key| key == "p_max_mesh_pa");
         let place = place.map_or(0, |place| place + 1);
@@ -54,39 +74,30 @@ pub fn write(
         })?;
         subsurface::write_png(&staging.path("subsurface.png"), line)
             .map_err(|error| staging.failure("subsurface.png", &error))?;
-        names.extend(["subsurface.csv", "subsurface.png"]);
     }
     if mat {
         staging.write("result.mat", |mut file| {
             mat::write(&mut BufWriter::new(&mut file), document, &pressed.solution)
         })?;
-        names.push("result.mat");
     }
-    let mut lengths = Map::new();
-    for name in names {
-        lengths.insert(name.into(), json!(staging.length(name)?));
-    }
-    document[FILES] = Value::Object(lengths);
-    let text = format!("{document:#}\n");
-    staging.text("result.json", &text)
+    staging.document("result.json", document)
 }
 
-/// Writes maps, fields and the surfaces, side by side; returns their names, and the largest pressure of the map [Pa].
-fn fields(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64), Failure> {
+/// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map [Pa].
+fn fields(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
     let bodies = || rayon::join(|| volumes(staging, pressed), || surfaces(staging, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(staging, pressed), bodies);
-    let (maps, largest) = maps?;
-    Ok(([maps, volumes?, surfaces?].concat(), largest))
+    volumes.and(surfaces)?;
+    maps
 }
 
-/// Writes what is a picture of the contact plane; returns names and the largest pressure [Pa].
-fn maps(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64), Failure> {
+/// Writes what is a picture of the contact plane; returns the largest pressure [Pa].
+fn maps(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
     let solution = &pressed.solution;
     let parts = pressure_maps(solution);
     let whole = (parts.len() > 1).then(|| PressureMap::of(solution));
     let map = whole.as_ref().unwrap_or(&parts[0]);
     let largest = map.pressure.iter().copied().fold(0.0, f64::max);
-    let mut names = vec!["pressure.exr", "pressure.png"];
     let numbers = || {
         staging.write("pressure.exr", |mut file| {
             let curvature = pressed.problem.track_curvature;
@@ -109,16 +120,14 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<(Vec<&'static str>, f64)
     numbers.and(picture)?;
     if let Some(slid) = &pressed.sliding {
         sliding::write(staging, pressed, map, slid)?;
-        names.extend(["groove.exr", "groove.png", "film.csv"]);
     }
-    Ok((names, largest))
+    Ok(largest)
 }
 
 /// Writes the hexahedra of ice and runner.
-fn volumes(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
+fn volumes(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
-    let mut names = vec!["field.vtu"];
     staging.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
         volume_vtu::write_ice(&mut file, solution, groove, shear)
@@ -128,21 +137,18 @@ fn volumes(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Fa
         staging.write("runner.vtu", |mut file| {
             volume_vtu::write_runner(&mut file, field, elastic, solution.symmetry, shear)
         })?;
-        names.push("runner.vtu");
     }
-    Ok(names)
+    Ok(())
 }
 
 /// Writes the patch, and the hull where it stands.
-fn surfaces(staging: &Staging, pressed: &Pressed) -> Result<Vec<&'static str>, Failure> {
+fn surfaces(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
     let solution = &pressed.solution;
-    let mut names = vec!["contact.vtp"];
     staging.write("contact.vtp", |mut file| {
         contact_vtp::write(&mut file, &solution.surface)
     })?;
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
-        names.push("hull.glb");
     }
-    Ok(names)
+    Ok(())
 }

@@ -2,56 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_files::text_of_regular;
 use kufe_jobs::Failure;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
+use crate::output::held::Held;
 use crate::report::read_json;
 
-/// Most bytes of a result.json.
-const LONGEST: u64 = 1 << 22;
 /// Most bytes of a series' table.json.
 const LONGEST_TABLE: u64 = 1 << 28;
-/// Most bytes of a page.
-const LONGEST_PAGE: u64 = 1 << 28;
 
-/// The key of result.json that lists the files written with it, and their lengths [bytes].
-pub const FILES: &str = "files";
-
-/// The files in `folder` that an earlier `kufe press` wrote there and that are as it wrote them: those that its result.json lists,
-/// that file itself, and a page that `kufe report` made of them.
-pub fn contact_files(folder: &Path) -> Vec<PathBuf> {
-    let result = folder.join("result.json");
-    let Some(listed) = listed(&result) else {
-        return Vec::new();
-    };
-    let as_written = |(name, length): (&String, &Value)| {
-        let path = folder.join(name);
-        let found = path.symlink_metadata().ok()?;
-        let ours = Path::new(name).file_name()? == name.as_str();
-        (ours && found.is_file() && Some(found.len()) == length.as_u64()).then_some(path)
-    };
-    let mut files: Vec<PathBuf> = listed.iter().filter_map(as_written).collect();
-    files.push(result);
-    let page = folder.join("report.html");
-    if is_page(&page) {
-        files.push(page);
-    }
-    files
-}
-
-fn listed(result: &Path) -> Option<Map<String, Value>> {
-    let mut found = read_json(result, LONGEST).ok()?;
-    found.get("kkt_residual")?;
-    match found[FILES].take() {
-        Value::Object(listed) => Some(listed),
-        _ => Some(Map::new()),
-    }
-}
-
-fn is_page(path: &Path) -> bool {
-    text_of_regular(path, LONGEST_PAGE)
-        .is_ok_and(|text| text.contains("<meta name=\"generator\" content=\"kufe "))
+/// The files in `folder` that an earlier `kufe press` wrote there and that are as it wrote them.
+fn contact_files(folder: &Path) -> Vec<PathBuf> {
+    Held::of(folder).written_with("result.json")
 }
 
 /// The folders of the steps of the series in `folder`; `None` where it holds none.
@@ -80,6 +42,16 @@ pub fn no_series(folder: &Path) -> Result<(), Failure> {
             steps.len()
         ))),
     }
+}
+
+/// Refuses a folder for a series where results of another command stand, or files of a series' names that kufe did not write.
+///
+/// # Errors
+/// As [`Held::check`].
+pub fn no_others(folder: &Path, inputs: &[PathBuf], overview: &[&str]) -> Result<(), Failure> {
+    // A single contact's files go.
+    let names = [overview, &["result.json"]].concat();
+    Held::of(folder).check(inputs, &names)
 }
 
 /// Removes what an earlier series left in `folder`: steps that are not among `steps`, and a single contact's files.

@@ -115,7 +115,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !gaps.is_empty() {
         document["gaps"] = json!(gaps);
     }
-    staging.text(MARK, &format!("{document:#}\n"))?;
+    staging.document(MARK, &mut document)?;
     staging.commit()?;
     bar.finish_and_clear();
     for remark in runs.iter().flat_map(|run| &run.remarks) {

@@ -40,14 +40,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let runs = examine(&args.runs).map_err(|error| failure(&error))?;
     bar.finish_and_clear();
     let wrong = runs.iter().filter(|run| run.is_wrong()).count();
-    let document = json!({
+    let mut document = json!({
         "index": args.runs.display().to_string(),
         "wrong": wrong,
         "runs": runs,
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.text("check.json", &format!("{document:#}\n"))?;
     staging.text("check.html", &kufe_report::record_page(&document))?;
+    staging.document("check.json", &mut document)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

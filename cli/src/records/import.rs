@@ -124,18 +124,7 @@ fn begin(
             index.display()
         )));
     }
-    let mut staging = Staging::beside(&inputs, &args.out, names)?;
-    let listed = before.as_ref().and_then(|list| list["files"].as_array());
-    let plain = |name: &&str| !name.contains(['/', '\\']) && !name.starts_with('.');
-    let old = listed
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_str)
-        .filter(plain);
-    let old = old
-        .map(|name| args.out.join(name))
-        .filter(|path| path.is_file());
-    staging.replaces(old.collect());
+    let staging = Staging::beside(&inputs, &args.out, names)?;
     staging.remove_on_interrupt();
     Ok(staging)
 }

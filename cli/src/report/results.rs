@@ -6,6 +6,7 @@ use kufe_files::read_regular;
 use kufe_jobs::Failure;
 use kufe_report::results_page;
 
+use crate::output::held::FILES;
 use crate::report::read_json::read_json;
 
 /// Figures of a command, the ones of most to say first.
@@ -42,7 +43,12 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
     for name in DOCUMENTS {
         let path = folder.join(name);
         if path.is_file() {
-            documents.push((name.to_owned(), read_json(&path, LONGEST)?));
+            let mut document = read_json(&path, LONGEST)?;
+            // What stands beside it is no figure.
+            if let Some(keys) = document.as_object_mut() {
+                keys.shift_remove(FILES);
+            }
+            documents.push((name.to_owned(), document));
         }
     }
     let mut paths = Vec::new();

@@ -109,17 +109,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !report.gaps.is_empty() {
         eprintln!("kufe: warning: {}", kufe_sled::gaps_line(&report.gaps));
     }
-    let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
+    let mut document = serde_json::to_value(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;
-    staging.text("report.json", &format!("{json}\n"))?;
     staging.text("report.html", &kufe_report::discovery_page(&page))?;
     staging.text("model.next.toml", &next)?;
     if let Some(case) = case {
         staging.text("case.next.toml", &case)?;
     }
+    staging.document("report.json", &mut document)?;
     staging.commit()?;
     if global.json {
-        say(&format!("{json}\n"));
+        say(&format!("{document:#}\n"));
     } else if !global.quiet {
         tell(&report, &args.out);
     }

@@ -41,7 +41,7 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let mut staging = Staging::beside(
+    let staging = Staging::beside(
         &args.runs.inputs(),
         &args.runs.out,
         &["evaluation.json", "evaluation.csv"],
@@ -66,13 +66,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     loaded.state_gaps(&mut document);
-    staging.text("evaluation.json", &format!("{document:#}\n"))?;
     staging.write("evaluation.csv", |file| write_table(file, &runs))?;
     let mut drawn_files = draw(args, &staging, &runs, drawn)?;
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
-    let out = &args.runs.out;
-    drawn_files.extend(draw_tables(&mut staging, out, &loaded.vehicle, &samples)?);
+    drawn_files.extend(draw_tables(&staging, &loaded.vehicle, &samples)?);
+    staging.document("evaluation.json", &mut document)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

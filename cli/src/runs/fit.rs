@@ -92,7 +92,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = loaded;
     document["left_out"] = left_out.into();
     document["outside_tables"] = serde_json::json!(outside_tables);
-    staging.text("fit.json", &format!("{document:#}\n"))?;
     let fitted = fit.applied_to(&model);
     staging.text("model.fit.toml", &fitted.to_toml())?;
     let marked = if options.leave_out_contacts {
@@ -111,6 +110,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         fit_picture(&staging.path(name), runner, samples, law)
             .map_err(|error| staging.failure(name, &error))?;
     }
+    staging.document("fit.json", &mut document)?;
     staging.commit()?;
     bar.finish_and_clear();
     if global.json {

@@ -1,6 +1,6 @@
 //! Where runs lie on the tables of their model, as pictures beside the results.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use kufe_jobs::{Failure, table::read_table};
 use kufe_lut::{Sample, Slice, draw};
@@ -11,18 +11,15 @@ use crate::output::staging::Staging;
 /// The pictures, front and rear; a model without tables has none.
 pub const TABLE_PICTURES: [&str; 2] = ["table_front.png", "table_rear.png"];
 
-/// Draws what each runner asked its table upon that table; those of an earlier run in the output folder `out` go. Names what was drawn.
+/// Draws what each runner asked its table upon that table. Names what was drawn.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a table that cannot be read any more, or a picture that cannot be written.
 pub fn draw_tables(
-    staging: &mut Staging,
-    out: &Path,
+    staging: &Staging,
     vehicle: &Vehicle,
     samples: &[Vec<Sample>; 2],
 ) -> Result<Vec<String>, Failure> {
-    let old = TABLE_PICTURES.map(|name| out.join(name));
-    staging.replaces(old.into_iter().filter(|file| file.is_file()).collect());
     let mut drawn = Vec::new();
     for ((name, table), asked) in TABLE_PICTURES.iter().zip(vehicle.tables()).zip(samples) {
         let Some(file) = table.map(|table| PathBuf::from(&table.file)) else {

@@ -92,7 +92,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     loaded.state_gaps(&mut document);
-    staging.text("validation.json", &format!("{document:#}\n"))?;
     rmse_picture(&staging.path("rmse.png"), &runs)
         .map_err(|error| staging.failure("rmse.png", &error))?;
     for run in &drawn {
@@ -103,6 +102,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.mat {
         write_forces(&staging, &document, &runs)?;
     }
+    staging.document("validation.json", &mut document)?;
     staging.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));

@@ -15,11 +15,12 @@ use serde_json::Value;
 
 use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
+use crate::output::held::Held;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::output::watched::watched;
 use crate::press::args::Args;
-use crate::press::held::{clear_before_series, contact_files};
+use crate::press::held::{clear_before_series, no_others};
 use crate::press::series::first_step::FirstStep;
 use crate::press::series::lists::Lists;
 use crate::press::series::table::{self, Row, write_table};
@@ -73,8 +74,11 @@ pub fn run(
     };
     let folders: Vec<&str> = steps.iter().map(|step| step.folder.as_str()).collect();
     folder_apart(&asked.inputs, &args.out, &OVERVIEW)?;
-    for folder in &folders {
-        folder_apart(&asked.inputs, &args.out.join(folder), &files::NAMES)?;
+    no_others(&args.out, &asked.inputs, &OVERVIEW[..3])?;
+    let surely = files::surely(&loaded.case, args);
+    for folder in folders.iter().map(|folder| args.out.join(folder)) {
+        folder_apart(&asked.inputs, &folder, &files::NAMES)?;
+        Held::of(&folder).check(&asked.inputs, &surely)?;
     }
     clear_before_series(&args.out, &folders)?;
     let mut rows = Vec::new();
@@ -258,8 +262,8 @@ fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<Value> {
 
 /// Writes one step's files, all or none.
 fn write_step(folder: &Path, pressed: &Pressed, asked: &Asked) -> Result<Value, Failure> {
-    let mut staging = Staging::beside(&asked.inputs, folder, &files::NAMES)?;
-    staging.replaces(contact_files(folder));
+    let surely = files::surely(&pressed.loaded.case, asked.args);
+    let staging = Staging::beside(&asked.inputs, folder, &surely)?;
     let mut document = pressed.document();
     files::write(&staging, pressed, &mut document, asked.args.mat)?;
     staging.commit()?;

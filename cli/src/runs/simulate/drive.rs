@@ -55,7 +55,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }
-    let mut staging = begin(&inputs, &args.out, &names)?;
+    let staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let bar = global.progress();
     bar.set_message(format!("driving {} runs", args.runs));
@@ -119,7 +119,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             all.extend(own);
         }
     }
-    let document = json!({
+    let mut document = json!({
         "runs": told_runs,
         "track": track.name,
         "driver": driver_name,
@@ -129,12 +129,12 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     bar.set_message("writing");
     write_runs(&staging, &mut runs, args.format())?;
     write_track(&staging, &track)?;
-    staging.text("simulation.json", &format!("{document:#}\n"))?;
     if args.mat {
         write_channels(&staging, &document, &runs)?;
     }
     let mut pictures = draw_first(&staging, &runs, &model, &vehicle)?;
-    pictures.extend(draw_tables(&mut staging, &args.out, &vehicle, &samples)?);
+    pictures.extend(draw_tables(&staging, &vehicle, &samples)?);
+    staging.document("simulation.json", &mut document)?;
     staging.commit()?;
     bar.finish_and_clear();
     if global.json {

@@ -50,7 +50,7 @@ pub fn replay_run(
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }
-    let mut staging = begin(&inputs, &args.out, &names)?;
+    let staging = begin(&inputs, &args.out, &names)?;
     staging.remove_on_interrupt();
     let on_gaps = if args.strict {
         OnGaps::Refuse
@@ -75,7 +75,7 @@ pub fn replay_run(
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
     let outside = outside_tables(&vehicle, states.clone());
     beside_measured(&mut driven, &measured);
-    let document = json!({
+    let mut document = json!({
         "replay": done,
         "measured": run.entry.file,
         "finished": done.stopped.is_none(),
@@ -85,14 +85,14 @@ pub fn replay_run(
     });
     write_runs(&staging, std::slice::from_mut(&mut driven), args.format())?;
     write_track(&staging, &track)?;
-    staging.text("simulation.json", &format!("{document:#}\n"))?;
     if args.mat {
         write_channels(&staging, &document, std::slice::from_ref(&driven))?;
     }
     replay_picture(&staging.path("replay.png"), &done)
         .map_err(|error| staging.failure("replay.png", &error))?;
     let samples = table_samples(states);
-    let tables = draw_tables(&mut staging, &args.out, &vehicle, &samples)?;
+    let tables = draw_tables(&staging, &vehicle, &samples)?;
+    staging.document("simulation.json", &mut document)?;
     staging.commit()?;
     for outside in &outside {
         warn(&format!("{}: {outside}", done.run));

@@ -45,7 +45,7 @@ pub fn sample(
         write_track(&staging, &sample_track(name))?;
     }
     staging.text("model.toml", &model.to_toml())?;
-    let truth = json!({
+    let mut truth = json!({
         "seed": args.seed,
         "model": "model.toml is the truth that the runs were driven with",
         "drivers": DRIVERS.iter().map(|(name, class, count)| {
@@ -68,7 +68,7 @@ pub fn sample(
         })).collect::<Vec<_>>(),
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.text("truth.json", &format!("{truth:#}\n"))?;
+    staging.document("truth.json", &mut truth)?;
     staging.commit()?;
     bar.finish_and_clear();
     if global.json {

@@ -6,4 +6,5 @@ mod import;
 mod inputs;
 mod leftovers;
 mod outputs;
+mod owned;
 mod stale;
