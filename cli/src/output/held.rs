@@ -14,15 +14,6 @@ pub const FILES: &str = "files";
 /// The page that `kufe report` makes of a folder.
 const PAGE: &str = "report.html";
 
-/// Results of the same runs, whose commands may write to one folder: their files have names of their own.
-const TOGETHER: [&str; 5] = [
-    "fit.json",
-    "validation.json",
-    "evaluation.json",
-    "report.json",
-    "check.json",
-];
-
 /// The documents of an output folder, and the files that they account for.
 pub struct Held {
     folder: PathBuf,
@@ -54,8 +45,8 @@ impl Held {
         }
     }
 
-    /// Refuses the folder for a command that writes files of these names, a document among them: where another command's
-    /// result stands there, none of its own, it reads nothing of that one's and they are not of the same runs; and where one of the files is not kufe's.
+    /// Refuses the folder for a command that writes files of these names, a document among them: as [`Held::refuse_others`], and where
+    /// one of the files is not kufe's.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the folder, or with the file.
@@ -66,11 +57,31 @@ impl Held {
             return Ok(());
         }
         let own = |one: &&Document| writes(one.known.name);
-        let of_runs = TOGETHER.iter().any(|name| writes(name));
-        let apart = |one: &&Document| !(of_runs && TOGETHER.contains(&one.known.name));
+        self.refuse_others(inputs, &names)?;
+        names
+            .iter()
+            .try_for_each(|name| self.may_replace(name, &own))
+    }
+
+    /// Refuses the folder for a command that may write files of these names, where one of them is of another command's result, of
+    /// which it reads nothing, and none of its own stands there: what stayed of either would look like the other one's.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the folder.
+    pub fn refuse_others(
+        &self,
+        inputs: &[PathBuf],
+        names: &[impl AsRef<Path>],
+    ) -> Result<(), Failure> {
+        let writes = |name: &str| names.iter().any(|one| one.as_ref() == Path::new(name));
+        let own = |one: &&Document| writes(one.known.name);
+        let mixes = |one: &&Document| {
+            let mut files = one.files.iter().flatten();
+            files.any(|(name, _)| writes(name))
+        };
         let read = |one: &&Document| self.all(one).any(|path| is_one_of(&path, inputs));
         if !self.documents.iter().any(|one| own(&one) || read(&one))
-            && let Some(Document { known, .. }) = self.documents.iter().find(apart)
+            && let Some(Document { known, .. }) = self.documents.iter().find(mixes)
         {
             return Err(Failure::BadInput(format!(
                 "{}: cannot be written to: it holds {} ({}, by {}); expected another folder",
@@ -80,9 +91,7 @@ impl Held {
                 known.command
             )));
         }
-        names
-            .iter()
-            .try_for_each(|name| self.may_replace(name, &own))
+        Ok(())
     }
 
     /// Refuses a file that stands in the folder and that kufe did not write, or not as it is.
