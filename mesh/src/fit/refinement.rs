@@ -7,10 +7,13 @@ use crate::fit::least_squares::fit;
 /// 300,000 vertices stays unresolved.
 const MOST_WORK: f64 = 1e10;
 /// Most rounds of refinement.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 24;
+/// Misfits below this part of the largest wait: where curvature jumps the spline rings across intervals beside it and along the other axis,
+/// which is gone once the jump is resolved. A square, so of residuals a thirtieth, some three intervals away.
+const BESIDE: f64 = 1e-3;
 
 /// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its middle
-/// candidate until its residuals are what noise of standard deviation `noise` leaves.
+/// candidate, the worst first, until its residuals are what noise of standard deviation `noise` leaves.
 ///
 /// Of each interval the means over quarters (and thirds along the other axis) are tested; noise makes
 /// the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
@@ -28,19 +31,41 @@ pub(crate) fn refined_fit(
             .iter()
             .map(|s| s.weight * (surface.value(s.at) - s.height))
             .collect();
-        let mut next = breaks.clone();
-        for axis in 0..2 {
-            let split = badly_fitted(samples, &residuals, &breaks, axis, noise);
-            next[axis] = with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis]);
-        }
-        let work = (next[0].len() + 2) as f64 * ((next[1].len() + 2) as f64).powi(3) * 9.0;
-        if next == breaks || work > MOST_WORK {
+        let misfits = [0, 1].map(|axis| misfits(samples, &residuals, &breaks, axis, noise));
+        let splits_over = |least: f64| {
+            [0, 1].map(|axis| {
+                let split: Vec<bool> = misfits[axis].iter().map(|&m| m > least).collect();
+                with_splits(&breaks[axis], &split, &candidates[axis], mirrored[axis])
+            })
+        };
+        let next = affordable(&misfits, splits_over);
+        if next == breaks {
             break;
         }
         surface = fit(samples, &next)?;
         breaks = next;
     }
     Some(surface)
+}
+
+/// The breaks that `splits_over` gives for all misfits over 1 and over [`BESIDE`] of the largest, or for as many of the largest as
+/// [`MOST_WORK`] allows.
+fn affordable(
+    misfits: &[Vec<f64>; 2],
+    splits_over: impl Fn(f64) -> [Vec<f64>; 2],
+) -> [Vec<f64>; 2] {
+    let work = |breaks: &[Vec<f64>; 2]| {
+        let [along, across] = breaks.each_ref().map(|b| (b.len() + 2) as f64);
+        along * across.powi(3) * 9.0
+    };
+    let largest = misfits.iter().flatten().copied().fold(0.0, f64::max);
+    let least = (BESIDE * largest).max(1.0);
+    let mut levels: Vec<f64> = misfits.iter().flatten().copied().collect();
+    levels.retain(|&m| m > least);
+    levels.push(least);
+    levels.sort_by(f64::total_cmp);
+    let dear = levels.partition_point(|&least| work(&splits_over(least)) > MOST_WORK);
+    splits_over(levels.get(dear).copied().unwrap_or(f64::INFINITY))
 }
 
 /// About `count` of the sorted `values`, the ends among them.
@@ -67,13 +92,14 @@ fn symmetric(values: Vec<f64>) -> Vec<f64> {
     all
 }
 
-fn badly_fitted(
+/// Of each interval along `axis`, what the residuals' means over its parts add up to over the most that noise leaves.
+fn misfits(
     samples: &[Sample],
     residuals: &[f64],
     breaks: &[Vec<f64>; 2],
     axis: usize,
     noise: f64,
-) -> Vec<bool> {
+) -> Vec<f64> {
     const QUARTERS: usize = 4;
     const THIRDS: usize = 3;
     let (own, other) = (&breaks[axis], &breaks[1 - axis]);
@@ -96,7 +122,8 @@ fn badly_fitted(
             let (count, sum) = filled.fold((0.0, 0.0), |(count, sum), (n, r)| {
                 (count + 1.0, sum + r * r / n)
             });
-            sum / (noise * noise) > count + 4.0 * f64::sqrt(2.0 * count)
+            // Without any vertex there is nothing to follow.
+            sum / (noise * noise) / (count + 4.0 * f64::sqrt(2.0 * count)).max(1.0)
         })
         .collect()
 }

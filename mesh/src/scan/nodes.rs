@@ -15,8 +15,12 @@ const NEAR: usize = POWERS.len() + 20;
 const LONGER: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
 /// How many times as much twice as many nodes leave where it is no noise, of which they leave as much.
 const GROWS: f64 = 2.0;
+/// Shapes of places of which twice as many nodes leave as much but for this are told apart by chance.
+const ALIKE: f64 = 1.1;
 /// Nodes as far as others but for this part are as far.
 const TIE: f64 = 1e-6;
+/// Lines of nodes are apart by more than this part of the faces' size along that axis: what is closer is one line that noise has moved.
+const APART: f64 = 0.25;
 /// Nodes on either side of one that are looked at first.
 const FIRST: usize = 2048;
 /// Powers of the surface around a node.
@@ -48,6 +52,14 @@ pub struct Noise {
     pub unseen: f64,
 }
 
+/// A node of an underside.
+#[derive(Clone, Copy)]
+struct Node {
+    at: [f64; 3],
+    /// How far the faces around it reach along x and y [m].
+    faces: [f64; 2],
+}
+
 /// Noise of a hull's vertices, as [`noise_of_faces`] tells it of the triangles that face down.
 pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
     let faces_down = |t: &&[u32; 3]| {
@@ -66,15 +78,12 @@ pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
 /// long as wide, wider and longer ([`LONGER`]). What is left is noise and what the surface has of higher orders. Of the latter twice
 /// as many nodes, s times as far, leave s^5 times as much, of noise as much: that part is taken off. Where they leave over [`GROWS`] times
 /// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; curvature only adds, so the one
-/// counts of which twice as many nodes leave least.
+/// counts of which twice as many nodes leave least, and where several leave about as little ([`ALIKE`]) the one with the least part taken off.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
-    let mut nodes: Vec<usize> = faces.iter().flatten().copied().collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let mut nodes: Vec<[f64; 3]> = nodes.into_iter().map(|node| points[node]).collect();
-    nodes.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut nodes = nodes_of(points, faces);
+    nodes.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
     let ends = |axis: usize| {
-        let values = nodes.iter().map(|p| p[axis]);
+        let values = nodes.iter().map(|node| node.at[axis]);
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
             [low.min(v), high.max(v)]
         })
@@ -82,9 +91,9 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     let ([from, to], [low, high]) = (ends(0), ends(2));
     let mut lowest: Vec<Option<usize>> = vec![None; PLACES];
     for (index, node) in nodes.iter().enumerate() {
-        let share = (node[0] - from) / (to - from);
+        let share = (node.at[0] - from) / (to - from);
         let place = &mut lowest[((share * PLACES as f64) as usize).min(PLACES - 1)];
-        if place.is_none_or(|other| node[2] < nodes[other][2]) {
+        if place.is_none_or(|other| node.at[2] < nodes[other].at[2]) {
             *place = Some(index);
         }
     }
@@ -96,7 +105,10 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
         let median = |k: usize| median(told.iter().map(|of| of[k]).collect());
         Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
     });
-    let [left, bent, farther] = told.min_by(|a, b| a[2].total_cmp(&b[2]))?;
+    let told: Vec<[f64; 3]> = told.collect();
+    let least = told.iter().map(|of| of[2]).reduce(f64::min)?;
+    let alike = told.iter().filter(|of| of[2] <= ALIKE * least);
+    let &[left, bent, farther] = alike.min_by(|a, b| a[1].total_cmp(&b[1]))?;
     let shows = |value: f64| match value > rounding(high - low) {
         true => value,
         false => 0.0,
@@ -115,27 +127,48 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     })
 }
 
+/// The nodes of some faces, in the points' order.
+fn nodes_of<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Vec<Node> {
+    let mut reach: Vec<Option<[f64; 2]>> = vec![None; points.len()];
+    for face in faces {
+        let size = [0, 1].map(|axis| {
+            let corners = face.iter().map(|&corner| points[corner][axis]);
+            let [low, high] = corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [low.min(v), high.max(v)]
+            });
+            high - low
+        });
+        for &corner in face {
+            let before = reach[corner].unwrap_or_default();
+            reach[corner] = Some([0, 1].map(|axis| before[axis].max(size[axis])));
+        }
+    }
+    let nodes = points.iter().zip(reach);
+    let node = |(&at, faces): (&[f64; 3], Option<_>)| faces.map(|faces| Node { at, faces });
+    nodes.filter_map(node).collect()
+}
+
 /// What a polynomial leaves around one node, how much of that is curvature, and what it leaves of twice as many nodes [m]; `None` where it
 /// is not determined.
-fn at_node(nodes: &[[f64; 3]], node: usize, longer: f64) -> Option<[f64; 3]> {
-    let [x, y, z] = nodes[node];
-    let far = |p: &[f64; 3]| ((p[0] - x) / longer).hypot(p[1] - y);
+fn at_node(nodes: &[Node], node: usize, longer: f64) -> Option<[f64; 3]> {
+    let [x, y, z] = nodes[node].at;
+    let far = |p: &Node| ((p.at[0] - x) / longer).hypot(p.at[1] - y);
     // Not other parts of the hull above.
-    let beside = |p: &&[f64; 3]| p[2] - z <= (p[0] - x).hypot(p[1] - y);
+    let beside = |p: &&Node| p.at[2] - z <= (p.at[0] - x).hypot(p.at[1] - y);
     // Nodes stand in order along the underside: those at the ends of a part of them that is wide enough are farther than all that count.
     let mut half = FIRST;
-    let mut near: Vec<(f64, [f64; 3])> = loop {
+    let mut near: Vec<(f64, Node)> = loop {
         let (from, to) = (node.saturating_sub(half), (node + half).min(nodes.len()));
         let part = nodes[from..to].iter().filter(beside);
-        let mut near: Vec<(f64, [f64; 3])> = part.map(|p| (far(p), *p)).collect();
+        let mut near: Vec<(f64, Node)> = part.map(|p| (far(p), *p)).collect();
         let whole = from == 0 && to == nodes.len();
         let width = |end: usize| match end == 0 || end == nodes.len() {
             true => f64::INFINITY,
-            false => (nodes[end][0] - x).abs() / longer,
+            false => (nodes[end].at[0] - x).abs() / longer,
         };
         let least = width(from).min(width(to));
         let enough = near.len() >= 2 * NEAR && {
-            let by_far = |a: &(f64, [f64; 3]), b: &(f64, [f64; 3])| a.0.total_cmp(&b.0);
+            let by_far = |a: &(f64, Node), b: &(f64, Node)| a.0.total_cmp(&b.0);
             near.select_nth_unstable_by(2 * NEAR - 1, by_far).1.0 * (1.0 + TIE) < least
         };
         if whole || enough {
@@ -149,7 +182,7 @@ fn at_node(nodes: &[[f64; 3]], node: usize, longer: f64) -> Option<[f64; 3]> {
         // All that are as far: which of them is first is chance.
         let (within, left) = (reach * (1.0 + TIE), near.as_slice());
         let among = left.iter().filter(|(far, _)| *far <= within);
-        let among: Vec<[f64; 3]> = among.map(|(_, p)| *p).collect();
+        let among: Vec<Node> = among.map(|(_, p)| *p).collect();
         Some((reach, left_of(&among)?))
     };
     let (inner, left) = nearest(NEAR)?;
@@ -158,17 +191,19 @@ fn at_node(nodes: &[[f64; 3]], node: usize, longer: f64) -> Option<[f64; 3]> {
 }
 
 /// What the polynomial leaves of the heights of some nodes [m].
-fn left_of(nodes: &[[f64; 3]]) -> Option<f64> {
-    let places: Vec<[f64; 2]> = nodes.iter().map(|&[x, y, _]| [x, y]).collect();
-    let heights: Vec<f64> = nodes.iter().map(|p| p[2]).collect();
-    // Lines of nodes determine as many powers as there are lines.
-    let lines = [0, 1].map(|axis| {
+fn left_of(nodes: &[Node]) -> Option<f64> {
+    let places: Vec<[f64; 2]> = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
+    let heights: Vec<f64> = nodes.iter().map(|node| node.at[2]).collect();
+    // Lines of nodes determine as many powers as there are lines. Noise along a slope moves the nodes of one in proportion to their
+    // heights: taken for places across, it would tell all of it.
+    let mut lines = [0; 2];
+    for (axis, lines) in lines.iter_mut().enumerate() {
+        let apart = APART * median(nodes.iter().map(|node| node.faces[axis]).collect())?;
         let mut values: Vec<f64> = places.iter().map(|p| p[axis]).collect();
         values.sort_by(f64::total_cmp);
-        let apart = 1e-3 * (values[values.len() - 1] - values[0]);
         values.dedup_by(|b, a| *b - *a <= apart);
-        values.len() as i32
-    });
+        *lines = values.len() as i32;
+    }
     let powers = POWERS
         .iter()
         .filter(|[i, j]| *i < lines[0] && *j < lines[1]);
@@ -191,6 +226,7 @@ mod tests {
     use super::*;
     use crate::hull::tessellate::tessellate;
     use crate::shapes::bob_runner::BobRunner;
+    use crate::shapes::luge_steel::LugeSteel;
 
     const KINDS: [bool; 2] = [false, true];
 
@@ -285,6 +321,52 @@ mod tests {
             let told = with(noise);
             println!("{noise}: {told:?}");
             assert!((told.found / noise - 1.0).abs() < 0.15, "{noise} {told:?}");
+        }
+    }
+
+    /// Noise along the normals moves the vertices of a line across, too, in proportion to their heights.
+    #[test]
+    fn noise_along_normals_is_told_as_it_is() {
+        let bob = BobRunner {
+            length: 0.3,
+            ..Default::default()
+        };
+        let steel = LugeSteel {
+            length: 0.2,
+            ..Default::default()
+        };
+        for (name, runner) in [("bob", bob.swept()), ("luge", steel.swept())] {
+            let hull = tessellate(&runner.expect("a runner"), 2e-4).expect("a hull");
+            let mut normals = vec![[0.0; 3]; hull.positions.len()];
+            for t in &hull.triangles {
+                let normal = hull.normal(t);
+                t.iter()
+                    .for_each(|&c| (0..3).for_each(|k| normals[c as usize][k] += normal[k]));
+            }
+            let clean = noise_of_hull(&hull).expect("enough vertices");
+            assert!(
+                clean.found == 0.0 && clean.unseen < 2e-8,
+                "{name} {clean:?}"
+            );
+            for (noise, seed) in [
+                (1e-6, 1),
+                (2e-6, 2),
+                (5e-6, 3),
+                (5e-6, 4),
+                (5e-6, 5),
+                (5e-6, 6),
+            ] {
+                let mut random = ChaCha8Rng::seed_from_u64(seed);
+                let mut scan = hull.clone();
+                for (p, normal) in scan.positions.iter_mut().zip(&normals) {
+                    let drawn: f64 = StandardNormal.sample(&mut random);
+                    let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
+                    (0..3).for_each(|k| p[k] += noise * drawn * normal[k] / length);
+                }
+                let told = noise_of_hull(&scan).expect("enough vertices");
+                let off = told.found / noise - 1.0;
+                assert!(off.abs() < 0.15, "{name} {noise}: {told:?}");
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use kufe_mesh::{
     BobRunner, FittedUnderside, Hull, HullOptions, LugeSteel, Swept, Underside, read_obj,
-    tessellate, write_obj,
+    tessellate, tessellate_turning, write_obj,
 };
 
 fn through_obj(runner: &Swept, edge: f64) -> Hull {
@@ -164,6 +164,32 @@ fn luge_steels_rounded_edge_is_followed_within_the_estimate() {
     println!("luge {worst:e} {:?}", fitted.quality());
     assert!(worst < 0.4e-6, "{worst:e}");
     assert!(worst < fitted.quality().resolution_error);
+}
+
+/// The curvature jumps across where the edge meets the flat, and along where the ends begin. The more vertices, the more intervals show what
+/// the jumps leave beside them; none of that may keep the edge itself from being resolved.
+#[test]
+fn finer_vertices_on_a_sharp_edge_are_followed_no_worse() {
+    let runner = LugeSteel::default().swept().unwrap();
+    for edge in [1e-3, 0.25e-3, 0.2e-3] {
+        let mut hull = tessellate_turning(&runner, edge, 0.01).unwrap();
+        // As STL keeps them.
+        for v in hull.positions.iter_mut().flatten() {
+            *v = f64::from(*v as f32);
+        }
+        let fitted = FittedUnderside::new(&hull, 0.0).unwrap();
+        println!("{edge}: {:?}", fitted.quality());
+        let mut worst = 0.0f64;
+        for i in -20..=20 {
+            for j in -80..=120 {
+                let (x, y) = (1e-3 * f64::from(i), 1e-6 * f64::from(j));
+                worst = worst.max((fitted.height(x, y) - runner.height(x, y)).abs());
+            }
+        }
+        println!("{edge}: {worst:e}");
+        assert!(worst < 3e-9, "{edge}: {worst:e}");
+        assert_eq!(fitted.coarse_for(5e-6), None, "{edge}");
+    }
 }
 
 #[test]
