@@ -84,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     for (name, value) in [("force", args.fz), ("curvature", curvature)] {
         if !value.is_finite() {
-            return Err(Failure::Usage(format!(
+            return Err(Failure::BadInput(format!(
                 "{name} {value}: expected a finite number"
             )));
         }

@@ -40,7 +40,7 @@ pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
             &Chart {
                 title: "the groove that is left",
                 x: "y across [mm]",
-                y: "height of the ice [um]",
+                y: "height of the ice [µm]",
                 lines: vec![("", within)],
             },
         )?;
@@ -49,7 +49,7 @@ pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
             &Chart {
                 title: "the groove's deepest line under the runner, which slides to the right",
                 x: "x along the runner [mm]",
-                y: "height of the unloaded ice [um]",
+                y: "height of the unloaded ice [µm]",
                 lines: vec![("", deepest_line(pressed, slid))],
             },
         )?;
@@ -58,7 +58,7 @@ pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
             &Chart {
                 title: "the patch",
                 x: "x along the runner [mm]",
-                y: "film [0.1 um], pressure [MPa], width [0.1 mm]",
+                y: "film [0.1 µm], pressure [MPa], width [0.1 mm]",
                 lines: along(slid),
             },
         )

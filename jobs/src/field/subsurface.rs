@@ -60,7 +60,7 @@ fn draw(root: &PngRoot, line: &CentreLine) -> Result<(), Error> {
         .map_or(last, |l| (REACH * l.depth).min(last));
     // Metres as millimetres, or micrometres for contacts as narrow as a hair.
     let (scale, unit) = if reach < 1e-3 {
-        (1e6, "um")
+        (1e6, "µm")
     } else {
         (1e3, "mm")
     };

@@ -47,7 +47,7 @@ pub fn sample(
     staging.text("model.toml", &model.to_toml())?;
     let mut truth = json!({
         "seed": args.seed,
-        "model": "model.toml is the truth that the runs were driven with",
+        "model": "model.toml, and beside it the contacts with walls that each run lists here",
         "drivers": DRIVERS.iter().map(|(name, class, count)| {
             let driver = sample_driver(name);
             json!({
