@@ -63,7 +63,7 @@ pub use motion::balance::{Balance, Left};
 pub use motion::law_forces::LawForces;
 pub use motion::left_by::LeftBy;
 pub use motion::measured::from_sensors;
-pub use motion::outside::{OutsideTable, outside_tables, table_samples};
+pub use motion::outside::{OutsideTable, outside_tables, table_samples, together};
 pub use motion::state::{AxleForces, Motion, State};
 pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};

@@ -82,13 +82,18 @@ fn describe(path: &Path) -> Result<Value, Failure> {
             "the stiffness of a contact's bodies",
             "kufe export --stiffness",
         )?,
+        "sh" => marked_file::describe(
+            path,
+            "a script that solves a table's points",
+            "kufe lut plan",
+        )?,
         "exr" => exr_file::describe(path)?,
         "lut" => lut_file::describe(path)?,
         "obj" | "glb" | "gltf" | "stl" => hull_file::describe(path)?,
         other => {
             return Err(told(format!(
                 "kind \".{other}\" is not known: expected a hull (.obj, .glb, .gltf, .stl), or what kufe writes or reads (.json, .csv, \
-                 .parquet, .toml, .lut, .exr, .vtu, .vtp, .pvd, .png, .mat, .fmu, .html, .h, .c, .m, .inp, .mtx)"
+                 .parquet, .toml, .lut, .exr, .vtu, .vtp, .pvd, .png, .mat, .fmu, .html, .h, .c, .m, .inp, .mtx, .sh)"
             )));
         }
     };
@@ -151,8 +156,11 @@ fn as_text(value: &Value, depth: usize) -> String {
                 "{indent}{key}: {}\n",
                 with_unit(key, number.as_f64(), value)
             ),
-            Value::Array(list) if !list.is_empty() && list.iter().all(Value::is_number) => {
-                let list = list.iter().map(|one| with_unit(key, one.as_f64(), one));
+            Value::Array(list) if !list.is_empty() && list.iter().all(is_figure) => {
+                let list = list.iter().map(|one| match one {
+                    Value::String(text) => text.clone(),
+                    one => with_unit(key, one.as_f64(), one),
+                });
                 format!("{indent}{key}: {}\n", list.collect::<Vec<_>>().join(", "))
             }
             Value::Null => format!("{indent}{key}: none\n"),
@@ -161,6 +169,11 @@ fn as_text(value: &Value, depth: usize) -> String {
             other => format!("{indent}{key}: {other}\n"),
         })
         .collect()
+}
+
+fn is_figure(value: &Value) -> bool {
+    let told = ["inf", "-inf", "nan"];
+    value.is_number() || value.as_str().is_some_and(|text| told.contains(&text))
 }
 
 /// A number with the unit that its key ends in; whole ones without a unit as they are.

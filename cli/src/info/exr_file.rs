@@ -9,6 +9,8 @@ use kufe_files::open_regular;
 use kufe_jobs::Failure;
 use serde_json::{Map, Value, json};
 
+use crate::info::number::number;
+
 /// Size, channels and own attributes of an EXR file; pixels are not read.
 pub fn describe(path: &Path) -> Result<Value, Failure> {
     let told = |error: exr::error::Error| Failure::BadInput(format!("{}: {error}", path.display()));
@@ -51,8 +53,8 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
 fn attribute(value: &AttributeValue) -> Value {
     match value {
         AttributeValue::Text(text) => json!(text.to_string()),
-        AttributeValue::F64(number) => json!(number),
-        AttributeValue::F32(number) => json!(number),
+        AttributeValue::F64(value) => number(*value),
+        AttributeValue::F32(value) => number(f64::from(*value)),
         AttributeValue::I32(number) => json!(number),
         AttributeValue::FloatVec2(pair) => json!([pair.0, pair.1]),
         other => json!(format!("{other:?}")),

@@ -36,7 +36,7 @@ const fn known(
 }
 
 /// All kinds; a folder is what the first of them in it says.
-pub const DOCUMENTS: [Known; 20] = [
+pub const DOCUMENTS: [Known; 21] = [
     known(
         "result.json",
         "a solved contact",
@@ -150,6 +150,12 @@ pub const DOCUMENTS: [Known; 20] = [
         "what was done to an imported run",
         "kufe runs import",
         &["mapping_sha256", "channels"],
+    ),
+    known(
+        "",
+        "a point of a table",
+        "kufe lut run",
+        &["point", "result", "method", "sha256"],
     ),
     known(
         "",

@@ -45,8 +45,8 @@ impl Held {
         }
     }
 
-    /// Refuses the folder for a command that writes files of these names, a document among them: as [`Held::refuse_others`], and where
-    /// one of the files is not kufe's.
+    /// Refuses the folder for a command that writes files of these names, a document among them: where one of them is of another
+    /// command's result, of which it reads nothing, and none of its own stands there; and where one of the files is not kufe's.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the folder, or with the file.
@@ -56,24 +56,6 @@ impl Held {
         if !DOCUMENTS.iter().any(|known| writes(known.name)) {
             return Ok(());
         }
-        let own = |one: &&Document| writes(one.known.name);
-        self.refuse_others(inputs, &names)?;
-        names
-            .iter()
-            .try_for_each(|name| self.may_replace(name, &own))
-    }
-
-    /// Refuses the folder for a command that may write files of these names, where one of them is of another command's result, of
-    /// which it reads nothing, and none of its own stands there: what stayed of either would look like the other one's.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] with the folder.
-    pub fn refuse_others(
-        &self,
-        inputs: &[PathBuf],
-        names: &[impl AsRef<Path>],
-    ) -> Result<(), Failure> {
-        let writes = |name: &str| names.iter().any(|one| one.as_ref() == Path::new(name));
         let own = |one: &&Document| writes(one.known.name);
         let mixes = |one: &&Document| {
             let mut files = one.files.iter().flatten();
@@ -91,7 +73,9 @@ impl Held {
                 known.command
             )));
         }
-        Ok(())
+        names
+            .iter()
+            .try_for_each(|name| self.may_replace(name, &own))
     }
 
     /// Refuses a file that stands in the folder and that kufe did not write, or not as it is.

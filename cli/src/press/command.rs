@@ -7,7 +7,6 @@ use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with, progress_line
 
 use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
-use crate::output::held::Held;
 use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::press::args::Args;
@@ -34,7 +33,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     no_series(&args.out)?;
     let inputs = case_inputs(args.case.as_deref(), &loaded)?;
     folder_apart(&inputs, &args.out, &files::NAMES)?;
-    Held::of(&args.out).refuse_others(&inputs, &files::NAMES)?;
     let surely = files::surely(&loaded.case, args);
     let staging = Staging::beside(&inputs, &args.out, &surely)?;
     staging.remove_on_interrupt();

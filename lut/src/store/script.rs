@@ -2,12 +2,16 @@
 
 use std::path::Path;
 
+/// Which kufe wrote it.
+const MARK: &str = concat!("# kufe ", env!("CARGO_PKG_VERSION"), "\n");
+
 /// A Slurm job array, one shard a task: `sbatch --wait slurm.sh`.
 ///
 /// Tasks that fail are run again by submitting the script again: finished points are kept.
 pub fn slurm(kufe: &Path, plan: &Path, shards: usize) -> String {
     format!(
         "#!/bin/bash\n\
+         {MARK}\
          #SBATCH --job-name=kufe-lut\n\
          #SBATCH --array=1-{shards}\n\
          #SBATCH --cpus-per-task=1\n\
@@ -25,6 +29,7 @@ pub fn parallel(kufe: &Path, plan: &Path, shards: usize) -> String {
     let plan_text = quoted(plan);
     format!(
         "#!/bin/sh\n\
+         {MARK}\
          # Run again to run what failed; finished points are not solved again.\n\
          exec parallel --joblog {} --halt never {} lut run {plan_text} --shard '{{}}/{shards}' --threads 1 ::: $(seq 1 {shards})\n",
         quoted(&plan.join("parallel.log")),

@@ -71,3 +71,41 @@ pub fn outside_tables<'a>(
         });
     counted.flatten().collect()
 }
+
+/// What several runs asked of each table outside of it, and how many runs did.
+pub fn together(runs: Vec<OutsideTable>) -> Vec<(OutsideTable, usize)> {
+    let mut all: Vec<(OutsideTable, usize)> = Vec::new();
+    for one in runs {
+        let same = |(other, _): &&mut (OutsideTable, usize)| {
+            other.runner == one.runner && other.table == one.table
+        };
+        match all.iter_mut().find(same) {
+            Some((sum, count)) => {
+                sum.samples += one.samples;
+                sum.of += one.of;
+                *count += 1;
+            }
+            None => all.push((one, 1)),
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_runs_ask_outside_is_summed_by_table() {
+        let of = |runner, samples| OutsideTable {
+            runner,
+            table: "t.lut".to_owned(),
+            samples,
+            of: 100,
+        };
+        let all = together(vec![of("front", 3), of("rear", 5), of("front", 4)]);
+        assert_eq!(all.len(), 2);
+        assert_eq!((all[0].0.samples, all[0].0.of, all[0].1), (7, 200, 2));
+        assert_eq!((all[1].0.samples, all[1].1), (5, 1));
+    }
+}

@@ -78,9 +78,7 @@ pub fn run(
     let surely = files::surely(&loaded.case, args);
     for folder in folders.iter().map(|folder| args.out.join(folder)) {
         folder_apart(&asked.inputs, &folder, &files::NAMES)?;
-        let held = Held::of(&folder);
-        held.refuse_others(&asked.inputs, &files::NAMES)?;
-        held.check(&asked.inputs, &surely)?;
+        Held::of(&folder).check(&asked.inputs, &surely)?;
     }
     clear_before_series(&args.out, &folders)?;
     let mut rows = Vec::new();

@@ -9,6 +9,7 @@ use kufe_sled::sample_data::{DRIVERS, sample_driver};
 use kufe_sled::{
     Driver, EnergyBalance, Model, OutsideTable, PrepareOptions, Run, SimulateOptions, Track,
     TrackShape, Vehicle, outside_tables, prepare, record, simulate, simulated_entry, table_samples,
+    together,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -99,6 +100,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     let mut runs: Vec<Run> = Vec::new();
     let mut told_runs: Vec<Value> = Vec::new();
     let mut samples = [Vec::new(), Vec::new()];
+    let mut left_tables: Vec<OutsideTable> = Vec::new();
     for (number, (run, energy, finished, outside, asked)) in driven.into_iter().enumerate() {
         told_runs.push(json!({
             "run": run.entry.run,
@@ -111,13 +113,14 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             "air_j": energy.air_j,
             "outside_tables": outside,
         }));
-        for outside in outside {
-            warn(&format!("{}: {outside}", run.entry.run));
-        }
+        left_tables.extend(outside);
         runs.push(run);
         for (all, own) in samples.iter_mut().zip(asked) {
             all.extend(own);
         }
+    }
+    for (outside, runs) in together(left_tables) {
+        warn(&format!("{outside}, in {runs} of {} runs", args.runs));
     }
     let mut document = json!({
         "runs": told_runs,

@@ -37,6 +37,21 @@ fn info_tells_a_tables_axes_quantities_errors_and_version() {
 }
 
 #[test]
+fn infinite_numbers_are_told_as_what_they_are() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.write(
+        "table.toml",
+        "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\nradius_m = { values = [inf, 60.0] }\n",
+    );
+    let said = bench.succeeds(&["info", "table.toml"]);
+    assert!(said.contains("values: inf, 60.00\n"), "{said}");
+    bench.succeeds(&["press", "case.toml", "-o", "out", "-q"]);
+    let said = bench.succeeds(&["info", "out/pressure.exr"]);
+    assert!(said.contains("radius_m: inf\n"), "{said}");
+}
+
+#[test]
 fn a_file_that_is_no_table_is_refused_with_its_name() {
     let bench = Bench::new();
     bench.write("bad.lut", "{\"format\": \"something else\"}");

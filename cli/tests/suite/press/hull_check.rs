@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::kufe::{Bench, CASE, json, refused};
+use crate::kufe::{Bench, CASE, errors, json, refused};
 
 /// A number in [0, 1) from a counter (D. Lehmer's generator modulo 2^31 - 1).
 fn random(state: &mut u64) -> f64 {
@@ -180,12 +180,17 @@ fn luge(radius: f64) -> String {
     )
 }
 
-/// `result.json` of this runner at 500 N.
-fn luge_pressed(bench: &Bench, runner: &str, name: &str) -> Value {
+/// This runner at 500 N.
+fn luge_case(runner: &str) -> String {
     let ice = "[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05";
     let load = "[load]\nfz_n = 500.0\ntilt = \"fixed\"\n[accuracy]\np_max = 0.01";
+    format!("[runner]\n{runner}\n{ice}\n{load}\n")
+}
+
+/// Its `result.json`.
+fn luge_pressed(bench: &Bench, runner: &str, name: &str) -> Value {
     let file = format!("{name}.toml");
-    bench.write(&file, format!("[runner]\n{runner}\n{ice}\n{load}\n"));
+    bench.write(&file, luge_case(runner));
     bench.succeeds(&["press", &file, "-o", name]);
     json(&bench.path(name).join("result.json"))
 }
@@ -257,13 +262,24 @@ fn coarse_edge(radius: f64, turn: f64) -> String {
 #[test]
 fn a_fit_that_vertices_do_not_determine_is_stated_and_warned_of() {
     let bench = Bench::new();
+    let mut pressed = 0;
     for (radius, turn) in [(0.3e-3, 0.1), (0.1e-3, 0.1), (0.1e-3, 0.15)] {
         let shape = luge_pressed(&bench, &luge(radius), &format!("{radius}"));
         let hull = format!("{radius}-{turn}.obj");
         bench.write(&hull, coarse_edge(radius, turn));
+        // Some are so hard that they are refused.
+        bench.write("hard.toml", luge_case(&format!("hull = \"{hull}\"")));
+        let tried = bench.kufe(&["press", "hard.toml", "-o", "hard"]);
+        if tried.status.code() == Some(3) {
+            let told = errors(&tried);
+            assert!(told.contains("too coarse for its load"), "{told}");
+            continue;
+        }
         let [off, _] = luge_off(&bench, &hull, &shape);
         assert!(off > 0.05, "no hard case: {off}");
+        pressed += 1;
     }
+    assert!(pressed > 0, "all refused");
 }
 
 #[test]
