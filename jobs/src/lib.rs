@@ -33,7 +33,7 @@ pub mod table;
 mod watch;
 mod write_whole;
 
-pub use case_json::case_json;
+pub use case_json::{case_json, json_number, toml_json};
 pub use failure::Failure;
 pub use press::{
     Prepared, Pressed, percent, press, press_prepared, press_with, progress_line, runner_keys,

@@ -6,10 +6,8 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use kufe_files::open_regular;
-use kufe_jobs::Failure;
+use kufe_jobs::{Failure, json_number};
 use serde_json::{Map, Value, json};
-
-use crate::info::number::number;
 
 /// Size, channels and own attributes of an EXR file; pixels are not read.
 pub fn describe(path: &Path) -> Result<Value, Failure> {
@@ -53,8 +51,8 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
 fn attribute(value: &AttributeValue) -> Value {
     match value {
         AttributeValue::Text(text) => json!(text.to_string()),
-        AttributeValue::F64(value) => number(*value),
-        AttributeValue::F32(value) => number(f64::from(*value)),
+        AttributeValue::F64(value) => json_number(*value),
+        AttributeValue::F32(value) => json_number(f64::from(*value)),
         AttributeValue::I32(number) => json!(number),
         AttributeValue::FloatVec2(pair) => json!([pair.0, pair.1]),
         other => json!(format!("{other:?}")),

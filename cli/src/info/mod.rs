@@ -8,7 +8,6 @@ mod json_file;
 mod lut_file;
 mod marked_file;
 mod mat_file;
-mod number;
 mod png_file;
 mod toml_file;
 mod vtk_file;

@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use kufe_files::text_of_regular;
-use kufe_jobs::{Failure, case_file::LoadedCase, case_json};
+use kufe_jobs::{Failure, case_file::LoadedCase, case_json, toml_json};
 use serde_json::{Map, Value, json};
-
-use crate::info::number::number;
 
 /// What is longer is no file that someone wrote [bytes].
 const LONGEST: u64 = 1 << 24;
@@ -57,23 +55,8 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
     facts.insert("read_by".into(), json!(command));
     let states = match *kind {
         "a case" => case_json(&LoadedCase::read(path)?.case),
-        _ => as_json(toml::Value::Table(stated)),
+        _ => toml_json(&toml::Value::Table(stated)),
     };
     facts.insert("states".into(), states);
     Ok(Value::Object(facts))
-}
-
-fn as_json(value: toml::Value) -> Value {
-    match value {
-        toml::Value::Float(value) => number(value),
-        toml::Value::Array(list) => Value::Array(list.into_iter().map(as_json).collect()),
-        toml::Value::Table(table) => {
-            let entries = table.into_iter();
-            Value::Object(entries.map(|(key, value)| (key, as_json(value))).collect())
-        }
-        toml::Value::String(text) => json!(text),
-        toml::Value::Integer(value) => json!(value),
-        toml::Value::Boolean(value) => json!(value),
-        toml::Value::Datetime(at) => json!(at.to_string()),
-    }
 }

@@ -16,22 +16,25 @@ const FORMATS: [&str; 2] = ["\"kufe-lut", "--job-name=kufe-lut"];
 /// # Errors
 /// The system's where it cannot be read.
 pub fn version_of(path: &Path) -> Result<Option<String>> {
-    let head = head(path)?;
-    let version = head.match_indices("kufe ").find_map(|(at, mark)| {
+    Ok(version_in(&head(path)?))
+}
+
+fn version_in(head: &str) -> Option<String> {
+    head.match_indices("kufe ").find_map(|(at, mark)| {
         let rest = &head[at + mark.len()..];
         let end = rest
             .find(|c: char| !c.is_ascii_digit() && c != '.')
             .unwrap_or(rest.len());
         let version = rest[..end].trim_end_matches('.');
         (version.split('.').count() == 3).then(|| version.to_owned())
-    });
-    Ok(version)
+    })
 }
 
 /// Whether a file says of itself that kufe wrote it.
 pub fn is_marked(path: &Path) -> bool {
-    let format = || head(path).is_ok_and(|head| FORMATS.iter().any(|mark| head.contains(mark)));
-    matches!(version_of(path), Ok(Some(_))) || format()
+    head(path).is_ok_and(|head| {
+        version_in(&head).is_some() || FORMATS.iter().any(|mark| head.contains(mark))
+    })
 }
 
 fn head(path: &Path) -> Result<String> {

@@ -65,11 +65,7 @@ pub fn rows_alike(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -
                 force_n: 1.0,
                 x_m: 0.0,
             };
-            let (mut wr, mut ww) = (0.0, 0.0);
-            for (s, r) in s.iter().zip(&rows[1]) {
-                let w = wave.force_at(*s);
-                (wr, ww) = (wr + w * r, ww + w * w);
-            }
+            let (wr, ww) = products(s.iter().map(|s| wave.force_at(*s)), &rows[1]);
             (ww > 0.0).then(|| wr / ww.sqrt())
         };
         (0..count).filter_map(had).collect()
@@ -90,10 +86,7 @@ fn kept_at(
     // Logarithms, since a hard push is likelier by more than a number holds.
     let [mut by_hit, mut by_other] = [Vec::new(), Vec::new()];
     for wave in waves {
-        let (mut wr, mut ww) = (0.0, 0.0);
-        for (w, r) in wave.iter().zip(side) {
-            (wr, ww) = (wr + w * r, ww + w * w);
-        }
+        let (wr, ww) = products(wave.into_iter(), side);
         if ww <= 0.0 {
             continue;
         }
@@ -109,6 +102,12 @@ fn kept_at(
     let by_other = other.ln() + by_other;
     let none = (1.0 - other).ln();
     2.0 * (log_sum(none + with, by_other) - log_sum(none, by_other))
+}
+
+/// `sum w r` and `sum w^2` of a half wave and some rows.
+fn products(wave: impl Iterator<Item = f64>, rows: &[f64]) -> (f64, f64) {
+    let pairs = wave.zip(rows);
+    pairs.fold((0.0, 0.0), |(wr, ww), (w, r)| (wr + w * r, ww + w * w))
 }
 
 /// `ln(e^a + e^b)`.
