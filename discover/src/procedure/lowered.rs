@@ -29,10 +29,11 @@ impl Lowered {
         })
     }
 
-    /// The same, of data that leave so much more that repeats with the first model of all.
+    /// The same as a part of all that is closed: of the gap of the first model of all. What one model takes off data that it has not seen
+    /// repeats, whether runs are alike or not.
     pub fn of_all(self, all: &Lowered) -> Self {
         Self {
-            repeats: self.repeats.max(all.repeats),
+            repeats: self.repeats.max(all.repeats).max(all.by),
             ..self
         }
     }
@@ -79,8 +80,9 @@ mod tests {
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
-        let leftover = lowered(6.0, 0.1, 100.0).of_all(&lowered(900.0, 1.0, 1000.0));
-        assert!(!leftover.holds(&rules));
+        for all in [lowered(20.0, 1.0, 1000.0), lowered(1000.0, 1.0, 20.0)] {
+            assert!(!lowered(6.0, 0.1, 100.0).of_all(&all).holds(&rules));
+        }
         let tolerated = |tolerated| Lowered {
             tolerated,
             ..lowered(6.0, 0.1, 100.0)

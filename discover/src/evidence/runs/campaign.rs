@@ -11,7 +11,7 @@ use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
 use crate::evidence::runs::fit::refit::Refits;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
-use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
@@ -36,6 +36,8 @@ pub struct Campaign<'a> {
     pub whole: Vec<Frame>,
     /// Contacts that the last screen claimed.
     pub claimed: Option<Found>,
+    /// What the balances leave beyond noise beside the large effect that the last screen claimed; nothing where none is large.
+    pub beside_large: Option<[f64; BALANCES]>,
     /// Runs that are locked away.
     pub held: Vec<Frame>,
     /// Channels that take part.
@@ -136,6 +138,11 @@ impl<'a> Current<'a> {
             simulator,
             refits: Refits::default(),
         }
+    }
+
+    /// The same of another model beside the same rows.
+    pub fn of(&self, residual_model: &'a ResidualModel) -> Self {
+        Self::new(residual_model, self.whitener, self.free, self.simulator)
     }
 
     /// Its rows' derivatives for candidates that act everywhere.

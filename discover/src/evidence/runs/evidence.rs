@@ -105,6 +105,7 @@ impl<'a> Campaign<'a> {
             chances: Vec::new(),
             whole: Vec::new(),
             claimed: None,
+            beside_large: None,
         };
         if let Some(contacts) = contacts {
             campaign.given_contacts(contacts);
@@ -181,7 +182,11 @@ impl Evidence for Campaign<'_> {
         if let Some(found) = self.claimed.take() {
             return self.added_contacts(fit, found, step);
         }
-        let residual_model = &fit.residual_model;
+        let mut residual_model = fit.residual_model.clone();
+        if let Some(beyond_noise) = self.beside_large {
+            residual_model.beyond_noise = beyond_noise;
+        }
+        let residual_model = &residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == claim.channel);
         let gap = |residual_model: &ResidualModel| {
             gap_of(residual_model, &self.training, channel.unwrap_or(1))
@@ -216,6 +221,7 @@ impl Evidence for Campaign<'_> {
         let refit = self.beside_either(&next, Effort::COMPARED, f64::INFINITY);
         let start = refit.map_or(next, |refit| refit.model);
         let next = self.installed(&self.least_squares(&start, owners)?)?;
+        let next = self.with_less_beyond(next);
         let stretch = claim.candidate.act.track.is_some();
         Ok(Added {
             gap: [before, gap(&next.residual_model)],

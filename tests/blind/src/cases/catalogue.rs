@@ -8,6 +8,8 @@ use crate::world::hidden::{ENTRIES, Kind};
 
 /// Shares of the residual's noise variance for effects in runs.
 pub const RUN_SHARES: [f64; 3] = [0.007, 0.02, 0.06];
+/// Those beside them in other worlds: gaps as large as the noise, and ten times its variance.
+pub const LARGE_SHARES: [f64; 2] = [1.0, 10.0];
 /// Shares for friction experiments, which have tens of rows instead of tens of thousands.
 pub const EXPERIMENT_SHARES: [f64; 3] = [0.5, 1.5, 4.0];
 
@@ -211,7 +213,7 @@ pub fn all() -> Vec<Spec> {
             );
         }
         for effect in other_worlds::sized() {
-            for share in RUN_SHARES {
+            for share in RUN_SHARES.into_iter().chain(LARGE_SHARES) {
                 let recipe = Recipe::World(world, Some(effect));
                 add(effects, effect.case, Some(share), recipe);
             }

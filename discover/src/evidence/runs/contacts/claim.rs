@@ -192,7 +192,7 @@ impl Campaign<'_> {
         }
         contacts.step = Some(step);
         let fit = self.fitted(&base.residual_model, fit.owners.clone())?;
-        let mut fit = self.installed(&fit)?;
+        let mut fit = self.with_less_beyond(self.installed(&fit)?);
         set_own(&mut self.held, &fit.residual_model, &contacts.places);
         for model in [&mut fit.residual_model, &mut fit.settled] {
             model.contacts = Some(contacts.clone());

@@ -21,7 +21,9 @@ impl Teller<'_> {
         let on = |earlier: &Refit, candidate: &Candidate<Amplitude>| {
             self.campaign.refitted_from(earlier, candidate)
         };
-        let mut refit = on(&first, &law.candidate).unwrap_or(first);
+        let again =
+            on(&first, &law.candidate).filter(|refit| self.can_be_read(&law.formula, refit.size));
+        let mut refit = again.unwrap_or(first);
         let span = law.formula.columns.first().map_or(0.0, |column| {
             let sorted = self.terms.sorted(*column);
             sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0)
@@ -38,7 +40,8 @@ impl Teller<'_> {
                 other.term.shape = shape;
                 let candidate = self.effect(&other, refit.size)?;
                 let found = on(&refit, &candidate)?;
-                Some((other, candidate, found))
+                self.can_be_read(&other, found.size)
+                    .then_some((other, candidate, found))
             });
             match each.min_by(|a, b| a.2.misfit.total_cmp(&b.2.misfit)) {
                 Some((other, candidate, better)) if better.misfit < refit.misfit => {

@@ -81,6 +81,31 @@ impl Shape {
         }
     }
 
+    /// Whether a sensor that adds `size` times this to what it measures says more the more there is, until it says `low` and `high`:
+    /// otherwise what it says does not tell what is true.
+    pub fn can_be_read(&self, size: f64, [low, high]: [f64; 2]) -> bool {
+        /// A range is walked in so many steps, and ten times as far: what a sensor compresses more than that it does not say.
+        const STEPS: usize = 200;
+        let says = |x: f64| x + size * self.value(|_| x);
+        let reaches = |step: f64, goal: f64| {
+            let (mut x, mut said) = (0.0, says(0.0));
+            for _ in 0..10 * STEPS {
+                if (goal - said) * step <= 0.0 {
+                    return true;
+                }
+                x += step;
+                let next = says(x);
+                if (next - said) * step <= 0.0 {
+                    return false;
+                }
+                said = next;
+            }
+            false
+        };
+        let step = (high - low) / STEPS as f64;
+        step > 0.0 && reaches(step, high) && reaches(-step, low)
+    }
+
     /// The columns that it depends on.
     pub fn columns(&self) -> Vec<usize> {
         match *self {
@@ -185,6 +210,21 @@ mod tests {
                 .sum();
             assert!((sum - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_sensor_can_be_read_as_far_as_it_says_more_the_more_there_is() {
+        let square = Shape::Power(0, 1.0, 2.0);
+        // x + 0.1 x^2 turns at -5, where it says -2.5; x - 0.1 x^2 at 5, where it says 2.5.
+        assert!(square.can_be_read(0.1, [-2.0, 9.0]) && !square.can_be_read(0.1, [-3.0, 9.0]));
+        assert!(square.can_be_read(-0.1, [-9.0, 2.0]) && !square.can_be_read(-0.1, [-9.0, 3.0]));
+        // A step up leaves values out, a step down says some twice.
+        let step = Shape::Step(0, 21.0);
+        assert!(step.can_be_read(0.8, [12.0, 35.0]) && !step.can_be_read(-0.8, [12.0, 35.0]));
+        assert!(
+            !square.can_be_read(0.0, [1.0, 1.0]),
+            "what stands still says nothing"
+        );
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::shape::{unit, unit_of};
 use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::laws::sums::LawSums;
-use crate::evidence::runs::laws::term::KNOWN;
+use crate::evidence::runs::laws::term::{KNOWN, said_by};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::procedure::candidate::Candidate;
 
@@ -65,6 +65,11 @@ impl Teller<'_> {
                     .refitted(model, &candidate, from, Effort::LOOK)
             }
         };
+        if let Some(refit) = &refit
+            && !self.can_be_read(&formula, refit.size)
+        {
+            return None;
+        }
         let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
         let numbers = formula.term.shape.numbers() as f64;
         Some(ToldLaw {
@@ -75,6 +80,23 @@ impl Teller<'_> {
             refit,
             size,
         })
+    }
+
+    /// Whether a sensor with this law still tells what is true, all along what it has said but for a few samples in a thousand; laws of
+    /// forces, and of sensors on what others say, always can.
+    pub fn can_be_read(&self, formula: &Formula, size: f64) -> bool {
+        const FEW: f64 = 1e-3;
+        let own = match self.channels[formula.term.channel] {
+            Channel::Sensor(sensor) => said_by(sensor),
+            _ => return true,
+        };
+        if !formula.term.shape.columns().contains(&own) {
+            return true;
+        }
+        let sorted = self.terms.sorted(own);
+        let few = (FEW * sorted.len() as f64) as usize;
+        let ends = sorted.get(few).zip(sorted.iter().nth_back(few));
+        ends.is_some_and(|(low, high)| formula.term.shape.can_be_read(size, [*low, *high]))
     }
 
     /// The formula as an effect of one's own; nothing where it has no size or the model has it already.

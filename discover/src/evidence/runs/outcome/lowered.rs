@@ -26,7 +26,9 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel, TRACK};
+use crate::evidence::runs::model::residual_model::{
+    BALANCES, CHANNELS, ChannelRows, ResidualModel, TRACK,
+};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -132,6 +134,9 @@ impl Campaign<'_> {
             rows_alike(contacts, &self.training, &rows)
         };
         let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
+        // Beside a large effect both leave as little as the one that has it.
+        let beyond_noise: [f64; BALANCES] =
+            std::array::from_fn(|c| before.beyond_noise[c].min(after.beyond_noise[c]));
         let each: Vec<(Vec<f64>, f64)> = self
             .held
             .par_iter()
@@ -142,7 +147,13 @@ impl Campaign<'_> {
                 let shares = shares(&few, frame);
                 let rows = judged(before, frame, width, &whitener);
                 // A model that counts less of what was measured leaves less, and explains nothing by it.
-                let [own, of_after] = [before, after].map(|model| expected(model, frame));
+                let [own, of_after] = [before, after].map(|model| {
+                    let alike = ResidualModel {
+                        beyond_noise,
+                        ..model.clone()
+                    };
+                    expected(&alike, frame)
+                });
                 let counts = std::array::from_fn(|c| {
                     let by = of_after[(c, c)] / own[(c, c)];
                     let known = by.is_finite() && by > 0.0;

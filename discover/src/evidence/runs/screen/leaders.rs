@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use crate::evidence::runs::campaign::{Campaign, Current};
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
+use crate::evidence::runs::fit::row_noise::far_less_beyond;
 use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -33,6 +34,42 @@ impl Campaign<'_> {
     pub fn is_large(&self, at: &Current, most: f64) -> bool {
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
         most >= self.rules().large * (rows * at.whitener.count()) as f64
+    }
+
+    /// A fit that counts as beyond the noise what it leaves, where that is far less than what the model before it left.
+    pub fn with_less_beyond(&self, mut fit: RunFit) -> RunFit {
+        if let Some(less) = far_less_beyond(&fit.residual_model, &self.training, self.used) {
+            fit.residual_model.beyond_noise = less;
+            fit.settled.beyond_noise = less;
+        }
+        fit
+    }
+
+    /// Where something is large, the model with what the balances leave beyond noise beside the effect of the catalogue that explains most in
+    /// a full refit, if that is far less; refits and what they explain are asked beside it, else what the effect leaves counts as noise.
+    pub fn beside_leader(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        regular: &[Candidate<Amplitude>],
+    ) -> Option<ResidualModel> {
+        let named =
+            (0..regular.len()).filter(|c| !regular[*c].is_column() && screen.seen[*c].usable);
+        let mut order: Vec<usize> = named.collect();
+        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
+        order.truncate(self.rules().leaders);
+        let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
+        if !self.is_large(at, most) {
+            return None;
+        }
+        let refits = order
+            .iter()
+            .filter_map(|c| self.refitted_at(at, &regular[*c], screen.seen[*c].size));
+        let best = refits.min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
+        Some(ResidualModel {
+            beyond_noise: far_less_beyond(&best.model, &self.training, self.used)?,
+            ..at.residual_model.clone()
+        })
     }
 
     /// Where something is large, or the installation is off beyond belief, the effect of the catalogue that leaves less, in a full refit
