@@ -287,6 +287,12 @@ function rimOf({ p, top }, at, beyond = false) {
   return beyond ? { inside: (i, j) => !touches(i, j), share: (a, b) => 1 - share(b, a) } : { inside: touches, share };
 }
 
+/** Where a height passes a ceiling, for `surface`; a place without a height has nothing on the way to it. */
+const heightRim = (height, ceiling) => ({
+  inside: (i, j) => height(i, j) <= ceiling,
+  share: ([i, j], [k, l]) => (Number.isFinite(height(k, l)) ? (ceiling - height(i, j)) / (height(k, l) - height(i, j)) : null),
+});
+
 function nearSpec(data, withHull, lift) {
   const { grid, p, top, gap, uz } = data, every = (count, most) => Math.max(1, Math.ceil(count / most));
   const [ei, ej] = [every(grid.nx, 150), every(grid.ny, 90)], nx = Math.ceil(grid.nx / ei), ny = Math.ceil(grid.ny / ej);
@@ -305,10 +311,7 @@ function nearSpec(data, withHull, lift) {
   const patch = surface(nx, ny, onIce, (i, j) => viridis(p[at(i, j)] / (top || 1)), rimOf(data, at));
   // The hull ends where it is too high to be seen beside the ice.
   const height = (i, j) => uz[at(i, j)] + gap[at(i, j)];
-  const under = surface(nx, ny, (i, j) => place(i, j, Number.isFinite(height(i, j)) ? height(i, j) : ceiling), null, {
-    inside: (i, j) => height(i, j) <= ceiling,
-    share: ([i, j], [k, l]) => (Number.isFinite(height(k, l)) ? (ceiling - height(i, j)) / (height(k, l) - height(i, j)) : null),
-  });
+  const under = surface(nx, ny, (i, j) => place(i, j, Number.isFinite(height(i, j)) ? height(i, j) : ceiling), null, heightRim(height, ceiling));
   const [x, y, z] = [[-1.1, 1.1], [-0.6, 0.6], [-0.4, 0.22]];
   const times = (value) => `${figure(value, 2)}\u00d7`;
   return {
