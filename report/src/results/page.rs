@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn figures_have_names_and_units_and_errors_stand_beside_them() {
         let page = page(json!({
-            "p_max_pa": 1.395e8, "p_max_error_pa": 1.1e6, "mu": 0.00412345, "left_out": [], "solver_rounds": 12, "stopped": null,
+            "p_max_pa": 1.395e8, "p_max_error_pa": 1.1e6, "mu": 0.00412345, "left_out": [], "solver_rounds": 12, "cells": 7, "faces": 8, "stopped": null,
             "points": [{ "v_mps": 5.0, "mu": 4.1e-3, "mu_error": 2e-5 }, { "v_mps": 10.0, "note": "x & <y>" }],
         }));
         assert!(page.contains("<title>a &lt;b&gt;</title>"));
@@ -114,6 +114,19 @@ mod tests {
             assert!(page.contains(part), "{part} in {page}");
         }
         assert!(!page.contains("missing"));
+    }
+
+    #[test]
+    fn a_stretch_has_both_ends_in_one_unit_and_few_figures_no_fold() {
+        let page =
+            page(json!({ "track": "east", "from_m": -2e-4, "to_m": 1249.7, "stretches": 1 }));
+        let rows = "<tr><td>from<td>0 m\n<tr><td>to<td>1250 m\n";
+        assert!(
+            page.contains(rows)
+                && page.contains("<td>stretches<td>1")
+                && !page.contains("<details"),
+            "{page}"
+        );
     }
 
     #[test]

@@ -12,6 +12,10 @@ use crate::results::records::{records, within};
 
 /// Longest table that stands open.
 const OPEN_ROWS: usize = 40;
+/// So many figures that say less need no fold.
+const FEW: usize = 2;
+/// An end of a stretch that is less of its length than this is its beginning.
+const NOTHING: f64 = 1e-5;
 
 /// What a page says elsewhere, or what is about files rather than about what they hold.
 const ASIDE: [&str; 3] = ["version", "files", "content_sha256"];
@@ -47,7 +51,7 @@ fn top(out: &mut String, fields: &Map<String, Value>) {
         .into_iter()
         .partition(|entry| is_named(entry.key));
     pairs(out, &first);
-    let plain = first.is_empty() && nested.is_empty();
+    let alone = first.is_empty() && nested.is_empty();
     parts(out, nested);
     let none: Vec<&String> = single
         .iter()
@@ -61,7 +65,7 @@ fn top(out: &mut String, fields: &Map<String, Value>) {
             let none: Vec<String> = none.iter().map(|key| escape(&name_of(key))).collect();
             let _ = writeln!(inner, "<p>None: {}.</p>", none.join(", "));
         }
-        match plain {
+        match alone || further.len() <= FEW {
             true => out.push_str(&inner),
             false => folded(out, "further figures", false, &inner),
         }
@@ -161,13 +165,13 @@ fn pairs(out: &mut String, figures: &[Entry]) {
             .iter()
             .filter(|other| other.key == end)
             .map(Entry::largest);
-        let scale = Scale::of(figure.unit(), ends.fold(figure.largest(), f64::max));
-        let _ = writeln!(
-            out,
-            "<tr><td>{}<td>{}",
-            escape(&figure.name),
-            figure.in_unit(scale)
-        );
+        let length = ends.fold(figure.largest(), f64::max);
+        let scale = Scale::of(figure.unit(), length);
+        let text = match figure.largest() < NOTHING * length {
+            true => format!("0 {}", scale.unit),
+            false => figure.in_unit(scale),
+        };
+        let _ = writeln!(out, "<tr><td>{}<td>{text}", escape(&figure.name));
     }
     out.push_str("</table></div>\n");
 }
