@@ -4,7 +4,7 @@
 const THOUSANDTHS: &str = "1e-3";
 
 /// Keys that say most, with their proper names, and the unit where the key's ending is not it.
-const NAMES: [(&str, &str, Option<&str>); 65] = [
+const NAMES: [(&str, &str, Option<&str>); 64] = [
     ("p_max_pa", "peak pressure", None),
     ("p_mean_pa", "mean pressure", None),
     ("fz_n", "normal force", None),
@@ -80,7 +80,6 @@ const NAMES: [(&str, &str, Option<&str>); 65] = [
     ("key", "what", None),
     ("file", "file", None),
     ("air_density_kgpm3", "density of the air", Some("kg/m³")),
-    ("runs", "runs", None),
     ("line_gain_rad_per_m", "gain on the line", Some("rad/m")),
 ];
 
