@@ -142,13 +142,6 @@ function table(head, rows) {
     el("tbody", {}, rows.map((row) => el("tr", {}, row.map(cell("td")))))));
 }
 
-/** A case without the steel's constants where it is rigid: nothing comes of them. */
-function toldOf(tables) {
-  if (!tables?.runner || tables.runner.elastic) return tables;
-  const { youngs_modulus_pa, poissons_ratio, ...runner } = tables.runner;
-  return { ...tables, runner };
-}
-
 /** A table of a case's keys, as [name, value] pairs of what is nested in `tables`, and `more` of them. */
 function caseOf(tables, more = []) {
   const said = (value) => (typeof value === "number" ? plain(value) : Array.isArray(value) ? value.map(said).join("; ")
@@ -156,7 +149,7 @@ function caseOf(tables, more = []) {
   const flat = (value, name) => (value !== null && typeof value === "object" && !Array.isArray(value)
     ? Object.entries(value).flatMap(([key, inner]) => flat(inner, name ? `${name}.${key}` : key)) : [[name, value]]);
   const row = ([name, value]) => el("tr", {}, el("th", {}, name), el("td", { class: "text" }, said(value)));
-  return el("div", { class: "scroll" }, el("table", {}, el("tbody", {}, [...flat(toldOf(tables) ?? {}, ""), ...more].map(row))));
+  return el("div", { class: "scroll" }, el("table", {}, el("tbody", {}, [...flat(tables ?? {}, ""), ...more].map(row))));
 }
 
 /** A titled box of the page. */

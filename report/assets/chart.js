@@ -18,6 +18,8 @@ function chart() {
   return { box, draw(next) { spec = next; redraw(); } };
 }
 
+let charts = 0;
+
 function drawn(spec, width) {
   const height = spec.height ?? 230;
   const [left, right, top, bottom] = [62, 14, 8, 40];
@@ -47,7 +49,10 @@ function drawn(spec, width) {
     const at = x.at(mark.x);
     if (at >= left && at <= width - right) root.append(svg("line", { x1: at, x2: at, y1: top, y2: height - bottom, stroke: "var(--soft)", "stroke-dasharray": "3 3" }));
   }
-  for (const line of spec.series) root.append(...lineOf(line, x, y, top, height - bottom));
+  // A line that goes beyond the axes ends at the paper's edge, where it leaves it, all its width on the paper.
+  const paper = `paper-${charts++}`;
+  root.append(svg("clipPath", { id: paper }, svg("rect", { x: left - 1, y: top - 1, width: width - left - right + 2, height: height - top - bottom + 2 })));
+  for (const line of spec.series) root.append(...lineOf(line, x, y, top, height - bottom, paper));
   root.append(svg("text", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, spec.x.title));
   const middle = (top + height - bottom) / 2;
   root.append(svg("text", { x: 13, y: middle, "text-anchor": "middle", transform: `rotate(-90 13 ${middle})` }, spec.y.title));
@@ -89,7 +94,7 @@ function scale(axis, values, [start, end], count, room = false) {
   return { at: (value) => start + (end - start) * ((value - from) / (to - from)), marks, texts: tickTexts(marks) };
 }
 
-function lineOf(line, x, y, ceiling, floor) {
+function lineOf(line, x, y, ceiling, floor, paper) {
   const made = [], pieces = [];
   let piece = [];
   for (let k = 0; k < line.x.length; k++) {
@@ -100,7 +105,7 @@ function lineOf(line, x, y, ceiling, floor) {
   for (const part of pieces) {
     const path = part.map((point) => point.join(" ")).join("L");
     if (line.fill) made.push(svg("path", { d: `M${part[0][0]} ${floor}L${path}L${part[part.length - 1][0]} ${floor}Z`, fill: line.colour, opacity: 0.15 }));
-    if (!line.bare) made.push(svg("path", { d: `M${path}`, fill: "none", stroke: line.colour, "stroke-width": 2, "stroke-linejoin": "round", "stroke-dasharray": line.dashed ? "5 4" : "none" }));
+    if (!line.bare) made.push(svg("path", { d: `M${path}`, "clip-path": `url(#${paper})`, fill: "none", stroke: line.colour, "stroke-width": 2, "stroke-linejoin": "round", "stroke-dasharray": line.dashed ? "5 4" : "none" }));
     if (line.points) for (const [px, py] of part) made.push(svg("circle", { cx: px, cy: py, r: 3.5, fill: line.colour }));
   }
   (line.errors ?? []).forEach((error, k) => {

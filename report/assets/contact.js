@@ -60,13 +60,13 @@ function contactPage(main, between = null) {
       const x = { title: `${name} [mm]`, from: cutLines.mm[0], to: cutLines.mm[cutLines.mm.length - 1] };
       const marks = [{ x: mark }];
       pressure.draw({ x, y: { title: "p [MPa]", from: 0, to: 1.05 * top || 1 }, marks, height: 190, series: [{ x: cutLines.mm, y: cutLines.p, colour: "var(--accent)", fill: true }] });
-      // The hull rises far beyond the ice's bowl; the paper ends where the two can still be told apart.
-      const depth = Math.max(...cutLines.ice.map(Math.abs), 1e-6), ceiling = 2.5 * depth;
+      // The hull rises far beyond the ice's bowl: it leaves the paper above, where the two can still be told apart.
+      const depth = Math.max(...cutLines.ice.map(Math.abs), 1e-6), highest = Math.max(...cutLines.hull.filter(Number.isFinite), ...cutLines.ice);
       heights.draw({
-        x, y: { title: "height [\u00b5m]" }, marks, height: 190,
+        x, y: { title: "height [\u00b5m]", to: highest > 2.5 * depth ? 2.5 * depth : undefined }, marks, height: 190,
         series: [
           { x: cutLines.mm, y: cutLines.ice, colour: "var(--third)", name: "ice" },
-          { x: cutLines.mm, y: cutLines.hull.map((z) => (z > ceiling ? NaN : z)), colour: "var(--steel)", name: "hull", dashed: true },
+          { x: cutLines.mm, y: cutLines.hull, colour: "var(--steel)", name: "hull", dashed: true },
         ],
       });
     };
@@ -273,11 +273,28 @@ function contactView() {
   };
 }
 
-/** Pressure's colour at a grid point, or the ice's. */
-const toneOf = ({ p, top }, ice) => (k) => (top > 0 && p[k] > EDGE * top ? viridis(p[k] / top) : ice);
+/**
+ * Where a contact ends between the points of a grid, for `surface`: inside is what touches, or with `beyond` what does not.
+ *
+ * Near its rim the square of a contact's pressure falls in proportion to the distance from it, so the last two points that touch tell where it is.
+ */
+function rimOf({ p, top }, at, beyond = false) {
+  const touches = (i, j) => p[at(i, j)] > EDGE * top;
+  const share = ([i, j], [k, l]) => {
+    const last = p[at(i, j)] ** 2, before = p[at(2 * i - k, 2 * j - l)] ** 2;
+    return before > last ? Math.min(1, (last - (EDGE * top) ** 2) / (before - last)) : 1;
+  };
+  return beyond ? { inside: (i, j) => !touches(i, j), share: (a, b) => 1 - share(b, a) } : { inside: touches, share };
+}
+
+/** Where a height passes a ceiling, for `surface`; a place without a height has nothing on the way to it. */
+const heightRim = (height, ceiling) => ({
+  inside: (i, j) => height(i, j) <= ceiling,
+  share: ([i, j], [k, l]) => (Number.isFinite(height(k, l)) ? (ceiling - height(i, j)) / (height(k, l) - height(i, j)) : null),
+});
 
 function nearSpec(data, withHull, lift) {
-  const { grid, gap, uz } = data, every = (count, most) => Math.max(1, Math.ceil(count / most));
+  const { grid, p, top, gap, uz } = data, every = (count, most) => Math.max(1, Math.ceil(count / most));
   const [ei, ej] = [every(grid.nx, 150), every(grid.ny, 90)], nx = Math.ceil(grid.nx / ei), ny = Math.ceil(grid.ny / ej);
   const size = [(grid.nx - 1) * grid.dx, (grid.ny - 1) * grid.dy];
   let low = Infinity, high = -Infinity, hullTop = -Infinity;
@@ -289,13 +306,16 @@ function nearSpec(data, withHull, lift) {
   const ceiling = Math.max(high, Math.min(hullTop, high + 3 * (high - low)));
   const unit = [2.2 / size[0], 1.2 / size[1], 0.62 / (ceiling - low || 1)];
   const place = (i, j, z) => [(i * ei * grid.dx - size[0] / 2) * unit[0], (j * ej * grid.dy - size[1] / 2) * unit[1], (z - low) * unit[2] - 0.4];
-  const at = (i, j) => j * ej * grid.nx + i * ei, tone = toneOf(data, rgbOf("ice"));
-  const ice = surface(nx, ny, (i, j) => place(i, j, uz[at(i, j)]), (i, j) => tone(at(i, j)));
-  const under = surface(nx, ny, (i, j) => { const z = uz[at(i, j)] + gap[at(i, j)]; return z <= ceiling ? place(i, j, z) : null; });
+  const at = (i, j) => j * ej * grid.nx + i * ei, onIce = (i, j) => place(i, j, uz[at(i, j)]);
+  const ice = surface(nx, ny, onIce, () => rgbOf("ice"), rimOf(data, at, true));
+  const patch = surface(nx, ny, onIce, (i, j) => viridis(p[at(i, j)] / (top || 1)), rimOf(data, at));
+  // The hull ends where it is too high to be seen beside the ice.
+  const height = (i, j) => uz[at(i, j)] + gap[at(i, j)];
+  const under = surface(nx, ny, (i, j) => place(i, j, Number.isFinite(height(i, j)) ? height(i, j) : ceiling), null, heightRim(height, ceiling));
   const [x, y, z] = [[-1.1, 1.1], [-0.6, 0.6], [-0.4, 0.22]];
   const times = (value) => `${figure(value, 2)}\u00d7`;
   return {
-    bodies: [ice, ...(withHull ? [{ ...under, colour: "steel", opacity: 0.55, lift: 0.6 * lift }] : [])],
+    bodies: [ice, patch, ...(withHull ? [{ ...under, colour: "steel", opacity: 0.55, lift: 0.6 * lift }] : [])],
     edges: boxEdges(x, y, z),
     marks: [
       { at: [0, -0.74, -0.42], text: `x ${metres(size[0])}` }, { at: [1.26, 0, -0.42], text: `y ${metres(size[1])}` },
@@ -315,8 +335,10 @@ function wholeSpec(data, withHull, lift) {
   const positions = new Float32Array(3 * xs.length);
   xs.forEach((x, k) => positions.set(place(x, ys[k], Math.max(zs[k], 0)), 3 * k));
   const ice = surface(2, 2, (i, j) => place(xr[i], middle[1] + (j - 0.5) * wide, 0), () => rgbOf("ice"));
-  const tone = toneOf(data, rgbOf("ice")), every = Math.max(1, Math.ceil(grid.nx / 100)), nx = Math.ceil(grid.nx / every);
-  const patch = surface(nx, grid.ny, (i, j) => { const at = place(grid.x0 + i * every * grid.dx, grid.y0 + j * grid.dy, 0); at[2] += 0.003; return at; }, (i, j) => tone(j * grid.nx + i * every));
+  const every = Math.max(1, Math.ceil(grid.nx / 100)), nx = Math.ceil(grid.nx / every), at = (i, j) => j * grid.nx + i * every;
+  // A little above the ice, that both are not drawn into one another.
+  const onIce = (i, j) => { const [px, py, pz] = place(grid.x0 + i * every * grid.dx, grid.y0 + j * grid.dy, 0); return [px, py, pz + 0.003]; };
+  const patch = surface(nx, grid.ny, onIce, (i, j) => viridis(data.p[at(i, j)] / (data.top || 1)), rimOf(data, at));
   const times = (value) => `${figure(value, 2)}\u00d7`;
   return {
     bodies: [ice, patch, ...(withHull ? [{ positions, index: hull.triangles.flat(), colour: "steel", opacity: 0.8, lift: 0.5 * lift }] : [])],

@@ -25,7 +25,7 @@ function evaluationPage(main, data) {
     el("div", { class: "panels" },
       el("section", { class: "panel wide" }, el("h2", {}, "Loss beyond a straight glide"), box, el("p", { class: "soft" }, `Bars: mean by part. Line: interval of the total (${data.interval ?? "as evaluated"}). Rings: single runs.`)),
       ...(data.tables ?? []).map(({ runner, picture }) => el("section", { class: "panel wide" }, el("h2", {}, `Where the ${runner} asks its table of friction`),
-        el("div", { class: "scroll" }, el("img", { alt: `samples of the ${runner} upon its table`, src: picture, style: "width:min(100%, 60em);min-width:40em;height:auto" })))),
+        el("label", { class: "picture", title: "a click shows it at full size" }, el("input", { type: "checkbox" }), el("img", { alt: `samples of the ${runner} upon its table`, src: picture })))),
       el("section", { class: "panel wide" }, el("h2", {}, "Every run"), runTable(data.runs))),
   );
   let width = 0;

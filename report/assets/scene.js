@@ -98,28 +98,51 @@ function meshOf({ positions, index, colours, colour, opacity = 1, lift = 0 }) {
   return mesh;
 }
 
-/** A surface over nx by ny points: `at(i, j)` gives its place or null, `colour(i, j)` its [r, g, b] of 255. */
-function surface(nx, ny, at, colour) {
-  const positions = new Float32Array(3 * nx * ny), colours = colour ? new Float32Array(3 * nx * ny) : null, index = [];
-  const there = new Uint8Array(nx * ny), tone = new THREE.Color();
-  for (let j = 0; j < ny; j++) {
-    for (let i = 0; i < nx; i++) {
-      const k = j * nx + i, place = at(i, j);
-      if (place) { positions.set(place, 3 * k); there[k] = 1; }
-      if (colour) {
-        const [r, g, b] = colour(i, j);
-        tone.set(`rgb(${r},${g},${b})`);
-        colours.set([tone.r, tone.g, tone.b], 3 * k);
-      }
-    }
+/**
+ * A surface over nx by ny points: `at(i, j)` gives its place, `colour(i, j)` its [r, g, b] of 255.
+ *
+ * With a rim { inside(i, j), share(a, b) } only what is inside is drawn, cut where the rim crosses the cells: `share` is how far it is on the way from
+ * a point a = [i, j] inside to its neighbour b outside, 0 to 1. A cell without a place beyond its inside has none at all: `share` is then null.
+ */
+function surface(nx, ny, at, colour, rim) {
+  const positions = [], colours = [], index = [], crossings = new Map(), tone = new THREE.Color();
+  const tint = ([r, g, b]) => { tone.set(`rgb(${r},${g},${b})`); colours.push(tone.r, tone.g, tone.b); };
+  const points = Array.from({ length: nx * ny }, (_, k) => [k % nx, Math.floor(k / nx)]);
+  const inside = points.map(([i, j]) => !rim || rim.inside(i, j));
+  for (const [i, j] of points) {
+    positions.push(...at(i, j));
+    if (colour) tint(colour(i, j));
+  }
+  /** The vertex on the rim between two points, the first of them inside. */
+  function crossing(k, l) {
+    const key = k * nx * ny + l;
+    if (crossings.has(key)) return crossings.get(key);
+    const share = rim.share(points[k], points[l]);
+    if (share === null) return null;
+    // Triangles without an area have no side that light falls on.
+    const t = Math.min(0.98, Math.max(0.02, share)), mix = (list, c) => list[3 * k + c] + t * (list[3 * l + c] - list[3 * k + c]);
+    for (const list of colour ? [positions, colours] : [positions]) list.push(...[0, 1, 2].map((c) => mix(list, c)));
+    crossings.set(key, positions.length / 3 - 1);
+    return positions.length / 3 - 1;
+  }
+  function triangle(...corners) {
+    const piece = [];
+    corners.forEach((k, n) => {
+      const next = corners[(n + 1) % 3];
+      if (inside[k]) piece.push(k);
+      if (inside[k] !== inside[next]) piece.push(inside[k] ? crossing(k, next) : crossing(next, k));
+    });
+    if (piece.includes(null)) return;
+    for (let n = 1; n + 1 < piece.length; n++) index.push(piece[0], piece[n], piece[n + 1]);
   }
   for (let j = 0; j + 1 < ny; j++) {
     for (let i = 0; i + 1 < nx; i++) {
       const [a, b, c, d] = [j * nx + i, j * nx + i + 1, (j + 1) * nx + i + 1, (j + 1) * nx + i];
-      if (there[a] && there[b] && there[c] && there[d]) index.push(a, b, c, a, c, d);
+      triangle(a, b, c);
+      triangle(a, c, d);
     }
   }
-  return { positions, index, colours };
+  return { positions: new Float32Array(positions), index, colours: colour ? new Float32Array(colours) : null };
 }
 
 /** The twelve edges of a box, as pairs of points. */

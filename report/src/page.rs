@@ -24,6 +24,7 @@ pub const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-
 const TEMPLATE: &str = include_str!("../assets/page.html");
 const STYLE: &str = include_str!("../assets/page.css");
 const PLAIN: &str = include_str!("../assets/plain.css");
+const PICTURE: &str = include_str!("../assets/picture.css");
 const THREE: &str = include_str!("../assets/three/three.min.js");
 const BASE: &str = include_str!("../assets/base.js");
 const CHART: &str = include_str!("../assets/chart.js");
@@ -57,12 +58,13 @@ const VERSION: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
 /// The data of each kind are documented at the head of its script in `assets`.
 pub fn page(kind: Kind, title: &str, data: &Value) -> String {
     let scripts = kind.scripts().concat();
+    let style = [STYLE, PICTURE].concat();
     // The data come last: a text in them that looks like a slot is not filled.
     let slots = [
         ("{{policy}}", POLICY),
         ("{{title}}", &escape(title)),
         ("{{version}}", VERSION),
-        ("{{style}}", STYLE),
+        ("{{style}}", &style),
         ("{{scripts}}", &scripts),
         ("{{data}}", &embedded(data)),
     ];
@@ -84,7 +86,7 @@ pub fn page(kind: Kind, title: &str, data: &Value) -> String {
 pub fn plain_page(title: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-<meta name=\"generator\" content=\"{VERSION}\"><title>{}</title><style>{PLAIN}</style></head><body>\n{body}</body></html>\n",
+<meta name=\"generator\" content=\"{VERSION}\"><title>{}</title><style>{PLAIN}{PICTURE}</style></head><body>\n{body}</body></html>\n",
         escape(title)
     )
 }
@@ -95,6 +97,21 @@ pub fn escape(text: &str) -> String {
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
+}
+
+/// Text of a command, which writes "um" where a terminal may have no other letter, with the unit's own sign.
+pub fn with_micro(text: &str) -> String {
+    let mut out = String::new();
+    let mut pieces = text.split(" um").peekable();
+    while let Some(piece) = pieces.next() {
+        out.push_str(piece);
+        if let Some(next) = pieces.peek() {
+            let unit = piece.ends_with(|c: char| c.is_ascii_digit())
+                && !next.starts_with(|c: char| c.is_alphanumeric());
+            out.push_str(if unit { " µm" } else { " um" });
+        }
+    }
+    out
 }
 
 /// JSON that cannot end the script element that it stands in.
@@ -113,6 +130,14 @@ mod tests {
         let html = page(Kind::Press, "a & b", &data);
         assert!(html.contains("<title>a &amp; b</title>"));
         assert!(html.contains("\\u003c/script>\\u003cb>{{title}}"));
+    }
+
+    #[test]
+    fn micrometres_have_their_sign_and_words_stay() {
+        assert_eq!(
+            with_micro("noise of 0.3 um where there is 2 um, um 5 umbrellas"),
+            "noise of 0.3 µm where there is 2 µm, um 5 umbrellas"
+        );
     }
 
     #[test]

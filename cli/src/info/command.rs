@@ -26,7 +26,8 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] where the file is missing, of an unknown kind, or broken.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let facts = describe(&args.file)?;
+    let mut facts = describe(&args.file)?;
+    documents::without_idle_steel(&mut facts);
     if global.json {
         say(&format!("{facts:#}\n"));
     } else {

@@ -194,6 +194,21 @@ pub fn document(folder: &Path, name: &str) -> Option<(&'static Known, Value)> {
     Some((kind, document))
 }
 
+/// Leaves out the steel's constants of runners that are rigid, wherever a case stands in it: nothing comes of them.
+pub fn without_idle_steel(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            if fields.get("elastic") == Some(&json!(false)) {
+                fields.shift_remove("youngs_modulus_pa");
+                fields.shift_remove("poissons_ratio");
+            }
+            fields.values_mut().for_each(without_idle_steel);
+        }
+        Value::Array(values) => values.iter_mut().for_each(without_idle_steel),
+        _ => {}
+    }
+}
+
 /// Its figures: numbers, words and flags as they are, of a list how long it is, of what is nested what it holds; the case as it stands.
 pub fn figures(document: &Value) -> Map<String, Value> {
     if let Value::Array(rows) = document {

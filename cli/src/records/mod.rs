@@ -9,3 +9,4 @@ mod import;
 mod init;
 
 pub use command::{Args, run};
+pub use gathered::UNNAMED;

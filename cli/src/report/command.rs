@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::report::{contact, evaluation, results, series, table};
+use crate::report::{contact, evaluation, gathered, results, series, table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -18,6 +18,7 @@ Examples:
   kufe report evaluation/ -o drivers.html      what drivers lose
   kufe report finding/ -o finding.html         what kufe discover found
   kufe report check/                           what kufe runs check found
+  kufe report gathered/                        the runs that kufe runs gather has brought together
 
 The page is one file that needs no network: open it in a browser, or send it to someone.";
 
@@ -56,7 +57,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// What is read: a table, or the files of a folder; the page of a finding is read and given back.
 fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
-    const FILES: [&str; 7] = [
+    const FILES: [&str; 8] = [
         "check.json",
         "result.json",
         "pressure.exr",
@@ -64,6 +65,7 @@ fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
         "table.json",
         "evaluation.json",
         "report.json",
+        gathered::INDEX,
     ];
     let names = FILES.iter().chain(&results::DOCUMENTS);
     let mut read: Vec<PathBuf> = names.map(|name| result.join(name)).collect();
@@ -105,6 +107,8 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
         .any(|name| result.join(name).is_file())
     {
         Ok(("results", default, results::page(result)?))
+    } else if result.join(gathered::INDEX).is_file() {
+        Ok(("runs", default, gathered::page(result)?))
     } else {
         Err(told(&without_page(result).unwrap_or_else(|| {
             "nothing to report on: expected what a command of kufe has written, as result.json or table.json (kufe press), \
@@ -121,12 +125,6 @@ fn without_page(folder: &Path) -> Option<String> {
         return Some(format!(
             "the plan of a table: solve its shards, then kufe lut merge {} -o table.lut makes the table, which kufe report shows",
             folder.display()
-        ));
-    }
-    if folder.join("runs.csv").is_file() {
-        return Some(format!(
-            "runs without figures: kufe runs check {} makes their page",
-            shown("runs.csv")
         ));
     }
     if folder.join("glides.csv").is_file() {

@@ -6,9 +6,11 @@ use kufe_contact::{PressureMap, parted};
 use kufe_jobs::Failure;
 use kufe_jobs::field::read_exr::read_map;
 use kufe_mesh::{Hull, HullOptions, load_hull};
-use kufe_report::{Grid, Kind, pack, page as html};
+use kufe_report::{Grid, Kind, pack, page as html, with_micro};
 use serde_json::{Value, json};
 
+use crate::output::documents::without_idle_steel;
+use crate::report::folder_name::folder_name;
 use crate::report::read_json::read_json;
 
 /// `result.json` is a page of figures; what is longer than this is something else [bytes].
@@ -57,16 +59,9 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
     } else {
         None
     };
-    let data = contact(&result, &maps, hull.as_ref(), POINTS, &name(folder));
+    let data = contact(&result, &maps, hull.as_ref(), POINTS, &folder_name(folder));
     let title = data["title"].as_str().unwrap_or_default();
     Ok(html(Kind::Press, title, &data))
-}
-
-/// The folder's own name, also where the path ends in `.`.
-fn name(folder: &Path) -> String {
-    let whole = folder.canonicalize().unwrap_or_else(|_| folder.into());
-    let last = whole.file_name().unwrap_or(whole.as_os_str());
-    last.to_string_lossy().into_owned()
 }
 
 /// A contact's data as the page's scripts read them, on about `points` points of all maps together.
@@ -97,6 +92,10 @@ pub fn contact(
                 *place = value;
             }
         }
+    }
+    without_idle_steel(&mut case);
+    for warning in warnings.as_array_mut().into_iter().flatten() {
+        *warning = json!(with_micro(warning.as_str().unwrap_or_default()));
     }
     json!({
         "title": title,

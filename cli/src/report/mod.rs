@@ -3,6 +3,8 @@
 mod command;
 mod contact;
 mod evaluation;
+mod folder_name;
+mod gathered;
 mod read_json;
 mod results;
 mod series;

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use kufe_files::read_regular;
 use kufe_jobs::Failure;
-use kufe_report::results_page;
+use kufe_report::{Picture, results_page};
 
-use crate::output::held::FILES;
+use crate::output::documents::{known_as, without_idle_steel};
+use crate::report::folder_name::folder_name;
 use crate::report::read_json::read_json;
 
 /// Figures of a command, the ones of most to say first.
@@ -44,11 +45,9 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
         let path = folder.join(name);
         if path.is_file() {
             let mut document = read_json(&path, LONGEST)?;
-            // What stands beside it is no figure.
-            if let Some(keys) = document.as_object_mut() {
-                keys.shift_remove(FILES);
-            }
-            documents.push((name.to_owned(), document));
+            let kind = known_as(&document).map_or(name, |known| known.kind);
+            without_idle_steel(&mut document);
+            documents.push((kind.to_owned(), document));
         }
     }
     let mut paths = Vec::new();
@@ -63,8 +62,10 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
     for path in paths.into_iter().take(MOST_PICTURES) {
         let png = picture(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        pictures.push((name.into_owned(), png));
+        pictures.push(Picture {
+            name: name.into_owned(),
+            png,
+        });
     }
-    let name = folder.file_name().unwrap_or_default().to_string_lossy();
-    Ok(results_page(&name, &pictures, &documents))
+    Ok(results_page(&folder_name(folder), &pictures, &documents))
 }

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use kufe_jobs::Failure;
-use kufe_report::{Kind, page as html};
+use kufe_report::{Kind, page as html, with_micro};
 use serde_json::{Value, json};
 
+use crate::report::folder_name::folder_name;
 use crate::report::read_json::read_json;
 
 /// A row holds some hundreds of bytes; what is longer than this is something else [bytes].
@@ -17,7 +18,12 @@ const MOST: usize = 5000;
 pub fn page(folder: &Path) -> Result<String, Failure> {
     let path = folder.join("table.json");
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let rows = read_json(&path, LONGEST)?;
+    let mut rows = read_json(&path, LONGEST)?;
+    for row in rows.as_array_mut().into_iter().flatten() {
+        if let Some(Value::String(error)) = row.get_mut("error") {
+            *error = with_micro(error);
+        }
+    }
     let list = rows
         .as_array()
         .filter(|list| list.iter().all(Value::is_object))
@@ -44,7 +50,7 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
         .skip(1)
         .take_while(|key| *key != "p_max_pa")
         .collect();
-    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let name = folder_name(folder);
     let data = json!({ "name": name, "keys": keys, "rows": list });
     Ok(html(Kind::Series, &format!("{name}, series"), &data))
 }

@@ -7,6 +7,8 @@ use kufe_lut::{Axes, Flush, Method, Mode, Quantity, Table};
 use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
+use crate::output::documents::without_idle_steel;
+
 /// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page carries; more are thinned.
 const MOST: [usize; 3] = [60, 60, 30];
 
@@ -43,6 +45,8 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
             "values": values(table, axes, quantity, &taken),
         }));
     }
+    let mut case = table.case.clone();
+    without_idle_steel(&mut case);
     Ok(json!({
         "name": name,
         "fz": pick(axes.fz(), &taken[0]),
@@ -58,7 +62,7 @@ fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
         "solver_error": table.solver_error(),
         "judged": table.judged().name(),
         "interpolation_asked": table.interpolation_asked,
-        "case": table.case,
+        "case": case,
         "case_sha256": table.case_sha256,
         "version": table.version,
     }))

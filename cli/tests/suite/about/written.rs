@@ -240,11 +240,4 @@ fn files_that_are_not_known_end_with_one_error_that_says_what_was_expected() {
         3,
         &["cannot be read"],
     );
-    bench.write("runs.csv", "run,file\na,a.csv\n");
-    refused(
-        bench.folder.path(),
-        &["report", "."],
-        3,
-        &["kufe runs check ./runs.csv"],
-    );
 }

@@ -59,6 +59,12 @@ pub fn chromium() -> Option<PathBuf> {
     found
 }
 
+/// Where a browser finds a page.
+pub fn address(path: &Path) -> String {
+    let path = path.canonicalize().expect("a page");
+    format!("file://{}", path.display())
+}
+
 impl Browser {
     /// Starts the browser with further `flags`.
     pub fn start(program: &Path, flags: &[&str]) -> Browser {

@@ -3,4 +3,5 @@
 mod browser;
 mod finding;
 mod report;
+mod results;
 mod view;

@@ -5,7 +5,7 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 
 use crate::kufe::{Bench, CASE, errors, names};
-use crate::pages::browser::{Browser, DESK, Look, chromium};
+use crate::pages::browser::{Browser, DESK, Look, address, chromium};
 
 const WEBGL: [&str; 2] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const LOOKS: [Look; 4] = [
@@ -29,11 +29,6 @@ const BEYOND: &str = "[...document.querySelectorAll('.chart svg')].filter((chart
      const texts = [...chart.querySelectorAll('text[text-anchor=middle]:not([transform])')].map((text) => [text.textContent, text.getBoundingClientRect()]); \
      return texts.filter(([, a], k) => a.right > paper.right || a.left < paper.left || \
          texts.some(([, b], j) => j !== k && Math.abs(a.top - b.top) < 1 && a.left < b.right && b.left < a.right)).map(([text]) => text); })";
-
-fn address(path: &Path) -> String {
-    let path = path.canonicalize().expect("a page");
-    format!("file://{}", path.display())
-}
 
 /// The pressure of `pressure.exr` at a place [Pa], bilinear between pixel centres, with no word of kufe's own code.
 fn pressure(path: &Path, x: f64, y: f64) -> f64 {

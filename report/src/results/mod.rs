@@ -1,0 +1,10 @@
+//! A page of what any command has written: its pictures, and its figures as tables that an engineer reads.
+
+mod amount;
+mod entry;
+mod label;
+mod page;
+mod records;
+mod sections;
+
+pub use page::{Picture, picture_url, results_page};
