@@ -29,11 +29,11 @@ impl Lowered {
         })
     }
 
-    /// The same as a part of all that is closed: of the gap of the first model of all. What one model takes off data that it has not seen
-    /// repeats, whether runs are alike or not.
-    pub fn of_all(self, all: &Lowered) -> Self {
+    /// The same as a part of the gap of the first model of all: of what repeats of it, and of what falls from that model on to the second
+    /// one here, `before` being what of it has fallen already. What falls on data that were not seen repeats, whether runs are alike or not.
+    pub fn of_all(self, all: &Lowered, before: f64) -> Self {
         Self {
-            repeats: self.repeats.max(all.repeats).max(all.by),
+            repeats: self.repeats.max(all.repeats).max(before + self.by),
             ..self
         }
     }
@@ -80,8 +80,16 @@ mod tests {
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
-        for all in [lowered(20.0, 1.0, 1000.0), lowered(1000.0, 1.0, 20.0)] {
-            assert!(!lowered(6.0, 0.1, 100.0).of_all(&all).holds(&rules));
+        for (repeats, before, holds) in [
+            (20.0, 0.0, true),
+            (1000.0, 0.0, false),
+            (20.0, 900.0, false),
+        ] {
+            let all = lowered(20.0, 1.0, repeats);
+            assert_eq!(
+                lowered(6.0, 0.1, 100.0).of_all(&all, before).holds(&rules),
+                holds
+            );
         }
         let tolerated = |tolerated| Lowered {
             tolerated,

@@ -33,7 +33,11 @@ pub fn outlast<E: Evidence>(
             let Some(lowered) = evidence.lowered(&without, &last)? else {
                 continue;
             };
-            let lowered = all.as_ref().map_or(lowered, |all| lowered.of_all(all));
+            // In units of what this one leaves: beside a large effect the noise is far less than the base model left.
+            let before = evidence.lowered(&without, base)?.map_or(0.0, |to| -to.by);
+            let lowered = all
+                .as_ref()
+                .map_or(lowered, |all| lowered.of_all(all, before));
             let weaker = weakest
                 .as_ref()
                 .is_none_or(|(_, w, _)| lowered.strength() < w.strength());

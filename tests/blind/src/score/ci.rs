@@ -9,8 +9,8 @@ pub const FIRST_SEED: u64 = 901;
 /// Seeds a case.
 pub const SEEDS: u64 = 1;
 
-/// Nothing hidden: in the first generator's world, and in five worlds of the second one.
-const NULLS: [&str; 9] = [
+/// Nothing hidden: in the first generator's world, and in six worlds of the second one.
+const NULLS: [&str; 10] = [
     "null/ar1",
     "null/session-drift",
     "null/seven-points",
@@ -20,10 +20,12 @@ const NULLS: [&str; 9] = [
     "gyros-null/none",
     "body-null/none",
     "lines-null/none",
+    "coloured-null/none",
 ];
-const EFFECTS: [&str; 10] = [
+const EFFECTS: [&str; 11] = [
     "clean-effect/speed-grip",
     "clean-effect/speed-lag@0.02",
+    "delays-effect/drag-area@10",
     "longitudinal/temperature@0.02",
     "longitudinal/steer-drag@0.02",
     "lateral/camber-thrust@0.02",
