@@ -28,6 +28,7 @@ pub fn curve(
     let mut cover = Cover {
         size: [width as usize, height as usize],
         shares: vec![0.0; width as usize * height as usize],
+        touched: Vec::new(),
         half: 0.5 * f64::from(style.stroke_width),
     };
     let mut before = None;
@@ -39,11 +40,10 @@ pub fn curve(
         }
         before = at;
     }
-    for (pixel, share) in cover.shares.iter().enumerate() {
-        if *share > 0.0 {
-            let at = [pixel % cover.size[0], pixel / cover.size[0]].map(|k| k as i32);
-            area.draw_pixel((at[0], at[1]), &style.color.mix(*share))?;
-        }
+    for &pixel in &cover.touched {
+        let at = [pixel % cover.size[0], pixel / cover.size[0]].map(|k| k as i32);
+        let colour = style.color.mix(cover.shares[pixel]);
+        area.draw_pixel((at[0], at[1]), &colour)?;
     }
     Ok(())
 }
@@ -71,6 +71,8 @@ fn places(chart: &PngChart) -> impl Fn((f64, f64)) -> [f64; 2] {
 struct Cover {
     size: [usize; 2],
     shares: Vec<f64>,
+    /// The pixels that it covers: few of all.
+    touched: Vec<usize>,
     /// Half the line's width, in pixels.
     half: f64,
 }
@@ -95,8 +97,12 @@ impl Cover {
                     0.0
                 };
                 let distance = (off[0] - share * along[0]).hypot(off[1] - share * along[1]);
-                let covered = &mut self.shares[row * self.size[0] + column];
-                *covered = covered.max((reach - distance).clamp(0.0, 1.0));
+                let pixel = row * self.size[0] + column;
+                let share = (reach - distance).min(1.0);
+                if share > 0.0 && self.shares[pixel] == 0.0 {
+                    self.touched.push(pixel);
+                }
+                self.shares[pixel] = self.shares[pixel].max(share);
             }
         }
     }

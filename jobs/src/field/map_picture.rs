@@ -97,10 +97,10 @@ fn draw_map(area: &PngRoot, map: &PressureMap, scale: f64) -> Result<(), Error> 
             }
         }
     }
-    for line in outline(map, EDGE * scale * 1e6) {
-        let points = line.into_iter().map(|(x, y)| (1e3 * x, 1e3 * y));
-        curve(&chart, points, BLACK)?;
-    }
+    // All pieces as one line, with a break after each.
+    let pieces = outline(map, EDGE * scale * 1e6).into_iter();
+    let points = pieces.flat_map(|piece| piece.into_iter().chain([(f64::NAN, f64::NAN)]));
+    curve(&chart, points.map(|(x, y)| (1e3 * x, 1e3 * y)), BLACK)?;
     chart
         .configure_mesh()
         .disable_mesh()
