@@ -1,4 +1,4 @@
-//! What marks and colours mean, in a row of its own.
+//! What swatches and colours mean, in a row of its own.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -7,7 +7,7 @@ use crate::file::{Error, PngRoot};
 
 /// How something is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+pub enum Swatch {
     /// A line.
     Line,
     /// A line of dashes.
@@ -18,11 +18,11 @@ pub enum Mark {
     Fill,
 }
 
-/// One mark's meaning.
+/// One swatch and its meaning.
 #[derive(Clone, Debug)]
 pub struct Key {
     /// How it is drawn.
-    pub mark: Mark,
+    pub swatch: Swatch,
     /// In which colour.
     pub colour: RGBAColor,
     /// What it is.
@@ -30,18 +30,18 @@ pub struct Key {
 }
 
 impl Key {
-    /// A mark, its colour and what it is.
-    pub fn new(mark: Mark, colour: impl Into<RGBAColor>, name: impl Into<String>) -> Key {
+    /// A swatch, its colour and what it is.
+    pub fn new(swatch: Swatch, colour: impl Into<RGBAColor>, name: impl Into<String>) -> Key {
         Key {
-            mark,
+            swatch,
             colour: colour.into(),
             name: name.into(),
         }
     }
 }
 
-/// Width of a mark, from there to its text, and between two keys [pixels].
-const MARK: i32 = 26;
+/// Width of a swatch, from there to its text, and between two keys [pixels].
+const SWATCH: i32 = 26;
 const GAP: i32 = 7;
 const APART: i32 = 24;
 /// Height of a row [pixels].
@@ -56,7 +56,7 @@ pub fn legend<'a>(area: &PngRoot<'a>, keys: &[Key]) -> Result<PngRoot<'a>, Error
     let style = FONT.into_text_style(area);
     let style = style.pos(Pos::new(HPos::Left, VPos::Center));
     let width = |key: &Key| -> Result<i32, Error> {
-        Ok(MARK + GAP + area.estimate_text_size(&key.name, &style)?.0 as i32)
+        Ok(SWATCH + GAP + area.estimate_text_size(&key.name, &style)?.0 as i32)
     };
     let room = area.dim_in_pixel().0 as i32 - 2 * APART;
     let mut rows: Vec<(i32, Vec<(i32, &Key)>)> = Vec::new();
@@ -75,28 +75,28 @@ pub fn legend<'a>(area: &PngRoot<'a>, keys: &[Key]) -> Result<PngRoot<'a>, Error
         let left = APART + (room - end).max(0) / 2;
         let middle = ROW * number as i32 + ROW / 2;
         for (from, key) in row {
-            draw_mark(&head, key, left + from, middle)?;
-            let at = (left + from + MARK + GAP, middle);
+            draw_swatch(&head, key, left + from, middle)?;
+            let at = (left + from + SWATCH + GAP, middle);
             head.draw(&Text::new(key.name.as_str(), at, style.clone()))?;
         }
     }
     Ok(rest)
 }
 
-fn draw_mark(area: &PngRoot, key: &Key, x: i32, y: i32) -> Result<(), Error> {
+fn draw_swatch(area: &PngRoot, key: &Key, x: i32, y: i32) -> Result<(), Error> {
     let fill = key.colour.filled();
     let bar = |from: i32, to: i32, half: i32| {
         Rectangle::new([(x + from, y - half), (x + to, y + half)], fill)
     };
-    match key.mark {
-        Mark::Line => area.draw(&bar(0, MARK, 1))?,
-        Mark::Dashes => {
+    match key.swatch {
+        Swatch::Line => area.draw(&bar(0, SWATCH, 1))?,
+        Swatch::Dashes => {
             area.draw(&bar(0, 7, 1))?;
             area.draw(&bar(10, 16, 1))?;
-            area.draw(&bar(19, MARK, 1))?;
+            area.draw(&bar(19, SWATCH, 1))?;
         }
-        Mark::Dot(radius) => area.draw(&Circle::new((x + MARK / 2, y), radius, fill))?,
-        Mark::Fill => area.draw(&bar(0, MARK, 7))?,
+        Swatch::Dot(radius) => area.draw(&Circle::new((x + SWATCH / 2, y), radius, fill))?,
+        Swatch::Fill => area.draw(&bar(0, SWATCH, 7))?,
     }
     Ok(())
 }
@@ -112,7 +112,7 @@ mod tests {
         let left = |width: u32, count: usize| {
             let left = std::cell::Cell::new(0);
             png(&folder.path().join("keys.png"), width, 300, &|root| {
-                let key = Key::new(Mark::Line, BLACK, "a name of some length");
+                let key = Key::new(Swatch::Line, BLACK, "a name of some length");
                 let rest = legend(&root, &vec![key; count])?;
                 left.set(rest.dim_in_pixel().1);
                 Ok(())

@@ -2,7 +2,7 @@
 
 use kufe_jobs::slide::Optimum;
 use kufe_plot::{
-    Error, Key, Mark, PALETTE, PngRoot, colour_bar, curve, legend, tick_text, viridis,
+    Error, Key, PALETTE, PngRoot, Swatch, colour_bar, curve, legend, tick_text, viridis,
 };
 use plotters::prelude::*;
 
@@ -52,10 +52,10 @@ fn line(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
     let [blue, red, green] = [PALETTE[0], PALETTE[1], PALETTE[2]];
     let green = green.mix(0.18);
     let keys = [
-        Key::new(Mark::Dot(7), red, "best runner, solved"),
-        Key::new(Mark::Dot(4), red, "other runners solved"),
-        Key::new(Mark::Line, blue, "smooth curve through them"),
-        Key::new(Mark::Fill, green, "cannot be told from the best"),
+        Key::new(Swatch::Dot(7), red, "best runner, solved"),
+        Key::new(Swatch::Dot(4), red, "other runners solved"),
+        Key::new(Swatch::Line, blue, "smooth curve through them"),
+        Key::new(Swatch::Fill, green, "cannot be told from the best"),
     ];
     let area = root.margin(12, 0, 0, 0);
     let area = legend(&area.titled(&title(found), ("sans-serif", 22))?, &keys)?;
@@ -96,10 +96,10 @@ fn map(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
     let [y0, y1] = found.parameters[1].span.bounds();
     let [best, others] = [PALETTE[1], RGBColor(255, 105, 190)];
     let keys = [
-        Key::new(Mark::Dot(8), best, "best runner, solved"),
-        Key::new(Mark::Dot(4), others, "other runners solved"),
+        Key::new(Swatch::Dot(8), best, "best runner, solved"),
+        Key::new(Swatch::Dot(4), others, "other runners solved"),
         Key::new(
-            Mark::Line,
+            Swatch::Line,
             others,
             "bound of what cannot be told from the best",
         ),

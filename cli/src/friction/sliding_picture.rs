@@ -1,7 +1,7 @@
 //! `friction.png`: mu of each runner over speed, over temperature, or runner by runner.
 
 use kufe_jobs::slide::FrictionPoint;
-use kufe_plot::{Error, Key, Mark, PALETTE, PngRoot, curve, legend, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::friction::asked::Runner;
@@ -51,7 +51,7 @@ pub fn draw(root: &PngRoot, runners: &[Runner]) -> Result<(), Error> {
         .zip(PALETTE.iter().cycle())
         .filter(|_| over != Over::Runner);
     let keys: Vec<Key> = named
-        .map(|((name, _), colour)| Key::new(Mark::Line, *colour, name))
+        .map(|((name, _), colour)| Key::new(Swatch::Line, *colour, name))
         .collect();
     let area = root.margin(12, 0, 0, 0);
     let area = area.titled("friction of groove and melt film", ("sans-serif", 22))?;

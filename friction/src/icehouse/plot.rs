@@ -1,6 +1,6 @@
 //! Picture of one gliding run: energies over distance with the fitted line.
 
-use kufe_plot::{Error, Key, Mark, PALETTE, PngRoot, curve, legend};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend};
 use plotters::prelude::*;
 
 use crate::icehouse::glide_run::{GRAVITY, GlideRun};
@@ -51,10 +51,14 @@ pub fn draw_glide(root: &PngRoot, house: &IceHouse, run: &GlideRun) -> Result<()
     ];
     let mut keys: Vec<Key> = series
         .iter()
-        .map(|(name, _, colour)| Key::new(Mark::Line, *colour, *name))
+        .map(|(name, _, colour)| Key::new(Swatch::Line, *colour, *name))
         .collect();
-    keys.push(Key::new(Mark::Line, PALETTE[1], "line fitted to the sum"));
-    keys.push(Key::new(Mark::Fill, shade, "section that it is fitted to"));
+    keys.push(Key::new(Swatch::Line, PALETTE[1], "line fitted to the sum"));
+    keys.push(Key::new(
+        Swatch::Fill,
+        shade,
+        "section that it is fitted to",
+    ));
     let area = root.margin(12, 0, 0, 0);
     let area = legend(&area.titled(&caption, ("sans-serif", 18))?, &keys)?;
     let mut chart = ChartBuilder::on(&area)

@@ -1,6 +1,6 @@
 //! Picture of mu over the peak pressure: points with both errors, fit, band and cap.
 
-use kufe_plot::{Error, Key, Mark, PALETTE, PngRoot, curve, legend, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::longitudinal::law::{PressureLaw, ZetaActsOn};
@@ -44,10 +44,10 @@ pub fn draw_mu_over_pressure(
     );
     let band = format!("{:.0} % band of the fit", 100.0 * fit.confidence);
     let keys = [
-        Key::new(Mark::Dot(4), red, "specimens, one standard deviation"),
-        Key::new(Mark::Line, blue, formula),
-        Key::new(Mark::Fill, blue.mix(0.15), band),
-        Key::new(Mark::Dashes, grey, "cap"),
+        Key::new(Swatch::Dot(4), red, "specimens, one standard deviation"),
+        Key::new(Swatch::Line, blue, formula),
+        Key::new(Swatch::Fill, blue.mix(0.15), band),
+        Key::new(Swatch::Dashes, grey, "cap"),
     ];
     let area = root.margin(12, 0, 0, 0);
     let area = area.titled("Friction over peak contact pressure", ("sans-serif", 20))?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::Pressed;
 use crate::slide::Slid;
 use kufe_friction::film::FilmStation;
-use kufe_plot::{Error, Key, Mark, PALETTE, PngRoot, curve, legend, png, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, png, tick_text};
 use plotters::prelude::*;
 
 const WIDTH: u32 = 1100;
@@ -149,7 +149,7 @@ fn draw(area: &PngRoot, chart: &Chart) -> Result<(), Error> {
     let named = chart.lines.iter().zip(PALETTE);
     let named = named.filter(|(line, _)| !line.name.is_empty());
     let keys: Vec<Key> = named
-        .map(|(line, colour)| Key::new(Mark::Line, colour, line.name))
+        .map(|(line, colour)| Key::new(Swatch::Line, colour, line.name))
         .collect();
     let area = area.margin(12, 0, 0, 0);
     let area = legend(&area.titled(chart.title, ("sans-serif", 24))?, &keys)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kufe_contact::{CentreLine, Solution, UnderPeak};
 use kufe_fem::{maximum_shear, von_mises};
-use kufe_plot::{Error, Key, Mark, PALETTE, PngRoot, curve, legend, png, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, png, tick_text};
 use plotters::prelude::*;
 use serde_json::{Value, json};
 
@@ -93,9 +93,9 @@ fn draw(root: &PngRoot, line: &CentreLine) -> Result<(), Error> {
     let mut keys: Vec<Key> = curves
         .iter()
         .zip(PALETTE)
-        .map(|((name, _), colour)| Key::new(Mark::Line, colour, *name))
+        .map(|((name, _), colour)| Key::new(Swatch::Line, colour, *name))
         .collect();
-    keys.push(Key::new(Mark::Dot(3), PALETTE[6], "middles of the cells"));
+    keys.push(Key::new(Swatch::Dot(3), PALETTE[6], "middles of the cells"));
     let area = root.margin(12, 0, 0, 0);
     let area = area.titled("stress under the peak pressure", ("sans-serif", 24))?;
     let area = legend(&area, &keys)?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_friction::{LateralSample, MagicFormula};
-use kufe_plot::{Key, Mark, PALETTE, curve, legend, tick_text};
+use kufe_plot::{Key, PALETTE, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::error::Error;
@@ -51,9 +51,9 @@ pub fn fit_picture(
                 high * 1e-3
             );
             let keys = [
-                Key::new(Mark::Dot(4), PALETTE[5], "measured"),
+                Key::new(Swatch::Dot(4), PALETTE[5], "measured"),
                 Key::new(
-                    Mark::Line,
+                    Swatch::Line,
                     PALETTE[1],
                     format!("fit at {:.1} kN", mean * 1e-3),
                 ),

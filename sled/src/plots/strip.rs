@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_plot::{Error, Key, Mark, PALETTE, PngRoot, curve, legend, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -117,13 +117,13 @@ pub(super) fn draw_strip(
 fn keys(lines: &[Line], extras: &Extras) -> Vec<Key> {
     let named = lines.iter().filter(|_| lines.len() > 1);
     let mut keys: Vec<Key> = named
-        .map(|line| Key::new(Mark::Line, PALETTE[line.colour], line.name))
+        .map(|line| Key::new(Swatch::Line, PALETTE[line.colour], line.name))
         .collect();
     if !extras.marks.is_empty() {
-        keys.push(Key::new(Mark::Line, MARKS, extras.marks_are));
+        keys.push(Key::new(Swatch::Line, MARKS, extras.marks_are));
     }
     if !extras.bands.is_empty() {
-        keys.push(Key::new(Mark::Fill, BANDS.mix(0.25), extras.bands_are));
+        keys.push(Key::new(Swatch::Fill, BANDS.mix(0.25), extras.bands_are));
     }
     keys
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_plot::{Key, Mark, PALETTE, legend};
+use kufe_plot::{Key, PALETTE, Swatch, legend};
 use plotters::style::IntoFont;
 
 use super::boxes::{Category, MEANING, Spread, draw_boxes};
@@ -33,7 +33,7 @@ pub fn rmse_picture(path: &Path, runs: &[RunValidation]) -> Result<(), Error> {
     }
     let width = 220 * boxes.len().max(4) as u32;
     let title = format!("Lateral force: what is left ({MEANING})");
-    let keys = laws.map(|(name, colour, _)| Key::new(Mark::Fill, PALETTE[colour], name));
+    let keys = laws.map(|(name, colour, _)| Key::new(Swatch::Fill, PALETTE[colour], name));
     kufe_plot::png(path, width, 600, &|root| {
         let area = root.margin(10, 0, 0, 0);
         let area = area.titled(&title, ("sans-serif", 22).into_font())?;
