@@ -10,6 +10,9 @@
 //! | [`svg_string`] | the same picture as text, for an HTML page |
 //! | [`viridis`] | colour map on `0..=1` |
 //! | [`PALETTE`] | eight line colours that colour-blind readers can tell apart |
+//! | [`curve`] | a line in a PNG, to a fraction of a pixel |
+//! | [`legend`] | what swatches mean, above a panel |
+//! | [`colour_bar`] | what a map's colours mean, beside it |
 //! | [`axis_ticks`], [`tick_text`] | round tick positions and their text |
 //! | [`number4`], [`quantity`], [`usual`], [`unit_of`] | numbers and units as people read them |
 //!
@@ -32,12 +35,18 @@
 //! # Ok::<(), kufe_plot::Error>(())
 //! ```
 
+mod bar;
 mod colour;
+mod curve;
 mod file;
+mod legend;
 mod number;
 mod ticks;
 
+pub use bar::colour_bar;
 pub use colour::{PALETTE, viridis};
+pub use curve::{PngChart, curve};
 pub use file::{Error, PngRoot, SvgRoot, png, svg, svg_string};
+pub use legend::{Key, Swatch, legend};
 pub use number::{number4, quantity, unit_of, usual};
 pub use ticks::{axis_ticks, tick_text};

@@ -1,11 +1,15 @@
 //! `friction.png` of a search: mu over one parameter, or the map over two, with the best runner.
 
 use kufe_jobs::slide::Optimum;
-use kufe_plot::{Error, PALETTE, PngRoot, tick_text, viridis};
+use kufe_plot::{
+    Error, Key, PALETTE, PngRoot, Swatch, colour_bar, curve, legend, tick_text, viridis,
+};
 use plotters::prelude::*;
 
-/// Places along a parameter at which the surface is drawn.
-const STEPS: usize = 90;
+/// Places along a parameter at which the curve is drawn.
+const STEPS: usize = 200;
+/// Colours of the map.
+const BANDS: f64 = 20.0;
 
 /// Draws what was found over its one or two parameters.
 ///
@@ -18,12 +22,6 @@ pub fn draw(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
     }
 }
 
-/// The `k`-th of places along parameter `axis`.
-fn place(found: &Optimum, axis: usize, k: f64) -> f64 {
-    let [low, high] = found.parameters[axis].span.bounds();
-    low + (high - low) * k / STEPS as f64
-}
-
 fn title(found: &Optimum) -> String {
     format!(
         "mu at {} m/s and {} C, least {:.3}e-3",
@@ -34,10 +32,9 @@ fn title(found: &Optimum) -> String {
 }
 
 fn line(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
-    let surface: Vec<(f64, f64)> = (0..=STEPS)
-        .map(|k| place(found, 0, k as f64))
-        .map(|x| (x, 1e3 * found.response.at(&[x])))
-        .collect();
+    let [from, to] = found.parameters[0].span.bounds();
+    let places = (0..=STEPS).map(|k| from + (to - from) * k as f64 / STEPS as f64);
+    let surface: Vec<(f64, f64)> = places.map(|x| (x, 1e3 * found.response.at(&[x]))).collect();
     let solved = found
         .solved
         .iter()
@@ -52,10 +49,18 @@ fn line(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
         (a.min(1e3 * mu), b.max(1e3 * mu))
     });
     let margin = 0.1 * (high - low);
-    let [from, to] = found.parameters[0].span.bounds();
-    let mut builder = ChartBuilder::on(root);
+    let [blue, red, green] = [PALETTE[0], PALETTE[1], PALETTE[2]];
+    let green = green.mix(0.18);
+    let keys = [
+        Key::new(Swatch::Dot(7), red, "best runner, solved"),
+        Key::new(Swatch::Dot(4), red, "other runners solved"),
+        Key::new(Swatch::Line, blue, "smooth curve through them"),
+        Key::new(Swatch::Fill, green, "cannot be told from the best"),
+    ];
+    let area = root.margin(12, 0, 0, 0);
+    let area = legend(&area.titled(&title(found), ("sans-serif", 22))?, &keys)?;
+    let mut builder = ChartBuilder::on(&area);
     builder
-        .caption(title(found), ("sans-serif", 22))
         .margin(14)
         .margin_right(26)
         .x_label_area_size(50)
@@ -74,74 +79,75 @@ fn line(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
         .draw()?;
     let [left, right] = found.flat()[0];
     let corners = [(left, low - margin), (right, high + margin)];
-    let flat = Rectangle::new(corners, PALETTE[2].mix(0.18).filled());
-    chart
-        .draw_series([flat])?
-        .label("cannot be told from the best")
-        .legend(|(x, y)| {
-            Rectangle::new([(x, y - 6), (x + 24, y + 6)], PALETTE[2].mix(0.3).filled())
-        });
-    chart
-        .draw_series(LineSeries::new(surface, PALETTE[0].stroke_width(2)))?
-        .label("smooth curve through the runners solved")
-        .legend(|(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], PALETTE[0].stroke_width(3)));
+    chart.draw_series([Rectangle::new(corners, green.filled())])?;
+    curve(&chart, surface, blue.stroke_width(2))?;
     let bars = solved.iter().map(|(x, mu)| {
         let [below, at, above] = [-1.0, 0.0, 1.0].map(|side| 1e3 * (mu.value + side * mu.error));
-        ErrorBar::new_vertical(*x, below, at, above, PALETTE[1].filled(), 10)
+        ErrorBar::new_vertical(*x, below, at, above, red.filled(), 10)
     });
     chart.draw_series(bars)?;
     let (x, mu) = (found.values[0], 1e3 * found.point.friction.mu.value);
-    chart
-        .draw_series([Circle::new((x, mu), 7, PALETTE[1].filled())])?
-        .label("best runner, solved")
-        .legend(|(x, y)| Circle::new((x + 12, y), 6, PALETTE[1].filled()));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerRight)
-        .background_style(WHITE.mix(0.8))
-        .label_font(("sans-serif", 16))
-        .draw()?;
+    chart.draw_series([Circle::new((x, mu), 7, red.filled())])?;
     Ok(())
 }
 
 fn map(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
-    let cell = |k: usize, l: usize| {
-        let middle = [
-            place(found, 0, k as f64 + 0.5),
-            place(found, 1, l as f64 + 0.5),
-        ];
-        found.response.at(&middle)
-    };
-    let cells = || (0..STEPS).flat_map(|l| (0..STEPS).map(move |k| (k, l)));
-    let (least, most) = cells()
-        .map(|(k, l)| cell(k, l))
-        .fold((f64::INFINITY, 0.0f64), |(a, b), mu| (a.min(mu), b.max(mu)));
     let [x0, x1] = found.parameters[0].span.bounds();
     let [y0, y1] = found.parameters[1].span.bounds();
-    let mut builder = ChartBuilder::on(root);
-    let scale = format!(
-        "; colours {:.3} to {:.3}e-3, a band a twentieth",
-        1e3 * least,
-        1e3 * most
-    );
+    let [best, others] = [PALETTE[1], RGBColor(255, 105, 190)];
+    let keys = [
+        Key::new(Swatch::Dot(8), best, "best runner, solved"),
+        Key::new(Swatch::Dot(4), others, "other runners solved"),
+        Key::new(
+            Swatch::Line,
+            others,
+            "bound of what cannot be told from the best",
+        ),
+    ];
+    let area = root.margin(12, 0, 0, 0);
+    let area = legend(&area.titled(&title(found), ("sans-serif", 22))?, &keys)?;
+    let (area, bar) = area.split_horizontally(area.dim_in_pixel().0 - 130);
+    let mut builder = ChartBuilder::on(&area);
     builder
-        .caption(title(found) + &scale, ("sans-serif", 20))
         .margin(14)
         .margin_right(26)
         .x_label_area_size(50)
         .y_label_area_size(90);
     let mut chart = builder.build_cartesian_2d(x0..x1, y0..y1)?;
-    let level = |mu: f64| (20.0 * (mu - least) / (most - least).max(f64::MIN_POSITIVE)).floor();
-    chart.draw_series(cells().map(|(k, l)| {
-        let corners = [
-            (place(found, 0, k as f64), place(found, 1, l as f64)),
-            (
-                place(found, 0, k as f64 + 1.0),
-                place(found, 1, l as f64 + 1.0),
-            ),
-        ];
-        Rectangle::new(corners, viridis(level(cell(k, l)) / 19.0).filled())
-    }))?;
+    let plane = chart.plotting_area().strip_coord_spec();
+    let (width, height) = plane.dim_in_pixel();
+    let share = |pixel: u32, count: u32| (f64::from(pixel) + 0.5) / f64::from(count);
+    let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    let values: Vec<f64> = places
+        .map(|(column, row)| {
+            let (right, down) = (share(column, width), share(row, height));
+            let at = [x0 + right * (x1 - x0), y1 - down * (y1 - y0)];
+            found.response.at(&at)
+        })
+        .collect();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(least * (1.0 + 1e-9), f64::max);
+    let colour = |mu: f64| {
+        let band = (BANDS * (mu - least) / (most - least)).floor();
+        viridis(band / (BANDS - 1.0))
+    };
+    colour_bar(
+        &bar.margin(14, 64, 0, 0),
+        [1e3 * least, 1e3 * most],
+        |mu| colour(1e-3 * mu),
+        "coefficient of friction mu [1e-3]",
+    )?;
+    let most_alike = least * (1.0 + found.indistinct());
+    let columns = width as usize;
+    for (pixel, &mu) in values.iter().enumerate() {
+        let at = ((pixel % columns) as i32, (pixel / columns) as i32);
+        let alike =
+            |other: Option<&f64>| other.is_none_or(|o| (*o <= most_alike) == (mu <= most_alike));
+        let beside = (pixel + 1) % columns == 0 || alike(values.get(pixel + 1));
+        let inside = beside && alike(values.get(pixel + columns));
+        let colour = if inside { colour(mu) } else { others };
+        plane.draw_pixel(at, &colour)?;
+    }
     chart
         .configure_mesh()
         .disable_mesh()
@@ -152,33 +158,10 @@ fn map(root: &PngRoot, found: &Optimum) -> Result<(), Error> {
         .label_style(("sans-serif", 16))
         .axis_desc_style(("sans-serif", 18))
         .draw()?;
-    let dots = found
-        .solved
-        .iter()
-        .map(|(values, _)| (values[0], values[1]));
-    chart.draw_series(dots.map(|at| Circle::new(at, 3, WHITE.filled())))?;
-    let most_alike = least * (1.0 + found.indistinct());
-    let flat = cells().filter(|&(k, l)| cell(k, l) <= most_alike);
-    let middles = flat.map(|(k, l)| {
-        (
-            place(found, 0, k as f64 + 0.5),
-            place(found, 1, l as f64 + 0.5),
-        )
-    });
-    chart
-        .draw_series(middles.map(|at| Circle::new(at, 1, WHITE.filled())))?
-        .label("cannot be told from the best (dots)")
-        .legend(|(x, y)| Circle::new((x + 12, y), 2, WHITE.filled()));
-    let best = (found.values[0], found.values[1]);
-    chart
-        .draw_series([Circle::new(best, 8, PALETTE[1].filled())])?
-        .label("best runner, solved")
-        .legend(|(x, y)| Circle::new((x + 12, y), 6, PALETTE[1].filled()));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(RGBColor(120, 120, 130).mix(0.7))
-        .label_font(("sans-serif", 16, &WHITE))
-        .draw()?;
+    let dots = found.solved.iter();
+    let dots = dots.map(|(values, _)| Circle::new((values[0], values[1]), 4, others.filled()));
+    chart.draw_series(dots)?;
+    let at = (found.values[0], found.values[1]);
+    chart.draw_series([Circle::new(at, 8, best.filled())])?;
     Ok(())
 }

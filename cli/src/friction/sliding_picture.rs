@@ -1,7 +1,7 @@
 //! `friction.png`: mu of each runner over speed, over temperature, or runner by runner.
 
 use kufe_jobs::slide::FrictionPoint;
-use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::friction::asked::Runner;
@@ -46,9 +46,18 @@ pub fn draw(root: &PngRoot, runners: &[Runner]) -> Result<(), Error> {
         Over::Runner => (least - 0.2 * (most - least), most + 0.2 * (most - least)),
         _ => (0.0, 1.1 * most),
     };
-    let mut builder = ChartBuilder::on(root);
+    let named = lines
+        .iter()
+        .zip(PALETTE.iter().cycle())
+        .filter(|_| over != Over::Runner);
+    let keys: Vec<Key> = named
+        .map(|((name, _), colour)| Key::new(Swatch::Line, *colour, name))
+        .collect();
+    let area = root.margin(12, 0, 0, 0);
+    let area = area.titled("friction of groove and melt film", ("sans-serif", 22))?;
+    let area = legend(&area, &keys)?;
+    let mut builder = ChartBuilder::on(&area);
     builder
-        .caption("friction of groove and melt film", ("sans-serif", 22))
         .margin(14)
         .margin_right(26)
         .x_label_area_size(50)
@@ -84,8 +93,7 @@ pub fn draw(root: &PngRoot, runners: &[Runner]) -> Result<(), Error> {
         .label_style(("sans-serif", 16))
         .axis_desc_style(("sans-serif", 18))
         .draw()?;
-    for (k, (name, line)) in lines.iter().enumerate() {
-        let colour = PALETTE[k % PALETTE.len()];
+    for ((_, line), colour) in lines.iter().zip(PALETTE.iter().cycle()) {
         chart.draw_series(
             line.iter()
                 .map(|at| Circle::new((at[0], at[1]), 4, colour.filled())),
@@ -94,24 +102,10 @@ pub fn draw(root: &PngRoot, runners: &[Runner]) -> Result<(), Error> {
             ErrorBar::new_vertical(*x, mu - error, *mu, mu + error, colour.filled(), 10)
         });
         chart.draw_series(bars)?;
-        if over == Over::Runner {
-            continue;
+        if over != Over::Runner {
+            let ends = line.iter().map(|at| (at[0], at[1]));
+            curve(&chart, ends, colour.stroke_width(2))?;
         }
-        let ends = line.iter().map(|at| (at[0], at[1]));
-        chart
-            .draw_series(LineSeries::new(ends, colour.stroke_width(2)))?
-            .label(name)
-            .legend(move |(x, y)| {
-                PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(3))
-            });
-    }
-    if over != Over::Runner {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerRight)
-            .background_style(WHITE.mix(0.8))
-            .label_font(("sans-serif", 16))
-            .draw()?;
     }
     Ok(())
 }

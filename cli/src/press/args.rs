@@ -9,7 +9,7 @@ use crate::press::series::lists::Lists;
 pub struct Args {
     /// The case; a built-in bobsled runner on flat ice where none is given
     pub case: Option<PathBuf>,
-    /// Folder for result.json, pressure.exr, pressure.png, field.vtu, contact.vtp and hull.glb (runner.vtu too where the runner deforms, groove.exr, groove.png and
+    /// Folder for result.json, pressure.exr, pressure.png, field.vtu, contact.vtp and hull.glb (runner.vtu and stress.png too where the runner deforms, groove.exr, groove.png and
     /// film.csv where it slides)
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,

@@ -4,7 +4,9 @@ use std::io::BufWriter;
 
 use kufe_case::Case;
 use kufe_contact::{PressureMap, pressure_maps};
-use kufe_jobs::field::{contact_vtp, map_picture, subsurface, volume_vtu, write_exr};
+use kufe_jobs::field::{
+    contact_vtp, map_picture, stress_picture, subsurface, volume_vtu, write_exr,
+};
 use kufe_jobs::{Failure, Pressed};
 use kufe_mesh::HullFormat;
 use serde_json::{Value, json};
@@ -15,7 +17,7 @@ use crate::press::args::Args;
 use crate::press::{mat, sliding, summary};
 
 /// The files that a solved case may be written to.
-pub const NAMES: [&str; 13] = [
+pub const NAMES: [&str; 14] = [
     "result.json",
     "pressure.exr",
     "pressure.png",
@@ -24,6 +26,7 @@ pub const NAMES: [&str; 13] = [
     "result.mat",
     "hull.glb",
     "runner.vtu",
+    "stress.png",
     "groove.exr",
     "groove.png",
     "film.csv",
@@ -40,7 +43,7 @@ pub fn surely(case: &Case, args: &Args) -> Vec<&'static str> {
     [
         of(true, &NAMES[..5]),
         of(args.mat, &["result.mat"]),
-        of(case.runner.elastic, &["runner.vtu"]),
+        of(case.runner.elastic, &["runner.vtu", "stress.png"]),
         of(
             case.sliding.is_some(),
             &["groove.exr", "groove.png", "film.csv"],
@@ -50,7 +53,7 @@ pub fn surely(case: &Case, args: &Args) -> Vec<&'static str> {
     .concat()
 }
 
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu where the runner deforms; where it
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it
 /// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files;
 /// with `mat` result.mat.
 ///
@@ -141,12 +144,17 @@ fn volumes(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes the patch, and the hull where it stands.
+/// Writes the patch, the sections of a runner that deforms, and the hull where it stands.
 fn surfaces(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
     let solution = &pressed.solution;
     staging.write("contact.vtp", |mut file| {
         contact_vtp::write(&mut file, &solution.surface)
     })?;
+    if let (Some(field), Some(loads)) = (&solution.runner_volume, &pressed.runner) {
+        let path = staging.path("stress.png");
+        stress_picture::write(&path, field, loads, solution.symmetry)
+            .map_err(|error| staging.failure("stress.png", &error))?;
+    }
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
     }

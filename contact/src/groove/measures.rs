@@ -126,19 +126,16 @@ impl<'a> Reading<'a> {
     /// Stations from the front to the back: width and mean pressure.
     pub fn sections(&self, field: &PressureField) -> Vec<Section> {
         let pressure = field.pressures();
-        let [nx, ny] = self.shape();
+        let [nx, _] = self.shape();
         let [back, front] = self.rims.ends(&field.chords_along(&pressure, By::Shape));
         let hardness = self.on.problem.ice.hardness.unwrap_or(f64::INFINITY);
         let sides = self.rims.sides(&field.chords_across(&pressure, By::Shape));
-        let along = &self.on.mesh.contact.lumped[0];
         let section = |i: usize| {
             let [right, left] = sides[i]?;
-            let force: f64 = (0..ny).map(|j| self.slid.state.force[j * nx + i]).sum();
-            let pressure = force / (along[i] * (left - right));
             Some(Section {
                 x: self.on.mesh.grid.x[i],
                 width: self.copies() * (left - right),
-                pressure: pressure.min(hardness),
+                pressure: self.rims.mean_pressure(i, left - right, hardness),
             })
         };
         let sections = (0..nx).rev().filter_map(section).collect();

@@ -58,7 +58,6 @@ impl<'a> Rims<'a> {
     pub fn full_area(&self) -> f64 {
         let [nx, ny] = self.shape();
         let [along, across] = &self.mesh.contact.lumped;
-        let y = &self.mesh.grid.y;
         let (mut nodes, mut missing) = (0.0, 0.0);
         let mut before = None;
         for (i, length) in along.iter().enumerate() {
@@ -66,10 +65,7 @@ impl<'a> Rims<'a> {
                 .filter(|j| self.full[j * nx + i])
                 .map(|j| across[j])
                 .sum();
-            let sides = [false, true].map(|upper| {
-                let ([j, k], side) = self.yielding_side(i, upper)?;
-                Some((side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum())
-            });
+            let sides = [false, true].map(|upper| self.beyond(i, upper));
             let beyond: f64 = sides.iter().flatten().sum();
             nodes += length * part;
             missing += length * beyond;
@@ -86,6 +82,30 @@ impl<'a> Rims<'a> {
         } else {
             1.0
         }
+    }
+
+    /// How far the ice yields beyond the outermost node's part of the plane at a side of column `i`, negative where it ends within [m].
+    fn beyond(&self, i: usize, upper: bool) -> Option<f64> {
+        let y = &self.mesh.grid.y;
+        let ([j, k], side) = self.yielding_side(i, upper)?;
+        Some((side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum())
+    }
+
+    /// Mean pressure over the `width` of column `i`, `hardness` where all of it yields [Pa].
+    ///
+    /// Forces stand for the nodes' parts of the plane, and the width ends below the cell: a full node bears the hardness on its part, whatever its
+    /// force is fitted to, and so does what lies between there and the rim.
+    pub fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
+        let [nx, ny] = self.shape();
+        let [along, across] = &self.mesh.contact.lumped;
+        let borne = (0..ny).map(|j| match self.full[j * nx + i] {
+            true => hardness * across[j],
+            false => self.slid.state.force[j * nx + i] / along[i],
+        });
+        let beyond = [false, true].into_iter();
+        let beyond = beyond.filter_map(|upper| self.beyond(i, upper));
+        let beyond: f64 = beyond.map(|length| hardness * length).sum();
+        ((borne.sum::<f64>() + beyond) / width).min(hardness)
     }
 
     /// What a sum over columns of these widths of column `i` and the one behind it leaves out of the area under squared widths that are

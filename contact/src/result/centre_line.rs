@@ -62,8 +62,8 @@ impl CentreLine {
             .filter(|at| self.depth[0] < at.depth && at.depth < self.depth[last])
     }
 
-    /// Stress at a depth by the cubics through the four depths nearest to it.
-    fn stress_at(&self, depth: f64) -> [f64; 6] {
+    /// Stress at a depth by the cubics through the four depths nearest to it [Pa].
+    pub fn stress_at(&self, depth: f64) -> [f64; 6] {
         let count = self.depth.len().min(4);
         let next = self.depth.partition_point(|&d| d < depth);
         let first = next.saturating_sub(2).min(self.depth.len() - count);

@@ -14,6 +14,8 @@ pub struct RunnerLoads {
     pub von_mises: f64,
     /// Where that is, undeformed, as in [`RunnerField::mesh`] [m]; where mirror planes were used its images bear the same.
     pub at: [f64; 3],
+    /// Von Mises stress at the nodes of [`RunnerField::mesh`] [Pa].
+    pub von_mises_at_nodes: Vec<f64>,
     /// The parts of the mount along the runner; none where the runner has no end.
     pub mounts: Vec<MountForce>,
 }
@@ -82,6 +84,7 @@ pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<Run
     Ok(Some(RunnerLoads {
         von_mises: mises[most],
         at: field.mesh.points[most],
+        von_mises_at_nodes: mises,
         mounts,
     }))
 }

@@ -1,5 +1,6 @@
 //! Picture of one gliding run: energies over distance with the fitted line.
 
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend};
 use plotters::prelude::*;
 
 use crate::icehouse::glide_run::{GRAVITY, GlideRun};
@@ -10,15 +11,8 @@ use crate::icehouse::specimens::IceHouse;
 /// Energies are counted from the start of the glide; the sum falls by what the ice takes. The middle section is shaded.
 ///
 /// # Errors
-/// [`kufe_plot::Error::Draw`].
-pub fn draw_glide<B: DrawingBackend>(
-    root: &DrawingArea<B, plotters::coord::Shift>,
-    house: &IceHouse,
-    run: &GlideRun,
-) -> Result<(), kufe_plot::Error>
-where
-    B::ErrorType: 'static,
-{
+/// [`Error::Draw`].
+pub fn draw_glide(root: &PngRoot, house: &IceHouse, run: &GlideRun) -> Result<(), Error> {
     let potential = house.potential(run);
     let start = run.line.at(0.0);
     let kinetic: Vec<f64> = run.kinetic.iter().map(|e| e - start).collect();
@@ -48,14 +42,31 @@ where
         friction,
         1e3 * friction / (weight * house.slope_rad.value.cos()),
     );
-    let mut chart = ChartBuilder::on(root)
-        .caption(caption, ("sans-serif", 18))
+    let shade = RGBColor(232, 232, 236);
+    let series = [
+        ("kinetic", &kinetic, PALETTE[2]),
+        ("potential", &potential, PALETTE[3]),
+        ("given to the air", &run.aero, PALETTE[4]),
+        ("sum of the three", &sum, PALETTE[0]),
+    ];
+    let mut keys: Vec<Key> = series
+        .iter()
+        .map(|(name, _, colour)| Key::new(Swatch::Line, *colour, *name))
+        .collect();
+    keys.push(Key::new(Swatch::Line, PALETTE[1], "line fitted to the sum"));
+    keys.push(Key::new(
+        Swatch::Fill,
+        shade,
+        "section that it is fitted to",
+    ));
+    let area = root.margin(12, 0, 0, 0);
+    let area = legend(&area.titled(&caption, ("sans-serif", 18))?, &keys)?;
+    let mut chart = ChartBuilder::on(&area)
         .margin(14)
         .x_label_area_size(46)
         .y_label_area_size(66)
         .build_cartesian_2d(0.0..length, low..high)?;
     let (first, last) = (run.s[run.section.start], run.s[run.section.end - 1]);
-    let shade = RGBColor(240, 240, 240);
     chart.draw_series(std::iter::once(Rectangle::new(
         [(first, low), (last, high)],
         shade.filled(),
@@ -70,38 +81,10 @@ where
         .x_label_formatter(&|s| format!("{s:.0}"))
         .y_label_formatter(&|e| format!("{e:.0}"))
         .draw()?;
-    let palette = kufe_plot::PALETTE;
-    let series = [
-        ("kinetic", &kinetic, palette[2]),
-        ("potential", &potential, palette[3]),
-        ("given to the air", &run.aero, palette[4]),
-        ("sum", &sum, palette[5]),
-    ];
-    for (name, values, colour) in series {
-        chart
-            .draw_series(LineSeries::new(
-                run.s.iter().copied().zip(values.iter().copied()),
-                colour.stroke_width(1),
-            ))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(2)));
+    for (_, values, colour) in series {
+        let points = run.s.iter().copied().zip(values.iter().copied());
+        curve(&chart, points, colour)?;
     }
     let fit = |s: f64| (s, run.line.at(s) - start + climb * s);
-    let red = palette[1];
-    chart
-        .draw_series(LineSeries::new(
-            [fit(first), fit(last)],
-            red.stroke_width(2),
-        ))?
-        .label("fitted line, middle section")
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], red.stroke_width(2)));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(200, 200, 200))
-        .label_font(("sans-serif", 14))
-        .margin(12)
-        .draw()?;
-    Ok(())
+    curve(&chart, [fit(first), fit(last)], PALETTE[1].stroke_width(2))
 }

@@ -1,5 +1,6 @@
 //! Picture of mu over the peak pressure: points with both errors, fit, band and cap.
 
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::longitudinal::law::{PressureLaw, ZetaActsOn};
@@ -11,16 +12,13 @@ use crate::tables::experiments::Experiment;
 /// `fit` gives the confidence band, `law` the capped curve that a simulation uses.
 ///
 /// # Errors
-/// [`kufe_plot::Error::Draw`].
-pub fn draw_mu_over_pressure<B: DrawingBackend>(
-    root: &DrawingArea<B, plotters::coord::Shift>,
+/// [`Error::Draw`].
+pub fn draw_mu_over_pressure(
+    root: &PngRoot,
     experiments: &[Experiment],
     fit: &MuFit,
     law: &PressureLaw,
-) -> Result<(), kufe_plot::Error>
-where
-    B::ErrorType: 'static,
-{
+) -> Result<(), Error> {
     let ends = |e: &Experiment| {
         let (p, p_sd) = (e.p_max_pa * 1e-6, e.p_max_sd_pa * 1e-6);
         (p - p_sd, p + p_sd)
@@ -36,8 +34,24 @@ where
         .iter()
         .map(|e| 1e3 * (e.mu + e.mu_sd))
         .fold(1e3 * law.mu_cap, f64::max);
-    let mut chart = ChartBuilder::on(root)
-        .caption("Friction over peak contact pressure", ("sans-serif", 20))
+    let [red, blue, grey] = [PALETTE[1], PALETTE[0], PALETTE[6]];
+    let formula = format!(
+        "{:.4} p² − {:.3} p + {:.2}{}",
+        fit.b,
+        fit.c,
+        fit.d,
+        asperities(law)
+    );
+    let band = format!("{:.0} % band of the fit", 100.0 * fit.confidence);
+    let keys = [
+        Key::new(Swatch::Dot(4), red, "specimens, one standard deviation"),
+        Key::new(Swatch::Line, blue, formula),
+        Key::new(Swatch::Fill, blue.mix(0.15), band),
+        Key::new(Swatch::Dashes, grey, "cap"),
+    ];
+    let area = root.margin(12, 0, 0, 0);
+    let area = area.titled("Friction over peak contact pressure", ("sans-serif", 20))?;
+    let mut chart = ChartBuilder::on(&legend(&area, &keys)?)
         .margin(14)
         .x_label_area_size(48)
         .y_label_area_size(58)
@@ -49,13 +63,12 @@ where
         .light_line_style(WHITE)
         .bold_line_style(RGBColor(225, 225, 225))
         .label_style(("sans-serif", 15))
-        .x_label_formatter(&|p| format!("{p:.0}"))
-        .y_label_formatter(&|mu| format!("{mu:.1}"))
+        .x_label_formatter(&|p| tick_text(*p, high - low))
+        .y_label_formatter(&|mu| tick_text(*mu, top))
         .draw()?;
     let grid: Vec<f64> = (0..=200)
         .map(|i| low + (high - low) * i as f64 / 200.0)
         .collect();
-    let blue = kufe_plot::PALETTE[0];
     let band: Vec<(f64, f64)> = grid
         .iter()
         .map(|&p| (p, 1e3 * fit.band(p * 1e6).low))
@@ -66,36 +79,11 @@ where
         )
         .map(|(p, mu)| (p, mu.clamp(0.0, 1.08 * top)))
         .collect();
-    chart
-        .draw_series(std::iter::once(Polygon::new(band, blue.mix(0.15))))?
-        .label(format!("{:.0} % band of the fit", 100.0 * fit.confidence))
-        .legend(move |(x, y)| {
-            Rectangle::new([(x, y - 5), (x + 20, y + 5)], blue.mix(0.25).filled())
-        });
-    chart
-        .draw_series(LineSeries::new(
-            grid.iter().map(|&p| (p, 1e3 * law.mu(p * 1e6))),
-            blue.stroke_width(2),
-        ))?
-        .label(format!(
-            "{:.4} p² − {:.3} p + {:.2}{}",
-            fit.b,
-            fit.c,
-            fit.d,
-            asperities(law)
-        ))
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], blue.stroke_width(2)));
-    let grey = kufe_plot::PALETTE[6];
-    chart
-        .draw_series(DashedLineSeries::new(
-            [(low, 1e3 * law.mu_cap), (high, 1e3 * law.mu_cap)],
-            6,
-            5,
-            grey.stroke_width(1),
-        ))?
-        .label("cap")
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], grey.stroke_width(1)));
-    let red = kufe_plot::PALETTE[1];
+    chart.draw_series([Polygon::new(band, blue.mix(0.15))])?;
+    let law_at = grid.iter().map(|&p| (p, 1e3 * law.mu(p * 1e6)));
+    curve(&chart, law_at, blue.stroke_width(2))?;
+    let cap = [(low, 1e3 * law.mu_cap), (high, 1e3 * law.mu_cap)];
+    chart.draw_series(DashedLineSeries::new(cap, 6, 5, grey.stroke_width(1)))?;
     for e in experiments {
         let (p, mu, sd) = (e.p_max_pa * 1e-6, 1e3 * e.mu, 1e3 * e.mu_sd);
         let (left, right) = ends(e);
@@ -105,14 +93,11 @@ where
             bar((left, mu), (right, mu)),
         ])?;
     }
-    chart
-        .draw_series(
-            experiments
-                .iter()
-                .map(|e| Circle::new((e.p_max_pa * 1e-6, 1e3 * e.mu), 4, red.filled())),
-        )?
-        .label("specimens, one standard deviation")
-        .legend(move |(x, y)| Circle::new((x + 10, y), 4, red.filled()));
+    chart.draw_series(
+        experiments
+            .iter()
+            .map(|e| Circle::new((e.p_max_pa * 1e-6, 1e3 * e.mu), 4, red.filled())),
+    )?;
     if experiments.len() <= 24 {
         chart.draw_series(experiments.iter().map(|e| {
             // Above a point that lies above the curve, below one below; leftwards near the right edge.
@@ -127,14 +112,6 @@ where
                 + Text::new(e.specimen.clone(), offset, ("sans-serif", 13).into_font())
         }))?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(200, 200, 200))
-        .label_font(("sans-serif", 14))
-        .margin(12)
-        .draw()?;
     Ok(())
 }
 

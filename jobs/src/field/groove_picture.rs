@@ -4,13 +4,16 @@ use std::path::Path;
 
 use crate::Pressed;
 use crate::slide::Slid;
-use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text};
+use kufe_friction::film::FilmStation;
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, png, tick_text};
 use plotters::prelude::*;
 
 const WIDTH: u32 = 1100;
-const HEIGHT: u32 = 1240;
+const HEIGHT: u32 = 1300;
+/// Places between two stations at which a line between them is drawn.
+const BETWEEN: u32 = 16;
 
-/// Draws the three pictures under each other.
+/// Draws the three pictures under each other; dots stand where the mesh has nodes, and stations of the film.
 ///
 /// # Errors
 /// [`Error`] where the picture cannot be drawn or written.
@@ -38,27 +41,27 @@ pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
         draw(
             &parts[0],
             &Chart {
-                title: "the groove that is left",
+                title: "the groove that is left (dots: nodes of the mesh)",
                 x: "y across [mm]",
                 y: "height of the ice [µm]",
-                lines: vec![("", within)],
+                lines: vec![Line::between("", within)],
             },
         )?;
         draw(
             &parts[1],
             &Chart {
-                title: "the groove's deepest line under the runner, which slides to the right",
+                title: "the groove's deepest line under the runner, which slides to the right (dots: nodes)",
                 x: "x along the runner [mm]",
                 y: "height of the unloaded ice [µm]",
-                lines: vec![("", deepest_line(pressed, slid))],
+                lines: vec![Line::between("", deepest_line(pressed, slid))],
             },
         )?;
         draw(
             &parts[2],
             &Chart {
-                title: "the patch",
+                title: "the patch (dots: stations of the film)",
                 x: "x along the runner [mm]",
-                y: "film [0.1 µm], pressure [MPa], width [0.1 mm]",
+                y: "each in its own unit",
                 lines: along(slid),
             },
         )
@@ -81,29 +84,60 @@ fn deepest_line(pressed: &Pressed, slid: &Slid) -> Vec<(f64, f64)> {
         .collect()
 }
 
-fn along(slid: &Slid) -> Vec<(&'static str, Vec<(f64, f64)>)> {
+/// Film, pressure and width over the stations, as the film's strip takes them to be in between: the pressure linear, and the square of the width.
+fn along(slid: &Slid) -> Vec<Line> {
     let stations = &slid.film.film.stations;
-    let line = |value: &dyn Fn(&kufe_friction::film::FilmStation) -> f64| {
-        let point =
-            |s: &kufe_friction::film::FilmStation| (1e3 * (slid.film.front - s.xi), value(s));
+    let dots = |value: fn(&FilmStation) -> f64| -> Vec<(f64, f64)> {
+        let point = |s: &FilmStation| (1e3 * (slid.film.front - s.xi), value(s));
         stations.iter().map(point).collect()
     };
+    let width = dots(|s| 1e4 * s.width);
+    let squares = width.windows(2).flat_map(|pair| {
+        let [(x, from), (to_x, to)] = [pair[0], pair[1]];
+        (0..=BETWEEN).map(move |k| {
+            let share = f64::from(k) / f64::from(BETWEEN);
+            let square = from * from + share * (to * to - from * from);
+            (x + share * (to_x - x), square.sqrt())
+        })
+    });
     vec![
-        ("film", line(&|s| 1e7 * s.thickness)),
-        ("pressure", line(&|s| 1e-6 * s.pressure)),
-        ("width", line(&|s| 1e4 * s.width)),
+        Line::between("film [0.1 µm]", dots(|s| 1e7 * s.thickness)),
+        Line::between("pressure [MPa]", dots(|s| 1e-6 * s.pressure)),
+        Line {
+            name: "width [0.1 mm]",
+            points: squares.collect(),
+            dots: width,
+        },
     ]
+}
+
+struct Line {
+    name: &'static str,
+    /// What is known, and the line through it.
+    dots: Vec<(f64, f64)>,
+    points: Vec<(f64, f64)>,
+}
+
+impl Line {
+    /// Linear between its dots.
+    fn between(name: &'static str, dots: Vec<(f64, f64)>) -> Line {
+        Line {
+            name,
+            points: dots.clone(),
+            dots,
+        }
+    }
 }
 
 struct Chart {
     title: &'static str,
     x: &'static str,
     y: &'static str,
-    lines: Vec<(&'static str, Vec<(f64, f64)>)>,
+    lines: Vec<Line>,
 }
 
 fn draw(area: &PngRoot, chart: &Chart) -> Result<(), Error> {
-    let points = || chart.lines.iter().flat_map(|(_, points)| points);
+    let points = || chart.lines.iter().flat_map(|line| &line.points);
     let range = |of: &dyn Fn(&(f64, f64)) -> f64| {
         let low = points().map(of).fold(f64::INFINITY, f64::min);
         let high = points().map(of).fold(f64::NEG_INFINITY, f64::max);
@@ -112,9 +146,15 @@ fn draw(area: &PngRoot, chart: &Chart) -> Result<(), Error> {
     };
     let (xs, ys) = (range(&|p| p.0), range(&|p| p.1));
     let (wide, high) = (xs.end - xs.start, ys.end - ys.start);
-    let mut builder = ChartBuilder::on(area);
+    let named = chart.lines.iter().zip(PALETTE);
+    let named = named.filter(|(line, _)| !line.name.is_empty());
+    let keys: Vec<Key> = named
+        .map(|(line, colour)| Key::new(Swatch::Line, colour, line.name))
+        .collect();
+    let area = area.margin(12, 0, 0, 0);
+    let area = legend(&area.titled(chart.title, ("sans-serif", 24))?, &keys)?;
+    let mut builder = ChartBuilder::on(&area);
     builder
-        .caption(chart.title, ("sans-serif", 24))
         .margin(14)
         .margin_right(28)
         .x_label_area_size(54)
@@ -131,22 +171,10 @@ fn draw(area: &PngRoot, chart: &Chart) -> Result<(), Error> {
         .label_style(("sans-serif", 18))
         .axis_desc_style(("sans-serif", 20))
         .draw()?;
-    for ((name, points), colour) in chart.lines.iter().zip(PALETTE) {
-        let line = LineSeries::new(points.iter().copied(), colour.stroke_width(2));
-        let line = drawn.draw_series(line)?;
-        if !name.is_empty() {
-            line.label(*name).legend(move |(x, y)| {
-                PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(3))
-            });
-        }
-    }
-    if chart.lines.len() > 1 {
-        drawn
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .background_style(WHITE.mix(0.8))
-            .label_font(("sans-serif", 18))
-            .draw()?;
+    for (line, colour) in chart.lines.iter().zip(PALETTE) {
+        curve(&drawn, line.points.iter().copied(), colour.stroke_width(2))?;
+        let dots = line.dots.iter();
+        drawn.draw_series(dots.map(|&at| Circle::new(at, 3, colour.filled())))?;
     }
     Ok(())
 }

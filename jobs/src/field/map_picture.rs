@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_contact::PressureMap;
-use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text, viridis};
+use kufe_plot::{Error, PALETTE, PngRoot, colour_bar, curve, png, tick_text, viridis};
 use plotters::prelude::*;
 
 use crate::field::outline::outline;
@@ -43,7 +43,12 @@ fn draw(root: &PngRoot, maps: &[PressureMap], title: &str) -> Result<(), Error> 
     for (map, area) in maps.iter().zip(map_area.split_evenly((1, maps.len()))) {
         draw_map(&area, map, scale)?;
     }
-    draw_bar(&bar_area, scale)?;
+    colour_bar(
+        &bar_area.margin(12, 68, 2, 0),
+        [0.0, scale],
+        |p| viridis(p / scale),
+        "contact pressure [MPa]",
+    )?;
     draw_cuts(&lower, main, scale)
 }
 
@@ -92,10 +97,10 @@ fn draw_map(area: &PngRoot, map: &PressureMap, scale: f64) -> Result<(), Error> 
             }
         }
     }
-    for line in outline(map, EDGE * scale * 1e6) {
-        let points = line.into_iter().map(|(x, y)| (1e3 * x, 1e3 * y));
-        chart.draw_series(LineSeries::new(points, BLACK.stroke_width(1)))?;
-    }
+    // All pieces as one line, with a break after each.
+    let pieces = outline(map, EDGE * scale * 1e6).into_iter();
+    let points = pieces.flat_map(|piece| piece.into_iter().chain([(f64::NAN, f64::NAN)]));
+    curve(&chart, points.map(|(x, y)| (1e3 * x, 1e3 * y)), BLACK)?;
     chart
         .configure_mesh()
         .disable_mesh()
@@ -115,36 +120,6 @@ fn area_left(area: &PngRoot) -> i32 {
 
 fn area_top(area: &PngRoot) -> i32 {
     area.get_pixel_range().1.start
-}
-
-fn draw_bar(area: &PngRoot, scale: f64) -> Result<(), Error> {
-    let mut builder = ChartBuilder::on(area);
-    builder
-        .margin(12)
-        .margin_bottom(68)
-        .margin_left(2)
-        .right_y_label_area_size(96);
-    let mut chart = builder.build_cartesian_2d(0.0..1.0, 0.0..scale)?;
-    let steps = 256;
-    let height = scale / f64::from(steps);
-    chart.draw_series((0..steps).map(|k| {
-        let from = f64::from(k) * height;
-        let colour = viridis((f64::from(k) + 0.5) / f64::from(steps));
-        Rectangle::new([(0.0, from), (1.0, from + height)], colour.filled())
-    }))?;
-    chart
-        .configure_mesh()
-        .disable_x_mesh()
-        .disable_y_mesh()
-        .disable_x_axis()
-        .y_labels(8)
-        .set_tick_mark_size(LabelAreaPosition::Right, 8)
-        .y_desc("contact pressure [MPa]")
-        .y_label_formatter(&|p| tick_text(*p, scale))
-        .label_style(("sans-serif", 18))
-        .axis_desc_style(("sans-serif", 20))
-        .draw()?;
-    Ok(())
 }
 
 fn draw_cuts(area: &PngRoot, map: &PressureMap, scale: f64) -> Result<(), Error> {
@@ -216,13 +191,11 @@ fn draw_cut(
         0.0,
         PALETTE[0].mix(0.15),
     ))?;
-    // Piece by piece: where a thick line turns sharply, as beside an edge's peak, its outline falls apart.
-    let style = PALETTE[0].stroke_width(2);
-    chart.draw_series(points.windows(2).map(|pair| PathElement::new(pair, style)))?;
-    Ok(())
+    curve(&chart, points, PALETTE[0].stroke_width(2))
 }
 
-fn stretch_text(stretch: f64) -> String {
+/// How many times the upright axis is stretched.
+pub(crate) fn stretch_text(stretch: f64) -> String {
     if (0.9..=1.1).contains(&stretch) {
         "to scale".to_string()
     } else if stretch >= 10.0 {

@@ -8,6 +8,7 @@ mod hertz_map;
 pub mod map_picture;
 mod outline;
 pub mod read_exr;
+pub mod stress_picture;
 pub mod subsurface;
 pub mod volume_vtu;
 pub mod write_exr;

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::Path;
 
 use kufe_contact::{CentreLine, Solution, UnderPeak};
-use kufe_fem::von_mises;
-use kufe_plot::{Error, PALETTE, PngRoot, png, tick_text};
+use kufe_fem::{maximum_shear, von_mises};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, png, tick_text};
 use plotters::prelude::*;
 use serde_json::{Value, json};
 
@@ -44,8 +44,11 @@ pub fn write_csv(writer: &mut dyn Write, line: &CentreLine) -> std::io::Result<(
 
 /// Depths are drawn down to this many times that of the largest shear.
 const REACH: f64 = 6.0;
+/// Depths at which a curve is drawn.
+const DRAWN: u32 = 400;
 
-/// Maximum shear, von Mises and vertical stress against the depth.
+/// Maximum shear, von Mises and vertical stress against the depth: dots at the middles of the cells, and between them what the stress is there by
+/// [`CentreLine::stress_at`].
 ///
 /// # Errors
 /// [`Error`] where the picture cannot be drawn or written.
@@ -64,28 +67,40 @@ fn draw(root: &PngRoot, line: &CentreLine) -> Result<(), Error> {
     } else {
         (1e3, "mm")
     };
-    let curves = [
-        ("maximum shear", line.shear()),
-        (
-            "von Mises",
-            line.stress.iter().map(|&s| von_mises(s)).collect(),
-        ),
-        (
-            "-sigma_zz",
-            line.stress.iter().map(|s| -s[2]).collect::<Vec<f64>>(),
-        ),
+    type Of = fn([f64; 6]) -> f64;
+    let curves: [(&str, Of); 3] = [
+        ("maximum shear", maximum_shear),
+        ("von Mises", von_mises),
+        ("pressure downwards, -sigma_zz", |s| -s[2]),
     ];
-    let shown: Vec<usize> = (0..line.depth.len())
-        .filter(|&k| line.depth[k] <= reach)
+    // The last cell that is drawn is the first beyond the reach.
+    let cells = (line.depth.partition_point(|&depth| depth < reach) + 1).min(line.depth.len());
+    let (first, last) = (line.depth[0], line.depth[cells - 1].min(reach));
+    let depths: Vec<f64> = (0..=DRAWN)
+        .map(|k| first + (last - first) * f64::from(k) / f64::from(DRAWN))
         .collect();
-    let highest = curves
+    let drawn: Vec<Vec<f64>> = curves
         .iter()
-        .flat_map(|(_, values)| shown.iter().map(|&k| values[k] / 1e6))
-        .fold(0.0, f64::max)
-        .max(1e-6);
-    let mut builder = ChartBuilder::on(root);
+        .map(|(_, of)| {
+            depths
+                .iter()
+                .map(|&d| 1e-6 * of(line.stress_at(d)))
+                .collect()
+        })
+        .collect();
+    let highest = drawn.iter().flatten().copied().fold(0.0, f64::max);
+    let highest = highest.max(1e-6);
+    let mut keys: Vec<Key> = curves
+        .iter()
+        .zip(PALETTE)
+        .map(|((name, _), colour)| Key::new(Swatch::Line, colour, *name))
+        .collect();
+    keys.push(Key::new(Swatch::Dot(3), PALETTE[6], "middles of the cells"));
+    let area = root.margin(12, 0, 0, 0);
+    let area = area.titled("stress under the peak pressure", ("sans-serif", 24))?;
+    let area = legend(&area, &keys)?;
+    let mut builder = ChartBuilder::on(&area);
     builder
-        .caption("stress under the peak pressure", ("sans-serif", 24))
         .margin(16)
         .margin_right(32)
         .x_label_area_size(56)
@@ -103,16 +118,13 @@ fn draw(root: &PngRoot, line: &CentreLine) -> Result<(), Error> {
         .label_style(("sans-serif", 18))
         .axis_desc_style(("sans-serif", 20))
         .draw()?;
-    for ((name, values), colour) in curves.iter().zip(PALETTE) {
-        let points = shown
-            .iter()
-            .map(|&k| (scale * line.depth[k], values[k] / 1e6));
-        chart
-            .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
-            .label(*name)
-            .legend(move |(x, y)| {
-                PathElement::new(vec![(x, y), (x + 24, y)], colour.stroke_width(3))
-            });
+    for (((_, of), values), colour) in curves.iter().zip(drawn).zip(PALETTE) {
+        let points = depths.iter().map(|d| scale * d).zip(values);
+        curve(&chart, points, colour.stroke_width(2))?;
+        let cells = line.depth.iter().zip(&line.stress);
+        let cells = cells.take_while(|(depth, _)| **depth <= reach);
+        let dots = cells.map(|(depth, &stress)| (scale * depth, 1e-6 * of(stress)));
+        chart.draw_series(dots.map(|at| Circle::new(at, 3, colour.filled())))?;
     }
     if let Some(largest) = line.largest_shear() {
         let at = (scale * largest.depth, largest.value / 1e6);
@@ -128,12 +140,5 @@ fn draw(root: &PngRoot, line: &CentreLine) -> Result<(), Error> {
             ("sans-serif", 18),
         )])?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.8))
-        .border_style(RGBColor(200, 200, 205))
-        .label_font(("sans-serif", 18))
-        .draw()?;
     Ok(())
 }

@@ -28,7 +28,8 @@ impl FilmAlong {
     }
 }
 
-/// The film under these conditions on the patch of a solution, as a strip that bears the whole load.
+/// The film under these conditions on the patch of a solution, as a strip that bears the whole load: what stations leave out of it is made up by
+/// their widths, which are known to a part of a cell, for pressures are bounded by what the ice bears.
 ///
 /// # Errors
 /// [`kufe_friction::Error`] for conditions out of range, and for a patch that is no strip.
@@ -41,8 +42,8 @@ pub fn film_along(
     let share = solution.contact.fz / load(sections);
     let strip = Strip::new(
         sections.iter().map(|s| front - s.x).collect(),
-        sections.iter().map(|s| s.width).collect(),
-        sections.iter().map(|s| share * s.pressure).collect(),
+        sections.iter().map(|s| share * s.width).collect(),
+        sections.iter().map(|s| s.pressure).collect(),
     )?;
     let film = film(
         &strip,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_plot::{axis_ticks, viridis};
+use kufe_plot::{axis_ticks, colour_bar, viridis};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -75,17 +75,22 @@ pub fn draw(
     let samples = Samples::new(samples, &lookup, map.fz, map.curvature);
     kufe_plot::png(path, 1100, 760, &|root| {
         let (left, right) = root.split_horizontally(940);
-        let title = title_of(table, &map, &slice);
+        let heading = title_of(table, &map, &slice);
         let mut left = left
             .margin(12, 12, 12, 12)
-            .titled(&title, ("sans-serif", 20))?;
+            .titled(&heading, ("sans-serif", 20))?;
         if samples.count > 0 {
             left = left.titled(&samples.in_words(), ("sans-serif", 16))?;
         }
         draw_map(&left, table, &map, &samples)?;
         // The bar begins where the map does.
         let above = left.get_base_pixel().1 - right.get_base_pixel().1;
-        draw_colour_bar(&right.margin(above, 0, 0, 0), &map)
+        colour_bar(
+            &right.margin(above, 66, 10, 0),
+            [map.range.0, map.range.1],
+            |value| map.colour(value),
+            &format!("{} [{}]", title(map.quantity), map.unit),
+        )
     })?;
     Ok(samples.beyond)
 }
@@ -105,9 +110,9 @@ impl Map {
     fn new(table: &Table, lookup: &Layered, quantity: Quantity, slice: &Slice) -> Self {
         let (factor, unit) = match quantity {
             Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
-            Quantity::Area => (1e6, "mm2"),
+            Quantity::Area => (1e6, "mm²"),
             Quantity::Length | Quantity::Width => (1e3, "mm"),
-            Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "um"),
+            Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "µm"),
             Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous => (1e3, "1e-3"),
         };
         // One breakpoint has no extent: a little room around it keeps the axes drawable.
@@ -280,39 +285,6 @@ where
         .y_desc("normal force [N]")
         .label_style(("sans-serif", 15))
         .y_label_formatter(&|fz| short(*fz))
-        .draw()?;
-    Ok(())
-}
-
-fn draw_colour_bar<DB: DrawingBackend>(
-    area: &DrawingArea<DB, plotters::coord::Shift>,
-    map: &Map,
-) -> Result<(), kufe_plot::Error>
-where
-    DB::ErrorType: 'static,
-{
-    let (low, high) = map.range;
-    let mut chart = ChartBuilder::on(area)
-        .margin_bottom(66)
-        .margin_right(6)
-        .margin_left(10)
-        .right_y_label_area_size(84)
-        .build_cartesian_2d(0.0..1.0, low..high)?;
-    let steps = 128;
-    chart.draw_series((0..steps).map(|n| {
-        let at = |n: usize| low + (high - low) * n as f64 / steps as f64;
-        Rectangle::new(
-            [(0.0, at(n)), (1.0, at(n + 1))],
-            map.colour(0.5 * (at(n) + at(n + 1))).filled(),
-        )
-    }))?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .disable_x_axis()
-        .y_desc(format!("{} [{}]", title(map.quantity), map.unit))
-        .label_style(("sans-serif", 15))
-        .y_label_formatter(&|value| short(*value))
         .draw()?;
     Ok(())
 }

@@ -2,11 +2,22 @@
 
 use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::evaluate::bootstrap::quantile;
 
 /// Values of which quartiles are drawn; fewer are drawn by themselves.
 const FEWEST: usize = 5;
+
+/// What boxes, whiskers and dots are.
+pub(super) const MEANING: &str = "boxes: quartiles, whiskers: 5 to 95 %, dots: runs";
+
+/// A named distribution in its colour, a place of the palette.
+pub(super) struct Category {
+    pub name: String,
+    pub colour: usize,
+    pub spread: Spread,
+}
 
 /// Five quantiles of a distribution, and its points where they are few.
 #[derive(Clone, Debug, Default)]
@@ -50,23 +61,28 @@ impl Spread {
 }
 
 /// One panel of boxes: categories along x, quartiles as a box, 5 to 95 % as whiskers, points beside; of fewer than
-/// [`FEWEST`] values the points alone.
+/// [`FEWEST`] values the points alone, and words in place of axes where every value is zero.
 pub(super) fn draw_boxes(
     root: &PngRoot,
     title: &str,
     unit: &str,
-    boxes: &[(String, Spread)],
+    boxes: &[Category],
 ) -> Result<(), Error> {
-    let reach = boxes.iter().map(|(_, spread)| spread.reach());
-    let (low, high) = reach.fold((0.0_f64, 0.0_f64), |(low, high), (a, b)| {
-        (low.min(a), high.max(b))
-    });
-    // Values that are all zero still get an axis.
-    let high = if high > low { high } else { low + 1.0 };
+    let Some((low, high)) = reach(boxes) else {
+        let area = root.margin(12, 0, 0, 0).titled(title, ("sans-serif", 22))?;
+        let (width, height) = area.dim_in_pixel();
+        let style = ("sans-serif", 18).into_font().color(&PALETTE[6]);
+        let style = style.pos(Pos::new(HPos::Center, VPos::Center));
+        let middle = (width as i32 / 2, height as i32 / 2);
+        return Ok(area.draw(&Text::new("0 in every run", middle, style))?);
+    };
     let margin = 0.06 * (high - low);
     let count = boxes.len() as f64;
-    let mut chart = ChartBuilder::on(root)
-        .caption(title, ("sans-serif", 22))
+    let mut builder = ChartBuilder::on(root);
+    if !title.is_empty() {
+        builder.caption(title, ("sans-serif", 22));
+    }
+    let mut chart = builder
         .margin(12)
         .x_label_area_size(30)
         .y_label_area_size(64)
@@ -77,7 +93,7 @@ pub(super) fn draw_boxes(
     let names = |x: &f64| {
         let place = x.floor() as usize;
         match boxes.get(place) {
-            Some((name, _)) if (x - place as f64 - 0.5).abs() < 0.01 => name.clone(),
+            Some(of) if (x - place as f64 - 0.5).abs() < 0.01 => of.name.clone(),
             _ => String::new(),
         }
     };
@@ -91,8 +107,8 @@ pub(super) fn draw_boxes(
         .label_style(("sans-serif", 17))
         .light_line_style(WHITE)
         .draw()?;
-    for (place, (_, spread)) in boxes.iter().enumerate() {
-        let colour = PALETTE[place % 6];
+    for (place, Category { colour, spread, .. }) in boxes.iter().enumerate() {
+        let colour = PALETTE[*colour];
         let [q5, q25, q50, q75, q95] = spread.quantiles;
         let middle = place as f64 + 0.5;
         let (left, right) = (middle - 0.24, middle + 0.24);
@@ -133,6 +149,15 @@ pub(super) fn draw_boxes(
         )?;
     }
     Ok(())
+}
+
+/// The lowest and the highest value, with zero; nothing where there is no other.
+pub(super) fn reach(boxes: &[Category]) -> Option<(f64, f64)> {
+    let reach = boxes.iter().map(|of| of.spread.reach());
+    let (low, high) = reach.fold((0.0_f64, 0.0_f64), |(low, high), (a, b)| {
+        (low.min(a), high.max(b))
+    });
+    (high > low).then_some((low, high))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::boxes::{Spread, draw_boxes};
-use super::strip::{Line, broken, draw_strip};
+use super::boxes::{Category, MEANING, Spread, draw_boxes, reach};
+use super::strip::{Extras, Line, broken, draw_strip};
 use crate::error::Error;
 use crate::evaluate::driving::{DrivingForce, RunEvaluation};
 use crate::evaluate::groups::distinct;
@@ -28,21 +28,12 @@ pub fn energy_picture(
         ("total", |run| run.increase_total),
     ];
     kufe_plot::png(path, 1500, 560, &|root| {
-        let title = format!("{title} (boxes: quartiles, whiskers: 5 to 95 %, dots: runs)");
+        let title = format!("{title} ({MEANING})");
         let root = root
             .margin(10, 0, 0, 0)
             .titled(&title, ("sans-serif", 26))?;
         for ((name, pick), area) in panels.iter().zip(root.split_evenly((1, 4))) {
-            let boxes: Vec<(String, Spread)> = distinct(runs, by)
-                .into_iter()
-                .map(|group| {
-                    let of = runs.iter().filter(|run| by(run) == group);
-                    (
-                        group.to_string(),
-                        Spread::of(of.map(|run| 100.0 * pick(run))),
-                    )
-                })
-                .collect();
+            let boxes = grouped(runs, by, &|run| vec![100.0 * pick(run)]);
             draw_boxes(&area, name, "loss increase [%]", &boxes)?;
         }
         Ok(())
@@ -94,35 +85,56 @@ pub fn angle_picture(path: &Path, runs: &[RunEvaluation]) -> Result<(), Error> {
             },
         ),
     ];
-    let drivers = distinct(runs, |run| &run.driver);
-    let spreads = |value: &dyn Fn(&RunEvaluation) -> Vec<f64>| -> Vec<(String, Spread)> {
-        drivers
-            .iter()
-            .map(|driver| {
-                let of = runs.iter().filter(|run| run.driver == *driver);
-                (driver.to_string(), Spread::of(of.flat_map(value)))
-            })
-            .collect()
-    };
-    kufe_plot::png(path, 1600, 1350, &|root| {
-        let areas = root.split_evenly((3, 4));
-        for (column, (name, angle, share)) in angles.iter().enumerate() {
-            let all = spreads(&|run| run.series.iter().map(|f| angle(f).to_degrees()).collect());
-            draw_boxes(&areas[column], name, "angle [degrees]", &all)?;
-            for (row, degrees) in [(1, 2), (2, 4)] {
-                let title = format!("{name} above {degrees}°");
-                let boxes = spreads(&|run| vec![100.0 * share(run)[row - 1]]);
-                draw_boxes(
-                    &areas[4 * row + column],
-                    &title,
-                    "share of time [%]",
-                    &boxes,
-                )?;
-            }
+    let by: fn(&RunEvaluation) -> &String = |run| &run.driver;
+    let mut rows = vec![angles.map(|(name, angle, _)| {
+        let degrees = grouped(runs, by, &|run| {
+            run.series.iter().map(|f| angle(f).to_degrees()).collect()
+        });
+        (name.to_owned(), "angle [degrees]", degrees)
+    })];
+    for (k, degrees) in [2, 4].into_iter().enumerate() {
+        rows.push(angles.map(|(name, _, share)| {
+            let shares = grouped(runs, by, &|run| vec![100.0 * share(run)[k]]);
+            (
+                format!("{name} above {degrees}°"),
+                "share of time [%]",
+                shares,
+            )
+        }));
+    }
+    rows.retain(|row| row.iter().any(|(_, _, boxes)| reach(boxes).is_some()));
+    let height = 50 + 440 * rows.len() as u32;
+    kufe_plot::png(path, 1600, height, &|root| {
+        let title = format!("Angles by driver ({MEANING})");
+        let root = root
+            .margin(10, 0, 0, 0)
+            .titled(&title, ("sans-serif", 26))?;
+        let areas = root.split_evenly((rows.len(), 4));
+        for ((title, unit, boxes), area) in rows.iter().flatten().zip(areas) {
+            draw_boxes(&area, title, unit, boxes)?;
         }
         Ok(())
     })?;
     Ok(())
+}
+
+/// A box a group of runs, from what each of its runs gives.
+fn grouped(
+    runs: &[RunEvaluation],
+    by: fn(&RunEvaluation) -> &String,
+    values: &dyn Fn(&RunEvaluation) -> Vec<f64>,
+) -> Vec<Category> {
+    let groups = distinct(runs, by).into_iter().enumerate();
+    groups
+        .map(|(place, group)| {
+            let of = runs.iter().filter(|run| by(run) == group);
+            Category {
+                name: group.to_string(),
+                colour: place % 6,
+                spread: Spread::of(of.flat_map(values)),
+            }
+        })
+        .collect()
 }
 
 /// Actual and ideal force against the motion over the distance of one run, with the slip angles below.
@@ -158,8 +170,7 @@ pub fn force_picture(path: &Path, run: &RunEvaluation) -> Result<(), Error> {
             "distance [m]",
             "force along the motion [N]",
             &forces,
-            &[],
-            &[],
+            &Extras::default(),
         )?;
         draw_strip(
             &below,
@@ -167,8 +178,7 @@ pub fn force_picture(path: &Path, run: &RunEvaluation) -> Result<(), Error> {
             "distance [m]",
             "angle [degrees]",
             &slips,
-            &[],
-            &[],
+            &Extras::default(),
         )
     })?;
     Ok(())

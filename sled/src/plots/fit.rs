@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_friction::{LateralSample, MagicFormula};
-use kufe_plot::{PALETTE, tick_text};
+use kufe_plot::{Key, PALETTE, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::error::Error;
@@ -45,15 +45,22 @@ pub fn fit_picture(
                 .map(|sample| sample.fy.abs())
                 .fold(law.force(reach.to_radians(), mean), f64::max)
                 * 1.05;
+            let title = format!(
+                "{runner} runner, {:.1} to {:.1} kN",
+                low * 1e-3,
+                high * 1e-3
+            );
+            let keys = [
+                Key::new(Swatch::Dot(4), PALETTE[5], "measured"),
+                Key::new(
+                    Swatch::Line,
+                    PALETTE[1],
+                    format!("fit at {:.1} kN", mean * 1e-3),
+                ),
+            ];
+            let area = area.margin(10, 0, 0, 0);
+            let area = legend(&area.titled(&title, ("sans-serif", 22))?, &keys)?;
             let mut chart = ChartBuilder::on(&area)
-                .caption(
-                    format!(
-                        "{runner} runner, {:.1} to {:.1} kN",
-                        low * 1e-3,
-                        high * 1e-3
-                    ),
-                    ("sans-serif", 22),
-                )
                 .margin(12)
                 .x_label_area_size(46)
                 .y_label_area_size(70)
@@ -68,37 +75,18 @@ pub fn fit_picture(
                 .light_line_style(WHITE)
                 .draw()?;
             let every = here.len().div_ceil(MOST_POINTS).max(1);
-            chart
-                .draw_series(
-                    here.iter()
-                        .step_by(every)
-                        .filter(|sample| sample.alpha.to_degrees().abs() <= reach)
-                        .map(|sample| {
-                            let point = (sample.alpha.to_degrees(), sample.fy);
-                            Circle::new(point, 1, PALETTE[5].mix(0.5).filled())
-                        }),
-                )?
-                .label("measured")
-                .legend(|(x, y)| Circle::new((x + 9, y), 4, PALETTE[5].filled()));
-            chart
-                .draw_series(LineSeries::new(
-                    (-200..=200).map(|i| {
-                        let degrees = reach * f64::from(i) / 200.0;
-                        (degrees, law.force(degrees.to_radians(), mean))
-                    }),
-                    PALETTE[1].stroke_width(3),
-                ))?
-                .label(format!("fit at {:.1} kN", mean * 1e-3))
-                .legend(|(x, y)| {
-                    PathElement::new(vec![(x, y), (x + 18, y)], PALETTE[1].stroke_width(3))
-                });
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
-                .background_style(WHITE.mix(0.8))
-                .border_style(BLACK.mix(0.2))
-                .label_font(("sans-serif", 16))
-                .draw()?;
+            let shown = here.iter().step_by(every);
+            let points = shown.map(|sample| (sample.alpha.to_degrees(), sample.fy));
+            chart.draw_series(
+                points
+                    .filter(|(degrees, _)| degrees.abs() <= reach)
+                    .map(|point| Circle::new(point, 1, PALETTE[5].mix(0.5).filled())),
+            )?;
+            let law = (-200..=200).map(|i| {
+                let degrees = reach * f64::from(i) / 200.0;
+                (degrees, law.force(degrees.to_radians(), mean))
+            });
+            curve(&chart, law, PALETTE[1].stroke_width(3))?;
         }
         Ok(())
     })?;

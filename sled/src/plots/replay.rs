@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::strip::{Line, broken, draw_strip};
+use super::strip::{Extras, Line, broken, draw_strip};
 use crate::error::Error;
 use crate::replay::again::Replay;
 use crate::replay::compared::Compared;
@@ -52,8 +52,12 @@ pub fn replay_picture(path: &Path, replay: &Replay) -> Result<(), Error> {
         let areas = root.split_evenly((panels.len(), 1));
         for ((column, name, lines), area) in panels.iter().zip(areas) {
             let sections = replay.sections.iter().filter(|s| s.column == *column);
-            let bands: Vec<_> = sections.map(|s| s.from_m..s.to_m).collect();
-            draw_strip(&area, "", "distance [m]", name, lines, &[], &bands)?;
+            let extras = Extras {
+                bands: sections.map(|s| s.from_m..s.to_m).collect(),
+                bands_are: "where run and model part",
+                ..Extras::default()
+            };
+            draw_strip(&area, "", "distance [m]", name, lines, &extras)?;
         }
         Ok(())
     })?;

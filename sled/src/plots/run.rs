@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::strip::{Line, broken, draw_strip};
+use super::strip::{Extras, Line, broken, draw_strip};
 use crate::error::Error;
 use crate::signals::prepare::Prepared;
 
@@ -48,7 +48,7 @@ pub fn run_picture(path: &Path, run: &Prepared) -> Result<(), Error> {
             .margin(10, 0, 0, 0)
             .titled(&title, ("sans-serif", 26))?;
         for ((name, lines), area) in panels.iter().zip(root.split_evenly((4, 1))) {
-            draw_strip(&area, "", "time [s]", name, lines, &[], &[])?;
+            draw_strip(&area, "", "time [s]", name, lines, &Extras::default())?;
         }
         Ok(())
     })?;

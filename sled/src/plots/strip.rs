@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use kufe_plot::{Error, PALETTE, PngRoot, tick_text};
+use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// One line of a panel; broken at points that are no numbers.
 pub(super) struct Line<'a> {
@@ -27,15 +28,29 @@ pub(super) fn broken(
     points
 }
 
-/// Draws lines in one panel with a legend; `marks` are vertical lines with their labels, `bands` shaded stretches.
+/// What stands beside the lines of a panel, and what it is called in the legend.
+#[derive(Default)]
+pub(super) struct Extras<'a> {
+    /// Vertical lines with their labels.
+    pub marks: Vec<(f64, String)>,
+    pub marks_are: &'a str,
+    /// Shaded stretches.
+    pub bands: Vec<Range<f64>>,
+    pub bands_are: &'a str,
+}
+
+/// Colours of marks and bands: those of no line beside them.
+const MARKS: RGBColor = PALETTE[3];
+const BANDS: RGBColor = PALETTE[4];
+
+/// Draws lines in one panel, with a legend above it.
 pub(super) fn draw_strip(
     root: &PngRoot,
     title: &str,
     x_name: &str,
     y_name: &str,
     lines: &[Line],
-    marks: &[(f64, String)],
-    bands: &[Range<f64>],
+    extras: &Extras,
 ) -> Result<(), Error> {
     let all = || lines.iter().flat_map(|line| line.points.iter());
     let range = |pick: fn(&(f64, f64)) -> f64| {
@@ -49,21 +64,21 @@ pub(super) fn draw_strip(
     let (x_low, x_high) = range(|point| point.0);
     let (y_low, y_high) = range(|point| point.1);
     let margin = 0.06 * (y_high - y_low);
-    let top = if marks.is_empty() {
-        margin
-    } else {
-        4.0 * margin
-    };
-    let mut builder = ChartBuilder::on(root);
+    let (bottom, top) = (y_low - margin, y_high + margin);
+    let mut area = root.margin(10, 0, 0, 0);
     if !title.is_empty() {
-        builder.caption(title, ("sans-serif", 22));
+        area = area.titled(title, ("sans-serif", 22))?;
     }
-    let mut chart = builder
+    let area = legend(&area, &keys(lines, extras))?;
+    // Labels of marks stand above the panel.
+    let above = if extras.marks.is_empty() { 4 } else { 22 };
+    let mut chart = ChartBuilder::on(&area)
         .margin(10)
+        .margin_top(above)
         .margin_right(24)
         .x_label_area_size(44)
         .y_label_area_size(76)
-        .build_cartesian_2d(x_low..x_high, y_low - margin..y_high + top)?;
+        .build_cartesian_2d(x_low..x_high, bottom..top)?;
     chart
         .configure_mesh()
         .x_desc(x_name)
@@ -75,78 +90,42 @@ pub(super) fn draw_strip(
         .label_style(("sans-serif", 16))
         .light_line_style(WHITE)
         .draw()?;
-    for band in bands {
-        let corners = [(band.start, y_low - margin), (band.end, y_high + top)];
-        let shade = PALETTE[1].mix(0.18).filled();
-        chart.draw_series([Rectangle::new(corners, shade)])?;
+    for band in &extras.bands {
+        let corners = [(band.start, bottom), (band.end, top)];
+        chart.draw_series([Rectangle::new(corners, BANDS.mix(0.25).filled())])?;
+    }
+    for (x, label) in &extras.marks {
+        chart.draw_series([PathElement::new([(*x, bottom), (*x, top)], MARKS)])?;
+        let (column, row) = chart.backend_coord(&(*x, top));
+        let (left, upper) = area.get_base_pixel();
+        let style = ("sans-serif", 15).into_font().color(&MARKS);
+        let style = style.pos(Pos::new(HPos::Center, VPos::Bottom));
+        area.draw(&Text::new(
+            label.as_str(),
+            (column - left, row - upper - 2),
+            style,
+        ))?;
     }
     for line in lines {
-        let colour = PALETTE[line.colour];
-        for (number, piece) in line.points.split(|point| point.1.is_nan()).enumerate() {
-            let drawn = chart.draw_series(LineSeries::new(
-                piece.iter().copied(),
-                colour.stroke_width(1),
-            ))?;
-            if number == 0 {
-                drawn.label(line.name).legend(move |(x, y)| {
-                    PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
-                });
-            }
-        }
-    }
-    for (x, label) in marks {
-        let grey = PALETTE[6];
-        chart.draw_series([PathElement::new(
-            vec![(*x, y_low - margin), (*x, y_high + margin)],
-            grey.stroke_width(1),
-        )])?;
-        chart.draw_series([Text::new(
-            label.clone(),
-            (*x, y_high + top - 0.3 * margin),
-            ("sans-serif", 15).into_font().color(&grey),
-        )])?;
-    }
-    if lines.len() > 1 {
-        chart
-            .configure_series_labels()
-            .position(least_covered(
-                lines,
-                [x_low, x_high],
-                [y_low - margin, y_high + top],
-            ))
-            .background_style(WHITE.mix(0.8))
-            .border_style(BLACK.mix(0.2))
-            .label_font(("sans-serif", 16))
-            .draw()?;
+        let points = line.points.iter().copied();
+        curve(&chart, points, PALETTE[line.colour])?;
     }
     Ok(())
 }
 
-/// The corner in which a legend covers the fewest points of these lines.
-fn least_covered(lines: &[Line], x: [f64; 2], y: [f64; 2]) -> SeriesLabelPosition {
-    // Shares of the panel that a legend of three short names takes.
-    const WIDE: f64 = 0.12;
-    const HIGH: f64 = 0.35;
-    let corners = [
-        (SeriesLabelPosition::LowerRight, [true, false]),
-        (SeriesLabelPosition::UpperRight, [true, true]),
-        (SeriesLabelPosition::UpperLeft, [false, true]),
-        (SeriesLabelPosition::LowerLeft, [false, false]),
-    ];
-    let far = |value: f64, [low, high]: [f64; 2], end: bool| {
-        let share = (value - low) / (high - low);
-        if end { 1.0 - share } else { share }
-    };
-    let covered = |[right, top]: [bool; 2]| {
-        let points = lines.iter().flat_map(|line| line.points.iter());
-        points
-            .filter(|point| far(point.0, x, right) < WIDE && far(point.1, y, top) < HIGH)
-            .count()
-    };
-    let fewest = corners
-        .into_iter()
-        .min_by_key(|(_, corner)| covered(*corner));
-    fewest.map_or(SeriesLabelPosition::LowerRight, |(position, _)| position)
+/// Keys of several lines, of marks and of bands; a line alone is what its axis says.
+fn keys(lines: &[Line], extras: &Extras) -> Vec<Key> {
+    let named = lines.iter().filter(|_| lines.len() > 1);
+    let mut keys: Vec<Key> = named
+        .map(|line| Key::new(Swatch::Line, PALETTE[line.colour], line.name))
+        .collect();
+    if !extras.marks.is_empty() {
+        keys.push(Key::new(Swatch::Line, MARKS, extras.marks_are));
+    }
+    if !extras.bands.is_empty() {
+        keys.push(Key::new(Swatch::Fill, BANDS.mix(0.25), extras.bands_are));
+    }
+    keys
 }
 
 #[cfg(test)]
@@ -154,16 +133,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_legend_goes_where_no_line_is() {
-        let line = |rises: bool| Line {
-            name: "a line",
-            colour: 0,
-            points: (0..100)
-                .map(|k| (f64::from(k), f64::from(if rises { k } else { 99 - k })))
-                .collect(),
+    fn every_colour_of_a_panel_is_explained_and_no_two_things_share_one() {
+        let line = |name, colour| Line {
+            name,
+            colour,
+            points: vec![(0.0, 0.0), (1.0, 1.0)],
         };
-        let at = |rises| least_covered(&[line(rises)], [0.0, 99.0], [0.0, 99.0]);
-        assert!(matches!(at(true), SeriesLabelPosition::LowerRight));
-        assert!(matches!(at(false), SeriesLabelPosition::UpperRight));
+        let extras = Extras {
+            marks: vec![(0.5, "651 m".into())],
+            marks_are: "largest difference",
+            bands: vec![0.1..0.2],
+            bands_are: "where they part",
+        };
+        // The colours of every panel's lines.
+        let lines = [0, 1, 2, 6].map(|colour| line("a line", colour));
+        let keys = keys(&lines, &extras);
+        let rgb = |k: usize| (keys[k].colour.0, keys[k].colour.1, keys[k].colour.2);
+        assert_eq!(keys.len(), 6);
+        assert!((0..6).all(|k| (0..k).all(|other| rgb(k) != rgb(other))));
     }
 }

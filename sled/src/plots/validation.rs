@@ -2,36 +2,42 @@
 
 use std::path::Path;
 
-use super::boxes::{Spread, draw_boxes};
-use super::strip::{Line, broken, draw_strip};
+use kufe_plot::{Key, PALETTE, Swatch, legend};
+use plotters::style::IntoFont;
+
+use super::boxes::{Category, MEANING, Spread, draw_boxes};
+use super::strip::{Extras, Line, broken, draw_strip};
 use crate::error::Error;
-use crate::evaluate::validate::{RunValidation, by_track};
+use crate::evaluate::validate::{Disagreement, RunValidation, by_track};
 
 /// Root mean square error by run, a box a track and law.
 ///
 /// # Errors
 /// [`Error::Plot`].
 pub fn rmse_picture(path: &Path, runs: &[RunValidation]) -> Result<(), Error> {
-    let tracks = by_track(runs);
+    type Pick = fn(&RunValidation) -> f64;
+    let laws: [(&str, usize, Pick); 2] = [
+        ("friction model", 1, |run| run.rmse_n),
+        ("Braghin's law, for comparison", 0, |run| run.rmse_braghin_n),
+    ];
     let mut boxes = Vec::new();
-    for track in &tracks {
-        let of = |pick: fn(&RunValidation) -> f64| {
-            Spread::of(runs.iter().filter(|run| run.track == track.track).map(pick))
-        };
-        boxes.push((format!("{}: model", track.track), of(|run| run.rmse_n)));
-        boxes.push((
-            format!("{}: Braghin", track.track),
-            of(|run| run.rmse_braghin_n),
-        ));
+    for track in by_track(runs) {
+        for (_, colour, pick) in laws {
+            let here = runs.iter().filter(|run| run.track == track.track);
+            boxes.push(Category {
+                name: track.track.clone(),
+                colour,
+                spread: Spread::of(here.map(pick)),
+            });
+        }
     }
-    let width = 220 * boxes.len().max(3) as u32;
-    kufe_plot::png(path, width, 560, &|root| {
-        draw_boxes(
-            &root,
-            "Lateral force at the centre of gravity",
-            "RMSE by run [N]",
-            &boxes,
-        )
+    let width = 220 * boxes.len().max(4) as u32;
+    let title = format!("Lateral force: what is left ({MEANING})");
+    let keys = laws.map(|(name, colour, _)| Key::new(Swatch::Fill, PALETTE[colour], name));
+    kufe_plot::png(path, width, 600, &|root| {
+        let area = root.margin(10, 0, 0, 0);
+        let area = area.titled(&title, ("sans-serif", 22).into_font())?;
+        draw_boxes(&legend(&area, &keys)?, "", "RMSE by run [N]", &boxes)
     })?;
     Ok(())
 }
@@ -51,13 +57,14 @@ pub fn lateral_force_picture(path: &Path, run: &RunValidation) -> Result<(), Err
         line("friction model", 1, |f| f.model_n),
     ];
     let difference = [line("measured - model", 0, |f| f.measured_n - f.model_n)];
-    let marks: Vec<(f64, String)> = run
-        .largest
-        .iter()
-        .map(|d| (d.t_s, format!("{:.0} m", d.s_m)))
-        .collect();
+    let mark = |d: &Disagreement| (d.t_s, format!("{:.0} m", d.s_m));
+    let extras = Extras {
+        marks: run.largest.iter().map(mark).collect(),
+        marks_are: "largest differences, with their place on the track",
+        ..Extras::default()
+    };
     let title = format!(
-        "{} on {}: RMSE {:.0} N (Braghin {:.0} N)",
+        "{} on {}: RMSE {:.0} N (Braghin's law {:.0} N)",
         run.run, run.track, run.rmse_n, run.rmse_braghin_n
     );
     kufe_plot::png(path, 1500, 820, &|root| {
@@ -68,8 +75,7 @@ pub fn lateral_force_picture(path: &Path, run: &RunValidation) -> Result<(), Err
             "time [s]",
             "lateral force [N]",
             &lines,
-            &marks,
-            &[],
+            &extras,
         )?;
         draw_strip(
             &below,
@@ -77,8 +83,7 @@ pub fn lateral_force_picture(path: &Path, run: &RunValidation) -> Result<(), Err
             "time [s]",
             "difference [N]",
             &difference,
-            &[],
-            &[],
+            &Extras::default(),
         )
     })?;
     Ok(())

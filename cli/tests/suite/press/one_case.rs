@@ -126,6 +126,7 @@ fn an_elastic_runner_meets_hertz_and_brings_its_own_field() {
             "pressure.png",
             "result.json",
             "runner.vtu",
+            "stress.png",
         ];
         // A paraboloid has no ends, and so no hull to write.
         expected.retain(|name| folder == "bounded" || *name != "hull.glb");

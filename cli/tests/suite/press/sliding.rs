@@ -61,6 +61,9 @@ fn a_sliding_case_has_its_groove_its_film_and_its_friction() {
         .map(|w| 0.5 * (w[0][0] - w[1][0]) * (w[0][1] * w[0][2] + w[1][1] * w[1][2]))
         .sum();
     assert!((load / 950.0 - 1.0).abs() < 0.05, "{load}");
+    // No station bears more than the ice, the first ones all of that, and towards the back they bear ever less.
+    assert!(rows.is_sorted_by(|a, b| a[2] >= b[2]), "{rows:?}");
+    assert!((rows[0][2] / 17.7e6 - 1.0).abs() < 1e-6, "{:?}", rows[0]);
     assert!(rows.iter().all(|row| row[4] <= 0.0 && row[3] > 0.0));
 
     bench.write("rear.toml", case("previous = \"front\"\n"));
