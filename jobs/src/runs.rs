@@ -96,7 +96,7 @@ impl RunSelection {
         // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no period.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
             return Err(Failure::Usage(format!(
-                "--cutoff {}: expected 0.1 to 10000 Hz",
+                "--cutoff-hz {}: expected 0.1 to 10000 Hz",
                 self.cutoff_hz
             )));
         }

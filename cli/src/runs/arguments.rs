@@ -13,7 +13,7 @@ use crate::output::global::Global;
 pub struct RunArgs {
     /// Index of the runs: run, file, and what is known of track, driver, driver_class, session, ice_c, air_c, air_pa
     pub runs: PathBuf,
-    /// Sled and friction
+    /// Model of the sled and its friction
     #[arg(long, short, value_name = "MODEL.toml")]
     pub model: PathBuf,
     /// Folder for the results
@@ -32,8 +32,8 @@ pub struct RunArgs {
     #[arg(long)]
     pub strict: bool,
     /// Corner of the zero-phase low pass [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = 20.0)]
-    pub cutoff: f64,
+    #[arg(long, alias = "cutoff", value_name = "HZ", default_value_t = 20.0)]
+    pub cutoff_hz: f64,
 }
 
 impl RunArgs {
@@ -54,7 +54,7 @@ impl RunArgs {
             track: self.track.clone(),
             leave_out_bad_runs: self.leave_out_bad_runs,
             strict: self.strict,
-            cutoff_hz: self.cutoff,
+            cutoff_hz: self.cutoff_hz,
         };
         let bar = global.progress();
         let loaded = selection.load(

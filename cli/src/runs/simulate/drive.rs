@@ -66,10 +66,10 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         .into_par_iter()
         .map(|number| {
             let options = SimulateOptions {
-                step_s: args.step,
-                rate_hz: args.rate,
-                start_speed_mps: args.start_speed,
-                most_s: args.most,
+                step_s: args.step_s,
+                rate_hz: args.rate_hz,
+                start_speed_mps: args.start_speed_mps,
+                most_s: args.most_s,
                 conditions,
                 seed: args.seed.wrapping_add(u64::from(number)),
                 ..SimulateOptions::default()

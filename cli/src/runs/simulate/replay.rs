@@ -62,9 +62,9 @@ pub fn replay_run(
         warn(remark);
     }
     let options = SimulateOptions {
-        step_s: args.step,
-        rate_hz: args.rate,
-        most_s: args.most,
+        step_s: args.step_s,
+        rate_hz: args.rate_hz,
+        most_s: args.most_s,
         conditions: entry.conditions,
         ..SimulateOptions::default()
     };

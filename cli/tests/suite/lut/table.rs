@@ -80,9 +80,9 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "lut",
         "query",
         "front.lut",
-        "--fz",
+        "--fz-n",
         "1000",
-        "--radius",
+        "--radius-m",
         "inf",
         "--json",
     ]));
@@ -106,9 +106,9 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "lut",
         "query",
         "front.lut",
-        "--fz",
+        "--fz-n",
         "1000",
-        "--curvature",
+        "--curvature-1pm",
         "-0.01",
         "--json",
     ]);
@@ -116,11 +116,11 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "lut",
         "query",
         "front.lut",
-        "--fz",
+        "--fz-n",
         "1000",
-        "--v",
+        "--v-mps",
         "20",
-        "--pitch-rate",
+        "--pitch-rate-radps",
         "0.2",
         "--json",
     ]);
@@ -129,9 +129,9 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "lut",
         "query",
         "front.lut",
-        "--fz",
+        "--fz-n",
         "9000",
-        "--curvature",
+        "--curvature-1pm",
         "0",
         "--mode",
         "bilinear",
@@ -181,7 +181,14 @@ fn a_range_is_refined_until_it_is_as_good_as_asked() {
             .unwrap();
         let (fz, radius) = (fz.to_string(), radius.to_string());
         let looked = json(&bench.succeeds(&[
-            "lut", "query", "t.lut", "--fz", &fz, "--radius", &radius, "--json",
+            "lut",
+            "query",
+            "t.lut",
+            "--fz-n",
+            &fz,
+            "--radius-m",
+            &radius,
+            "--json",
         ]));
         let error = looked["p_max_pa"].as_f64().unwrap() / pressed - 1.0;
         assert!(error.abs() < 0.03, "{fz} {radius}: {error}");
@@ -346,13 +353,20 @@ fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
     for fz in ["-5", "0"] {
         let (code, said) = fails(
             &bench,
-            &["lut", "query", "t.lut", "--fz", fz, "--radius", "inf"],
+            &["lut", "query", "t.lut", "--fz-n", fz, "--radius-m", "inf"],
         );
-        let expected = format!("--fz {fz}: expected a force above 0 N");
+        let expected = format!("--fz-n {fz}: expected a force above 0 N");
         assert!(code == 3 && said.contains(&expected), "{code} {said}");
     }
     let looked = json(&bench.succeeds(&[
-        "lut", "query", "t.lut", "--fz", "1000", "--radius", "inf", "--json",
+        "lut",
+        "query",
+        "t.lut",
+        "--fz-n",
+        "1000",
+        "--radius-m",
+        "inf",
+        "--json",
     ]));
     let (p_max, stated) = (&looked["p_max_pa"], &looked["p_max_error_pa"]);
     // Hertz's peak is 138.52 MPa.
@@ -366,21 +380,29 @@ fn bad_tables_and_arguments_are_told() {
     bench.write("broken.lut", "{\"format\": \"kufe-lut\"");
     let (code, said) = fails(
         &bench,
-        &["lut", "query", "broken.lut", "--fz", "1", "--radius", "inf"],
+        &[
+            "lut",
+            "query",
+            "broken.lut",
+            "--fz-n",
+            "1",
+            "--radius-m",
+            "inf",
+        ],
     );
     assert!(code == 3 && said.contains("broken.lut: line 1"), "{said}");
     for words in [
         vec!["lut"],
-        vec!["lut", "query", "broken.lut", "--fz", "1"],
+        vec!["lut", "query", "broken.lut", "--fz-n", "1"],
         vec![
             "lut",
             "query",
             "broken.lut",
-            "--fz",
+            "--fz-n",
             "1",
-            "--radius",
+            "--radius-m",
             "3",
-            "--curvature",
+            "--curvature-1pm",
             "3",
         ],
         vec!["lut", "show", "broken.lut", "--quantity", "colour"],

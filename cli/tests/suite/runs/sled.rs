@@ -134,7 +134,7 @@ fn a_simulated_run_is_read_like_a_measured_one_and_repeats_bit_by_bit() {
                 "2",
                 "--seed",
                 "5",
-                "--rate",
+                "--rate-hz",
                 "200",
                 "-o",
                 out,
