@@ -7,7 +7,7 @@ use std::io::{Error, Result, Write};
 
 use serde_json::Value;
 
-use crate::export::mat_units::units;
+use crate::export::mat_units::unit;
 
 const MI_INT8: u32 = 1;
 const MI_UINT16: u32 = 4;
@@ -142,6 +142,34 @@ pub fn write_mat_file(
         writer.write_all(&element)?;
     }
     Ok(())
+}
+
+/// A structure with the unit of each name of numbers in the variables that has one, those of structures' fields among them.
+fn units(variables: &[(String, MatValue)]) -> MatValue {
+    let mut names = Vec::new();
+    for (name, value) in variables {
+        names_in(name, value, &mut names);
+    }
+    let units = names
+        .iter()
+        .filter_map(|name| Some((name.to_string(), MatValue::Text(unit(name)?.to_owned()))));
+    MatValue::structure(units.collect())
+}
+
+/// The names of numbers, each once.
+fn names_in<'a>(name: &'a str, value: &'a MatValue, names: &mut Vec<&'a str>) {
+    match value {
+        MatValue::Numbers(..) if !names.contains(&name) => names.push(name),
+        MatValue::Structures(fields, rows) => {
+            for row in rows {
+                for (field, value) in fields.iter().zip(row) {
+                    names_in(field, value, names);
+                }
+            }
+        }
+        MatValue::Cells(values) => values.iter().for_each(|v| names_in(name, v, names)),
+        _ => {}
+    }
 }
 
 /// A name that MATLAB takes: letters, digits and underscores, a letter first, at most 63.

@@ -1,6 +1,4 @@
-//! The units of a MAT-file's variables, by the last part of their names.
-
-use crate::export::mat_file::MatValue;
+//! The unit of a MAT-file's variable, by the last part of its name.
 
 /// Units by the last part of a name.
 const UNITS: [(&str, &str); 24] = [
@@ -30,32 +28,9 @@ const UNITS: [(&str, &str); 24] = [
     ("seconds", "s"),
 ];
 
-/// A structure with the unit of each name of numbers in the variables that has one, those of structures' fields among them.
-pub(super) fn units(variables: &[(String, MatValue)]) -> MatValue {
-    let mut names = Vec::new();
-    for (name, value) in variables {
-        names_in(name, value, &mut names);
-    }
-    let units = names.iter().filter_map(|name| {
-        let last = name.rsplit('_').next()?;
-        let (_, unit) = UNITS.iter().find(|(suffix, _)| *suffix == last)?;
-        Some((name.to_string(), MatValue::Text(unit.to_string())))
-    });
-    MatValue::structure(units.collect())
-}
-
-/// The names of numbers, each once.
-fn names_in<'a>(name: &'a str, value: &'a MatValue, names: &mut Vec<&'a str>) {
-    match value {
-        MatValue::Numbers(..) if !names.contains(&name) => names.push(name),
-        MatValue::Structures(fields, rows) => {
-            for row in rows {
-                for (field, value) in fields.iter().zip(row) {
-                    names_in(field, value, names);
-                }
-            }
-        }
-        MatValue::Cells(values) => values.iter().for_each(|v| names_in(name, v, names)),
-        _ => {}
-    }
+/// The unit of a name that has one.
+pub(super) fn unit(name: &str) -> Option<&'static str> {
+    let last = name.rsplit('_').next()?;
+    let (_, unit) = UNITS.iter().find(|(suffix, _)| *suffix == last)?;
+    Some(unit)
 }
