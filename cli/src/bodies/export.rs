@@ -34,7 +34,7 @@ pub struct Args {
         conflicts_with = "case"
     )]
     pub out: Option<PathBuf>,
-    /// Cells over half the patch, instead of the accuracy that the case asks
+    /// Cells across half the contact patch, instead of the accuracy that the case asks
     #[arg(long, value_name = "N")]
     pub cells: Option<usize>,
 }

@@ -303,7 +303,7 @@ fn text(check: &Check, found: &Found) -> String {
         }
     }
     if let Some(out) = &check.out {
-        let _ = writeln!(text, "written: {}", out.display());
+        let _ = writeln!(text, "wrote {}", out.display());
     }
     text
 }

@@ -200,7 +200,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Ok(());
     }
     let mut text = format!(
-        "p_max    {:.3} +- {:.3} MPa\nF_z      {:.1} N\nmu       {:.3}e-3 +- {:.3}e-3 (discretisation)\nF_x      {:.3} N at alpha {} rad\npower    {:.1} W lost at {} m/s\n",
+        "peak pressure  {:.3} MPa +- {:.3}\nnormal force   {:.1} N\nmu             {:.3}e-3 +- {:.3}e-3 (by the pressure's error)\nforce          {:.3} N along the runner, at a slip angle of {} rad\npower          {:.1} W lost at {} m/s\n",
         solution.p_max * 1e-6,
         solution.p_max_error * 1e-6,
         solution.fz,
@@ -212,11 +212,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         speed,
     );
     if capped {
-        text += "the law's cap holds: the pressure lies beyond its parabola\n";
+        text +=
+            "the pressure lies beyond those that the law was fitted to: this is its largest mu\n";
     }
     if !applied.is_empty() {
         text += &format!(
-            "effects  {} (mu before them {:.3}e-3)\n",
+            "effects        {} (mu before them {:.3}e-3)\n",
             applied.join(", "),
             base * 1e3
         );

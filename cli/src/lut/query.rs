@@ -66,9 +66,9 @@ pub struct Args {
 /// A mode on the command line.
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 pub enum ModeWord {
-    /// C1 and monotone
+    /// Smooth, without overshoot
     Smooth,
-    /// As Simulink's n-D lookup table
+    /// Straight between the nodes, as Simulink's n-D lookup table
     Bilinear,
 }
 
@@ -210,8 +210,8 @@ fn shown(quantity: Quantity) -> (&'static str, f64, usize, &'static str) {
         Quantity::PMax => ("peak pressure", 1e-6, 2, "MPa"),
         Quantity::PMean => ("mean pressure", 1e-6, 2, "MPa"),
         Quantity::Area => ("contact area", 1e6, 4, "mm2"),
-        Quantity::Length => ("length", 1e3, 2, "mm"),
-        Quantity::Width => ("width", 1e3, 4, "mm"),
+        Quantity::Length => ("contact length", 1e3, 2, "mm"),
+        Quantity::Width => ("contact width", 1e3, 4, "mm"),
         Quantity::Approach => ("approach", 1e6, 3, "um"),
         Quantity::Mu => ("friction mu", 1e3, 4, "1e-3"),
         Quantity::MuPloughing => ("  of ploughing", 1e3, 4, "1e-3"),

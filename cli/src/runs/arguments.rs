@@ -31,7 +31,7 @@ pub struct RunArgs {
     /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
     #[arg(long)]
     pub strict: bool,
-    /// Corner of the zero-phase low pass [Hz]
+    /// Frequency above which channels are smoothed, without delay [Hz]
     #[arg(long, alias = "cutoff", value_name = "HZ", default_value_t = 20.0)]
     pub cutoff_hz: f64,
 }
@@ -42,11 +42,11 @@ impl RunArgs {
         vec![self.runs.clone(), self.model.clone()]
     }
 
-    /// Reads model and runs, keeps those that `wanted` and the options name, and prepares them.
+    /// Reads model and runs, keeps those that `unseen` and the options name, and prepares them.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
-    pub fn load(&self, global: &Global, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+    pub fn load(&self, global: &Global, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
         let selection = RunSelection {
             runs: self.runs.clone(),
             model: self.model.clone(),
@@ -63,7 +63,7 @@ impl RunArgs {
                 warn: Some(&|text| bar.suspend(|| eprintln!("kufe: warning: {text}"))),
                 ..Watch::default()
             },
-            wanted,
+            unseen,
         );
         bar.finish_and_clear();
         loaded

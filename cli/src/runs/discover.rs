@@ -23,7 +23,7 @@ pub struct Args {
     /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Simulated nulls for each look (at least 10)
+    /// Simulated copies of the data with nothing hidden in them that each finding is compared with (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
     /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out

@@ -44,7 +44,7 @@ pub struct LateralArgs {
         default_value_t = 100.0
     )]
     roll_acceleration_degps2: f64,
-    /// Predefined curvature factor E
+    /// Curvature factor E of the magic formula, which is held
     #[arg(long, default_value_t = 0.99)]
     e: f64,
     /// Keep samples at which something outside, such as a wall, seems to push
