@@ -2,7 +2,7 @@
 
     python3 benches/peers/calculix.py target/release/kufe [FOLDER]
 
-`kufe export --calculix` writes the deck: kufe's own mesh, pressed down by the approach that kufe found on it, contact by
+`kufe export CASE --calculix DECK` writes the deck: kufe's own mesh, pressed down by the approach that kufe found on it, contact by
 CalculiX's mortar method. Both programs' pressures are compared as means over the faces of the underside. The force that
 CalculiX finds at that approach is not quite kufe's, whose runner has another element; kufe solves again under it, and what
 kufe's peak and approach change by brings CalculiX's to the case's load. Three meshes give each program's limit and its error:
@@ -48,7 +48,7 @@ def export(kufe, folder, cells, force, name):
     """Writes a deck; CPU time and kufe's figures."""
     with open(os.path.join(folder, "case.toml"), "w") as file:
         file.write(CASE.format(force=force))
-    cpu, said = timed([kufe, "export", "--calculix", "case.toml", "--cells", str(cells), "-o", f"{name}.inp", "--json"], folder)
+    cpu, said = timed([kufe, "export", "case.toml", "--calculix", f"{name}.inp", "--cells", str(cells), "--json"], folder)
     return cpu, json.loads(said)
 
 

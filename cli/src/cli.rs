@@ -47,13 +47,13 @@ pub enum Command {
     Init(about::init::Args),
     /// Friction of a case, or the fit of friction over pressure
     Friction(friction::Args),
-    /// Coefficient of friction by specimen from gliding runs
+    /// Coefficient of friction of each specimen, from gliding runs
     Icehouse(friction::icehouse::Args),
     /// Fit friction to recorded runs
     Fit(runs::fit::Args),
     /// Compare the friction model with runs it was not fitted to
     Validate(runs::validate::Args),
-    /// What drivers lose beyond a straight glide
+    /// What each driver loses compared with a straight glide
     Evaluate(runs::evaluate::Args),
     /// Drive a sled down a track; make the sample data
     Simulate(runs::simulate::Args),

@@ -234,8 +234,8 @@ pub enum Error {
     },
     /// The accuracy asked was not reached within the largest mesh allowed.
     #[error(
-        "estimated error of {} {:.2e} (relative) with {dofs} unknowns, asked {:.2e}{}",
-        watched(best).0, watched(best).1 * estimate, watched(best).1 * tolerance,
+        "estimated error of {} {:.3} % with {dofs} unknowns, asked {:.3} %{}",
+        watched(best).0, 1e2 * watched(best).1 * estimate, 1e2 * watched(best).1 * tolerance,
         coarse(*estimate <= *tolerance, *finest)
     )]
     AccuracyNotReached {
@@ -252,8 +252,9 @@ pub enum Error {
     },
     /// The accuracy asked of a sliding contact was not reached within the largest mesh allowed.
     #[error(
-        "estimated error {estimate:.2e} (relative; the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
-         unknowns, asked {tolerance:.2e}"
+        "estimated error {:.3} % (the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
+         unknowns, asked {:.3} %",
+        1e2 * estimate, 1e2 * tolerance
     )]
     SlidingAccuracyNotReached {
         /// Unknowns of the finest solve.

@@ -85,7 +85,7 @@ pub use groove::solution::{Groove, Measure, Section, SlidingMesh, SlidingSolutio
 pub use map::patches::{parted, pressure_maps};
 pub use map::pressure_map::PressureMap;
 pub use map::rim::squared_pressure;
-pub use options::{Method, NUMERICS, Options, StiffnessForm, Watcher};
+pub use options::{MeshWatcher, Method, NUMERICS, NextMesh, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::Problem;
 pub use problem::gap::track_height;
 pub use problem::ice::{Bed, Foundation, Ice};

@@ -35,6 +35,20 @@ pub enum StiffnessForm {
 /// Someone who is told of every update of the contact set.
 pub type Watcher = Arc<dyn Fn(&Iterate) + Send + Sync>;
 
+/// A mesh that is about to be solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NextMesh {
+    /// Its number, counted from the coarsest.
+    pub level: usize,
+    /// Its unknowns.
+    pub dofs: usize,
+    /// As in [`Iterate::error_before`].
+    pub error_before: Option<f64>,
+}
+
+/// Someone who is told of every mesh before it is solved.
+pub type MeshWatcher = Arc<dyn Fn(&NextMesh) + Send + Sync>;
+
 /// Accuracy and limits of a solve.
 #[derive(Clone)]
 pub struct Options {
@@ -61,6 +75,8 @@ pub struct Options {
     pub device: Option<Arc<kufe_fem::gpu::Device>>,
     /// Called after every update of the contact set, as it happens and in order, with the values of that moment.
     pub progress: Option<Watcher>,
+    /// Called before each mesh is solved, which may take longer than all before it.
+    pub next_mesh: Option<MeshWatcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an iteration.
     pub stop: Option<Arc<AtomicBool>>,
 }
@@ -90,6 +106,7 @@ impl Default for Options {
             #[cfg(feature = "gpu")]
             device: None,
             progress: None,
+            next_mesh: None,
             stop: None,
         }
     }

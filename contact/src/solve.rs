@@ -283,7 +283,14 @@ mod tests {
     -> Result<(), Box<dyn std::error::Error>> {
         let told = Arc::new(std::sync::Mutex::new(Vec::new()));
         let kept = told.clone();
+        let begun = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let (meshes, so_far) = (begun.clone(), told.clone());
         let options = Options {
+            next_mesh: Some(Arc::new(move |mesh: &crate::NextMesh| {
+                let updates: Vec<crate::Iterate> = so_far.lock().expect("no failure").clone();
+                assert!(updates.iter().all(|update| update.level < mesh.level));
+                meshes.lock().expect("no failure").push(*mesh);
+            })),
             progress: Some(Arc::new(move |i: &crate::Iterate| {
                 kept.lock().expect("no watcher has failed").push(*i);
             })),
@@ -292,6 +299,13 @@ mod tests {
         let solution = solve(&paraboloid()?, &options)?;
         let told = told.lock().expect("no watcher has failed");
         assert_eq!(*told, solution.history);
+        let begun = begun.lock().expect("no failure");
+        assert_eq!(begun.len(), told[told.len() - 1].level + 1);
+        for update in told.iter() {
+            let mesh = begun[update.level];
+            let of_mesh = (mesh.dofs, mesh.error_before);
+            assert_eq!(of_mesh, (update.dofs, update.error_before));
+        }
         assert!(told.windows(2).all(|w| w[0].level <= w[1].level));
         // Two sets of one mesh have two peaks: neither is given the other's.
         let changed = |w: &[crate::Iterate]| w[0].level != w[1].level || w[0].p_max != w[1].p_max;

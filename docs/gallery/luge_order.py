@@ -58,7 +58,7 @@ def computed(kufe, shape, places, pressure):
         files = [Path(folder) / f"{k}.toml" for k in range(len(places))]
         for file, place in zip(files, places):
             file.write_text(CASE.format(shape.format(*place)))
-        points = told(kufe, "friction", *files, "--speed", 2.4, "--ice", -1.5)["points"]
+        points = told(kufe, "friction", *files, "--groove", "--v-mps", 2.4, "--ice-c", -1.5)["points"]
         mu = {place: 1e3 * point["mu"] for place, point in zip(places, points)}
         solve = lambda file: 1e-6 * told(kufe, "press", file, "-o", Path(folder) / "out")["p_max_pa"]
         return mu, {place: solve(file) for place, file in zip(places, files)} if pressure else {}

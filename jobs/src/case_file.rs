@@ -89,7 +89,7 @@ impl LoadedCase {
     pub fn stated(&self) -> Result<StatedProblem, Failure> {
         if self.case.sliding.is_some() {
             return Err(Failure::BadInput(format!(
-                "{}: [sliding]: expected a case at rest: `kufe press` and `kufe friction --ice` take one that slides",
+                "{}: [sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
                 self.name
             )));
         }

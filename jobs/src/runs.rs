@@ -88,15 +88,15 @@ impl RunSelection {
         }
     }
 
-    /// Reads model and runs, keeps those selected and `wanted`, and prepares them; remarks on runs are told as warnings.
+    /// Reads model and runs, keeps those selected that the laws were not fitted to, as `unseen` tells, and prepares them; remarks on runs are told as warnings.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
-    pub fn load(&self, watch: &Watch, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+    pub fn load(&self, watch: &Watch, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
         // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no period.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
             return Err(Failure::Usage(format!(
-                "--cutoff {}: expected 0.1 to 10000 Hz",
+                "--cutoff-hz {}: expected 0.1 to 10000 Hz",
                 self.cutoff_hz
             )));
         }
@@ -125,13 +125,17 @@ impl RunSelection {
         self.known("track", &self.track, &runs, |run| &run.entry.track)?;
         let among = |names: &[String], name: &String| names.is_empty() || names.contains(name);
         runs.retain(|run| {
-            among(&self.session, &run.entry.session)
-                && among(&self.track, &run.entry.track)
-                && wanted(run)
+            among(&self.session, &run.entry.session) && among(&self.track, &run.entry.track)
         });
+        let asked = runs.len();
+        runs.retain(unseen);
         if runs.is_empty() {
+            let why = match asked {
+                0 => "none is of that session and track".to_owned(),
+                all => format!("the laws were fitted to all {all}; leave some out of the fit"),
+            };
             return Err(Failure::BadInput(format!(
-                "{}: no run is left of those asked for",
+                "{}: no run is left of those asked for: {why}",
                 self.runs.display()
             )));
         }

@@ -1,10 +1,9 @@
 //! Cases and their solutions.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use kufe_contact::{Iterate, Options, Watcher};
-use kufe_jobs::{Pressed, case_file::LoadedCase, progress_line};
+use kufe_contact::Options;
+use kufe_jobs::{Pressed, case_file::LoadedCase, with_progress};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
@@ -185,12 +184,9 @@ fn solved(
 ) -> PyResult<Contact> {
     let (watched, asked) = (progress.is_some(), loaded.case.accuracy.p_max);
     let worked = work(py, progress, |watch, teller| {
-        let watcher: Option<Watcher> = watched.then(|| -> Watcher {
-            Arc::new(move |state: &Iterate| teller.progress(progress_line(state, asked)))
-        });
-        let options = Options {
-            progress: watcher,
-            ..options
+        let options = match watched {
+            true => with_progress(options, asked, move |line| teller.progress(line)),
+            false => options,
         };
         kufe_jobs::press(loaded, watch, options)
     })?;

@@ -61,7 +61,9 @@ pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), 
     let count = pages.len();
     for (name, page) in pages {
         staging.write(&name, |mut file| {
-            clap_mangen::Man::new(page).render(&mut file)
+            clap_mangen::Man::new(page)
+                .source(concat!("kufe ", env!("CARGO_PKG_VERSION")))
+                .render(&mut file)
         })?;
     }
     staging.commit()?;

@@ -54,8 +54,8 @@ const EXAMPLES: [(&str, &str); 21] = [
     (
         "lut query",
         "Examples:
-  kufe lut query front.lut --fz 1800 --radius 40
-  kufe lut query front.lut --fz 1800 --v 30 --pitch-rate -0.8 --json",
+  kufe lut query front.lut --fz-n 1800 --radius-m 40
+  kufe lut query front.lut --fz-n 1800 --v-mps 30 --pitch-rate-radps -0.8 --json",
     ),
     (
         "lut export",
@@ -64,8 +64,9 @@ const EXAMPLES: [(&str, &str); 21] = [
     ),
     (
         "export",
-        "Example:
-  kufe export --calculix case.toml -o deck.inp",
+        "Examples:
+  kufe export case.toml --calculix deck.inp        an input deck of CalculiX
+  kufe export case.toml --stiffness K.mtx          the stiffness as a sparse matrix",
     ),
     (
         "lut plan",

@@ -4,5 +4,7 @@ pub mod completions;
 pub mod doctor;
 pub mod examples;
 pub mod init;
+#[cfg(test)]
+mod option_tests;
 mod reference;
 pub mod schema;

@@ -17,23 +17,24 @@ use crate::output::staging::Staging;
 /// Arguments of `kufe export`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// The case whose stiffness is written
-    #[arg(
-        value_name = "CASE",
-        requires = "stiffness",
-        conflicts_with = "calculix"
-    )]
+    /// The case
     pub case: Option<PathBuf>,
-    /// The assembled stiffness of its bodies on the mesh that it is solved on, in Matrix Market form
-    #[arg(long, value_name = "FILE", requires = "case")]
-    pub stiffness: Option<PathBuf>,
-    /// The case, for CalculiX: an elastic runner held by its top or at places, level, on ice on a rigid bed
-    #[arg(long, value_name = "CASE", required_unless_present = "case")]
+    /// Write an input deck of CalculiX, of an elastic runner held by its top or at places, level, on ice on a rigid bed
+    #[arg(long, value_name = "FILE", conflicts_with = "stiffness")]
     pub calculix: Option<PathBuf>,
-    /// The input deck
-    #[arg(long, short, value_name = "FILE", default_value = "deck.inp")]
-    pub out: PathBuf,
-    /// Cells over half the patch, instead of the accuracy that the case asks
+    /// Write the assembled stiffness of its bodies on the mesh that it is solved on, in Matrix Market form
+    #[arg(long, value_name = "FILE")]
+    pub stiffness: Option<PathBuf>,
+    /// The input deck, where --calculix has the case: what this command was once given
+    #[arg(
+        long,
+        short,
+        hide = true,
+        requires = "calculix",
+        conflicts_with = "case"
+    )]
+    pub out: Option<PathBuf>,
+    /// Cells across half the contact patch, instead of the accuracy that the case asks
     #[arg(long, value_name = "N")]
     pub cells: Option<usize>,
 }
@@ -47,26 +48,35 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let found = args.cells.unwrap_or_default();
         return Err(Failure::Usage(format!("--cells {found}: expected 2 to 64")));
     }
-    match (&args.calculix, &args.case, &args.stiffness) {
-        (Some(case), ..) => deck(case, args, global),
-        (None, Some(case), Some(matrix)) => write_stiffness(case, matrix, args.cells, global),
+    match (&args.case, &args.calculix, &args.stiffness) {
+        (Some(case), Some(deck), _) => write_calculix(case, deck, args.cells, global),
+        (Some(case), _, Some(matrix)) => write_stiffness(case, matrix, args.cells, global),
+        (None, Some(case), None) => {
+            let deck = args.out.as_deref().unwrap_or(Path::new("deck.inp"));
+            write_calculix(case, deck, args.cells, global)
+        }
         _ => Err(Failure::Usage(
-            "a case and --stiffness, or --calculix, are needed".into(),
+            "expected a case, and --calculix or --stiffness with the file to write".into(),
         )),
     }
 }
 
-fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
+fn write_calculix(
+    case: &Path,
+    out: &Path,
+    cells: Option<usize>,
+    global: &Global,
+) -> Result<(), Failure> {
     let loaded = LoadedCase::read(case)?;
     let StatedProblem { problem, .. } = loaded.stated()?;
     let refuse = |reason: &str| Failure::BadInput(format!("{}: {reason}", loaded.name));
     let inputs = case_inputs(Some(case), &loaded)?;
-    apart(&inputs, std::slice::from_ref(&args.out))?;
+    apart(&inputs, &[out.to_path_buf()])?;
     let mount = statable(&problem).map_err(&refuse)?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh and the approach");
     let options = Options {
-        cells: args.cells,
+        cells,
         ..loaded.case.options()
     };
     let solved = solve(&problem, &options);
@@ -87,17 +97,16 @@ fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
         half_width: 0.5 * solution.width,
         surface: &solution.surface,
     };
-    let folder = args.out.parent().filter(|p| !p.as_os_str().is_empty());
-    let name = args
-        .out
+    let folder = out.parent().filter(|p| !p.as_os_str().is_empty());
+    let name = out
         .file_name()
-        .ok_or_else(|| Failure::Usage(format!("-o {}: expected a file", args.out.display())))?;
+        .ok_or_else(|| Failure::Usage(format!("--calculix {}: expected a file", out.display())))?;
     let staging = Staging::begin(folder.unwrap_or(std::path::Path::new(".")))?;
     staging.remove_on_interrupt();
     staging.write(&name.to_string_lossy(), |file| write_deck(&deck, file))?;
     staging.commit()?;
     let mut facts = json!({
-        "deck": args.out.display().to_string(),
+        "deck": out.display().to_string(),
         "p_max_pa": solution.p_max,
         "p_max_error_pa": solution.p_max_error.is_finite().then_some(solution.p_max_error),
         "fz_n": solution.fz,
@@ -115,7 +124,7 @@ fn deck(case: &Path, args: &Args, global: &Global) -> Result<(), Failure> {
     } else if !global.quiet {
         say(&format!(
             "{}: {} unknowns; pressed in by {:.4} um they bear {:.3} N at a peak of {:.4} MPa here\n",
-            args.out.display(),
+            out.display(),
             solution.dofs,
             1e6 * solution.approach,
             solution.fz,

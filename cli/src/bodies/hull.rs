@@ -36,22 +36,22 @@ enum Kind {
 #[derive(clap::Args, Debug)]
 struct Bob {
     /// Length [m]
-    #[arg(long, default_value_t = BobRunner::default().length)]
+    #[arg(long, value_name = "METRES", default_value_t = BobRunner::default().length)]
     length_m: f64,
     /// Radius of the rocker [m], or inf
-    #[arg(long, default_value_t = BobRunner::default().rocker_radius)]
+    #[arg(long, value_name = "METRES", default_value_t = BobRunner::default().rocker_radius)]
     rocker_radius_m: f64,
     /// Rocker of several radii instead: a CSV file with the columns x_m and z_m, x increasing
     #[arg(long, value_name = "CSV", conflicts_with = "rocker_radius_m")]
     rocker_points: Option<PathBuf>,
     /// Radius of the section [m]
-    #[arg(long, default_value_t = BobRunner::default().section_radius)]
+    #[arg(long, value_name = "METRES", default_value_t = BobRunner::default().section_radius)]
     section_radius_m: f64,
     /// Width [m]
-    #[arg(long, default_value_t = BobRunner::default().width)]
+    #[arg(long, value_name = "METRES", default_value_t = BobRunner::default().width)]
     width_m: f64,
     /// Height [m]
-    #[arg(long, default_value_t = BobRunner::default().height)]
+    #[arg(long, value_name = "METRES", default_value_t = BobRunner::default().height)]
     height_m: f64,
     #[command(flatten)]
     file: File,
@@ -60,22 +60,22 @@ struct Bob {
 #[derive(clap::Args, Debug)]
 struct Luge {
     /// Length [m]
-    #[arg(long, default_value_t = LugeSteel::default().length)]
+    #[arg(long, value_name = "METRES", default_value_t = LugeSteel::default().length)]
     length_m: f64,
     /// Radius of the rocker [m], or inf
-    #[arg(long, default_value_t = LugeSteel::default().rocker_radius)]
+    #[arg(long, value_name = "METRES", default_value_t = LugeSteel::default().rocker_radius)]
     rocker_radius_m: f64,
     /// Radius of the edge [m]
-    #[arg(long, default_value_t = LugeSteel::default().edge_radius)]
+    #[arg(long, value_name = "METRES", default_value_t = LugeSteel::default().edge_radius)]
     edge_radius_m: f64,
     /// Tilt of the steel's flat underside [rad]
-    #[arg(long, default_value_t = LugeSteel::default().tilt)]
+    #[arg(long, value_name = "RAD", default_value_t = LugeSteel::default().tilt)]
     tilt_rad: f64,
     /// Width [m]
-    #[arg(long, default_value_t = LugeSteel::default().width)]
+    #[arg(long, value_name = "METRES", default_value_t = LugeSteel::default().width)]
     width_m: f64,
     /// Height [m]
-    #[arg(long, default_value_t = LugeSteel::default().height)]
+    #[arg(long, value_name = "METRES", default_value_t = LugeSteel::default().height)]
     height_m: f64,
     #[command(flatten)]
     file: File,
@@ -87,7 +87,7 @@ struct File {
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
     /// Length of the triangles' edges on the underside [m]
-    #[arg(long, default_value_t = 0.0005)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0005)]
     edge_length_m: f64,
 }
 

@@ -19,7 +19,7 @@ use crate::output::say::say;
 pub struct Check {
     /// The hull: .obj, .gltf, .glb or .stl
     file: PathBuf,
-    /// Normal forces to judge it for [N]
+    /// Normal force [N], one or several: what it is judged for
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]
     fz_n: Vec<f64>,
     /// Write the case that reads it so
@@ -303,7 +303,7 @@ fn text(check: &Check, found: &Found) -> String {
         }
     }
     if let Some(out) = &check.out {
-        let _ = writeln!(text, "written: {}", out.display());
+        let _ = writeln!(text, "wrote {}", out.display());
     }
     text
 }

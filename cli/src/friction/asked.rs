@@ -1,4 +1,4 @@
-//! What `kufe friction --ice` is asked, and where it writes.
+//! What `kufe friction --groove` is asked, and where it writes.
 
 use std::path::PathBuf;
 

@@ -7,12 +7,12 @@ use crate::output::global::Global;
 
 const EXAMPLES: &str = "\
 Examples:
-  kufe friction case.toml --speed 30 --alpha 0.01     solve the contact; mu, F_x and the power lost
-  kufe friction case.toml --speed 30 --model model.toml   with the model's law and effects
-  kufe friction case.toml --speed 5,20,35 --ice -10,-5,-1   groove and melt film over speed and temperature
-  kufe friction a.toml b.toml --speed 30 --ice -8      two runners side by side
-  kufe friction case.toml --speed 30 --ice -8 --optimise rocker_radius_m=15:60   the rocker with the least friction
-  kufe friction fit experiments.csv -o out/           fit mu over pressure, written in model.toml's form";
+  kufe friction case.toml --v-mps 30 --alpha-rad 0.01      solve the contact; mu, F_x and the power lost
+  kufe friction case.toml --v-mps 30 --model model.toml    with the model's law and effects
+  kufe friction case.toml --groove --v-mps 5,20,35 --ice-c -10,-5,-1   groove and melt film over speed and temperature
+  kufe friction a.toml b.toml --groove --v-mps 30 --ice-c -8   two runners side by side
+  kufe friction case.toml --groove --v-mps 30 --ice-c -8 --optimise rocker_radius_m=15:60   the rocker with the least friction
+  kufe friction fit experiments.csv -o out/                fit mu over pressure, written in model.toml's form";
 
 /// Arguments of `kufe friction`.
 #[derive(clap::Args, Debug)]

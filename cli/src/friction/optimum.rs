@@ -1,4 +1,4 @@
-//! `kufe friction CASE --speed V --ice T --optimise KEY=LOW:HIGH,...`: the runner with the least friction within bounds.
+//! `kufe friction CASE --groove --v-mps V --ice-c T --optimise KEY=LOW:HIGH,...`: the runner with the least friction within bounds.
 
 use std::io::{self, Write};
 
@@ -21,7 +21,7 @@ use crate::output::watched::watched;
 /// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that are none, else as [`optimise`].
 pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let ([path], &[v_mps], &[ice_c]) = (asked.cases, asked.speeds, asked.temperatures) else {
-        let text = "--optimise: expected one case, one --speed and one --ice";
+        let text = "--optimise: expected one case, one --v-mps and one --ice-c";
         return Err(Failure::Usage(text.into()));
     };
     let parameters = asked.optimise.iter().map(|text| parameter(text));

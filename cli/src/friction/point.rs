@@ -16,53 +16,67 @@ use crate::friction::asked::Asked;
 use crate::output::global::Global;
 use crate::output::say::say;
 
+/// Options of a law over the pressure, and of no groove.
+const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
+
 /// Arguments of `kufe friction CASE`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// The case; with --ice several, side by side
+    /// The case; with --groove several, side by side
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
-    /// Speed along the track [m/s], always needed; with --ice a list
+    /// Speed [m/s], always needed; with --groove one or several, as 5,20,35
     #[arg(
         long,
-        value_name = "M/S",
+        alias = "speed",
+        value_name = "LIST",
         value_delimiter = ',',
         allow_negative_numbers = true
     )]
-    pub speed: Vec<f64>,
-    /// Temperatures of the ice [degrees Celsius], as -10,-5,-1: friction of the groove that the runner ploughs and of the melt film
-    /// in it, over speed and temperature, instead of a law over the pressure
+    pub v_mps: Vec<f64>,
+    /// Ice temperature [degrees Celsius], for effects that need it; with --groove one or several, as -10,-5,-1
     #[arg(
         long,
         value_name = "LIST",
         value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub ice_c: Vec<f64>,
+    /// Friction of the groove that the runner ploughs and of the melt film in it, over all speeds and temperatures of the ice, instead of
+    /// a law over the pressure
+    #[arg(long, conflicts_with_all = BY_LAW)]
+    pub groove: bool,
+    /// What --groove with --ice-c was called
+    #[arg(
+        long,
+        hide = true,
+        value_delimiter = ',',
         allow_hyphen_values = true,
-        conflicts_with_all = ["alpha", "model", "ice_c", "air_c", "air_pa", "humidity_pct"]
+        conflicts_with = "ice_c",
+        conflicts_with_all = BY_LAW
     )]
     pub ice: Vec<f64>,
-    /// With --ice, one speed and one case: the runner with the least friction, by one or two numbers of its shape within bounds, as
+    /// With --groove, one speed and one case: the runner with the least friction, by one or two numbers of its shape within bounds, as
     /// rocker_radius_m=15:60,section_radius_m=0.004:0.008
     #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',')]
     pub optimise: Vec<String>,
-    /// With --ice: folder for friction.csv, friction.json and friction.png
+    /// With --groove: folder for friction.csv, friction.json and friction.png
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Slip angle [rad]
     #[arg(
         long,
+        alias = "alpha",
         value_name = "RAD",
         default_value_t = 0.0,
         allow_negative_numbers = true
     )]
-    pub alpha: f64,
-    /// Model whose [friction.longitudinal] and [effects] hold; the published law where absent
-    #[arg(long, value_name = "FILE")]
+    pub alpha_rad: f64,
+    /// Model of the sled and its friction, whose [friction.longitudinal] and [effects] hold; the published law where absent
+    #[arg(long, short, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
-    /// Ice temperature [degrees Celsius], for effects that need it
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    pub ice_c: Option<f64>,
     /// Air temperature [degrees Celsius], for effects that need it
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    #[arg(long, value_name = "CELSIUS", allow_negative_numbers = true)]
     pub air_c: Option<f64>,
     /// Air pressure [Pa], for effects that need it
     #[arg(long, value_name = "PA")]
@@ -89,14 +103,17 @@ impl Args {
             ),
         ];
         let mut missing = Vec::new();
-        if self.speed.is_empty() {
-            missing.push("--speed is missing: give the speed in m/s, as --speed 30".to_owned());
+        if self.v_mps.is_empty() {
+            missing.push("--v-mps is missing: give the speed in m/s, as --v-mps 30".to_owned());
         }
+        let groove = self.groove || !self.ice.is_empty();
         let asked = tables.iter().find(|(asked, _)| *asked);
-        if let (true, Some((_, why))) = (self.ice.is_empty(), asked) {
-            missing.push(format!(
-                "--ice is missing: {why}; give the temperature in degrees Celsius, as --ice -5, or several as --ice -10,-5,-1"
-            ));
+        if let (false, Some((_, why))) = (groove, asked) {
+            missing.push(format!("--groove is missing: {why}"));
+        }
+        if (groove || asked.is_some()) && self.temperatures().is_empty() {
+            let how = "give the temperature of the ice in degrees Celsius, as --ice-c -5, or several as --ice-c -10,-5,-1";
+            missing.push(format!("--ice-c is missing: {how}"));
         }
         match missing.is_empty() {
             true => Ok(()),
@@ -104,12 +121,20 @@ impl Args {
         }
     }
 
+    /// Temperatures of the ice, by either name.
+    fn temperatures(&self) -> &[f64] {
+        match self.ice.is_empty() {
+            true => &self.ice_c,
+            false => &self.ice,
+        }
+    }
+
     /// The table over speed and temperature, where one is asked for.
     pub fn sliding(&self) -> Option<Asked<'_>> {
-        (!self.ice.is_empty()).then_some(Asked {
+        (self.groove || !self.ice.is_empty()).then_some(Asked {
             cases: &self.cases,
-            speeds: &self.speed,
-            temperatures: &self.ice,
+            speeds: &self.v_mps,
+            temperatures: self.temperatures(),
             optimise: &self.optimise,
             out: self.out.as_ref(),
         })
@@ -122,8 +147,9 @@ impl Args {
 /// [`Failure::Usage`] for numbers out of range, [`Failure::BadInput`] for the files,
 /// [`Failure::NotConverged`] where the solver stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let ([path], &[speed]) = (&args.cases[..], &args.speed[..]) else {
-        let text = "one case and one --speed are needed; several go with --ice";
+    let ([path], &[speed], &([] | [_])) = (&args.cases[..], &args.v_mps[..], &args.ice_c[..])
+    else {
+        let text = "expected one case, one --v-mps and one --ice-c; several go with --groove";
         return Err(Failure::Usage(text.into()));
     };
     check(args, speed)?;
@@ -150,7 +176,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Longitudinal::Pressure(law) => law.slope(solution.p_max).abs() * solution.p_max_error,
         Longitudinal::Fixed(_) => 0.0,
     };
-    let fx = longitudinal_force(solution.fz, args.alpha, mu);
+    let fx = longitudinal_force(solution.fz, args.alpha_rad, mu);
     let document = json!({
         "p_max_pa": solution.p_max,
         "p_max_error_pa": solution.p_max_error,
@@ -160,7 +186,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "mu_error": error,
         "depends_on_pressure": law.needs_pressure(),
         "capped": capped,
-        "alpha_rad": args.alpha,
+        "alpha_rad": args.alpha_rad,
         "fx_n": fx,
         "v_mps": speed,
         "power_w": fx * speed,
@@ -174,23 +200,24 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Ok(());
     }
     let mut text = format!(
-        "p_max    {:.3} +- {:.3} MPa\nF_z      {:.1} N\nmu       {:.3}e-3 +- {:.3}e-3 (discretisation)\nF_x      {:.3} N at alpha {} rad\npower    {:.1} W lost at {} m/s\n",
+        "peak pressure  {:.3} MPa +- {:.3}\nnormal force   {:.1} N\nmu             {:.3}e-3 +- {:.3}e-3 (by the pressure's error)\nforce          {:.3} N along the runner, at a slip angle of {} rad\npower          {:.1} W lost at {} m/s\n",
         solution.p_max * 1e-6,
         solution.p_max_error * 1e-6,
         solution.fz,
         mu * 1e3,
         error * 1e3,
         fx,
-        args.alpha,
+        args.alpha_rad,
         -fx * speed,
         speed,
     );
     if capped {
-        text += "the law's cap holds: the pressure lies beyond its parabola\n";
+        text +=
+            "the pressure lies beyond those that the law was fitted to: this is its largest mu\n";
     }
     if !applied.is_empty() {
         text += &format!(
-            "effects  {} (mu before them {:.3}e-3)\n",
+            "effects        {} (mu before them {:.3}e-3)\n",
             applied.join(", "),
             base * 1e3
         );
@@ -209,16 +236,19 @@ fn check(args: &Args, speed: f64) -> Result<(), Failure> {
         )))
     };
     if !(0.0..=100.0).contains(&speed) {
-        return told("speed", speed, "0 to 100 m/s");
+        return told("v-mps", speed, "0 to 100 m/s");
     }
-    if args.alpha.is_nan() || args.alpha.abs() > std::f64::consts::FRAC_PI_2 {
+    if args.alpha_rad.is_nan() || args.alpha_rad.abs() > std::f64::consts::FRAC_PI_2 {
         return told(
-            "alpha",
-            args.alpha,
+            "alpha-rad",
+            args.alpha_rad,
             "a slip angle in rad within a quarter turn",
         );
     }
-    for (name, value) in [("ice-c", args.ice_c), ("air-c", args.air_c)] {
+    for (name, value) in [
+        ("ice-c", args.ice_c.first().copied()),
+        ("air-c", args.air_c),
+    ] {
         if let Some(value) = value.filter(|v| !(-60.0..=60.0).contains(v)) {
             return told(name, value, "degrees Celsius, -60 to 60");
         }
@@ -252,7 +282,7 @@ fn conditions(args: &Args, speed: f64, fz: f64, drag_area: f64) -> Conditions {
         s: 0.0,
         v: speed,
         fz,
-        ice_c: known(args.ice_c),
+        ice_c: known(args.ice_c.first().copied()),
         air_c,
         air_pa,
         humidity_pct: known(args.humidity_pct),

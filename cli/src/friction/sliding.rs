@@ -1,4 +1,4 @@
-//! `kufe friction CASES --speed LIST --ice LIST`: the groove and the melt film's friction over speed and temperature, runners side by side.
+//! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's friction over speed and temperature, runners side by side.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

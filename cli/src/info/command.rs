@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::Failure;
+use kufe_jobs::{Failure, percent};
 use kufe_plot::{number4, quantity, unit_of};
 use serde_json::{Map, Value, json};
 
@@ -88,13 +88,15 @@ fn describe(path: &Path) -> Result<Value, Failure> {
             "a script that solves a table's points",
             "kufe lut plan",
         )?,
+        "1" => marked_file::describe(path, "a manual page", "kufe man")?,
+        "md" => marked_file::describe(path, "the command's reference", "kufe man --markdown")?,
         "exr" => exr_file::describe(path)?,
         "lut" => lut_file::describe(path)?,
         "obj" | "glb" | "gltf" | "stl" => hull_file::describe(path)?,
         other => {
             return Err(told(format!(
                 "kind \".{other}\" is not known: expected a hull (.obj, .glb, .gltf, .stl), or what kufe writes or reads (.json, .csv, \
-                 .parquet, .toml, .lut, .exr, .vtu, .vtp, .pvd, .png, .mat, .fmu, .html, .h, .c, .m, .inp, .mtx, .sh)"
+                 .parquet, .toml, .lut, .exr, .vtu, .vtp, .pvd, .png, .mat, .fmu, .html, .h, .c, .m, .inp, .mtx, .sh, .1, .md)"
             )));
         }
     };
@@ -153,55 +155,132 @@ fn as_text(value: &Value, depth: usize) -> String {
                 Some(range) => format!("{indent}{key}: {range}\n"),
                 None => format!("{indent}{key}:\n{}", as_text(value, depth + 1)),
             },
-            Value::Number(number) => format!(
-                "{indent}{key}: {}\n",
-                with_unit(key, number.as_f64(), value)
-            ),
-            Value::Array(list) if !list.is_empty() && list.iter().all(is_figure) => {
-                let list = list.iter().map(|one| match one {
-                    Value::String(text) => text.clone(),
-                    one => with_unit(key, one.as_f64(), one),
-                });
-                format!("{indent}{key}: {}\n", list.collect::<Vec<_>>().join(", "))
+            Value::Array(list) if list.iter().any(is_sentence) => {
+                let lines = list
+                    .iter()
+                    .map(|one| format!("{indent}  {}\n", single(key, one)));
+                format!("{indent}{key}:\n{}", lines.collect::<String>())
             }
-            Value::Null => format!("{indent}{key}: none\n"),
-            Value::Array(lines) if lines.is_empty() => format!("{indent}{key}: none\n"),
-            Value::String(text) => format!("{indent}{key}: {text}\n"),
-            other => format!("{indent}{key}: {other}\n"),
+            Value::Array(list) if !list.is_empty() && list.iter().all(Value::is_object) => {
+                let each = list.iter().enumerate();
+                let each = each.map(|(k, one)| {
+                    let inner = as_text(one, depth + 1);
+                    format!("{indent}{key} {}:\n{inner}", k + 1)
+                });
+                each.collect()
+            }
+            other => format!("{indent}{key}: {}\n", single(key, other)),
         })
         .collect()
 }
 
-fn is_figure(value: &Value) -> bool {
-    let told = ["inf", "-inf", "nan"];
-    value.is_number() || value.as_str().is_some_and(|text| told.contains(&text))
+fn is_sentence(value: &Value) -> bool {
+    value.as_str().is_some_and(|text| text.contains(' '))
 }
 
-/// A number with the unit that its key ends in; whole ones without a unit as they are.
-fn with_unit(key: &str, number: Option<f64>, value: &Value) -> String {
-    match (number, unit_of(key)) {
-        (Some(number), "") if !value.is_u64() && !value.is_i64() => number4(number),
-        (Some(number), unit) if !unit.is_empty() => quantity(number, unit),
-        _ => value.to_string(),
+/// What stands on a line: words as they are, numbers with their key's unit, lists of them.
+fn single(key: &str, value: &Value) -> String {
+    match value {
+        Value::String(text) if !text.is_empty() => text.clone(),
+        Value::Number(number) => with_unit(key, number.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(list) if !list.is_empty() => {
+            let between = if list.iter().any(Value::is_array) {
+                "; "
+            } else {
+                ", "
+            };
+            let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
+            each.join(between)
+        }
+        Value::Bool(holds) => holds.to_string(),
+        _ => "none".to_owned(),
     }
 }
 
-/// "12 to 31 m/s, 3 missing" of what has nothing but these.
+/// A number with the unit that its key ends in; whole ones that need no digits more as they are.
+fn with_unit(key: &str, number: f64) -> String {
+    let whole = number.fract() == 0.0 && number.abs() < 1e15;
+    match &*unit(key) {
+        "" if whole => number.to_string(),
+        "" => number4(number),
+        "bytes" => format!("{number} bytes"),
+        unit => quantity(number, unit),
+    }
+}
+
+/// The unit that a key ends in, `k_n_per_rad` and `slope_per_k` among them.
+fn unit(key: &str) -> String {
+    // A coefficient, whatever its name ends in: mu_zeta_c is no temperature.
+    if key.starts_with("mu_") {
+        return String::new();
+    }
+    let Some((above, below)) = key.rsplit_once("_per_") else {
+        return unit_of(key).to_owned();
+    };
+    let above = match unit_of(above) {
+        "" => "1",
+        unit => unit,
+    };
+    match (below, unit_of(&format!("_{below}"))) {
+        ("k", _) => format!("{above}/K"),
+        (below, "") => format!("{above}/{below}"),
+        (_, unit) => format!("{above}/{unit}"),
+    }
+}
+
+/// "12 to 31 m/s, 3 missing" of what has nothing but these; "12 (11 to 13) N" of a value with its interval.
 fn range(key: &str, inner: &Map<String, Value>) -> Option<String> {
-    const KEYS: [&str; 4] = ["points", "from", "to", "missing"];
-    if inner.is_empty() || inner.keys().any(|key| !KEYS.contains(&key.as_str())) {
-        return None;
-    }
-    let mut parts = Vec::new();
-    if let (Some(from), Some(to)) = (inner.get("from"), inner.get("to")) {
-        let [from, to] = [from, to].map(|value| with_unit(key, value.as_f64(), value));
+    const KEYS: [&str; 8] = [
+        "points",
+        "from",
+        "to",
+        "missing",
+        "min",
+        "max",
+        "smooth_error",
+        "bilinear_error",
+    ];
+    let number = |key: &str| inner.get(key).and_then(Value::as_f64);
+    let between = |from: f64, to: f64| {
+        let [from, to] = [from, to].map(|value| with_unit(key, value));
         // The unit once, where it is that of both.
         let unit = to.split_once(' ').map_or("", |(_, unit)| unit);
-        let from = from.strip_suffix(unit).unwrap_or(&from).trim_end();
-        parts.push(format!("{from} to {to}"));
+        let start = from.strip_suffix(unit).unwrap_or(&from).trim_end();
+        if from == to {
+            to
+        } else {
+            format!("{start} to {to}")
+        }
+    };
+    if let (3, Some(value), Some(low), Some(high)) =
+        (inner.len(), number("value"), number("low"), number("high"))
+    {
+        let value = with_unit(key, value);
+        return Some(match low < high {
+            true => format!("{value} ({})", between(low, high)),
+            false => value,
+        });
+    }
+    if inner.keys().any(|key| !KEYS.contains(&key.as_str())) {
+        return None;
+    }
+    let ends = (
+        number("from").or(number("min")),
+        number("to").or(number("max")),
+    );
+    let mut parts = Vec::new();
+    if let (Some(from), Some(to)) = ends {
+        parts.push(between(from, to));
     }
     for key in ["points", "missing"] {
         parts.extend(inner.get(key).map(|count| format!("{count} {key}")));
     }
-    Some(parts.join(", "))
+    for mode in ["smooth", "bilinear"] {
+        let error = number(&format!("{mode}_error"));
+        parts.extend(error.map(|error| format!("{mode} within {}", percent(error))));
+    }
+    Some(match parts.is_empty() {
+        true => "none".to_owned(),
+        false => parts.join(", "),
+    })
 }

@@ -9,6 +9,22 @@ use kufe_files::open_regular;
 use kufe_jobs::{Failure, json_number};
 use serde_json::{Map, Value, json};
 
+/// Channels of kufe's maps, what they hold, and what a file is that has one; the first of them tells.
+const CHANNELS: [(&str, &str, &str); 4] = [
+    (
+        "p",
+        "contact pressure [Pa]",
+        "a map of pressure, gap and displacement",
+    ),
+    ("gap", "distance of the surfaces [m]", "a map of gaps"),
+    (
+        "uz",
+        "displacement of the ice upwards [m]",
+        "a map of displacements",
+    ),
+    ("depth", "depth of the groove [m]", "a map of a groove"),
+];
+
 /// Size, channels and own attributes of an EXR file; pixels are not read.
 pub fn describe(path: &Path) -> Result<Value, Failure> {
     let told = |error: exr::error::Error| Failure::BadInput(format!("{}: {error}", path.display()));
@@ -25,12 +41,15 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
         .list
         .iter()
         .map(|channel| {
-            (
-                channel.name.to_string(),
-                json!(format!("{:?}", channel.sample_type)),
-            )
+            let name = channel.name.to_string();
+            let known = CHANNELS.iter().find(|(known, ..)| *known == name);
+            let holds = known.map_or(String::new(), |(_, holds, _)| format!(", {holds}"));
+            (name, json!(format!("{:?}{holds}", channel.sample_type)))
         })
         .collect();
+    let kind = CHANNELS
+        .iter()
+        .find(|(name, ..)| channels.contains_key(*name));
     let mut attributes: Vec<(String, Value)> = header
         .own_attributes
         .other
@@ -40,7 +59,7 @@ pub fn describe(path: &Path) -> Result<Value, Failure> {
         .collect();
     attributes.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(json!({
-        "kind": "EXR",
+        "kind": kind.map_or("an EXR picture", |(.., kind)| kind),
         "width": header.layer_size.width(),
         "height": header.layer_size.height(),
         "channels": channels,

@@ -10,7 +10,7 @@ Examples:
   kufe lut bob-table.toml -o front.lut --csv --fmu     solve and write the table
   kufe lut show front.lut                              draw it
   kufe lut show front.lut --runs runs.csv --model model.toml   with where the runs lie on it
-  kufe lut query front.lut --fz 1800 --radius 40       look a contact up
+  kufe lut query front.lut --fz-n 1800 --radius-m 40   look a contact up
   kufe lut plan bob-table.toml -o plan --shards 50     cut it into shards, then:
   kufe lut run plan --shard 7/50                       solve one of them
   kufe lut merge plan -o front.lut                     put them together";

@@ -27,9 +27,9 @@ pub struct Forms {
     /// Write an FMU (FMI 3.0, co-simulation and model exchange)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub fmu: Option<Option<PathBuf>>,
-    /// Rocker radius for --header, --simulink and --fmu, where the table has that axis [m]
-    #[arg(long, value_name = "METRES")]
-    pub rocker: Option<f64>,
+    /// Radius of the rocker [m], for --header, --simulink and --fmu where the table has that axis
+    #[arg(long, alias = "rocker", value_name = "METRES")]
+    pub rocker_radius_m: Option<f64>,
 }
 
 /// Arguments of `kufe lut export`.
@@ -122,10 +122,10 @@ impl Forms {
         let form = |ending: &str, bytes: &mut Vec<u8>| match ending {
             "csv" => table.write_csv(bytes),
             "mat" => table.write_mat(bytes),
-            "h" => table.write_header(&stem, self.rocker, bytes),
-            "sfun" => table.write_s_function(&stem, self.rocker, bytes),
+            "h" => table.write_header(&stem, self.rocker_radius_m, bytes),
+            "sfun" => table.write_s_function(&stem, self.rocker_radius_m, bytes),
             "m" => table.write_simulink_script(&stem, bytes),
-            _ => table.write_fmu(&stem, self.rocker, bytes),
+            _ => table.write_fmu(&stem, self.rocker_radius_m, bytes),
         };
         let mut written = Vec::new();
         for (ending, path) in self.places(beside) {

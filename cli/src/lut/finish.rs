@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_jobs::Failure;
+use kufe_jobs::{Failure, percent};
 use kufe_lut::{Method, Mode, Point, Quantity, Swept, Table};
 use serde_json::{Value, json};
 
@@ -76,11 +76,12 @@ fn short_of(table: &Table, tolerance: f64) -> Option<String> {
         .collect();
     let worst = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!(
-        "{} solves stayed short of the {}'s tolerance of {allowed:.2e}, the worst with an estimated error of \
-         {:.2e} at {}",
+        "{} solve{} stayed short of the {}'s tolerance of {}, the worst with an estimated error of {} at {}",
         short.len(),
+        if short.len() == 1 { "" } else { "s" },
         in_a_sentence(table.judged()),
-        worst.1,
+        percent(allowed),
+        percent(worst.1),
         worst.0
     ))
 }

@@ -28,7 +28,7 @@ pub struct PlanArgs {
     /// Folder for the plan and its results
     #[arg(long, short, value_name = "FOLDER")]
     out: PathBuf,
-    /// Into how many shards the scripts cut the points
+    /// Into how many parts, called shards, the scripts cut the points
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
 }

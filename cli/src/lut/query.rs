@@ -16,36 +16,48 @@ pub struct Args {
     /// The table
     pub table: PathBuf,
     /// Normal force [N]
-    #[arg(long, value_name = "NEWTONS", allow_negative_numbers = true)]
-    pub fz: f64,
-    /// Track curvature, positive in a valley [1/m]
-    #[arg(long, value_name = "PER_METRE", allow_hyphen_values = true, conflicts_with_all = ["radius", "pitch_rate"])]
-    pub curvature: Option<f64>,
-    /// Track radius, positive in a valley, inf on a straight [m]
     #[arg(
         long,
+        alias = "fz",
+        value_name = "NEWTONS",
+        allow_negative_numbers = true
+    )]
+    pub fz_n: f64,
+    /// Track curvature in the vertical plane [1/m], positive in a valley
+    #[arg(long, alias = "curvature", value_name = "PER_METRE", allow_hyphen_values = true, conflicts_with_all = ["radius_m", "pitch_rate_radps"])]
+    pub curvature_1pm: Option<f64>,
+    /// Track radius in the vertical plane [m], positive in a valley, inf on a straight
+    #[arg(
+        long,
+        alias = "radius",
         value_name = "METRES",
         allow_hyphen_values = true,
-        conflicts_with = "pitch_rate"
+        conflicts_with = "pitch_rate_radps"
     )]
-    pub radius: Option<f64>,
-    /// Pitch rate, positive nose down, with --v [rad/s]
+    pub radius_m: Option<f64>,
+    /// Pitch rate [rad/s], positive nose down, with --v-mps
     #[arg(
         long,
+        alias = "pitch-rate",
         value_name = "RAD_PER_S",
         allow_hyphen_values = true,
-        requires = "v"
+        requires = "v_mps"
     )]
-    pub pitch_rate: Option<f64>,
-    /// Speed, with --pitch-rate and where the table has that axis [m/s]
-    #[arg(long, value_name = "M_PER_S", allow_hyphen_values = true)]
-    pub v: Option<f64>,
-    /// Temperature of the ice, where the table has that axis [C]
-    #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
-    pub ice: Option<f64>,
-    /// Rocker radius, where the table has that axis [m]
-    #[arg(long, value_name = "METRES")]
-    pub rocker: Option<f64>,
+    pub pitch_rate_radps: Option<f64>,
+    /// Speed [m/s], with --pitch-rate-radps and where the table has that axis
+    #[arg(long, alias = "v", value_name = "M_PER_S", allow_hyphen_values = true)]
+    pub v_mps: Option<f64>,
+    /// Ice temperature [degrees Celsius], where the table has that axis
+    #[arg(
+        long,
+        alias = "ice",
+        value_name = "CELSIUS",
+        allow_hyphen_values = true
+    )]
+    pub ice_c: Option<f64>,
+    /// Radius of the rocker [m], where the table has that axis
+    #[arg(long, alias = "rocker", value_name = "METRES")]
+    pub rocker_radius_m: Option<f64>,
     /// How values between the nodes are found
     #[arg(long, value_enum, default_value = "smooth")]
     pub mode: ModeWord,
@@ -54,9 +66,9 @@ pub struct Args {
 /// A mode on the command line.
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 pub enum ModeWord {
-    /// C1 and monotone
+    /// Smooth, without overshoot
     Smooth,
-    /// As Simulink's n-D lookup table
+    /// Straight between the nodes, as Simulink's n-D lookup table
     Bilinear,
 }
 
@@ -65,34 +77,40 @@ pub enum ModeWord {
 /// # Errors
 /// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a force that presses nothing.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let curvature = match (args.curvature, args.radius, args.pitch_rate, args.v) {
+    let curvature = match (
+        args.curvature_1pm,
+        args.radius_m,
+        args.pitch_rate_radps,
+        args.v_mps,
+    ) {
         (Some(curvature), ..) => curvature,
         (_, Some(radius), ..) => 1.0 / radius,
         (_, _, Some(pitch_rate), Some(v)) => {
             if v.abs() < MIN_SPEED && pitch_rate != 0.0 {
                 warn(&format!(
-                    "--v {v}: below {MIN_SPEED} m/s a pitch rate tells nothing of the track, which is taken for ever straighter"
+                    "--v-mps {v}: below {MIN_SPEED} m/s a pitch rate tells nothing of the track, which is taken for ever straighter"
                 ));
             }
             curvature_from_pitch(v, pitch_rate)
         }
         _ => {
             return Err(Failure::Usage(
-                "which track? give --curvature, --radius, or --v with --pitch-rate".into(),
+                "which track? give --curvature-1pm, --radius-m, or --v-mps with --pitch-rate-radps"
+                    .into(),
             ));
         }
     };
-    for (name, value) in [("force", args.fz), ("curvature", curvature)] {
+    for (name, value) in [("force", args.fz_n), ("curvature", curvature)] {
         if !value.is_finite() {
             return Err(Failure::BadInput(format!(
                 "{name} {value}: expected a finite number"
             )));
         }
     }
-    if args.fz <= 0.0 {
+    if args.fz_n <= 0.0 {
         return Err(Failure::BadInput(format!(
-            "--fz {}: expected a force above 0 N: without one there is no contact",
-            args.fz
+            "--fz-n {}: expected a force above 0 N: without one there is no contact",
+            args.fz_n
         )));
     }
     let told =
@@ -103,11 +121,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ModeWord::Bilinear => Mode::Bilinear,
     };
     let further = [
-        ("speed", "--v", args.v, table.axes().speed()),
+        ("speed", "--v-mps", args.v_mps, table.axes().speed()),
         (
             "temperature of the ice",
-            "--ice",
-            args.ice,
+            "--ice-c",
+            args.ice_c,
             table.axes().ice_c(),
         ),
     ];
@@ -118,15 +136,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             )));
         }
     }
-    let [v, ice_c] = [args.v, args.ice].map(|value| value.unwrap_or(f64::NAN));
+    let [v, ice_c] = [args.v_mps, args.ice_c].map(|value| value.unwrap_or(f64::NAN));
     let mut answer = Map::new();
     let mut out_of_range = false;
     for &quantity in table.quantities() {
-        let lookup = Layered::new(&table, quantity, mode, args.rocker).map_err(told)?;
+        let lookup = Layered::new(&table, quantity, mode, args.rocker_radius_m).map_err(told)?;
         let Looked {
             value,
             out_of_range: outside,
-        } = lookup.at(args.fz, curvature, v, ice_c);
+        } = lookup.at(args.fz_n, curvature, v, ice_c);
         out_of_range |= outside;
         answer.insert(quantity.key().into(), json!(value));
         let error = relative_error(&table, quantity, mode).map_err(told)?;
@@ -135,7 +153,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             json!(error.map(|e| (e * value).abs())),
         );
     }
-    answer.insert("fz_n".into(), json!(args.fz));
+    answer.insert("fz_n".into(), json!(args.fz_n));
     answer.insert("curvature_1pm".into(), json!(curvature));
     if table.axes().speed().is_some() {
         answer.insert("v_mps".into(), json!(v));
@@ -192,8 +210,8 @@ fn shown(quantity: Quantity) -> (&'static str, f64, usize, &'static str) {
         Quantity::PMax => ("peak pressure", 1e-6, 2, "MPa"),
         Quantity::PMean => ("mean pressure", 1e-6, 2, "MPa"),
         Quantity::Area => ("contact area", 1e6, 4, "mm2"),
-        Quantity::Length => ("length", 1e3, 2, "mm"),
-        Quantity::Width => ("width", 1e3, 4, "mm"),
+        Quantity::Length => ("contact length", 1e3, 2, "mm"),
+        Quantity::Width => ("contact width", 1e3, 4, "mm"),
         Quantity::Approach => ("approach", 1e6, 3, "um"),
         Quantity::Mu => ("friction mu", 1e3, 4, "1e-3"),
         Quantity::MuPloughing => ("  of ploughing", 1e3, 4, "1e-3"),

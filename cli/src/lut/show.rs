@@ -20,24 +20,29 @@ pub struct Args {
     /// Where the picture goes [default: the table's name with .png]
     #[arg(long, short, value_name = "PNG")]
     pub out: Option<PathBuf>,
-    /// p_max, p_mean, area, length, width, approach; of a runner that slides also mu, mu_ploughing, mu_viscous, groove_depth,
+    /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also mu, mu_ploughing, mu_viscous, groove_depth,
     /// film_mean [default: p_max, or mu of a runner that slides]
     #[arg(long)]
     pub quantity: Option<String>,
-    /// Rocker radius, where the table has that axis [m]
-    #[arg(long, value_name = "METRES")]
-    pub rocker: Option<f64>,
-    /// Speed, where the table has that axis [m/s] [default: the middle one, the upper of two]
-    #[arg(long, value_name = "M_PER_S")]
-    pub v: Option<f64>,
-    /// Temperature of the ice, where the table has that axis [C] [default: the middle one, the upper of two]
-    #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
-    pub ice: Option<f64>,
+    /// Radius of the rocker [m], where the table has that axis
+    #[arg(long, alias = "rocker", value_name = "METRES")]
+    pub rocker_radius_m: Option<f64>,
+    /// Speed [m/s], where the table has that axis [default: the middle one, the upper of two]
+    #[arg(long, alias = "v", value_name = "M_PER_S")]
+    pub v_mps: Option<f64>,
+    /// Ice temperature [degrees Celsius], where the table has that axis [default: the middle one, the upper of two]
+    #[arg(
+        long,
+        alias = "ice",
+        value_name = "CELSIUS",
+        allow_hyphen_values = true
+    )]
+    pub ice_c: Option<f64>,
     /// Shows where the samples of these runs lie on the table, and counts those outside; needs --model
     #[arg(long, value_name = "RUNS.csv", requires = "model")]
     pub runs: Option<PathBuf>,
-    /// With --runs: the sled, whose mass and axles say what each runner bears
-    #[arg(long, value_name = "MODEL.toml", requires = "runs")]
+    /// Model of the sled and its friction, with --runs: mass and axles say what each runner bears
+    #[arg(long, short, value_name = "MODEL.toml", requires = "runs")]
     pub model: Option<PathBuf>,
     /// With --runs: the runner that the table is of [default: both]
     #[arg(long, value_enum, requires = "runs")]
@@ -87,9 +92,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     apart(&inputs, std::slice::from_ref(&out))?;
     let samples = args.samples(global)?;
     let slice = Slice {
-        rocker_radius: args.rocker,
-        speed: args.v,
-        ice_c: args.ice,
+        rocker_radius: args.rocker_radius_m,
+        speed: args.v_mps,
+        ice_c: args.ice_c,
     };
     let outside = kufe_lut::draw(&table, quantity, slice, &samples, &out)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;

@@ -209,7 +209,8 @@ pub fn without_idle_steel(value: &mut Value) {
     }
 }
 
-/// Its figures: numbers, words and flags as they are, of a list how long it is, of what is nested what it holds; the case as it stands.
+/// Its figures: numbers, words and flags as they are, of a list how long it is, of what is nested what it holds and values with
+/// their intervals; the case as it stands.
 pub fn figures(document: &Value) -> Map<String, Value> {
     if let Value::Array(rows) = document {
         return Map::from_iter([("rows".to_owned(), json!(rows.len()))]);
@@ -218,12 +219,17 @@ pub fn figures(document: &Value) -> Map<String, Value> {
         let shown = match value {
             Value::Array(list) if list.len() <= 3 && list.iter().all(is_single) => value.clone(),
             Value::Array(list) if key == "warnings" || key == "remarks" => json!(list),
-            Value::Array(list) => json!(list.len()),
+            Value::Array(list) => json!(entries(list.len())),
             Value::Object(inner) if key != "case" => {
-                let single = inner.iter().filter(|(_, value)| is_single(value));
-                single
+                let told = |value: &Value| is_single(value) || value.get("value").is_some();
+                let told = inner.iter().filter(|(_, value)| told(value));
+                let told: Map<String, Value> = told
                     .map(|(key, value)| (key.clone(), value.clone()))
-                    .collect()
+                    .collect();
+                match told.is_empty() {
+                    true => json!(entries(inner.len())),
+                    false => told.into(),
+                }
             }
             other => other.clone(),
         };
@@ -234,6 +240,13 @@ pub fn figures(document: &Value) -> Map<String, Value> {
         .map(figure)
         .filter(|(key, _)| !["version", "content_sha256", "files"].contains(&&**key))
         .collect()
+}
+
+fn entries(count: usize) -> String {
+    match count {
+        1 => "1 entry".to_owned(),
+        count => format!("{count} entries"),
+    }
 }
 
 fn is_single(value: &Value) -> bool {

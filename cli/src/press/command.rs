@@ -1,9 +1,7 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
-use std::sync::Arc;
-
-use kufe_contact::{Iterate, Options, Watcher};
-use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with, progress_line};
+use kufe_contact::Options;
+use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with, with_progress};
 
 use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
@@ -38,17 +36,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     staging.remove_on_interrupt();
     let bar = global.progress();
     let (shown, asked) = (bar.clone(), loaded.case.accuracy.p_max);
-    let watcher: Watcher = Arc::new(move |state: &Iterate| {
-        shown.set_message(progress_line(state, asked));
-    });
     let watch = Watch {
         warn: Some(&|warning| eprintln!("kufe: warning: {warning}")),
         ..Watch::default()
     };
-    let options = Options {
-        progress: Some(watcher),
-        ..options
-    };
+    let options = with_progress(options, asked, move |line| shown.set_message(line));
     let pressed = press_with(loaded, &watch, options);
     bar.finish_and_clear();
     let pressed = pressed?;
@@ -58,9 +50,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {
-        let p_max_map = document["p_max_map_pa"].as_f64();
-        let p_max_map = p_max_map.unwrap_or(pressed.solution.p_max_mesh);
-        say(&summary::text(&pressed, p_max_map, &args.out));
+        let largest = ["p_max_map_pa", "stress_max_pa"].map(|key| document[key].as_f64());
+        let largest = largest.map(|value| value.unwrap_or(pressed.solution.p_max_mesh));
+        say(&summary::text(&pressed, largest, &args.out));
     }
     match &pressed.short {
         Some(short) => Err(short.clone()),

@@ -65,11 +65,12 @@ pub fn write(
     document: &mut Value,
     mat: bool,
 ) -> Result<(), Failure> {
-    let p_max_map = fields(staging, pressed)?;
+    let (p_max_map, stress_max) = fields(staging, pressed)?;
     if let Value::Object(document) = document {
         let place = document.keys().position(|key| key == "p_max_mesh_pa");
         let place = place.map_or(0, |place| place + 1);
         document.shift_insert(place, "p_max_map_pa".into(), json!(p_max_map));
+        document.shift_insert(place + 1, "stress_max_pa".into(), json!(stress_max));
     }
     if let Some(line) = &pressed.line {
         staging.write("subsurface.csv", |mut file| {
@@ -86,12 +87,13 @@ pub fn write(
     staging.document("result.json", document)
 }
 
-/// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map [Pa].
-fn fields(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
+/// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and the largest compressive stress of the
+/// field [Pa].
+fn fields(staging: &Staging, pressed: &Pressed) -> Result<(f64, f64), Failure> {
     let bodies = || rayon::join(|| volumes(staging, pressed), || surfaces(staging, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(staging, pressed), bodies);
-    volumes.and(surfaces)?;
-    maps
+    surfaces?;
+    Ok((maps?, volumes?))
 }
 
 /// Writes what is a picture of the contact plane; returns the largest pressure [Pa].
@@ -127,13 +129,15 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
     Ok(largest)
 }
 
-/// Writes the hexahedra of ice and runner.
-fn volumes(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
+/// Writes the hexahedra of ice and runner; returns the largest compressive stress across the ice's surface [Pa].
+fn volumes(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
+    let mut stress_max = 0.0;
     staging.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
-        volume_vtu::write_ice(&mut file, solution, groove, shear)
+        stress_max = volume_vtu::write_ice(&mut file, solution, groove, shear)?;
+        Ok::<_, Failure>(())
     })?;
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
     {
@@ -141,7 +145,7 @@ fn volumes(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
             volume_vtu::write_runner(&mut file, field, elastic, solution.symmetry, shear)
         })?;
     }
-    Ok(())
+    Ok(stress_max)
 }
 
 /// Writes the patch, the sections of a runner that deforms, and the hull where it stands.

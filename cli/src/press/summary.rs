@@ -20,8 +20,8 @@ pub fn title(solution: &Solution) -> String {
     )
 }
 
-/// The readable summary; the maps' largest pressure is `p_max_map` [Pa].
-pub fn text(pressed: &Pressed, p_max_map: f64, out: &Path) -> String {
+/// The readable summary; the largest pressure of the maps and the largest stress of the field are `p_max_map` and `stress_max` [Pa].
+pub fn text(pressed: &Pressed, [p_max_map, stress_max]: [f64; 2], out: &Path) -> String {
     let solution = &pressed.solution;
     let yields = solution.p_max >= solution.bound();
     let within = |value: f64, error: f64| {
@@ -139,10 +139,14 @@ pub fn text(pressed: &Pressed, p_max_map: f64, out: &Path) -> String {
         let place = rows.len() - 2;
         rows.splice(place..place, sliding(slid));
     }
-    for (by, error) in [("noise", pressed.moved), ("distances", pressed.between)] {
+    let place = rows.iter().position(|(name, _)| *name == "on this mesh");
+    if let (Some(place), Some(said)) = (place, in_field(solution.p_max_mesh, stress_max)) {
+        rows.insert(place + 1, ("in field.vtu", said));
+    }
+    for (by, error) in [("noise", pressed.moved), ("spacing", pressed.between)] {
         let moved = error.map(|error| 1e-6 * error.p_max * solution.p_max);
         if let Some(moved) = moved {
-            let said = format!("{moved:.2} MPa more of the peak by their {by}");
+            let said = format!("+- {moved:.2} MPa of the peak besides, by their {by}");
             rows.insert(1, ("hull's vertices", said));
         }
     }
@@ -163,6 +167,18 @@ fn on_mesh(p_max_mesh: f64, p_max_map: f64) -> String {
             p_max_map / 1e6
         ),
     }
+}
+
+/// The largest stress of the field where it is more than the largest pressure.
+fn in_field(p_max_mesh: f64, stress_max: f64) -> Option<String> {
+    let more = stress_max / p_max_mesh - 1.0;
+    (more > 0.005).then(|| {
+        format!(
+            "stresses up to {:.2} MPa, {:.0} % over the pressure, as they are carried on from within the cells: for the pressure take contact_pressure_pa",
+            stress_max / 1e6,
+            1e2 * more
+        )
+    })
 }
 
 /// What an elastic runner adds.
@@ -198,7 +214,7 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
         format!(
             "{:.digits$} +- {:.digits$}",
             factor * m.value,
-            factor * m.error
+            factor.abs() * m.error
         )
     };
     let film = &slid.film.film;
@@ -214,9 +230,9 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
             ),
         ),
         (
-            "follows",
+            "mu changes",
             format!(
-                "{:+.2} % for 1 % of speed, {:+.2} of hardness, {:+.2} of viscosity; {:+.1} % for 1 K",
+                "by {:+.2} % for 1 % more speed, {:+.2} % for hardness, {:+.2} % for viscosity; {:+.1} % on ice 1 K warmer",
                 slid.sensitivity.speed.value,
                 slid.sensitivity.hardness.value,
                 slid.sensitivity.viscosity.value,
@@ -226,9 +242,9 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
         (
             "hardness",
             format!(
-                "{:.2} MPa ({}), {:.2} ms under the runner",
+                "{:.2} MPa ({}), of ice {:.2} ms under the runner",
                 slid.hardness.value / 1e6,
-                slid.hardness.from.name(),
+                slid.hardness.from.in_words(),
                 1e3 * slid.hardness.contact_time.value
             ),
         ),
@@ -243,14 +259,20 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
         (
             "patch",
             format!(
-                "from {} mm ahead of the lowest point to {} mm",
+                "from {} mm ahead of the lowest point to {}",
                 with(slid.groove.front, 1e3, 2),
-                with(slid.groove.back, 1e3, 2)
+                match slid.groove.back.value < 0.0 {
+                    true => format!("{} mm behind it", with(slid.groove.back, -1e3, 2)),
+                    false => format!("{} mm ahead of it", with(slid.groove.back, 1e3, 2)),
+                }
             ),
         ),
         (
-            "load ahead",
-            format!("{} mm", with(slid.groove.load_ahead, 1e3, 2)),
+            "load acts",
+            format!(
+                "{} mm ahead of the lowest point",
+                with(slid.groove.load_ahead, 1e3, 2)
+            ),
         ),
         (
             "film",
@@ -344,5 +366,12 @@ mod tests {
         assert_eq!(on_mesh(139.39e6, 139.38e6), "139.39 MPa, as in the maps");
         let narrow = on_mesh(915.43e6, 678.83e6);
         assert!(narrow.contains("915.43 MPa;") && narrow.contains("678.83 MPa at most"));
+    }
+
+    #[test]
+    fn stresses_beyond_the_pressure_are_explained_and_no_others() {
+        assert_eq!(in_field(139.39e6, 139.4e6), None);
+        let more = in_field(100e6, 109e6).expect("a note");
+        assert!(more.contains("109.00 MPa, 9 % over the pressure"));
     }
 }

@@ -35,7 +35,7 @@ const MARK: &str = "align.json";
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,
-    /// Sled: where its sensors are, and its tolerances
+    /// Model of the sled and its friction: where its sensors are, and its tolerances
     #[arg(long, short, value_name = "MODEL.toml")]
     pub model: PathBuf,
     /// Folder for the runs

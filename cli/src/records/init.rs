@@ -28,7 +28,7 @@ pub struct Args {
     /// The mapping to write
     #[arg(long, short, value_name = "FILE", default_value = "mapping.toml")]
     pub out: PathBuf,
-    /// Replace a mapping that exists
+    /// Replace a file that exists
     #[arg(long)]
     pub force: bool,
 }

@@ -13,7 +13,7 @@ use crate::output::global::Global;
 pub struct RunArgs {
     /// Index of the runs: run, file, and what is known of track, driver, driver_class, session, ice_c, air_c, air_pa
     pub runs: PathBuf,
-    /// Sled and friction
+    /// Model of the sled and its friction
     #[arg(long, short, value_name = "MODEL.toml")]
     pub model: PathBuf,
     /// Folder for the results
@@ -31,9 +31,9 @@ pub struct RunArgs {
     /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
     #[arg(long)]
     pub strict: bool,
-    /// Corner of the zero-phase low pass [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = 20.0)]
-    pub cutoff: f64,
+    /// Frequency above which channels are smoothed, without delay [Hz]
+    #[arg(long, alias = "cutoff", value_name = "HZ", default_value_t = 20.0)]
+    pub cutoff_hz: f64,
 }
 
 impl RunArgs {
@@ -42,11 +42,11 @@ impl RunArgs {
         vec![self.runs.clone(), self.model.clone()]
     }
 
-    /// Reads model and runs, keeps those that `wanted` and the options name, and prepares them.
+    /// Reads model and runs, keeps those that `unseen` and the options name, and prepares them.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
-    pub fn load(&self, global: &Global, wanted: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+    pub fn load(&self, global: &Global, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
         let selection = RunSelection {
             runs: self.runs.clone(),
             model: self.model.clone(),
@@ -54,7 +54,7 @@ impl RunArgs {
             track: self.track.clone(),
             leave_out_bad_runs: self.leave_out_bad_runs,
             strict: self.strict,
-            cutoff_hz: self.cutoff,
+            cutoff_hz: self.cutoff_hz,
         };
         let bar = global.progress();
         let loaded = selection.load(
@@ -63,7 +63,7 @@ impl RunArgs {
                 warn: Some(&|text| bar.suspend(|| eprintln!("kufe: warning: {text}"))),
                 ..Watch::default()
             },
-            wanted,
+            unseen,
         );
         bar.finish_and_clear();
         loaded

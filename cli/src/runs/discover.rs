@@ -14,8 +14,8 @@ use crate::output::staging::Staging;
 pub struct Args {
     /// runs.csv, experiments.csv or pressures.csv; or a campaign.toml that names several of them and their model
     data: PathBuf,
-    /// The model of a table: a model.toml, or for pressures a case.toml
-    #[arg(long)]
+    /// Model of the sled and its friction, or for pressures the case.toml; a campaign.toml names its own
+    #[arg(long, short, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
     /// Folder for report.json, report.html and model.next.toml, and case.next.toml for pressures in a campaign
     #[arg(short, long, value_name = "FOLDER", default_value = "out")]
@@ -23,7 +23,7 @@ pub struct Args {
     /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Simulated nulls for each look (at least 10)
+    /// Simulated copies of the data with nothing hidden in them that each finding is compared with (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
     /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out

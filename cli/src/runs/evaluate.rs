@@ -31,7 +31,7 @@ pub struct Args {
     /// Compare tracks by the runs of this driver class only (default: every run)
     #[arg(long, value_name = "CLASS")]
     track_class: Option<String>,
-    /// Seed of the bootstrap
+    /// Seed of the random choices behind the intervals
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }

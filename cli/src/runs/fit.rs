@@ -36,10 +36,15 @@ enum What {
 pub struct LateralArgs {
     #[command(flatten)]
     runs: RunArgs,
-    /// Leave samples out whose roll acceleration is larger [degrees/s2]
-    #[arg(long, value_name = "LIMIT", default_value_t = 100.0)]
-    roll_acceleration: f64,
-    /// Predefined curvature factor E
+    /// Leave samples out whose roll acceleration is larger than this [degrees/s2]
+    #[arg(
+        long,
+        alias = "roll-acceleration",
+        value_name = "LIMIT",
+        default_value_t = 100.0
+    )]
+    roll_acceleration_degps2: f64,
+    /// Curvature factor E of the magic formula, which is held
     #[arg(long, default_value_t = 0.99)]
     e: f64,
     /// Keep samples at which something outside, such as a wall, seems to push
@@ -53,14 +58,14 @@ pub struct LateralArgs {
 /// [`Failure::BadInput`] with file and place, [`Failure::NotConverged`], [`Failure::Usage`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let What::Lateral(args) = &args.what;
-    if args.roll_acceleration.is_nan() || args.roll_acceleration <= 0.0 {
+    if args.roll_acceleration_degps2.is_nan() || args.roll_acceleration_degps2 <= 0.0 {
         return Err(Failure::Usage(format!(
-            "--roll-acceleration {}: expected a positive number of degrees/s2",
-            args.roll_acceleration
+            "--roll-acceleration-degps2 {}: expected a positive number of degrees/s2",
+            args.roll_acceleration_degps2
         )));
     }
     let options = FitOptions {
-        most_roll_accel_radps2: args.roll_acceleration.to_radians(),
+        most_roll_accel_radps2: args.roll_acceleration_degps2.to_radians(),
         e: args.e,
         leave_out_contacts: !args.keep_contacts,
     };

@@ -22,7 +22,7 @@ use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
 use crate::result::elsewhere::{Penetration, Solved};
 use crate::result::pressure::{Field, Pressure};
-use crate::{Error, Iterate, Options, Problem, Solution, StiffnessForm};
+use crate::{Error, Iterate, NextMesh, Options, Problem, Solution, StiffnessForm};
 
 /// How often a mesh is graded anew; each time its cells may become three times smaller.
 pub(crate) const REGRADINGS: usize = 6;
@@ -134,6 +134,13 @@ impl<'a> Meshes<'a> {
             .map(|&s| if s { 2.0 } else { 1.0 })
             .product();
         let error_before = self.solved.limits().map(|limits| limits.relative);
+        if let Some(watcher) = &self.options.next_mesh {
+            watcher(&NextMesh {
+                level: self.number,
+                dofs,
+                error_before,
+            });
+        }
         let tell = |update: &SetUpdate, state: &State| {
             let iterate = Iterate {
                 level: self.number,

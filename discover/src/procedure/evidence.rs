@@ -121,7 +121,7 @@ impl Account {
         self.remarks.push(told);
     }
 
-    /// Takes back every claim, of which these shares of what can be explained on locked-away data are closed.
+    /// Takes back every claim, of which these shares of what can be explained on the data put aside are closed.
     pub fn take_back_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
         let told: Vec<String> = gone
@@ -129,7 +129,7 @@ impl Account {
             .zip(closed)
             .map(|(step, closed)| {
                 format!(
-                    "{} stood out where it was learned (p = {:.1e}), but with it more is left of what can be explained on locked-away data (by {:.0} %): neither named nor written",
+                    "{} stood out where it was learned (p = {:.1e}), but with it more is left of what can be explained on the data put aside (by {:.0} %): neither named nor written",
                     step.effect,
                     step.p_value,
                     -100.0 * closed.value

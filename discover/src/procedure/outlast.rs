@@ -72,7 +72,7 @@ pub fn outlast<E: Evidence>(
 fn take_back(account: &mut Account, step: usize, lowered: &Lowered) -> String {
     let gone = account.steps.remove(step);
     format!(
-        "{} stood out where it was learned (p = {:.1e}), but the model with it does not lower the gap on locked-away data enough ({}): neither named nor written",
+        "{} stood out where it was learned (p = {:.1e}), but the model with it does not lower the gap on the data put aside enough ({}): neither named nor written",
         gone.effect,
         gone.p_value,
         lowered.told()

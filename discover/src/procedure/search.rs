@@ -76,7 +76,7 @@ pub fn search_evidence<E: Evidence>(
         }
     }
     let mut last = evidence.settle(fit, &mut account)?;
-    progress("opening the locked-away data");
+    progress("looking at the data that were put aside");
     let written = match account.steps.is_empty() {
         true => None,
         false => Some(evidence.settle(base.clone(), &mut Account::default())?),

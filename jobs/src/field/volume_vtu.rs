@@ -12,7 +12,8 @@ use kufe_mesh::{HexMesh, VtuField, write_vtu};
 
 /// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where there is one, the plastic depth of its surface
 /// (0 below it). Where the solver used mirror planes the file holds the part that it solved, and says so in the field data `mirrored_at_x_y`:
-/// 1 where x = 0, and where y = 0, is such a plane.
+/// 1 where x = 0, and where y = 0, is such a plane. Returns the largest compressive stress across the surface [Pa], which may be more than the
+/// largest contact pressure: stresses are continued to the nodes from within the cells.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
@@ -21,7 +22,7 @@ pub fn write_ice(
     solution: &Solution,
     plastic_depth: Option<&[f64]>,
     shear: bool,
-) -> Result<(), Failure> {
+) -> Result<f64, Failure> {
     let (volume, surface) = (&solution.volume, &solution.surface);
     let mesh = volume.grid.hex_mesh();
     let stresses = ice_stresses(volume, &mesh)?;
@@ -34,7 +35,8 @@ pub fn write_ice(
     own.extend(depth.iter().map(|depth| ("plastic_depth_m", &depth[..])));
     let mirrored = solution.symmetry;
     let moved = &volume.displacement;
-    write(writer, (&mesh, mirrored), moved, &stresses, &own, shear)
+    write(writer, (&mesh, mirrored), moved, &stresses, &own, shear)?;
+    Ok(stresses.iter().map(|stress| -stress[2]).fold(0.0, f64::max))
 }
 
 /// Stresses [Pa] at the nodes: from the grid, or where its cells are no plain ones from the mesh.

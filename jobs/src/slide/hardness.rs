@@ -31,6 +31,16 @@ impl HardnessFrom {
             HardnessFrom::Melting => "melting",
         }
     }
+
+    /// The same for people.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            HardnessFrom::Given => "as stated",
+            HardnessFrom::TemperatureLaw => "by its temperature",
+            HardnessFrom::TimeLaw => "by its temperature and the time under load",
+            HardnessFrom::Melting => "at which the ice melts",
+        }
+    }
 }
 
 /// The law that a case states.

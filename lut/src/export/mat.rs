@@ -3,12 +3,12 @@
 use std::io::Write;
 
 use crate::error::Error;
-use crate::export::mat_file::{characters, doubles, header};
+use crate::export::mat_file::{MatValue, write_mat_file};
 use crate::table::nodes::Table;
 
 impl Table {
     /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as rows) and every figure as an array
-    /// over them, force first, named as in `result.json`; with `case_json`, `case_sha256` and `version` as text.
+    /// over them, force first, named as in `result.json`; with `case_json`, `case_sha256` and `version` as text, and `units`.
     ///
     /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush` holds the four numbers that
     /// define them (flush curvature, scale, ends) and `curvature_1pm` the curvature of every node.
@@ -18,39 +18,38 @@ impl Table {
     /// # Errors
     /// [`Error::Write`] where the writer fails.
     pub fn write_mat(&self, writer: &mut dyn Write) -> Result<(), Error> {
-        writer.write_all(&header(&self.version))?;
         let axes = self.axes();
-        let row = |name, values: &[f64]| doubles(name, &[1, values.len()], values);
         let named = axes.named();
         let shape: Vec<usize> = named.iter().map(|(_, _, values)| values.len()).collect();
-        for (name, _, values) in named {
-            writer.write_all(&row(name, values))?;
-        }
+        let rows = named
+            .iter()
+            .map(|(name, _, values)| (name.to_string(), MatValue::row(values.to_vec())));
+        let mut variables: Vec<(String, MatValue)> = rows.collect();
+        let over_nodes = |value: &dyn Fn(usize) -> f64| {
+            MatValue::Numbers(shape.clone(), self.column_major(&shape, value))
+        };
         if let Some(flush) = axes.flush() {
-            writer.write_all(&row("flush", &flush.numbers()))?;
+            variables.push(("flush".into(), MatValue::row(flush.numbers().to_vec())));
             let points = axes.points();
-            let curvatures = self.column_major(&shape, |node| points[node].curvature);
-            writer.write_all(&doubles("curvature_1pm", &shape, &curvatures))?;
+            let curvatures = over_nodes(&|node| points[node].curvature);
+            variables.push(("curvature_1pm".into(), curvatures));
         }
         for (n, key) in self.keys().into_iter().enumerate() {
-            writer.write_all(&doubles(
-                key,
-                &shape,
-                &self.column_major(&shape, |node| self.nodes()[node].figures()[n]),
-            ))?;
+            let figures = over_nodes(&|node| self.nodes()[node].figures()[n]);
+            variables.push((key.to_string(), figures));
         }
         for (name, text) in [
             ("case_json", self.case.to_string()),
             ("case_sha256", self.case_sha256.clone()),
             ("version", self.version.clone()),
         ] {
-            writer.write_all(&characters(name, &text))?;
+            variables.push((name.into(), MatValue::Text(text)));
         }
-        Ok(())
+        Ok(write_mat_file(writer, &self.version, variables)?)
     }
 
     /// A value of every node, force fastest.
-    fn column_major(&self, shape: &[usize], value: impl Fn(usize) -> f64) -> Vec<f64> {
+    fn column_major(&self, shape: &[usize], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let count = self.nodes().len();
         let node = |n: usize| {
             // Breakpoints from the first axis on, numbered with the last axis fastest.

@@ -7,6 +7,8 @@ use std::io::{Error, Result, Write};
 
 use serde_json::Value;
 
+use crate::export::mat_units::unit;
+
 const MI_INT8: u32 = 1;
 const MI_UINT16: u32 = 4;
 const MI_INT32: u32 = 5;
@@ -117,17 +119,19 @@ fn objects(list: &[Value]) -> MatValue {
     MatValue::Structures(names, rows)
 }
 
-/// Writes variables as a MAT-file of version 5, `version` being that of kufe.
+/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them `units`: a structure with the unit of each
+/// name of numbers that has one.
 ///
 /// # Errors
 /// Those of the writer, and where a variable is longer than the format's 2 GiB.
 pub fn write_mat_file(
     writer: &mut dyn Write,
     version: &str,
-    variables: &[(String, MatValue)],
+    mut variables: Vec<(String, MatValue)>,
 ) -> Result<()> {
+    variables.push(("units".into(), units(&variables)));
     writer.write_all(&header(version))?;
-    for (name, value) in variables {
+    for (name, value) in &variables {
         let element = value.element(&variable_name(name));
         if element.len() > i32::MAX as usize {
             return Err(Error::other(format!(
@@ -140,6 +144,34 @@ pub fn write_mat_file(
     Ok(())
 }
 
+/// A structure with the unit of each name of numbers in the variables that has one, those of structures' fields among them.
+fn units(variables: &[(String, MatValue)]) -> MatValue {
+    let mut names = Vec::new();
+    for (name, value) in variables {
+        names_in(name, value, &mut names);
+    }
+    let units = names
+        .iter()
+        .filter_map(|name| Some((name.to_string(), MatValue::Text(unit(name)?.to_owned()))));
+    MatValue::structure(units.collect())
+}
+
+/// The names of numbers, each once.
+fn names_in<'a>(name: &'a str, value: &'a MatValue, names: &mut Vec<&'a str>) {
+    match value {
+        MatValue::Numbers(..) if !names.contains(&name) => names.push(name),
+        MatValue::Structures(fields, rows) => {
+            for row in rows {
+                for (field, value) in fields.iter().zip(row) {
+                    names_in(field, value, names);
+                }
+            }
+        }
+        MatValue::Cells(values) => values.iter().for_each(|v| names_in(name, v, names)),
+        _ => {}
+    }
+}
+
 /// A name that MATLAB takes: letters, digits and underscores, a letter first, at most 63.
 fn variable_name(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
@@ -150,7 +182,7 @@ fn variable_name(name: &str) -> String {
 }
 
 /// The first 128 bytes.
-pub(super) fn header(version: &str) -> [u8; 128] {
+fn header(version: &str) -> [u8; 128] {
     let text = format!("MATLAB 5.0 MAT-file, written by kufe {version}");
     let mut head = [b' '; 128];
     for (to, from) in head[..116].iter_mut().zip(text.bytes()) {
@@ -162,13 +194,13 @@ pub(super) fn header(version: &str) -> [u8; 128] {
 }
 
 /// An array of numbers, the first dimension fastest.
-pub(super) fn doubles(name: &str, shape: &[usize], values: &[f64]) -> Vec<u8> {
+fn doubles(name: &str, shape: &[usize], values: &[f64]) -> Vec<u8> {
     let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
     matrix(MX_DOUBLE, name, shape, &part(MI_DOUBLE, &data))
 }
 
 /// A row of characters.
-pub(super) fn characters(name: &str, text: &str) -> Vec<u8> {
+fn characters(name: &str, text: &str) -> Vec<u8> {
     let units: Vec<u16> = text.encode_utf16().collect();
     let data: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
     let shape = [1, units.len()];

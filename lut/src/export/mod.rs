@@ -5,6 +5,7 @@ pub(crate) mod fmu;
 pub(crate) mod header;
 pub(crate) mod mat;
 pub(crate) mod mat_file;
+mod mat_units;
 pub(crate) mod picture;
 pub(crate) mod samples;
 pub(crate) mod simulink;

@@ -108,6 +108,9 @@ fn scipy_reads_the_mat_file_and_its_linear_interpolation_agrees() {
              m = loadmat('front.mat')\n\
              axes = [m[a][0] for a in ('fz_n', 'curvature_1pm', 'rocker_radius_m') if a in m]\n\
              f = RegularGridInterpolator(axes, m['p_max_pa'])\n\
+             u = loadmat('front.mat', simplify_cells=True)['units']\n\
+             assert (u['fz_n'], u['curvature_1pm'], u['p_max_pa'], u['area_m2']) == ('N', '1/m', 'Pa', 'm^2'), u\n\
+             assert set(u) == {k for k in m if k.rsplit('_', 1)[-1] in ('n', '1pm', 'm', 'pa', 'm2')}, u\n\
              print(repr(float(f([1234.5, 0.0123, 23.4][:len(axes)])[0])), m['area_m2'].shape[-1], str(m['version'][0]), str(m['case_json'][0]))\n",
         );
         let words: Vec<&str> = out.split_whitespace().collect();

@@ -3,10 +3,10 @@
 /// The lists of a series; every combination is solved, the load running fastest.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Lists {
-    /// Normal forces [N], as 500,1000,2000: a series in folders of its own, with series.pvd and table.csv
+    /// Normal force [N], or several as 500,1000,2000: a series in folders of its own, with series.pvd and table.csv
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub fz_n: Vec<f64>,
-    /// Track radii in the vertical plane [m], inf for a straight
+    /// Track radius in the vertical plane [m], positive in a valley, inf on a straight; one or several
     #[arg(
         long,
         value_name = "LIST",
@@ -14,10 +14,10 @@ pub struct Lists {
         allow_hyphen_values = true
     )]
     pub radius_m: Vec<f64>,
-    /// Rocker radii of a shape [m]
+    /// Radius of the rocker [m], of a shape; one or several
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub rocker_radius_m: Vec<f64>,
-    /// Fixed pitch angles [rad], positive lowers the nose
+    /// Fixed pitch angle [rad], positive lowers the nose; one or several
     #[arg(
         long,
         value_name = "LIST",
@@ -25,7 +25,7 @@ pub struct Lists {
         allow_hyphen_values = true
     )]
     pub pitch_rad: Vec<f64>,
-    /// Fixed roll angles [rad]
+    /// Fixed roll angle [rad], positive lifts the left side; one or several
     #[arg(
         long,
         value_name = "LIST",

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 use kufe_case::TiltWord;
 use kufe_contact::Options;
 use kufe_jobs::{
-    Failure, Prepared, Pressed, Watch, case_file::LoadedCase, case_json, press_prepared,
+    Failure, Prepared, Pressed, Watch, case_file::LoadedCase, case_json, press_prepared, time_left,
     write_whole,
 };
 use kufe_mesh::write_pvd;
@@ -94,15 +95,33 @@ pub fn run(
         say(&summary::series(&rows, kept, &args.out));
     }
     let done = rows.iter().filter(|row| row.error.is_none()).count();
+    ending([done, rows.len(), steps.len()], short, &args.out)
+}
+
+/// How a series ends of whose `steps` so many are `tried` and `done`; `short` says what fell short last.
+fn ending(
+    [done, tried, steps]: [usize; 3],
+    short: Option<String>,
+    out: &Path,
+) -> Result<(), Failure> {
     match short {
-        Some(text) if done == 0 => Err(Failure::NotConverged(text)),
-        _ if done == steps.len() => Ok(()),
+        Some(text) if done == 0 && tried == steps => Err(Failure::NotConverged(text)),
+        _ if done == steps => Ok(()),
         _ => Err(Failure::Partial(format!(
-            "{}: {done} of {} steps are solved and kept; the same command resumes",
-            args.out.display(),
-            steps.len()
+            "{}: {done} of {steps} steps are solved and kept; the same command resumes",
+            out.display()
         ))),
     }
+}
+
+/// What is said while the `number`-th of the steps is solved and `left` are to be, that one among them, where those solved took so long each [s].
+fn progress(number: usize, steps: usize, left: usize, took: &[f64]) -> String {
+    // One step says nothing of how others differ from it.
+    let known = took.iter().copied().filter(|_| took.len() > 1);
+    let range = [f64::min, f64::max].map(|pick| known.clone().reduce(pick));
+    let range = range.map(|each| each.map_or(f64::NAN, |each| left as f64 * each));
+    let rest = time_left(range).map_or(String::new(), |time| format!(", {time}"));
+    format!("step {number} of {steps}{rest}")
 }
 
 /// Solves what the output folder does not hold; returns how many steps it held, and what fell short last.
@@ -127,6 +146,12 @@ fn solve_steps(
         warn: Some(&once),
         ..*watch
     };
+    let held = steps.iter().map(|step| {
+        let folder = asked.args.out.join(&step.folder);
+        finished(&folder, step, asked)
+    });
+    let held: Vec<Option<Value>> = held.collect();
+    let mut took = Vec::new();
     for (k, step) in steps.iter().enumerate() {
         let row = |result: Option<Value>, error: Option<String>| Row {
             step: k + 1,
@@ -136,16 +161,18 @@ fn solve_steps(
             error,
         };
         let folder = asked.args.out.join(&step.folder);
-        if let Some(result) = finished(&folder, step, asked) {
+        if let Some(result) = &held[k] {
             kept += 1;
-            rows.push(row(Some(result), None));
+            rows.push(row(Some(result.clone()), None));
             continue;
         }
         if watch.stopped() {
             // Later steps may be there from an earlier run.
             continue;
         }
-        watch.progress(&format!("step {} of {}", k + 1, steps.len()));
+        let left = held[k..].iter().filter(|held| held.is_none()).count();
+        watch.progress(&progress(k + 1, steps.len(), left, &took));
+        let begun = Instant::now();
         let loaded = step.loaded.clone();
         match press_prepared(loaded, &step.runner, &quieter, options.clone()) {
             Ok(pressed) => {
@@ -165,6 +192,7 @@ fn solve_steps(
             }
             Err(other) => return Err(other.within(&step.folder)),
         }
+        took.push(begun.elapsed().as_secs_f64());
     }
     let said = said.lock().unwrap_or_else(PoisonError::into_inner);
     for (_, times) in said.iter().filter(|(_, times)| **times > 1) {
@@ -286,4 +314,35 @@ fn write_overview(out: &Path, rows: &[Row], lists: &Lists, count: usize) -> Resu
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_ends_with_4_only_where_all_of_it_was_tried() {
+        let ends = |counts, short: Option<&str>| {
+            ending(counts, short.map(str::to_owned), Path::new("out"))
+        };
+        assert!(ends([3, 3, 3], None).is_ok());
+        let short = Some("step-001: 3 % of 1 %");
+        assert!(matches!(
+            ends([0, 3, 3], short),
+            Err(Failure::NotConverged(_))
+        ));
+        for counts in [[0, 1, 3], [1, 3, 3], [2, 2, 3]] {
+            assert!(matches!(ends(counts, short), Err(Failure::Partial(_))));
+        }
+    }
+
+    #[test]
+    fn a_long_series_says_about_when_it_ends() {
+        assert_eq!(progress(2, 9, 8, &[5.0]), "step 2 of 9");
+        assert_eq!(
+            progress(3, 9, 7, &[5.0, 6.0]),
+            "step 3 of 9, 35 to 42 s left"
+        );
+        assert_eq!(progress(3, 9, 7, &[0.01, 0.02]), "step 3 of 9");
+    }
 }

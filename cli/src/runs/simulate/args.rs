@@ -20,7 +20,7 @@ delta_rad of the run and compares speed, slip, yaw rate and roll split where the
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Sled and friction
+    /// Model of the sled and its friction
     #[arg(value_name = "MODEL.toml", required_unless_present = "sample_data")]
     pub model: Option<PathBuf>,
     /// Track
@@ -33,12 +33,12 @@ pub struct Args {
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["track", "runs", "skill", "driver"])]
     pub sample_data: Option<PathBuf>,
     /// Drive with the start and the steering of a measured run: its file, or a runs.csv together with --run
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["sample_data", "runs", "skill", "driver", "seed", "start_speed", "no_noise"])]
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["sample_data", "runs", "skill", "driver", "seed", "start_speed_mps", "no_noise"])]
     pub replay: Option<PathBuf>,
     /// Which run of the runs.csv
     #[arg(long, value_name = "NAME", requires = "replay")]
     pub run: Option<String>,
-    /// Refuse a run with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
     #[arg(long, requires = "replay")]
     pub strict: bool,
     /// Seed of drivers and sensors; each run adds its number
@@ -54,17 +54,22 @@ pub struct Args {
     #[arg(long, value_name = "NAME")]
     pub driver: Option<String>,
     /// Speed at the start [m/s]
-    #[arg(long, value_name = "MPS", default_value_t = 10.0)]
-    pub start_speed: f64,
+    #[arg(
+        long,
+        alias = "start-speed",
+        value_name = "M_PER_S",
+        default_value_t = 10.0
+    )]
+    pub start_speed_mps: f64,
     /// Output rate [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = 500.0)]
-    pub rate: f64,
+    #[arg(long, alias = "rate", value_name = "HZ", default_value_t = 500.0)]
+    pub rate_hz: f64,
     /// Step of the integration [s]
-    #[arg(long, value_name = "S", default_value_t = 1e-3)]
-    pub step: f64,
+    #[arg(long, alias = "step", value_name = "S", default_value_t = 1e-3)]
+    pub step_s: f64,
     /// Longest time [s]
-    #[arg(long, value_name = "S", default_value_t = 600.0)]
-    pub most: f64,
+    #[arg(long, alias = "most", value_name = "S", default_value_t = 600.0)]
+    pub most_s: f64,
     /// Leave the sensors' noise off
     #[arg(long)]
     pub no_noise: bool,
@@ -75,19 +80,24 @@ pub struct Args {
     #[arg(long)]
     pub parquet: bool,
     /// Ice temperature [degrees Celsius], where the track states no ice_c
-    #[arg(long, default_value_t = -8.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "CELSIUS", default_value_t = -8.0, allow_negative_numbers = true)]
     pub ice_c: f64,
     /// Air temperature [degrees Celsius]
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "CELSIUS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     pub air_c: f64,
     /// Air pressure [Pa]
-    #[arg(long, default_value_t = 95_000.0)]
+    #[arg(long, value_name = "PA", default_value_t = 95_000.0)]
     pub air_pa: f64,
-    /// Relative humidity [%], for effects that ask for it; else from the model's [conditions]
+    /// Relative humidity [%], for effects that need it; else from the model's [conditions]
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
-    /// Distance run on this finish of the runners before the run [m], likewise
-    #[arg(long, value_name = "M")]
+    /// Distance run on this finish of the runners before the run [m], for effects that need it; else from the model's [conditions]
+    #[arg(long, value_name = "METRES")]
     pub distance_m: Option<f64>,
     /// Name of the session in runs.csv
     #[arg(long, default_value = "1")]

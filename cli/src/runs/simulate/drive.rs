@@ -66,10 +66,10 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         .into_par_iter()
         .map(|number| {
             let options = SimulateOptions {
-                step_s: args.step,
-                rate_hz: args.rate,
-                start_speed_mps: args.start_speed,
-                most_s: args.most,
+                step_s: args.step_s,
+                rate_hz: args.rate_hz,
+                start_speed_mps: args.start_speed_mps,
+                most_s: args.most_s,
                 conditions,
                 seed: args.seed.wrapping_add(u64::from(number)),
                 ..SimulateOptions::default()
@@ -146,7 +146,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         let mut text = String::new();
         for run in told_runs.iter().take(20) {
             text += &format!(
-                "{}  {:.2} s{}  energy balance closed to {:.1e}\n",
+                "{}  {:.2} s{}  energy kept to {:.1e} of it\n",
                 run["run"].as_str().unwrap_or_default(),
                 run["time_s"].as_f64().unwrap_or_default(),
                 if run["finished"] == true {
@@ -160,9 +160,10 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             );
         }
         text += &format!(
-            "{}: runs.csv, {} runs, track_{}.csv, simulation.json{}\n",
+            "{}: runs.csv, {} run{}, track_{}.csv, simulation.json{}\n",
             args.out.display(),
             runs.len(),
+            if runs.len() == 1 { "" } else { "s" },
             track.name,
             pictures
                 .iter()

@@ -62,9 +62,9 @@ pub fn replay_run(
         warn(remark);
     }
     let options = SimulateOptions {
-        step_s: args.step,
-        rate_hz: args.rate,
-        most_s: args.most,
+        step_s: args.step_s,
+        rate_hz: args.rate_hz,
+        most_s: args.most_s,
         conditions: entry.conditions,
         ..SimulateOptions::default()
     };
@@ -168,7 +168,7 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
 
 fn summary(done: &Replay) -> String {
     let mut text = format!(
-        "{} on {}, {:.0} to {:.0} m, measured less model\n\
+        "{} on {}, {:.0} to {:.0} m, measured minus model\n\
          column              root mean square        at the end           largest\n",
         done.run,
         done.track,
@@ -187,7 +187,7 @@ fn summary(done: &Replay) -> String {
             &format!("{column:18} {rms:17.4} {end:17.4} {largest:17.4} at {largest_at_m:.0} m\n");
     }
     text += &format!(
-        "the model lacks {:.1} N along the sled in the mean\n",
+        "the model lacks {:.1} N along the sled on average\n",
         done.mean_force_n
     );
     for section in &done.sections {
@@ -201,7 +201,7 @@ fn summary(done: &Replay) -> String {
             _ => String::new(),
         };
         text += &format!(
-            "{} parts from {:.0} to {:.0} m by {:.3} {unit}, {:.1} times the usual{time}\n",
+            "{} differs from {:.0} to {:.0} m, by {:.3} {unit} or {:.1} times its root mean square{time}\n",
             section.column, section.from_m, section.to_m, section.size, section.times_rms,
         );
     }

@@ -70,9 +70,9 @@ fn looked_up(bench: &Bench, fz: &str, curvature: &str, mode: &str) -> f64 {
         "--json",
         "--mode",
         mode,
-        "--fz",
+        "--fz-n",
         fz,
-        "--curvature",
+        "--curvature-1pm",
         curvature,
     ];
     let answer: serde_json::Value = serde_json::from_str(&bench.succeeds(&words)).expect("JSON");

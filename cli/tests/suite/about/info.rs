@@ -45,10 +45,48 @@ fn infinite_numbers_are_told_as_what_they_are() {
         "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\nradius_m = { values = [inf, 60.0] }\n",
     );
     let said = bench.succeeds(&["info", "table.toml"]);
-    assert!(said.contains("values: inf, 60.00\n"), "{said}");
+    assert!(said.contains("values: inf, 60\n"), "{said}");
     bench.succeeds(&["press", "case.toml", "-o", "out", "-q"]);
     let said = bench.succeeds(&["info", "out/pressure.exr"]);
     assert!(said.contains("radius_m: inf\n"), "{said}");
+}
+
+#[test]
+fn what_info_shows_is_read_by_people() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.write("table.toml", "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\ncurvature_1pm = { values = [0.0, 0.01] }\n");
+    bench.succeeds(&["init", "--kind", "model", "model.toml"]);
+    bench.succeeds(&["lut", "table.toml", "-o", "bob.lut"]);
+    bench.succeeds(&["press", "case.toml", "-o", "out"]);
+    bench.succeeds(&["man", "-o", "man"]);
+    bench.succeeds(&["man", "--markdown", "reference.md"]);
+    // Laws of a fit have their intervals; their product ends in _c and is no temperature.
+    let law = r#"{ "k_n_per_rad": { "value": 9e3, "low": 8e3, "high": 1e4 }, "mu_zeta_c": { "value": 0.06, "low": 0.05, "high": 0.07 } }"#;
+    let fit = format!(r#"{{ "front": {law}, "rear": {law}, "excluded_contacts": 3 }}"#);
+    bench.write("fit.json", fit);
+    for (file, expected) in [
+        ("model.toml", "k_n_per_rad: 10522 N/rad\n"),
+        ("model.toml", "yaw_drag_per_deg: 0.06940 1/deg\n"),
+        ("case.toml", &format!("size_bytes: {} bytes\n", CASE.len())),
+        ("model.schema.json", "required: sled, friction\n"),
+        ("model.schema.json", "properties: "),
+        ("bob.lut", " MPa, smooth within 0."),
+        ("out/result.json", "warnings:\n  the peak of "),
+        ("out/result.json", "symmetry: true, true\n"),
+        ("out/pressure.exr", "p: F32, contact pressure [Pa]\n"),
+        (
+            "fit.json",
+            "k_n_per_rad: 9000 N/rad (8000 to 10000 N/rad)\n",
+        ),
+        ("fit.json", "mu_zeta_c: 0.06000 (0.05000 to 0.07000)\n"),
+        ("man/kufe-press.1", "kind: a manual page\n"),
+        ("reference.md", "kind: the command's reference\n"),
+    ] {
+        let said = bench.succeeds(&["info", file]);
+        assert!(said.contains(expected), "{file}: no {expected:?} in {said}");
+        assert!(!said.contains("[\""), "{said}");
+    }
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn written() -> Bench {
         "export case.toml --stiffness K.mtx --cells 2",
         "hull bob -o bob.glb",
         "init model.toml --kind model",
-        "friction sliding.toml --speed 20 --ice -5 -o friction",
+        "friction sliding.toml --groove --v-mps 20 --ice-c -5 -o friction",
         "simulate --sample-data sample --seed 1",
         "simulate sample/model.toml sample/track_west.csv -o simulated --runs 1 --seed 3 --mat",
         "runs check sample/runs.csv -o check",

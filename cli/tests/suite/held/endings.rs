@@ -17,7 +17,15 @@ fn output_that_is_not_taken_is_told_and_ends_with_3() {
     );
     bench.succeeds(&["lut", "t.toml", "-q"]);
     let rows: [&[&str]; 3] = [
-        &["lut", "query", "t.lut", "--fz", "700", "--radius", "inf"],
+        &[
+            "lut",
+            "query",
+            "t.lut",
+            "--fz-n",
+            "700",
+            "--radius-m",
+            "inf",
+        ],
         &["schema", "case"],
         &["press", "case.toml", "-o", "out"],
     ];

@@ -73,9 +73,23 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
         &["press", "ice.toml"],
         &["press", "section.toml"],
         &["lut", "p.toml"],
-        &["lut", "query", "p.lut", "--fz", "1000", "--radius", "inf"],
         &[
-            "lut", "query", "zero.lut", "--fz", "1000", "--radius", "inf",
+            "lut",
+            "query",
+            "p.lut",
+            "--fz-n",
+            "1000",
+            "--radius-m",
+            "inf",
+        ],
+        &[
+            "lut",
+            "query",
+            "zero.lut",
+            "--fz-n",
+            "1000",
+            "--radius-m",
+            "inf",
         ],
         &["info", "p.gltf"],
         &["info", "p.exr"],
@@ -298,7 +312,15 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
         let mut bad = whole.clone();
         bad["quantities"][quantity]["values"][1][0] = value.into();
         bench.write("bad.lut", bad.to_string());
-        let words = ["lut", "query", "bad.lut", "--fz", "700", "--radius", "inf"];
+        let words = [
+            "lut",
+            "query",
+            "bad.lut",
+            "--fz-n",
+            "700",
+            "--radius-m",
+            "inf",
+        ];
         let (code, told) = said(&bench, &words);
         assert!(
             code == 3 && told.contains(&format!("quantities.{quantity}")),
@@ -309,11 +331,11 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
         "lut",
         "query",
         "t.lut",
-        "--fz",
+        "--fz-n",
         "700",
-        "--v",
+        "--v-mps",
         "0",
-        "--pitch-rate",
+        "--pitch-rate-radps",
         "-0.8",
         "--json",
     ]);
@@ -349,7 +371,15 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
     }
     let (_, told) = said(
         &bench,
-        &["lut", "query", "t.lut", "--fz", "inf", "--radius", "inf"],
+        &[
+            "lut",
+            "query",
+            "t.lut",
+            "--fz-n",
+            "inf",
+            "--radius-m",
+            "inf",
+        ],
     );
     assert!(told.contains("expected a finite number"), "{told}");
 }

@@ -309,7 +309,7 @@ fn a_hull_too_coarse_for_its_load_is_refused_with_the_numbers_by_every_command_t
         "um, the ice is pressed in by ",
     ];
     refused(&bench, "hull = \"coarse.obj\"", &expected);
-    let output = bench.kufe(&["friction", "case.toml", "--speed", "30"]);
+    let output = bench.kufe(&["friction", "case.toml", "--v-mps", "30"]);
     assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
     for part in expected {
         assert!(errors(&output).contains(part), "{}", errors(&output));

@@ -292,7 +292,7 @@ fn wrong_arguments_leave_with_code_2() {
             "runs.csv",
             "--model",
             "model.toml",
-            "--cutoff",
+            "--cutoff-hz",
             "1e-9",
         ],
     ] {

@@ -39,7 +39,7 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
     );
     bench.succeeds(&["press", "case.toml", "-o", "press"]);
     let pressed = crate::kufe::json(&bench.path("press/result.json"));
-    let node = "query front.lut --fz 900 --curvature 0.004 --v 25 --ice -4 --json";
+    let node = "query front.lut --fz-n 900 --curvature-1pm 0.004 --v-mps 25 --ice-c -4 --json";
     let looked = json(&bench.succeeds(&[&["lut"], &*node.split(' ').collect::<Vec<_>>()].concat()));
     for key in [
         "mu",
@@ -63,13 +63,13 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
         "lut",
         "query",
         "front.lut",
-        "--fz",
+        "--fz-n",
         "900",
-        "--radius",
+        "--radius-m",
         "250",
-        "--v",
+        "--v-mps",
         "26",
-        "--ice",
+        "--ice-c",
         "-4",
     ]);
     assert!(
@@ -80,16 +80,16 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
         "lut",
         "query",
         "front.lut",
-        "--fz",
+        "--fz-n",
         "900",
-        "--radius",
+        "--radius-m",
         "250",
-        "--v",
+        "--v-mps",
         "26",
     ]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("--ice"));
-    bench.succeeds(&["lut", "show", "front.lut", "--v", "6"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--ice-c"));
+    bench.succeeds(&["lut", "show", "front.lut", "--v-mps", "6"]);
     bench.succeeds(&["report", "front.lut"]);
     let facts = json(&bench.succeeds(&["info", "front.lut", "--json"]));
     assert_eq!(facts["axes"]["ice_c"]["from"], -9.0);

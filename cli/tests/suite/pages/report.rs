@@ -235,9 +235,9 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
             "--mode",
             "bilinear",
             "--json",
-            "--fz",
+            "--fz-n",
             &fz,
-            "--curvature",
+            "--curvature-1pm",
             &curvature,
         ];
         let answer: serde_json::Value =

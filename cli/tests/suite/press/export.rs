@@ -1,4 +1,4 @@
-//! `kufe export --calculix`: the deck says what was solved, CalculiX reads it, and what it cannot state is refused.
+//! `kufe export CASE --calculix`: the deck says what was solved, CalculiX reads it, and what it cannot state is refused.
 
 use kufe_outside::program;
 
@@ -62,12 +62,11 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
     bench.write("case.toml", STEEL);
     let said = bench.succeeds(&[
         "export",
-        "--calculix",
         "case.toml",
+        "--calculix",
+        "deck.inp",
         "--cells",
         "2",
-        "-o",
-        "deck.inp",
         "--json",
     ]);
     let facts: Value = serde_json::from_str(&said).expect("JSON");
@@ -259,12 +258,26 @@ fn what_a_deck_cannot_state_is_refused() {
         };
         assert_ne!(case, STEEL);
         bench.write("case.toml", case);
-        let output = bench.kufe(&["export", "--calculix", "case.toml", "--cells", "2"]);
+        let output = bench.kufe(&[
+            "export",
+            "case.toml",
+            "--calculix",
+            "deck.inp",
+            "--cells",
+            "2",
+        ]);
         let said = errors(&output);
         assert_eq!(output.status.code(), Some(3), "{said}");
         assert!(said.contains(expected), "{expected}: {said}");
         assert_eq!(bench.names(), ["case.toml"]);
     }
-    let output = bench.kufe(&["export", "--calculix", "case.toml", "--cells", "1"]);
+    let output = bench.kufe(&[
+        "export",
+        "case.toml",
+        "--calculix",
+        "deck.inp",
+        "--cells",
+        "1",
+    ]);
     assert_eq!(output.status.code(), Some(2));
 }

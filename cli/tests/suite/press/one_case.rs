@@ -61,6 +61,12 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
     ] {
         assert!(number(&result, key).is_finite());
     }
+    // Stresses are carried on to the nodes from within: in field.vtu they exceed the pressure, which is said with the figure.
+    let stress = number(&result, "stress_max_pa");
+    let more = stress / number(&result, "p_max_mesh_pa") - 1.0;
+    assert!((0.03..0.15).contains(&more), "{more}");
+    let note = format!("stresses up to {:.2} MPa", 1e-6 * stress);
+    assert!(said.contains(&note), "{note:?} is missing: {said}");
     assert_eq!(result["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(result["case"]["load"]["fz_n"], 1000.0);
     assert_eq!(result["case"]["track"]["radius_m"], "inf");
@@ -204,7 +210,7 @@ fn info_tells_the_maps_size_and_place() {
     let facts: Value =
         serde_json::from_str(&bench.succeeds(&["info", "out/pressure.exr", "--json"]))
             .expect("JSON");
-    assert_eq!(facts["channels"]["p"], "F32");
+    assert_eq!(facts["channels"]["p"], "F32, contact pressure [Pa]");
     assert_eq!(
         facts["attributes"]["fz_n"],
         number(&result(&bench, "out"), "fz_n")

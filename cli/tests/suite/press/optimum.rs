@@ -13,7 +13,7 @@ fn case(rocker: f64, section: f64) -> String {
     )
 }
 
-const AT: [&str; 4] = ["--speed", "30", "--ice", "-8"];
+const AT: [&str; 5] = ["--groove", "--v-mps", "30", "--ice-c", "-8"];
 
 fn told(bench: &Bench, cases: &[&str], more: &[&str]) -> Value {
     let words = [&["friction"], cases, &AT, &["--json"], more].concat();
@@ -137,12 +137,13 @@ fn a_search_that_cannot_be_is_told_by_its_place() {
     let two = [
         "friction",
         "case.toml",
-        "--speed",
+        "--groove",
+        "--v-mps",
         "5,30",
-        "--ice",
+        "--ice-c",
         "-8",
         "--optimise",
         "rocker_radius_m=15:60",
     ];
-    refused(folder, &two, 2, &["one --speed"]);
+    refused(folder, &two, 2, &["one --v-mps"]);
 }

@@ -108,34 +108,34 @@ fn what_is_wrong_with_a_sliding_case_is_told_by_its_place() {
     bench.write("case.toml", case(""));
     refused(
         folder,
-        &["friction", "case.toml", "--speed", "20"],
+        &["friction", "case.toml", "--v-mps", "20"],
         3,
         &["[sliding]", "at rest"],
     );
     refused(
         folder,
-        &["friction", "case.toml", "--speed", "5,20"],
+        &["friction", "case.toml", "--v-mps", "5,20"],
         2,
-        &["--ice"],
+        &["several go with --groove"],
     );
     refused(
         folder,
-        &["friction", "case.toml", "--speed", "20", "-o", "out"],
+        &["friction", "case.toml", "--v-mps", "20", "-o", "out"],
         2,
-        &["--ice is missing: -o writes", "as --ice -5"],
+        &["--groove is missing: -o writes", "as --ice-c -5"],
     );
     refused(
         folder,
         &["friction", "case.toml", "-o", "out"],
         2,
-        &["--speed is missing", "--ice is missing"],
+        &["--v-mps is missing", "--ice-c is missing"],
     );
     let bounds = ["--optimise", "rocker_radius_m=15:60"];
     refused(
         folder,
-        &[&["friction", "case.toml", "--speed", "20"], &bounds[..]].concat(),
+        &[&["friction", "case.toml", "--v-mps", "20"], &bounds[..]].concat(),
         2,
-        &["--ice is missing: --optimise compares"],
+        &["--groove is missing: --optimise compares"],
     );
     bench.write(
         "heavy.toml",
@@ -147,12 +147,14 @@ fn what_is_wrong_with_a_sliding_case_is_told_by_its_place() {
         3,
         &["heavy.toml", "90000 N", "bears on ice of this hardness"],
     );
-    refused(
-        folder,
-        &["friction", "case.toml", "--speed", "5", "--ice", "3"],
-        3,
-        &["sliding.ice_c = 3"],
-    );
+    // As it is spelt, and as it once was.
+    for options in [
+        &["--groove", "--v-mps", "5", "--ice-c", "3"][..],
+        &["--speed", "5", "--ice", "3"],
+    ] {
+        let words = [&["friction", "case.toml"], options].concat();
+        refused(folder, &words, 3, &["sliding.ice_c = 3"]);
+    }
 }
 
 #[test]
@@ -162,9 +164,10 @@ fn friction_over_speed_and_temperature_is_a_table_and_a_picture() {
     let words = [
         "friction",
         "case.toml",
-        "--speed",
+        "--groove",
+        "--v-mps",
         "5,20,35",
-        "--ice",
+        "--ice-c",
         "-10,-3",
         "-o",
         "out",

@@ -75,9 +75,10 @@ fn friction(bench: &Bench, text: String, speed: &str, ice: &str) -> Vec<f64> {
     let words = [
         "friction",
         "runs.toml",
-        "--speed",
+        "--groove",
+        "--v-mps",
         speed,
-        "--ice",
+        "--ice-c",
         ice,
         "--json",
     ];

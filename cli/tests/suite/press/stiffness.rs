@@ -3,7 +3,7 @@
 use kufe_outside::python;
 use std::path::Path;
 
-use crate::kufe::{Bench, errors};
+use crate::kufe::{Bench, errors, refused};
 use kufe_case::Case;
 use kufe_contact::{Options, solve};
 use kufe_fem::{Material, TensorOperator};
@@ -128,9 +128,22 @@ fn an_export_wants_a_case_and_one_kind_of_file() {
         &["export"][..],
         &["export", "case.toml"],
         &["export", "--stiffness", "K.mtx"],
-        &["export", "case.toml", "--calculix", "case.toml"],
+        &["export", "case.toml", "--calculix", "a.inp", "-o", "b.inp"],
+        &[
+            "export",
+            "case.toml",
+            "--calculix",
+            "a.inp",
+            "--stiffness",
+            "K.mtx",
+        ],
     ] {
         assert_eq!(bench.kufe(args).status.code(), Some(2), "{args:?}");
     }
+    let onto_itself = ["export", "case.toml", "--calculix", "case.toml"];
+    refused(bench.folder.path(), &onto_itself, 3, &["case.toml"]);
+    // As it once was spelt, of a runner that no deck takes.
+    let old = ["export", "--calculix", "case.toml", "-o", "deck.inp"];
+    refused(bench.folder.path(), &old, 3, &["runner.elastic"]);
     assert_eq!(bench.names(), ["case.toml"]);
 }

@@ -106,9 +106,9 @@ fn friction_of_a_case_is_the_law_at_the_pressure_of_hertz() -> Outcome {
         &[
             "friction",
             "case.toml",
-            "--speed",
+            "--v-mps",
             "30",
-            "--alpha",
+            "--alpha-rad",
             "0.1",
             "--json",
         ],
@@ -146,7 +146,7 @@ fn a_models_law_and_effects_hold_and_missing_conditions_are_asked_for() -> Outco
     let base = [
         "friction",
         "case.toml",
-        "--speed",
+        "--v-mps",
         "30",
         "--model",
         "model.toml",
@@ -267,15 +267,15 @@ fn bad_input_is_named_and_leaves_nothing_behind() -> Outcome {
         &["--mu-cap 7", "up to 1"],
     )?;
     std::fs::write(at.join("case.toml"), case(200.0))?;
-    refused(at, &["friction", "case.toml"], 2, &["--speed"])?;
+    refused(at, &["friction", "case.toml"], 2, &["--v-mps"])?;
     refused(
         at,
-        &["friction", "case.toml", "--speed", "-3"],
+        &["friction", "case.toml", "--v-mps", "-3"],
         2,
-        &["--speed -3", "0 to 100"],
+        &["--v-mps -3", "0 to 100"],
     )?;
-    let degrees = ["friction", "case.toml", "--speed", "3", "--alpha", "4"];
-    refused(at, &degrees, 2, &["--alpha 4", "rad"])?;
+    let degrees = ["friction", "case.toml", "--v-mps", "3", "--alpha-rad", "4"];
+    refused(at, &degrees, 2, &["--alpha-rad 4", "rad"])?;
     let header = "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa\n";
     let row = "1,gone.csv,A,uphill,100,0.25,2,94700\n";
     std::fs::write(at.join("glides.csv"), format!("{header}{row}"))?;

@@ -63,6 +63,10 @@ fn sample_data_goes_through_fit_validation_and_evaluation() {
         validation["runs"].as_array().expect("runs").len(),
         44 - fitted
     );
+    let seen = ["validate", runs, "--fit", "fit/fit.json", "--session", "d1"];
+    let seen = with(&seen);
+    let seen: Vec<&str> = seen.iter().map(String::as_str).collect();
+    refused(folder, &seen, 3, &["no run is left", "fitted to all"]);
     for track in validation["tracks"].as_array().expect("tracks") {
         let (ours, braghin) = (track["rmse_n"].as_f64(), track["rmse_braghin_n"].as_f64());
         assert!(ours < braghin, "{track}");
@@ -134,7 +138,7 @@ fn a_simulated_run_is_read_like_a_measured_one_and_repeats_bit_by_bit() {
                 "2",
                 "--seed",
                 "5",
-                "--rate",
+                "--rate-hz",
                 "200",
                 "-o",
                 out,

@@ -80,7 +80,7 @@ impl<'a> Campaign<'a> {
         let (training, held) = (pick(&locked.training), pick(&locked.held));
         if training.len() < 2 {
             return Err(Error::TooFew {
-                what: "runs to learn from, beside those locked away".to_owned(),
+                what: "runs to learn from, beside those put aside".to_owned(),
                 found: training.len(),
                 needed: 2,
             });
@@ -314,7 +314,7 @@ impl Evidence for Campaign<'_> {
         let bins_after = bins(last);
         if account.steps.is_empty() && last.settled.base == self.given.base && !self.held.is_empty()
         {
-            account.remarks.push("a refit of friction and grip leaves no smaller gap on the locked-away runs: model.next.toml is the model as given".to_owned());
+            account.remarks.push("a refit of friction and grip leaves no smaller gap on the runs put aside: model.next.toml is the model as given".to_owned());
         }
         let data = match self.data.segmented {
             true => "one run, in segments",

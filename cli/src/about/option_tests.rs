@@ -1,0 +1,141 @@
+//! What options are called: a thing has one name in all commands.
+
+use std::any::TypeId;
+use std::collections::{BTreeMap, BTreeSet};
+
+use clap::{Arg, Command, CommandFactory};
+
+use crate::cli::Cli;
+
+/// What the name of an option ends in, by the unit that its help states: as keys of files do.
+const ENDS: [(&str, &str); 12] = [
+    ("m", "m"),
+    ("N", "n"),
+    ("rad", "rad"),
+    ("1/m", "1pm"),
+    ("m/s", "mps"),
+    ("rad/s", "radps"),
+    ("degrees/s2", "degps2"),
+    ("degrees Celsius", "c"),
+    ("Pa", "pa"),
+    ("%", "pct"),
+    ("Hz", "hz"),
+    ("s", "s"),
+];
+
+/// Numbers without a unit.
+const PURE: [&str; 5] = ["confidence", "e", "mu-cap", "skill", "zeta"];
+
+/// What each command says in words of its own: what it writes, and which runs it takes or makes.
+const OWN: [&str; 8] = [
+    "driver", "mat", "out", "run", "runs", "seed", "session", "track",
+];
+
+/// The options of all commands that are not every command's, each with the words of its command.
+fn options() -> Vec<(String, Arg)> {
+    fn below(command: &Command, path: &str, found: &mut Vec<(String, Arg)>) {
+        let own = command
+            .get_arguments()
+            .filter(|arg| arg.get_long().is_some());
+        found.extend(own.map(|arg| (path.to_owned(), arg.clone())));
+        for inner in command.get_subcommands() {
+            below(inner, &format!("{path} {}", inner.get_name()), found);
+        }
+    }
+    let mut found = Vec::new();
+    below(&Cli::command(), "kufe", &mut found);
+    found
+}
+
+fn name(option: &Arg) -> &str {
+    option.get_long().unwrap_or_default()
+}
+
+fn help(option: &Arg) -> String {
+    option
+        .get_help()
+        .map(ToString::to_string)
+        .unwrap_or_default()
+}
+
+/// The unit in brackets.
+fn unit(help: &str) -> Option<&'static str> {
+    let brackets = help
+        .split('[')
+        .skip(1)
+        .filter_map(|rest| rest.split_once(']'));
+    let mut ends = brackets.filter_map(|(text, _)| ENDS.iter().find(|(unit, _)| *unit == text));
+    ends.next().map(|(_, end)| *end)
+}
+
+#[test]
+fn a_quantity_is_named_with_its_unit_as_keys_of_files_are() {
+    let mut quantities = BTreeSet::new();
+    for (command, option) in options() {
+        let (name, end) = (name(&option), unit(&help(&option)));
+        let ends_in = |end: &str| name.ends_with(&format!("-{end}"));
+        let named = ENDS.iter().find(|(_, end)| ends_in(end));
+        assert_eq!(named.map(|(_, end)| *end), end, "{command} --{name}");
+        let number = option.get_value_parser().type_id() == TypeId::of::<f64>();
+        assert!(
+            !number || end.is_some() || option.is_hide_set() || PURE.contains(&name),
+            "{command} --{name}: a number without a unit"
+        );
+        quantities.extend(end.map(|_| name.to_owned()));
+    }
+    assert!(quantities.len() > 20, "{quantities:?}");
+}
+
+#[test]
+fn no_command_shows_a_name_that_another_keeps_for_old_scripts() {
+    let all = options();
+    let (hidden, shown): (Vec<_>, Vec<_>) = all.iter().partition(|(_, o)| o.is_hide_set());
+    let shown: BTreeSet<&str> = shown.into_iter().map(|(_, option)| name(option)).collect();
+    let aliases = all
+        .iter()
+        .flat_map(|(_, option)| option.get_all_aliases().unwrap_or_default());
+    // The file of an old `kufe export` is every command's output.
+    let hidden = hidden.into_iter().map(|(_, option)| name(option));
+    let old: BTreeSet<&str> = aliases
+        .chain(hidden.filter(|name| *name != "out"))
+        .collect();
+    assert!(old.len() > 12, "{old:?}");
+    let both: Vec<&&str> = old.intersection(&shown).collect();
+    assert!(both.is_empty(), "{both:?}");
+    for (command, option) in &all {
+        let visible = option.get_visible_aliases().unwrap_or_default();
+        assert!(
+            visible.is_empty(),
+            "{command} --{}: {visible:?}",
+            name(option)
+        );
+    }
+}
+
+#[test]
+fn a_name_has_one_letter_and_one_meaning() {
+    let mut known: BTreeMap<String, (String, Option<char>, String)> = BTreeMap::new();
+    for (command, option) in options().into_iter().filter(|(_, o)| !o.is_hide_set()) {
+        let name = name(&option);
+        let said = help(&option);
+        let meaning = match OWN.contains(&name) {
+            true => String::new(),
+            false => said
+                .split([',', ';', ':', '.', '[', '('])
+                .next()
+                .unwrap_or_default()
+                .trim()
+                .to_owned(),
+        };
+        let own = (command, option.get_short(), meaning);
+        let first = known.entry(name.to_owned()).or_insert_with(|| own.clone());
+        assert_eq!(
+            (&first.1, &first.2),
+            (&own.1, &own.2),
+            "--{name} of {} and {}",
+            first.0,
+            own.0
+        );
+    }
+    assert!(known.len() > 60, "{} options", known.len());
+}
