@@ -155,6 +155,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
+        self.beside_large = None;
         let residual_model = &fit.residual_model.hold(false);
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let simulator = self.simulator(residual_model);

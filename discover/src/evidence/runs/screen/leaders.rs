@@ -53,11 +53,7 @@ impl Campaign<'_> {
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
     ) -> Option<ResidualModel> {
-        let named =
-            (0..regular.len()).filter(|c| !regular[*c].is_column() && screen.seen[*c].usable);
-        let mut order: Vec<usize> = named.collect();
-        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
-        order.truncate(self.rules().leaders);
+        let (order, _) = self.strongest_and_others(screen, regular);
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         if !self.is_large(at, most) {
             return None;
@@ -72,6 +68,20 @@ impl Campaign<'_> {
         })
     }
 
+    /// Places of the catalogue's effects whose scores are largest, the largest first, and of all others.
+    fn strongest_and_others(
+        &self,
+        screen: &RunScreen,
+        regular: &[Candidate<Amplitude>],
+    ) -> (Vec<usize>, Vec<usize>) {
+        let named = (0..regular.len()).filter(|c| !regular[*c].is_column());
+        let (mut order, mut others): (Vec<usize>, Vec<usize>) =
+            named.partition(|c| screen.seen[*c].usable);
+        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
+        others.extend(order.split_off(order.len().min(self.rules().leaders)));
+        (order, others)
+    }
+
     /// Where something is large, or the installation is off beyond belief, the effect of the catalogue that leaves less, in a full refit
     /// beside which what the installation is off by is found anew, than the claim and all others whose scores are large, and stands out
     /// run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the claim, or something small, or
@@ -84,11 +94,7 @@ impl Campaign<'_> {
         claim: Option<&Claim<Amplitude>>,
         (options, contacts): (&ScreenOptions, f64),
     ) -> Option<(Claim<Amplitude>, f64)> {
-        let named = (0..regular.len()).filter(|c| !regular[*c].is_column());
-        let (mut order, mut others): (Vec<usize>, Vec<usize>) =
-            named.partition(|c| screen.seen[*c].usable);
-        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
-        others.extend(order.split_off(order.len().min(self.rules().leaders)));
+        let (order, others) = self.strongest_and_others(screen, regular);
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
         let strange = self.is_beyond_belief(at.residual_model);
