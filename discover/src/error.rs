@@ -57,6 +57,14 @@ pub enum Error {
         /// How many are needed.
         needed: usize,
     },
+    /// An effect that is to be looked for and that nobody knows.
+    #[error("effect {name:?}: expected one of {known}")]
+    Unheard {
+        /// Its name.
+        name: String,
+        /// Those there are.
+        known: String,
+    },
     /// The base model cannot be fitted.
     #[error("the base model did not settle on the data: {reason}")]
     BaseFit {

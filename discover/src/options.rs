@@ -1,9 +1,16 @@
 //! How a search is made.
 
+use kufe_sled::Model;
+use kufe_sled::effects::{CATALOGUE, Effects};
+
+use crate::error::Error;
 use crate::procedure::rules::Rules;
 
+/// What stands among the effects to be looked for in place of all dependences that the catalogue has no name for.
+pub const BEYOND: &str = "unknown";
+
 /// How a search is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Seed of all random numbers.
     pub seed: u64,
@@ -17,6 +24,8 @@ pub struct Options {
     pub lateral: bool,
     /// Whether runs with gaps are refused rather than used without what stands beside the gaps.
     pub strict: bool,
+    /// The only effects that are looked for, by name, and [`BEYOND`] for what no name of the catalogue is; all where empty.
+    pub only: Vec<String>,
     /// Every constant of judgement.
     pub rules: Rules,
 }
@@ -30,7 +39,47 @@ impl Default for Options {
             longitudinal: true,
             lateral: true,
             strict: false,
+            only: Vec::new(),
             rules: Rules::default(),
+        }
+    }
+}
+
+impl Options {
+    /// Whether an effect is looked for.
+    pub fn looks_for(&self, effect: &str) -> bool {
+        self.only.is_empty() || self.only.iter().any(|name| name == effect)
+    }
+
+    /// What a report says of effects that were not looked for.
+    pub(crate) fn looked_for(&self) -> Option<String> {
+        let names = self.only.join(", ");
+        let told = "were looked for, as was asked; what else may be missing was not";
+        (!self.only.is_empty()).then(|| format!("only {names} {told}"))
+    }
+
+    /// Refuses names to be looked for that no effect bears, of the catalogues or of the model's own.
+    pub(crate) fn refuse_unheard(&self, model: Option<&Model>) -> Result<(), Error> {
+        let own = match model {
+            Some(model) => Effects::from_tables(&model.effects)?.active,
+            None => Vec::new(),
+        };
+        let of_runs = CATALOGUE.iter().map(|e| e.info().name);
+        let of_maps = kufe_case::effects::CATALOGUE.iter().map(|e| e.info().name);
+        let mut known: Vec<&str> = of_runs.chain(of_maps).chain([BEYOND]).collect();
+        known.extend(own.iter().map(|active| active.name.as_str()));
+        known.sort_unstable();
+        known.dedup();
+        match self
+            .only
+            .iter()
+            .find(|name| !known.contains(&name.as_str()))
+        {
+            Some(name) => Err(Error::Unheard {
+                name: name.clone(),
+                known: known.join(", "),
+            }),
+            None => Ok(()),
         }
     }
 }

@@ -257,6 +257,7 @@ def discover(
     seed: int = 1,
     twins: int = 40,
     channels: Literal["all", "lateral", "longitudinal"] = "all",
+    only: Sequence[str] = (),
     progress: _Progress = None,
 ) -> Discovery:
     """Find the effect that a model lacks and name it."""

@@ -22,7 +22,7 @@ pub struct Discovery {
 /// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or for pressures the
 /// `case.toml`. A `campaign.toml` names several of them and their model itself.
 #[pyfunction]
-#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", progress = None))]
+#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = Vec::new(), progress = None))]
 pub fn discover(
     py: Python<'_>,
     data: PathBuf,
@@ -30,6 +30,7 @@ pub fn discover(
     seed: u64,
     twins: u64,
     channels: &str,
+    only: Vec<String>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Discovery> {
     if !(10..=1000).contains(&twins) {
@@ -47,6 +48,7 @@ pub fn discover(
         twins,
         longitudinal: channels != "lateral",
         lateral: channels != "longitudinal",
+        only,
         ..Options::default()
     };
     let worked = work(py, progress, |watch, _| {

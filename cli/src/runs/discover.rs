@@ -26,6 +26,9 @@ pub struct Args {
     /// Simulated copies of the data with nothing hidden in them that each finding is compared with (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
+    /// Effects to look for and no others, with commas between them; `unknown` stands for all that is beyond the catalogue
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
+    only: Vec<String>,
     /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
     #[arg(long)]
     strict: bool,
@@ -77,6 +80,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         longitudinal: args.channels != Channels::Lateral,
         lateral: args.channels != Channels::Longitudinal,
         strict: args.strict,
+        only: args.only.clone(),
         rules,
         ..Options::default()
     };

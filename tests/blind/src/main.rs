@@ -60,6 +60,9 @@ enum Task {
         /// One row a case instead of a family.
         #[arg(long)]
         by_case: bool,
+        /// Have the finder look for the hidden effect and for no other: what it misses then, these data do not hold.
+        #[arg(long)]
+        told: bool,
     },
     /// Prints the table of saved outcomes.
     Table {
@@ -113,6 +116,7 @@ impl How {
             limit: Duration::from_secs(self.limit),
             keep: self.keep.map(std::path::absolute).transpose()?,
             rules: None,
+            told: false,
         })
     }
 }
@@ -163,11 +167,14 @@ fn run(task: Task) -> Result<bool, String> {
             first_seed,
             save,
             by_case,
+            told,
         } => {
             let specs = catalogue::chosen(&families).map_err(|error| error.to_string())?;
-            let options = how
-                .options(first_seed, seeds)
-                .map_err(|error| error.to_string())?;
+            let options = how.options(first_seed, seeds);
+            let options = Options {
+                told,
+                ..options.map_err(|error| error.to_string())?
+            };
             let file = save
                 .map(|path| {
                     std::fs::File::create(&path)

@@ -248,3 +248,40 @@ fn an_effect_of_ones_own_is_found_and_acts() -> Outcome {
     assert_eq!(again["verdict"], "none", "{}", again["sentence"]);
     Ok(())
 }
+
+#[test]
+fn only_what_is_asked_for_is_looked_for() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("model.toml"), MODEL)?;
+    let warm = table(|ice, _| 1.0 - 0.03 * (ice + 5.0));
+    std::fs::write(folder.path().join("experiments.csv"), warm)?;
+    let names = |only: &str| -> Result<String, Box<dyn std::error::Error>> {
+        let found = discover(
+            folder.path(),
+            "experiments.csv",
+            &["--json", "--only", only],
+        )?;
+        let found: Value = serde_json::from_slice(&found.stdout)?;
+        let told = found["remarks"].to_string();
+        assert!(told.contains(&only.replace(',', ", ")), "{told}");
+        let steps = found["steps"].as_array().ok_or("no steps")?;
+        let classes: Vec<String> = steps.iter().map(|s| s["class"].to_string()).collect();
+        Ok(classes.join(" "))
+    };
+    assert_eq!(names("temperature")?, "[\"temperature\"]");
+    // Humidity was not recorded; the speed is beyond the catalogue.
+    assert_eq!(names("humidity")?, "");
+    assert!(!names("unknown,humidity")?.contains("\"temperature\""));
+    let wrong = discover(
+        folder.path(),
+        "experiments.csv",
+        &["--only", "temperature,damp"],
+    )?;
+    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    assert_eq!(wrong.status.code(), Some(3), "{told}");
+    assert!(
+        told.contains("\"damp\"") && told.contains("humidity") && told.contains("unknown"),
+        "{told}"
+    );
+    Ok(())
+}

@@ -22,7 +22,7 @@ use crate::evidence::experiments::rows::{Row, read};
 use crate::evidence::experiments::screen::{TableScreen, screen_table};
 use crate::finding::report::{ChannelGap, Fitted, HeldOut};
 use crate::input::table::Table;
-use crate::options::Options;
+use crate::options::{BEYOND, Options};
 use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
@@ -84,7 +84,12 @@ impl<'a> Experiments<'a> {
         }
         let effects = Effects::from_tables(&model.effects)?;
         let (known, others) = Known::new(&effects, &table)?;
-        let (candidates, untestable) = list(&rows, &table, &effects);
+        let (mut candidates, mut untestable) = list(&rows, &table, &effects);
+        candidates.retain(|c| match c.is_column() {
+            true => options.looks_for(BEYOND),
+            false => options.looks_for(&c.effect),
+        });
+        untestable.retain(|(name, _)| options.looks_for(name));
         let locked = options.rules.lock.rows(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
         Ok(Self {
@@ -167,6 +172,7 @@ impl Evidence for Experiments<'_> {
     type Fit = TableFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<TableFit, Error> {
+        account.remarks.extend(self.options.looked_for());
         if !self.others.is_empty() {
             account.remarks.push(format!(
                 "effects of the model that these data say nothing about: {}",
@@ -355,6 +361,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
+    options.refuse_unheard(Some(model))?;
     let mut experiments = Experiments::read(path, model, options)?;
     search_evidence(&mut experiments, options, progress)
 }

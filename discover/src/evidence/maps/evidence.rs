@@ -226,6 +226,7 @@ impl Evidence for Maps<'_> {
     type Fit = MapFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
+        account.remarks.extend(self.options.looked_for());
         account.remarks.extend(self.remarks.iter().cloned());
         account.remarks.extend(remarks_on(self.rows));
         Ok(MapFit {
@@ -244,7 +245,9 @@ impl Evidence for Maps<'_> {
             &self.training,
             &fit.active,
             &mut self.first_steps,
-            self.options.rules.maps.least_drop,
+            (self.options.rules.maps.least_drop, &|name| {
+                self.options.looks_for(name)
+            }),
             &|name| progress(&format!("screen {number}: {name}")),
         );
         self.next = None;
@@ -392,6 +395,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
+    options.refuse_unheard(None)?;
     let measured = Measured::read(path, model, &options.rules.maps)?;
     let mut maps = Maps::new(&measured, model, options, progress)?;
     search_evidence(&mut maps, options, progress)

@@ -26,7 +26,7 @@ pub fn screen_maps(
     simulations: &Simulations,
     active: &SizedEffects,
     steps: &mut Steps,
-    least_drop: f64,
+    (least_drop, looks_for): (f64, &dyn Fn(&str) -> bool),
     progress: &dyn Fn(&str),
 ) -> Vec<LineSearch> {
     let chi2 = match simulations.searching(active) {
@@ -38,7 +38,7 @@ pub fn screen_maps(
     for effect in CATALOGUE {
         let name = effect.info().name;
         let on = active.iter().any(|(e, _)| e.info().name == name);
-        if on || (!mapped && effect.search.needs_map) {
+        if on || !looks_for(name) || (!mapped && effect.search.needs_map) {
             continue;
         }
         progress(name);

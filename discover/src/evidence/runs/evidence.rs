@@ -98,7 +98,7 @@ impl<'a> Campaign<'a> {
             training,
             held,
             used,
-            candidates: list(data, &trial, used[0]),
+            candidates: list(data, &trial, used[0], options),
             given,
             outside,
             by_forces: Vec::new(),
@@ -119,6 +119,7 @@ impl Evidence for Campaign<'_> {
     type Fit = RunFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
+        account.remarks.extend(self.options.looked_for());
         account.remarks.extend(self.too_few());
         let told = self.data.remarks.iter().chain(&self.outside);
         account.remarks.extend(told.cloned());
@@ -390,6 +391,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
+    options.refuse_unheard(Some(model))?;
     let mut campaign = Campaign::new(data, model, options)?;
     let mut found = search_evidence(&mut campaign, options, progress)?;
     found.report.gaps.clone_from(&data.gaps);

@@ -6,6 +6,7 @@ use kufe_sled::effects::{
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::prepare::Data;
+use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 
 /// All candidates by the way in which they are tested.
@@ -23,7 +24,7 @@ pub struct Candidates {
 }
 
 /// The catalogue and the person's own effects against what was recorded.
-pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
+pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candidates {
     let mut out = Candidates {
         regular: Vec::new(),
         local: Vec::new(),
@@ -33,6 +34,9 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     };
     for effect in CATALOGUE {
         let info = effect.info();
+        if !options.looks_for(info.name) {
+            continue;
+        }
         let missing: Vec<&str> = info
             .needs
             .iter()
@@ -96,6 +100,7 @@ pub fn list(data: &Data, own: &Effects, along: bool) -> Candidates {
     for effect in &own.active {
         if let Kind::Custom(custom) = &effect.kind
             && effect.values[0] == 0.0
+            && options.looks_for(&effect.name)
         {
             out.regular
                 .push(own_candidate(&effect.name, custom.clone(), &effect.track));

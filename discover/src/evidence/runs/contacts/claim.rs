@@ -32,7 +32,7 @@ impl Campaign<'_> {
         if !lateral || model.contacts.is_some() || self.data.segmented {
             return None;
         }
-        let effect = wall()?;
+        let effect = wall().filter(|e| self.options.looks_for(e.info.name))?;
         let whole = self.whole();
         let as_it_is = left_without(model, whole);
         let mut left = as_it_is.clone();

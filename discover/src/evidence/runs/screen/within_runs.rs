@@ -16,6 +16,7 @@ use crate::evidence::runs::screen::residual_screen::{
 };
 use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::evidence::runs::screen::track::on_track::Surveyed;
+use crate::options::BEYOND;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim, Screen};
 use crate::regression::scores::{Scores, cross_information};
@@ -37,7 +38,10 @@ impl Campaign<'_> {
         let mut regular = self.fresh(at.residual_model, &self.candidates.regular);
         let strange = self.is_beyond_belief(at.residual_model);
         regular.retain(|c| strange || !c.act.is_beyond_tolerance());
-        regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
+        let beyond = self.options.looks_for(BEYOND);
+        if beyond {
+            regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
+        }
         // A person's own effect may bear such a name, too.
         regular.sort_by_key(Candidate::is_column);
         let all_windows = windows(
@@ -98,7 +102,11 @@ impl Campaign<'_> {
         }
         let claim = leading.map(|(claim, _)| claim).or(claim);
         let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
-        let claim = match self.law(at, claim.as_ref(), &strongest, &options) {
+        let law = match beyond {
+            true => self.law(at, claim.as_ref(), &strongest, &options),
+            false => None,
+        };
+        let claim = match law {
             Some(Law::Instead(law)) => Some(*law),
             Some(Law::Beside(name)) => claim.map(|mut claim| {
                 claim.class.push(name);
