@@ -26,6 +26,8 @@ pub struct ContactRules {
     pub inside: f64,
     /// Times what any single effect that stands out explains that contacts, with three numbers each, must explain. Chosen.
     pub over: f64,
+    /// Share of what contacts explain that those found anew must explain to take their place. Chosen.
+    pub anew: f64,
 }
 
 impl Default for ContactRules {
@@ -41,6 +43,7 @@ impl Default for ContactRules {
             met_by_chance: 0.1,
             inside: 0.75,
             over: 2.0,
+            anew: 0.5,
         }
     }
 }

@@ -114,6 +114,8 @@ pub struct RunRules {
     pub contacts: ContactRules,
     /// Share of all rows' squares from which the strongest claim is large: its rivals are then held against it by full refits. Chosen.
     pub large: f64,
+    /// Share of what balances leave beyond noise below which a model's own is taken in its place: the rest was no noise. Chosen.
+    pub less_beyond: f64,
     /// Share of what a formula explains that its rivals must, to be held against it. Chosen.
     pub leads: f64,
     /// Effects of the catalogue, the strongest first, that are refitted where something is large, beside all that move signals. Chosen.
@@ -222,6 +224,7 @@ impl Default for RunRules {
             window_competes: 0.3,
             contacts: ContactRules::default(),
             large: 0.02,
+            less_beyond: 0.5,
             leads: 0.5,
             leaders: 6,
             finalists: 3,

@@ -13,7 +13,7 @@ use crate::score::run::{Options, score};
 const SEED: u64 = 911;
 
 /// Cheap cases of each kind of data: nulls, and effects that are well seen, hardly seen and hard to tell apart.
-const RUNS: [&str; 8] = [
+const RUNS: [&str; 9] = [
     "null/ar1",
     "null/unstated-noise",
     "longitudinal/temperature@0.02",
@@ -22,6 +22,7 @@ const RUNS: [&str; 8] = [
     "fault/slip-offset@0.007",
     "twin/slope~accelerometer-tilt@0.02",
     "clean-effect/wall-contact-by-run",
+    "delays-effect/drag-area@10",
 ];
 /// Laws beyond the catalogue: nothing, of a column that the model has no name for, of a product, of a sensor.
 const LAWS: [&str; 4] = [
@@ -42,7 +43,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 45] = [
+const RUN_KEYS: [&str; 47] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
@@ -85,7 +86,9 @@ const RUN_KEYS: [&str; 45] = [
     "runs.contacts.most",
     "runs.contacts.inside",
     "runs.contacts.over",
+    "runs.contacts.anew",
     "runs.large",
+    "runs.less_beyond",
     "runs.leads",
     "runs.leaders",
 ];

@@ -22,8 +22,6 @@ use crate::procedure::evidence::{Added, Claim};
 
 /// Displacements of the contacts that the yaw balance is held against.
 const TRIALS: u64 = 999;
-/// Share of what contacts explain that those found anew must explain to take their place. Chosen.
-const MOST_KEPT: f64 = 0.5;
 
 impl Campaign<'_> {
     /// The contacts that the training runs show beside a model.
@@ -187,7 +185,7 @@ impl Campaign<'_> {
         // The base was bent by what it stood for; places show better beside one that is not, unless so much differs there that a whole
         // track is given up.
         let again = self.contacts_beside(&base.residual_model);
-        let again = again.filter(|again| again.gain > MOST_KEPT * found.gain);
+        let again = again.filter(|again| again.gain > self.rules().contacts.anew * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
             self.whole = again.frames;

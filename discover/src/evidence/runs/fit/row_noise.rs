@@ -68,7 +68,7 @@ pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] 
     })
 }
 
-/// The same with this model where it is less than half of what is known of any balance; else nothing.
+/// The same with this model where it is less than this share of what is known of any balance; else nothing.
 ///
 /// What a large effect leaves is no error of the accelerations: counted as one, it would credit a model with all by which its residual
 /// grows less than what it takes of them, and a bent sensor would explain more than the truth.
@@ -76,10 +76,10 @@ pub fn far_less_beyond(
     model: &ResidualModel,
     frames: &[Frame],
     used: [bool; CHANNELS],
+    share: f64,
 ) -> Option<[f64; BALANCES]> {
-    const FAR_LESS: f64 = 0.5;
     let (known, found) = (model.beyond_noise, beyond_noise(model, frames));
-    let falls = |c: usize| used[c] && found[c] < FAR_LESS * known[c];
+    let falls = |c: usize| used[c] && found[c] < share * known[c];
     (0..BALANCES)
         .any(falls)
         .then(|| std::array::from_fn(|c| found[c].min(known[c])))

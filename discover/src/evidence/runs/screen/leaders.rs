@@ -38,7 +38,12 @@ impl Campaign<'_> {
 
     /// A fit that counts as beyond the noise what it leaves, where that is far less than what the model before it left.
     pub fn with_less_beyond(&self, mut fit: RunFit) -> RunFit {
-        if let Some(less) = far_less_beyond(&fit.residual_model, &self.training, self.used) {
+        if let Some(less) = far_less_beyond(
+            &fit.residual_model,
+            &self.training,
+            self.used,
+            self.rules().less_beyond,
+        ) {
             fit.residual_model.beyond_noise = less;
             fit.settled.beyond_noise = less;
         }
@@ -63,7 +68,12 @@ impl Campaign<'_> {
             .filter_map(|c| self.refitted_at(at, &regular[*c], screen.seen[*c].size));
         let best = refits.min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
         Some(ResidualModel {
-            beyond_noise: far_less_beyond(&best.model, &self.training, self.used)?,
+            beyond_noise: far_less_beyond(
+                &best.model,
+                &self.training,
+                self.used,
+                self.rules().less_beyond,
+            )?,
             ..at.residual_model.clone()
         })
     }
