@@ -139,6 +139,19 @@ impl Account {
         self.is_left_without(told);
     }
 
+    /// A step is taken back that stands out at more places than it can be bound to.
+    pub fn is_everywhere(&mut self, step: usize, places: usize) {
+        let gone = self.steps.remove(step);
+        let told = format!(
+            "{} stood out at {places} places ({}) and still does at others: what acts at so many is not bound to them; neither named nor written",
+            gone.effect, gone.place
+        );
+        match self.steps.is_empty() {
+            true => self.is_left_without(vec![told]),
+            false => self.remarks.push(told),
+        }
+    }
+
     /// Nothing is named any more, for these reasons.
     pub fn is_left_without(&mut self, told: Vec<String>) {
         self.depends.clear();

@@ -34,6 +34,8 @@ pub fn search_evidence<E: Evidence>(
     let rules = &options.rules.search;
     let mut fit = base.clone();
     let mut detectable = None;
+    // How many stretches each step has.
+    let mut places: Vec<usize> = Vec::new();
     for number in 0..=rules.most_screens {
         progress(&format!("screen {}", number + 1));
         let screen = evidence.screen(&fit, &mut account)?;
@@ -47,12 +49,21 @@ pub fn search_evidence<E: Evidence>(
                 "after {} effects {effect} still stands out",
                 account.steps.len()
             );
-            account.remarks.push(told);
+            match known.filter(|step| places[*step] > rules.most_claims) {
+                // What stands out all along the tracks is bound to no places; without them it may stand out as what it is, unnamed.
+                Some(step) => {
+                    fit = evidence.without(&fit, step)?;
+                    account.is_everywhere(step, places[step]);
+                }
+                None => account.remarks.push(told),
+            }
             break;
         }
         progress(&format!("adding {}", claim.candidate.label()));
         let at = known.unwrap_or(account.steps.len());
         let added = evidence.add(&fit, &claim, at)?;
+        places.resize(account.steps.len().max(at + 1), 0);
+        places[at] += usize::from(added.place.is_some());
         match known {
             // Another stretch or another amplitude of an effect belongs to the same step.
             Some(known) => {
@@ -171,5 +182,106 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
         rivals: claim.rivals,
         contacts: Vec::new(),
         evidence: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finding::report::Verdict;
+    use crate::procedure::candidate::Candidate;
+    use crate::procedure::evidence::{Added, Description, Opened, Screen};
+    use crate::procedure::lowered::Lowered;
+
+    /// Data in which an effect stands out at one place after another, at so many; a fit is the number of those that are added.
+    struct Places(usize);
+
+    impl Evidence for Places {
+        type Act = ();
+        type Fit = usize;
+        fn fit_base(&mut self, _: &mut Account) -> Result<usize, Error> {
+            Ok(0)
+        }
+        fn screen(&mut self, added: &usize, _: &mut Account) -> Result<Screen<()>, Error> {
+            let claim = Claim {
+                candidate: Candidate {
+                    effect: "asperities".to_owned(),
+                    key: "excess".to_owned(),
+                    unit: String::new(),
+                    low: -1.0,
+                    high: 1.0,
+                    typical: 0.1,
+                    decides: String::new(),
+                    act: (),
+                },
+                size: 0.1,
+                error: 0.01,
+                class: vec!["asperities".to_owned()],
+                rivals: Vec::new(),
+                p_value: 1e-3,
+                place: format!("place {added}"),
+                channel: ("side", "N"),
+                remark: None,
+                parameters: Vec::new(),
+            };
+            Ok(Screen {
+                claim: (*added < self.0).then_some(claim),
+                detectable: Vec::new(),
+            })
+        }
+        fn add(&mut self, added: &usize, _: &Claim<()>, _: usize) -> Result<Added<usize>, Error> {
+            Ok(Added {
+                fit: added + 1,
+                written: true,
+                gap: [1.0, 0.5],
+                place: Some(format!("place {added}")),
+            })
+        }
+        fn settle(&mut self, added: usize, _: &mut Account) -> Result<usize, Error> {
+            Ok(added)
+        }
+        fn without(&mut self, _: &usize, _: usize) -> Result<usize, Error> {
+            Ok(0)
+        }
+        fn lowered(&self, _: &usize, _: &usize) -> Result<Option<Lowered>, Error> {
+            Ok(None)
+        }
+        fn open(&mut self, _: &usize, _: &usize, account: &mut Account) -> Result<Opened, Error> {
+            Ok(Opened {
+                held_out: Default::default(),
+                closed: vec![Interval::default(); account.steps.len()],
+            })
+        }
+        fn describe(
+            &mut self,
+            _: &usize,
+            last: &usize,
+            account: &mut Account,
+        ) -> Result<Description, Error> {
+            Ok(Description {
+                parameters: vec![Vec::new(); account.steps.len()],
+                laws: vec![None; account.steps.len()],
+                next_model: last.to_string(),
+                ..Description::default()
+            })
+        }
+    }
+
+    #[test]
+    fn what_stands_out_all_along_the_tracks_is_bound_to_no_places() -> Result<(), Error> {
+        let found =
+            |places: usize| search_evidence(&mut Places(places), &Options::default(), &|_| {});
+        let few = found(3)?;
+        assert_eq!(few.report.verdict, Verdict::Named);
+        assert_eq!(few.next_model, "3");
+        let many = found(1000)?;
+        assert_eq!(many.report.verdict, Verdict::NotIdentifiable);
+        assert!(many.report.steps.is_empty() && many.next_model == "0");
+        let told = many.report.remarks.join(" ");
+        assert!(
+            told.contains("place 0; place 1") && told.contains("8 places"),
+            "{told}"
+        );
+        Ok(())
     }
 }

@@ -32,10 +32,11 @@ pub struct TrackChannel {
     bins: Vec<(String, f64, f64, f64)>,
     /// Rows of each run.
     rows: Vec<Vec<f64>>,
-    /// What each candidate changes in each bin, per unit.
+    /// What each candidate changes in each bin, per unit, as it does at the size that it has by the channel itself.
     directions: Vec<Vec<f64>>,
     /// Standard deviation that an installation leaves open of each candidate, in its unit.
     tolerances: Vec<f64>,
+    /// By how much more the bins' means scatter together than single ones do.
     inflation: f64,
     scatter: f64,
     /// Of a bin [m].
@@ -78,29 +79,20 @@ impl TrackChannel {
             let of_drivers = there.iter().sum::<f64>() / there.len().max(1) as f64;
             bins[k].3 = of_drivers.max(common / bins[k].3);
         }
-        let mean = bins.iter().map(|b| b.2).sum::<f64>() / bins.len() as f64;
-        let pairs: Vec<(f64, f64)> = bins
-            .windows(2)
-            .filter(|pair| pair[0].0 == pair[1].0)
-            .map(|pair| (pair[0].2 - mean, pair[1].2 - mean))
-            .collect();
-        let square: f64 =
-            bins.iter().map(|b| (b.2 - mean).powi(2)).sum::<f64>() / bins.len() as f64;
-        let lag = pairs.iter().map(|(a, b)| a * b).sum::<f64>() / pairs.len().max(1) as f64;
-        let rho = (lag / square.max(1e-300)).clamp(0.0, 0.9);
+        let means: Vec<f64> = bins.iter().map(|b| b.2).collect();
         Some(Self {
+            inflation: inflation(&bins, &means),
             bins,
             rows,
             directions: Vec::new(),
             tolerances: Vec::new(),
-            inflation: (1.0 + rho) / (1.0 - rho),
             scatter: common.sqrt(),
             width,
         })
     }
 
-    /// Takes a candidate in, of which an installation leaves `tolerance` open: what it changes per unit, over the size that it has by the
-    /// channel itself: a speed that is off by a per cent moves every place by more than the slope takes to change.
+    /// Takes a candidate in, of which an installation leaves `tolerance` open: what it changes per unit, at the size from which its exact
+    /// form leaves least. To first order a speed that is late by a tenth of a second is another fault than it is.
     pub fn take(
         &mut self,
         residual_model: &ResidualModel,
@@ -108,79 +100,43 @@ impl TrackChannel {
         candidate: &Candidate<Amplitude>,
         [tolerance, slope_sd]: [f64; 2],
     ) {
-        self.tolerances.push(tolerance);
-        self.directions.push(Vec::new());
-        let small = 0.01 * candidate.typical;
-        self.settle(
-            self.directions.len() - 1,
-            (residual_model, frames),
-            (candidate, small),
-            slope_sd,
-        );
-    }
-
-    /// Sizes of candidate `at` from which its exact form leaves least: to first order a speed that is late by a tenth of a second is another
-    /// fault than it is.
-    pub fn scan(
-        &mut self,
-        at: usize,
-        (residual_model, frames): (&ResidualModel, &[Frame]),
-        candidate: &Candidate<Amplitude>,
-        slope_sd: f64,
-    ) {
         /// From one size that is tried to the next: a wave of the slope that is ten times as long as a shift of it stays with it.
         const RATIO: f64 = 1.4;
+        /// Share of a size to which the best is found: far less than its error.
+        const FOUND: f64 = 0.01;
+        let small = 0.01 * candidate.typical;
+        let per_unit = |size: f64| -> Vec<f64> {
+            let change = self.change(residual_model, frames, candidate, size);
+            change.iter().map(|x| x / size).collect()
+        };
         let w = self.weights(slope_sd);
-        let left = |change: &[f64]| -> f64 {
-            let both = self.bins.iter().zip(change).zip(&w);
+        let left = |size: f64| -> f64 {
+            let change = self.change(residual_model, frames, candidate, size);
+            let both = self.bins.iter().zip(&change).zip(&w);
             both.map(|((bin, change), w)| w * (bin.2 - change).powi(2))
                 .sum()
         };
-        let own = self.judge(at, slope_sd).size;
-        let stands: Vec<f64> = self.directions[at].iter().map(|d| d * own).collect();
-        let mut best = (left(&stands), None);
-        let largest = 0.5 * candidate.high.max(-candidate.low);
+        let direct = per_unit(small);
+        let both = self.bins.iter().zip(&direct).zip(&w);
+        let [score, information] = both.fold([0.0; 2], |[s, i], ((bin, d), w)| {
+            [s + w * d * bin.2, i + w * d * d]
+        });
+        let mut sizes = vec![score / information.max(1e-300)];
+        let [low, high] = [candidate.low, candidate.high].map(|bound| 0.5 * bound);
         let mut tried = 0.1 * candidate.typical;
-        let mut sizes = Vec::new();
-        while tried <= largest {
+        while tried <= high.max(-low) {
             sizes.extend([tried, -tried]);
             tried *= RATIO;
         }
-        sizes.retain(|x| (0.5 * candidate.low..=0.5 * candidate.high).contains(x));
-        for size in sizes {
-            let left = left(&self.change(residual_model, frames, candidate, size));
-            if left < best.0 {
-                best = (left, Some(size));
-            }
-        }
-        if let Some(size) = best.1 {
-            self.settle(at, (residual_model, frames), (candidate, size), slope_sd);
-        }
-    }
-
-    /// What candidate `at` changes per unit, over the size that it has by the channel itself, found from this one.
-    fn settle(
-        &mut self,
-        at: usize,
-        (residual_model, frames): (&ResidualModel, &[Frame]),
-        (candidate, from): (&Candidate<Amplitude>, f64),
-        slope_sd: f64,
-    ) {
-        /// Rounds at most, and the share of its error by which a size may still move.
-        const ROUNDS: usize = 4;
-        const STAYS: f64 = 0.1;
-        let small = 0.01 * candidate.typical;
-        let mut size = from;
-        for _ in 0..ROUNDS {
-            let change = self.change(residual_model, frames, candidate, size);
-            self.directions[at] = change.iter().map(|x| x / size).collect();
-            let seen = self.judge(at, slope_sd);
-            let next = seen.size.clamp(0.5 * candidate.low, 0.5 * candidate.high);
-            if next.abs() < small || (next - size).abs() < STAYS * seen.error {
-                break;
-            }
-            size = next;
-        }
+        sizes.retain(|size| (low..=high).contains(size) && size.abs() > small);
+        let of_sizes: Vec<f64> = sizes.par_iter().map(|size| left(*size)).collect();
+        let best = (0..sizes.len()).min_by(|a, b| of_sizes[*a].total_cmp(&of_sizes[*b]));
+        let exact = best.map(|k| {
+            let about = [sizes[k] / RATIO, sizes[k] * RATIO];
+            per_unit(least(left, about, FOUND * sizes[k].abs()))
+        });
+        self.tolerances.push(tolerance);
+        self.directions.push(exact.unwrap_or(direct));
     }
 
     /// What a candidate of this size takes off each bin's mean.
@@ -232,7 +188,7 @@ impl TrackChannel {
             .map(|((d, w), b)| d * w * b.2)
             .sum();
         let size = score / information.max(1e-300);
-        let scatter = self.inflation * self.beyond_survey(d, size, &w);
+        let scatter = self.scatter_beside(d, size, &w);
         let error = (scatter / information.max(1e-300))
             .sqrt()
             .hypot(self.tolerances[c]);
@@ -243,12 +199,13 @@ impl TrackChannel {
         }
     }
 
-    /// How much more the bins scatter about a candidate of this size than their own scatter and the survey's allow, 1 at least: a profile
-    /// that is off along the track goes with any candidate by chance (Birge's ratio, squared).
-    fn beyond_survey(&self, direction: &[f64], size: f64, w: &[f64]) -> f64 {
-        let left = self.bins.iter().zip(direction).zip(w);
-        let squares: f64 = left.map(|((b, d), w)| w * (b.2 - d * size).powi(2)).sum();
-        (squares / (self.bins.len() as f64 - 1.0)).max(1.0)
+    /// How much more the bins scatter about a candidate of this size than their own scatter and the survey's allow, 1 at least (Birge's
+    /// ratio, squared), and how much more they do together than alone: a profile that is off along the track goes with any candidate by chance.
+    fn scatter_beside(&self, direction: &[f64], size: f64, w: &[f64]) -> f64 {
+        let both = self.bins.iter().zip(direction);
+        let left: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
+        let squares: f64 = left.iter().zip(w).map(|(left, w)| w * left * left).sum();
+        (squares / (self.bins.len() as f64 - 1.0)).max(1.0) * inflation(&self.bins, &left)
     }
 
     /// z of candidate `a` once `b` has taken its part.
@@ -265,7 +222,7 @@ impl TrackChannel {
             return 0.0;
         }
         let size = dot(x, &y) / dot(x, x);
-        let scatter = self.inflation * self.beyond_survey(x, size, &w);
+        let scatter = self.scatter_beside(x, size, &w);
         (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * scatter).sqrt()
     }
 
@@ -277,13 +234,6 @@ impl TrackChannel {
         };
         let (x, z) = (&self.directions[a], &self.directions[b]);
         dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
-    }
-
-    /// Whether the channel says anything at this survey deviation \[rad\]: a candidate stands out, or the profile.
-    pub fn says(&self, slope_sd: f64, alpha: f64) -> bool {
-        let mut candidates = 0..self.directions.len();
-        candidates.any(|c| self.judge(c, slope_sd).p_value <= alpha)
-            || self.profile(slope_sd).0 <= alpha
     }
 
     /// Whether the profile departs by more than the survey allows, beyond a common slope, as a whole or in one stretch (Bonferroni over
@@ -352,4 +302,40 @@ impl TrackChannel {
 
 fn two_sided(z: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
+}
+
+/// How much larger the variance of a mean over bins is for what neighbours have in common, by the correlation of these values from one bin
+/// to the next: `(1 + rho) / (1 - rho)`.
+fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    let neighbours = bins.windows(2).zip(values.windows(2));
+    let products: Vec<f64> = neighbours
+        .filter(|(bins, _)| bins[0].0 == bins[1].0)
+        .map(|(_, pair)| (pair[0] - mean) * (pair[1] - mean))
+        .collect();
+    let lag = products.iter().sum::<f64>() / products.len().max(1) as f64;
+    let rho = (lag / square.max(1e-300)).clamp(0.0, 0.9);
+    (1.0 + rho) / (1.0 - rho)
+}
+
+/// Where a function is least between two sizes, within this, by the golden section.
+fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64) -> f64 {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let inner = |from: f64, to: f64| [to - ratio * (to - from), from + ratio * (to - from)];
+    let [mut a, mut b] = inner(from, to);
+    let [mut of_a, mut of_b] = [a, b].map(&of);
+    while (to - from).abs() > within {
+        if of_a < of_b {
+            (to, b, of_b) = (b, a, of_a);
+            a = inner(from, to)[0];
+            of_a = of(a);
+        } else {
+            (from, a, of_a) = (a, b, of_b);
+            b = inner(from, to)[1];
+            of_b = of(b);
+        }
+    }
+    0.5 * (from + to)
 }

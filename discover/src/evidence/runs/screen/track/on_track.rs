@@ -61,11 +61,6 @@ impl Campaign<'_> {
             let known = [self.tolerance(candidate), sd];
             channel.take(residual_model, &self.training, candidate, known);
         }
-        if channel.says(sd, self.rules().alpha_track) {
-            for (c, candidate) in list.iter().enumerate() {
-                channel.scan(c, (residual_model, &self.training), candidate, sd);
-            }
-        }
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
                 "no [survey] in the model: a slope deviation of {} rad is assumed",
