@@ -245,9 +245,7 @@ impl Evidence for Maps<'_> {
             &self.training,
             &fit.active,
             &mut self.first_steps,
-            (self.options.rules.maps.least_drop, &|name| {
-                self.options.looks_for(name)
-            }),
+            self.options,
             &|name| progress(&format!("screen {number}: {name}")),
         );
         self.next = None;

@@ -8,6 +8,7 @@ use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::report::Detectable;
+use crate::options::Options;
 use crate::procedure::rules::Rules;
 
 /// Lines that are followed at a time.
@@ -26,7 +27,7 @@ pub fn screen_maps(
     simulations: &Simulations,
     active: &SizedEffects,
     steps: &mut Steps,
-    (least_drop, looks_for): (f64, &dyn Fn(&str) -> bool),
+    options: &Options,
     progress: &dyn Fn(&str),
 ) -> Vec<LineSearch> {
     let chi2 = match simulations.searching(active) {
@@ -38,7 +39,7 @@ pub fn screen_maps(
     for effect in CATALOGUE {
         let name = effect.info().name;
         let on = active.iter().any(|(e, _)| e.info().name == name);
-        if on || !looks_for(name) || (!mapped && effect.search.needs_map) {
+        if on || !options.looks_for(name) || (!mapped && effect.search.needs_map) {
             continue;
         }
         progress(name);
@@ -56,7 +57,7 @@ pub fn screen_maps(
         let mut moved = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let near = place < FOLLOWED || round < 2;
-            let promising = chi2 - line.promise() >= least_drop && near;
+            let promising = chi2 - line.promise() >= options.rules.maps.least_drop && near;
             let bent = is_bent(line.effect) && round < 3;
             if line.settled || !(promising || bent) {
                 continue;

@@ -6,12 +6,13 @@
 
 use kufe_sled::GRAVITY;
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{between_drivers, by_bin, mean};
+use crate::evidence::runs::screen::track::chance::{angle, by_chance, inflation, least, two_sided};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
@@ -34,6 +35,8 @@ pub struct TrackChannel {
     rows: Vec<Vec<f64>>,
     /// What each candidate changes in each bin, per unit, as it does at the size that it has by the channel itself.
     directions: Vec<Vec<f64>>,
+    /// How far the direction of each candidate turns over the sizes that it may have [rad].
+    turns: Vec<f64>,
     /// Standard deviation that an installation leaves open of each candidate, in its unit.
     tolerances: Vec<f64>,
     /// By how much more the bins' means scatter together than single ones do.
@@ -85,6 +88,7 @@ impl TrackChannel {
             bins,
             rows,
             directions: Vec::new(),
+            turns: Vec::new(),
             tolerances: Vec::new(),
             scatter: common.sqrt(),
             width,
@@ -110,9 +114,9 @@ impl TrackChannel {
             change.iter().map(|x| x / size).collect()
         };
         let w = self.weights(slope_sd);
-        let left = |size: f64| -> f64 {
-            let change = self.change(residual_model, frames, candidate, size);
-            let both = self.bins.iter().zip(&change).zip(&w);
+        let of = |size: f64| self.change(residual_model, frames, candidate, size);
+        let left = |change: &[f64]| -> f64 {
+            let both = self.bins.iter().zip(change).zip(&w);
             both.map(|((bin, change), w)| w * (bin.2 - change).powi(2))
                 .sum()
         };
@@ -129,12 +133,17 @@ impl TrackChannel {
             tried *= RATIO;
         }
         sizes.retain(|size| (low..=high).contains(size) && size.abs() > small);
-        let of_sizes: Vec<f64> = sizes.par_iter().map(|size| left(*size)).collect();
-        let best = (0..sizes.len()).min_by(|a, b| of_sizes[*a].total_cmp(&of_sizes[*b]));
+        sizes.sort_by(f64::total_cmp);
+        let changes: Vec<Vec<f64>> = sizes.par_iter().map(|size| of(*size)).collect();
+        let best =
+            (0..sizes.len()).min_by(|a, b| left(&changes[*a]).total_cmp(&left(&changes[*b])));
         let exact = best.map(|k| {
             let about = [sizes[k] / RATIO, sizes[k] * RATIO];
-            per_unit(least(left, about, FOUND * sizes[k].abs()))
+            per_unit(least(|size| left(&of(size)), about, FOUND * sizes[k].abs()))
         });
+        let steps = changes.windows(2);
+        self.turns
+            .push(steps.map(|pair| angle(&pair[0], &pair[1], &w)).sum());
         self.tolerances.push(tolerance);
         self.directions.push(exact.unwrap_or(direct));
     }
@@ -195,7 +204,8 @@ impl TrackChannel {
         TrackScore {
             size,
             error,
-            p_value: (two_sided(size / error) * self.directions.len() as f64).min(1.0),
+            p_value: (by_chance(size / error, self.turns[c]) * self.directions.len() as f64)
+                .min(1.0),
         }
     }
 
@@ -298,44 +308,4 @@ impl TrackChannel {
             excess.max(0.0).sqrt() / GRAVITY,
         )
     }
-}
-
-fn two_sided(z: f64) -> f64 {
-    Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
-}
-
-/// How much larger the variance of a mean over bins is for what neighbours have in common, by the correlation of these values from one bin
-/// to the next: `(1 + rho) / (1 - rho)`.
-fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
-    let neighbours = bins.windows(2).zip(values.windows(2));
-    let products: Vec<f64> = neighbours
-        .filter(|(bins, _)| bins[0].0 == bins[1].0)
-        .map(|(_, pair)| (pair[0] - mean) * (pair[1] - mean))
-        .collect();
-    let lag = products.iter().sum::<f64>() / products.len().max(1) as f64;
-    let rho = (lag / square.max(1e-300)).clamp(0.0, 0.9);
-    (1.0 + rho) / (1.0 - rho)
-}
-
-/// Where a function is least between two sizes, within this, by the golden section.
-fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64) -> f64 {
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let inner = |from: f64, to: f64| [to - ratio * (to - from), from + ratio * (to - from)];
-    let [mut a, mut b] = inner(from, to);
-    let [mut of_a, mut of_b] = [a, b].map(&of);
-    while (to - from).abs() > within {
-        if of_a < of_b {
-            (to, b, of_b) = (b, a, of_a);
-            a = inner(from, to)[0];
-            of_a = of(a);
-        } else {
-            (from, a, of_a) = (a, b, of_b);
-            b = inner(from, to)[1];
-            of_b = of(b);
-        }
-    }
-    0.5 * (from + to)
 }

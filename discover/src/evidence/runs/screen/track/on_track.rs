@@ -93,12 +93,14 @@ impl Campaign<'_> {
         })
     }
 
-    /// What the accelerometer's tolerance leaves open of a candidate of the track channel, a standard deviation in its unit.
+    /// What tolerances of accelerometer and clocks leave open of a candidate of the track channel, a standard deviation in its unit.
     fn tolerance(&self, candidate: &Candidate<Amplitude>) -> f64 {
-        let bias = self.model.tolerances.unwrap_or_default().accel_bias_mps2;
+        let known = self.model.tolerances.unwrap_or_default();
         match candidate.unit.as_str() {
-            "rad" => bias / GRAVITY,
-            "m/s2" => bias,
+            "rad" => known.accel_bias_mps2 / GRAVITY,
+            "m/s2" => known.accel_bias_mps2,
+            // Of the speed beside the accelerometer, each of which may be late.
+            "s" => known.delay_s * std::f64::consts::SQRT_2,
             _ => 0.0,
         }
     }

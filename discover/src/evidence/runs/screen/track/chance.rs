@@ -1,0 +1,94 @@
+//! What stands out by chance where a candidate turns with its size, and where it leaves least.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Angle between two changes of the bins, whatever their signs \[rad\].
+pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
+    let dot =
+        |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).zip(w).map(|((x, y), w)| x * y * w).sum() };
+    let square = (dot(a, a) * dot(b, b)).max(1e-300);
+    (dot(a, b).abs() / square.sqrt()).min(1.0).acos()
+}
+
+/// Probability that the best of the directions between which a candidate turns by so much stands out by `z` or more, either way: that of
+/// one, and a bound on how often `z` is crossed on the way (Davies 1987, `turn / pi * exp(-z^2 / 2)`).
+pub fn by_chance(z: f64, turn: f64) -> f64 {
+    two_sided(z) + turn / std::f64::consts::PI * (-0.5 * z * z).exp()
+}
+
+pub fn two_sided(z: f64) -> f64 {
+    Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
+}
+
+/// How much larger the variance of a mean over bins is for what neighbours have in common, by the correlation of these values from one bin
+/// to the next: `(1 + rho) / (1 - rho)`.
+pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    let neighbours = bins.windows(2).zip(values.windows(2));
+    let products: Vec<f64> = neighbours
+        .filter(|(bins, _)| bins[0].0 == bins[1].0)
+        .map(|(_, pair)| (pair[0] - mean) * (pair[1] - mean))
+        .collect();
+    let lag = products.iter().sum::<f64>() / products.len().max(1) as f64;
+    let rho = (lag / square.max(1e-300)).clamp(0.0, 0.9);
+    (1.0 + rho) / (1.0 - rho)
+}
+
+/// Where a function is least between two sizes, within this, by the golden section.
+pub fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64) -> f64 {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let inner = |from: f64, to: f64| [to - ratio * (to - from), from + ratio * (to - from)];
+    let [mut a, mut b] = inner(from, to);
+    let [mut of_a, mut of_b] = [a, b].map(&of);
+    while (to - from).abs() > within {
+        if of_a < of_b {
+            (to, b, of_b) = (b, a, of_a);
+            a = inner(from, to)[0];
+            of_a = of(a);
+        } else {
+            (from, a, of_a) = (a, b, of_b);
+            b = inner(from, to)[1];
+            of_b = of(b);
+        }
+    }
+    0.5 * (from + to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half a turn in a plane meets every direction of it: what stands out most is the length of two normal variates, which is beyond `z`
+    /// with probability `exp(-z^2 / 2)`.
+    #[test]
+    fn what_the_best_of_all_directions_of_a_plane_shows_by_chance_is_bounded_closely() {
+        for z in [2.5, 3.5, 5.0] {
+            let exact = f64::exp(-0.5 * z * z);
+            let bound = by_chance(z, std::f64::consts::PI);
+            assert!(
+                bound >= exact && bound < 1.3 * exact,
+                "{z}: {bound} of {exact}"
+            );
+            assert_eq!(by_chance(z, 0.0), two_sided(z));
+        }
+    }
+
+    #[test]
+    fn directions_turn_by_the_angle_between_them_whatever_their_signs() {
+        let w = [1.0, 4.0];
+        assert!((angle(&[1.0, 0.0], &[0.0, -0.5], &w) - 0.5 * std::f64::consts::PI).abs() < 1e-12);
+        assert!((angle(&[1.0, 0.0], &[-1.0, 0.5], &w) - 0.25 * std::f64::consts::PI).abs() < 1e-12);
+        assert!(angle(&[1.0, 2.0], &[-2.0, -4.0], &w) < 1e-7);
+    }
+
+    #[test]
+    fn the_least_of_a_parabola_is_found_from_either_side() {
+        for (from, to) in [(1.0, 4.0), (-4.0, -1.0)] {
+            let middle = 0.4 * from + 0.6 * to;
+            let found = least(|x| (x - middle).powi(2), [from, to], 1e-6);
+            assert!((found - middle).abs() < 1e-6, "{found}");
+        }
+    }
+}
