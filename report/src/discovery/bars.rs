@@ -267,8 +267,8 @@ fn runs_drawn(of: Data, width: f64) -> String {
 /// `column from to unit`.
 pub fn range(bin: Data) -> String {
     let unit = unit_of(bin.text("column"));
-    let (from, shown) = usual(bin.number("from"), unit);
-    let (to, _) = usual(bin.number("to"), unit);
+    let (from, shown) = usual(bin.number("from"), &unit);
+    let (to, _) = usual(bin.number("to"), &unit);
     format!(
         "{} {} to {} {shown}",
         bin.text("column"),

@@ -34,7 +34,7 @@ fn drawn(plot: Data, width: f64) -> String {
     let frame = Frame::around(&x, &ends, width);
     let mut svg = frame.open(plot.text("label"));
     let column = plot.text("x_name");
-    let name = match unit_of(column) {
+    let name = match &*unit_of(column) {
         "" => column.to_owned(),
         unit => format!("{column} [{unit}]"),
     };

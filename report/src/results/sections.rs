@@ -169,7 +169,7 @@ fn pairs(out: &mut String, figures: &[Entry]) {
         let scale = Scale::of(figure.unit(), length);
         let text = match figure.largest() < NOTHING * length {
             true => format!("0 {}", scale.unit),
-            false => figure.in_unit(scale),
+            false => figure.in_unit(&scale),
         };
         let _ = writeln!(out, "<tr><td>{}<td>{text}", escape(&figure.name));
     }
@@ -199,7 +199,7 @@ fn beside(out: &mut String, group: &[(&str, &Value)]) {
         for column in &columns {
             let entry = column.iter().find(|entry| entry.name == *name);
             let text = entry.map_or(String::new(), |entry| {
-                entry.in_unit(Scale::of(entry.unit(), entry.largest()))
+                entry.in_unit(&Scale::of(entry.unit(), entry.largest()))
             });
             let _ = write!(out, "<td>{text}");
         }
