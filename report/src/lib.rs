@@ -28,6 +28,7 @@ mod pack;
 mod page;
 mod record;
 mod results;
+mod sign;
 
 pub use discovery::discovery_page;
 pub use grid::Grid;

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 
 use kufe_plot::number4;
 
+use crate::sign::sign;
+
 /// A unit as files have it, and what stands for it from which size on, the largest first: the least size, how many of it make one, and its sign.
 type Ladder = (&'static str, &'static [(f64, f64, &'static str)]);
 
@@ -57,16 +59,6 @@ const LADDERS: [Ladder; 14] = [
     ("1e-3", &[(0.0, 1e3, "10⁻³")]),
 ];
 
-/// Signs of units that no size changes.
-const SIGNS: [(&str, &str); 6] = [
-    ("kg m2", "kg m²"),
-    ("kg/m3", "kg/m³"),
-    ("rad/s2", "rad/s²"),
-    ("m/s2", "m/s²"),
-    ("deg C", "°C"),
-    ("deg", "°"),
-];
-
 /// What numbers are shown in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
@@ -96,10 +88,9 @@ impl Scale {
                 };
             }
         }
-        let sign = SIGNS.iter().find(|(known, _)| *known == unit);
         Scale {
             times: 1.0,
-            unit: sign.map_or(unit, |(_, sign)| Cow::Borrowed(sign)),
+            unit: Cow::Owned(sign(&unit)),
         }
     }
 

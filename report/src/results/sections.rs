@@ -62,8 +62,11 @@ fn top(out: &mut String, fields: &Map<String, Value>) {
         let mut inner = String::new();
         pairs(&mut inner, &further);
         if !none.is_empty() {
-            let none: Vec<String> = none.iter().map(|key| escape(&name_of(key))).collect();
-            let _ = writeln!(inner, "<p>None: {}.</p>", none.join(", "));
+            let none: Vec<String> = none
+                .iter()
+                .map(|key| format!("{}: none", escape(&name_of(key))))
+                .collect();
+            let _ = writeln!(inner, "<p>{}</p>", none.join("; "));
         }
         match alone || further.len() <= FEW {
             true => out.push_str(&inner),
