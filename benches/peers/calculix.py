@@ -197,13 +197,13 @@ def main():
         at = levels[-1]
         pair = lambda name, scale: ", ".join(f"{scale * at[program][name]:.2f}" for program in ["kufe", "CalculiX"])
         print(
-            f"| {cells} | {at['dofs']} | {FORCE:.1f}, {at['force']:.1f} N | {pair('peak', 1)} MPa | {pair('approach', 1e6)} um "
+            f"| {cells} | {at['dofs']} | {FORCE:.1f}, {at['force']:.1f} N | {pair('peak', 1)} MPa | {pair('approach', 1e6)} µm "
             f"| {100 * at['maps']:.1f} % | {at['cpu'][0]:.1f}, {at['cpu'][1]:.1f} s |",
             flush=True,
         )
     good = True
     print()
-    for name, scale, unit in [("peak", 1, "MPa"), ("approach", 1e6, "um")]:
+    for name, scale, unit in [("peak", 1, "MPa"), ("approach", 1e6, "µm")]:
         found = {program: limit(CELLS, [scale * at[program][name] for at in levels]) for program in ["kufe", "CalculiX"]}
         (ours, our_error), (theirs, their_error) = found["kufe"], found["CalculiX"]
         finest = [scale * levels[-1][program][name] for program in ["kufe", "CalculiX"]]

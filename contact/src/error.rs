@@ -12,6 +12,25 @@ fn plain(value: f64) -> String {
     format!("{value:e}")
 }
 
+/// A share in per cent with three significant digits, however small.
+fn percent(share: f64) -> String {
+    let percent = 1e2 * share;
+    if percent == 0.0 || !percent.is_finite() {
+        return format!("{percent} %");
+    }
+    // As it is rounded: 9.996 is 10.0.
+    let rounded = format!("{percent:.2e}");
+    let power: i32 = rounded
+        .rsplit_once('e')
+        .and_then(|(_, power)| power.parse().ok())
+        .unwrap_or(0);
+    match 2 - power {
+        digits @ 0..=8 => format!("{percent:.*} %", digits as usize),
+        ..0 => format!("{percent:.0} %"),
+        _ => format!("{rounded} %"),
+    }
+}
+
 /// The figure whose error a solve is judged by, and how much larger than the peak's that error may be.
 fn watched(best: &Solution) -> (&'static str, f64) {
     match best.hardness {
@@ -234,8 +253,8 @@ pub enum Error {
     },
     /// The accuracy asked was not reached within the largest mesh allowed.
     #[error(
-        "estimated error of {} {:.3} % with {dofs} unknowns, asked {:.3} %{}",
-        watched(best).0, 1e2 * watched(best).1 * estimate, 1e2 * watched(best).1 * tolerance,
+        "estimated error of {} {} with {dofs} unknowns, asked {}{}",
+        watched(best).0, percent(watched(best).1 * estimate), percent(watched(best).1 * tolerance),
         coarse(*estimate <= *tolerance, *finest)
     )]
     AccuracyNotReached {
@@ -252,9 +271,9 @@ pub enum Error {
     },
     /// The accuracy asked of a sliding contact was not reached within the largest mesh allowed.
     #[error(
-        "estimated error {:.3} % (the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
-         unknowns, asked {:.3} %",
-        1e2 * estimate, 1e2 * tolerance
+        "estimated error {} (the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
+         unknowns, asked {}",
+        percent(*estimate), percent(*tolerance)
     )]
     SlidingAccuracyNotReached {
         /// Unknowns of the finest solve.
@@ -297,4 +316,33 @@ pub enum Error {
 /// A length of four digits, without zeros at its end [m].
 fn short(length: f64) -> f64 {
     format!("{length:.3e}").parse().unwrap_or(length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_accuracy_is_told_with_three_digits_however_small() {
+        for (share, told) in [
+            (0.416e-2, "0.416 %"),
+            (1e-5, "0.00100 %"),
+            (2.34e-7, "0.0000234 %"),
+            (1e-12, "1.00e-10 %"),
+            (0.099_96, "10.0 %"),
+            (3.0, "300 %"),
+            (12.345, "1234 %"),
+            (0.0, "0 %"),
+        ] {
+            assert_eq!(percent(share), told, "{share}");
+        }
+        let short = Error::SlidingAccuracyNotReached {
+            dofs: 7,
+            estimate: 4e-6,
+            tolerance: 2.5e-6,
+        };
+        let said = short.to_string();
+        assert!(said.contains(" 0.000400 % "), "{said}");
+        assert!(said.ends_with("asked 0.000250 %"), "{said}");
+    }
 }

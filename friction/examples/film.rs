@@ -18,7 +18,7 @@ fn main() -> Result<(), kufe_friction::Error> {
         .map(|xi| hardness * ellipse(((xi - front) / (length - front)).clamp(0.0, 1.0)));
     let strip = Strip::new(stations.clone(), widths.collect(), pressures.collect())?;
 
-    println!("ice [C]  speed [m/s]  friction [1e-3]   +-       film [um]  into ice [%]");
+    println!("ice [C]  speed [m/s]  friction [1e-3]   +-       film [µm]  into ice [%]");
     let mut table = Vec::new();
     for ice_temperature in [-10.0, -5.0, -2.0] {
         for v in [5.0, 15.0, 35.0] {

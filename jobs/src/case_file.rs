@@ -182,7 +182,7 @@ impl LoadedCase {
             Some(coarse) => {
                 let would_do = match hull.noise.found > 0.0 {
                     true => format!(
-                        "noise of {:.3} um where there is {:.3} um, or vertices {:.1} times closer both ways, would do",
+                        "noise of {:.3} µm where there is {:.3} µm, or vertices {:.1} times closer both ways, would do",
                         1e6 * hull.noise.found * coarse.noise_share(),
                         1e6 * hull.noise.found,
                         1.0 / coarse.noise_share()
@@ -190,8 +190,8 @@ impl LoadedCase {
                     false => "give it a finer surface".into(),
                 };
                 Err(Failure::BadInput(format!(
-                    "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} um, \
-                     the ice is pressed in by {:.3} um; expected at most {:.3} um: {would_do}",
+                    "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
+                     the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {would_do}",
                     self.name,
                     self.hull_key(),
                     1e6 * coarse.error,

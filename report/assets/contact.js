@@ -153,7 +153,7 @@ function headlineOf(result, parts) {
     ...hullOf(result),
     ...checkOf(result),
     [`${figure(1e-6 * result.p_mean_pa)} MPa`, `mean pressure${within(1e-6 * result.p_mean_error_pa, "MPa")}`],
-    [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, ${parts > 1 ? "from end to end" : "length"}${within(1e3 * result.length_error_m, "mm")} \u00d7 width${within(1e3 * result.width_error_m, "mm")}`],
+    [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, ${parts > 1 ? "from end to end" : "length"}${within(1e3 * result.length_error_m, "mm").slice(1)} \u00d7 width${within(1e3 * result.width_error_m, "mm").slice(1)}`],
     [`${figure(1e6 * result.area_m2)} mm\u00b2`, `contact area${within(1e6 * result.area_error_m2, "mm\u00b2")}`],
     [metres(result.approach_m, 4), `approach${within(1e6 * result.approach_error_m, "\u00b5m")}`],
     [`${figure(result.fz_n)} N`, "normal force"],

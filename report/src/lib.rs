@@ -10,7 +10,6 @@
 //! | [`discovery_page`] | what a search for missing effects has found: tables and diagrams without scripts |
 //! | [`results_page`] | what any other command has written: its pictures, and its figures as tables |
 //! | [`record_page`] | what is wrong and odd in recorded runs, worst first, without scripts |
-//! | [`with_micro`] | a command's text with the sign of micrometres |
 //! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
 //! | [`POLICY`] | the content security policy that every page carries |
@@ -29,10 +28,11 @@ mod pack;
 mod page;
 mod record;
 mod results;
+mod sign;
 
 pub use discovery::discovery_page;
 pub use grid::Grid;
 pub use pack::pack;
-pub use page::{Kind, POLICY, page, with_micro};
+pub use page::{Kind, POLICY, page};
 pub use record::record_page;
 pub use results::{Picture, picture_url, results_page};

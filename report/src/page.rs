@@ -99,21 +99,6 @@ pub fn escape(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// Text of a command, which writes "um" where a terminal may have no other letter, with the unit's own sign.
-pub fn with_micro(text: &str) -> String {
-    let mut out = String::new();
-    let mut pieces = text.split(" um").peekable();
-    while let Some(piece) = pieces.next() {
-        out.push_str(piece);
-        if let Some(next) = pieces.peek() {
-            let unit = piece.ends_with(|c: char| c.is_ascii_digit())
-                && !next.starts_with(|c: char| c.is_alphanumeric());
-            out.push_str(if unit { " µm" } else { " um" });
-        }
-    }
-    out
-}
-
 /// JSON that cannot end the script element that it stands in.
 fn embedded(data: &Value) -> String {
     data.to_string().replace('<', "\\u003c")
@@ -130,14 +115,6 @@ mod tests {
         let html = page(Kind::Press, "a & b", &data);
         assert!(html.contains("<title>a &amp; b</title>"));
         assert!(html.contains("\\u003c/script>\\u003cb>{{title}}"));
-    }
-
-    #[test]
-    fn micrometres_have_their_sign_and_words_stay() {
-        assert_eq!(
-            with_micro("noise of 0.3 um where there is 2 um, um 5 umbrellas"),
-            "noise of 0.3 µm where there is 2 µm, um 5 umbrellas"
-        );
     }
 
     #[test]

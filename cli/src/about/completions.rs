@@ -40,7 +40,7 @@ pub struct ManArgs {
     pub markdown: Option<PathBuf>,
 }
 
-/// Writes kufe.1 and one page for each command.
+/// Writes kufe.1 and one page for each command, those within commands too: kufe-lut-query.1.
 ///
 /// # Errors
 /// [`Failure::BadInput`] where the folder cannot be written.
@@ -49,19 +49,14 @@ pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), 
         let page = reference::page(&command);
         return write_whole(path, |writer| writer.write_all(page.as_bytes()));
     }
+    command = command.disable_help_subcommand(true);
     command.build();
     let staging = Staging::begin(&args.out)?;
-    let mut pages = vec![("kufe.1".to_string(), command.clone())];
-    pages.extend(
-        command
-            .get_subcommands()
-            .filter(|sub| sub.get_name() != "help")
-            .map(|sub| (format!("kufe-{}.1", sub.get_name()), sub.clone())),
-    );
-    let count = pages.len();
-    for (name, page) in pages {
-        staging.write(&name, |mut file| {
-            clap_mangen::Man::new(page)
+    let mut pages = Vec::new();
+    below(&mut pages, &command, "kufe");
+    for (name, page) in &pages {
+        staging.write(&format!("{name}.1"), |mut file| {
+            clap_mangen::Man::new((*page).clone())
                 .source(concat!("kufe ", env!("CARGO_PKG_VERSION")))
                 .render(&mut file)
         })?;
@@ -69,9 +64,20 @@ pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), 
     staging.commit()?;
     if !global.quiet {
         say(&format!(
-            "{count} pages written to {}\n",
+            "{} pages written to {}\n",
+            pages.len(),
             args.out.display()
         ));
     }
     Ok(())
+}
+
+/// A command and all within it, each after the one that it belongs to, with its page's name.
+fn below<'a>(pages: &mut Vec<(String, &'a Command)>, command: &'a Command, name: &str) {
+    pages.push((name.to_owned(), command));
+    for sub in command.get_subcommands() {
+        if !sub.is_hide_set() {
+            below(pages, sub, &format!("{name}-{}", sub.get_name()));
+        }
+    }
 }

@@ -123,7 +123,7 @@ fn write_calculix(
         say(&format!("{facts:#}\n"));
     } else if !global.quiet {
         say(&format!(
-            "{}: {} unknowns; pressed in by {:.4} um they bear {:.3} N at a peak of {:.4} MPa here\n",
+            "{}: {} unknowns; pressed in by {:.4} µm they bear {:.3} N at a peak of {:.4} MPa here\n",
             out.display(),
             solution.dofs,
             1e6 * solution.approach,

@@ -278,9 +278,9 @@ fn text(check: &Check, found: &Found) -> String {
         "  near the keel: triangles of {:.3} mm, noise {}",
         1e3 * found.sampling.spacing,
         match (stated(&found.sampling), unseen(&found.sampling)) {
-            (Some(noise), _) => format!("{:.3} um", 1e6 * noise),
+            (Some(noise), _) => format!("{:.3} µm", 1e6 * noise),
             (None, 0.0) => "none".to_owned(),
-            (None, unseen) => format!("none; less than {:.3} um would not show", 1e6 * unseen),
+            (None, unseen) => format!("none; less than {:.3} µm would not show", 1e6 * unseen),
         }
     );
     if let Some([x, y]) = found.beyond {
@@ -311,12 +311,12 @@ fn text(check: &Check, found: &Found) -> String {
 fn verdict(judged: &Judged, sampling: &Sampling) -> String {
     let [fz, approach] = [judged.fz, 1e6 * judged.approach];
     match &judged.coarse {
-        None => format!("{fz} N: fine enough (approach {approach:.1} um)"),
+        None => format!("{fz} N: fine enough (approach {approach:.1} µm)"),
         Some(coarse) => {
             let (noise, spacing) = would_do(coarse, sampling);
-            let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} um or ", 1e6 * n));
+            let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} µm or ", 1e6 * n));
             format!(
-                "{fz} N: too coarse (approach {approach:.1} um): the fit is known to {:.2} um where {:.2} are needed; {noise}triangles of \
+                "{fz} N: too coarse (approach {approach:.1} µm): the fit is known to {:.2} µm where {:.2} are needed; {noise}triangles of \
                  {:.3} mm would do",
                 1e6 * coarse.error,
                 1e6 * coarse.allowed,

@@ -189,7 +189,7 @@ fn table(runners: &[Runner]) -> String {
         .unwrap_or(0)
         .max(6);
     let mut text = format!(
-        "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   groove [um]  film [um]\n",
+        "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   groove [µm]  film [µm]\n",
         "runner"
     );
     for (runner, point) in runners

@@ -200,31 +200,11 @@ fn single(key: &str, value: &Value) -> String {
 /// A number with the unit that its key ends in; whole ones that need no digits more as they are.
 fn with_unit(key: &str, number: f64) -> String {
     let whole = number.fract() == 0.0 && number.abs() < 1e15;
-    match &*unit(key) {
+    match &*unit_of(key) {
         "" if whole => number.to_string(),
         "" => number4(number),
         "bytes" => format!("{number} bytes"),
         unit => quantity(number, unit),
-    }
-}
-
-/// The unit that a key ends in, `k_n_per_rad` and `slope_per_k` among them.
-fn unit(key: &str) -> String {
-    // A coefficient, whatever its name ends in: mu_zeta_c is no temperature.
-    if key.starts_with("mu_") {
-        return String::new();
-    }
-    let Some((above, below)) = key.rsplit_once("_per_") else {
-        return unit_of(key).to_owned();
-    };
-    let above = match unit_of(above) {
-        "" => "1",
-        unit => unit,
-    };
-    match (below, unit_of(&format!("_{below}"))) {
-        ("k", _) => format!("{above}/K"),
-        (below, "") => format!("{above}/{below}"),
-        (_, unit) => format!("{above}/{unit}"),
     }
 }
 

@@ -212,12 +212,12 @@ fn shown(quantity: Quantity) -> (&'static str, f64, usize, &'static str) {
         Quantity::Area => ("contact area", 1e6, 4, "mm2"),
         Quantity::Length => ("contact length", 1e3, 2, "mm"),
         Quantity::Width => ("contact width", 1e3, 4, "mm"),
-        Quantity::Approach => ("approach", 1e6, 3, "um"),
+        Quantity::Approach => ("approach", 1e6, 3, "µm"),
         Quantity::Mu => ("friction mu", 1e3, 4, "1e-3"),
         Quantity::MuPloughing => ("  of ploughing", 1e3, 4, "1e-3"),
         Quantity::MuViscous => ("  of the film", 1e3, 4, "1e-3"),
-        Quantity::GrooveDepth => ("groove", 1e6, 2, "um deep"),
-        Quantity::FilmMean => ("film, mean", 1e6, 4, "um"),
+        Quantity::GrooveDepth => ("groove", 1e6, 2, "µm deep"),
+        Quantity::FilmMean => ("film, mean", 1e6, 4, "µm"),
     }
 }
 

@@ -75,7 +75,7 @@ pub fn text(pressed: &Pressed, [p_max_map, stress_max]: [f64; 2], out: &Path) ->
         (
             "approach",
             format!(
-                "{:.3} um +- {:.3}",
+                "{:.3} µm +- {:.3}",
                 solution.approach * 1e6,
                 solution.approach_error * 1e6
             ),
@@ -104,7 +104,7 @@ pub fn text(pressed: &Pressed, [p_max_map, stress_max]: [f64; 2], out: &Path) ->
         let residual = hull.underside.quality().residual_rms;
         let share = 1e2 * residual / solution.approach;
         let fit = format!(
-            "{:.4} um from the hull's vertices ({share:.2} % of the approach)",
+            "{:.4} µm from the hull's vertices ({share:.2} % of the approach)",
             1e6 * residual
         );
         rows.insert(rows.len() - 2, ("hull's fit", fit));
@@ -251,7 +251,7 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
         (
             "groove",
             format!(
-                "{} um deep, {:.4} mm2",
+                "{} µm deep, {:.4} mm2",
                 with(slid.groove.deepest, 1e6, 2),
                 slid.groove.profile.area() * 1e6
             ),
@@ -277,7 +277,7 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
         (
             "film",
             format!(
-                "{:.3} um on average, at most {:.3} um",
+                "{:.3} µm on average, at most {:.3} µm",
                 1e6 * film.totals.mean_thickness,
                 1e6 * thickest
             ),

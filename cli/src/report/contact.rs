@@ -6,7 +6,7 @@ use kufe_contact::{PressureMap, parted};
 use kufe_jobs::Failure;
 use kufe_jobs::field::read_exr::read_map;
 use kufe_mesh::{Hull, HullOptions, load_hull};
-use kufe_report::{Grid, Kind, pack, page as html, with_micro};
+use kufe_report::{Grid, Kind, pack, page as html};
 use serde_json::{Value, json};
 
 use crate::output::documents::without_idle_steel;
@@ -94,9 +94,6 @@ pub fn contact(
         }
     }
     without_idle_steel(&mut case);
-    for warning in warnings.as_array_mut().into_iter().flatten() {
-        *warning = json!(with_micro(warning.as_str().unwrap_or_default()));
-    }
     json!({
         "title": title,
         "name": name,

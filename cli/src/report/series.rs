@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_jobs::Failure;
-use kufe_report::{Kind, page as html, with_micro};
+use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
 use crate::report::folder_name::folder_name;
@@ -18,12 +18,7 @@ const MOST: usize = 5000;
 pub fn page(folder: &Path) -> Result<String, Failure> {
     let path = folder.join("table.json");
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let mut rows = read_json(&path, LONGEST)?;
-    for row in rows.as_array_mut().into_iter().flatten() {
-        if let Some(Value::String(error)) = row.get_mut("error") {
-            *error = with_micro(error);
-        }
-    }
+    let rows = read_json(&path, LONGEST)?;
     let list = rows
         .as_array()
         .filter(|list| list.iter().all(Value::is_object))

@@ -23,7 +23,7 @@ use crate::groove::solution::{Groove, Measure, SlidingMesh, SlidingSolution};
 use crate::problem::gap::Gap;
 use crate::result::answer::Answer;
 use crate::result::pressure::{Field, Pressure};
-use crate::{Error, Options, Problem, Solution};
+use crate::{Error, Options, Problem};
 
 /// Cells over half the patch while it is being found.
 const SCOUTING: Resolution = Resolution {
@@ -239,6 +239,13 @@ impl SlidingMeshes<'_> {
         let pressure = self.pressure(&mesh, &slid);
         let m = self.measures[self.measures.len() - 1];
         let depth = unfolded(&slid.depth, &mesh);
+        let nx = mesh.grid.x.len();
+        // The groove is followed from the front to the back: ahead is the ice as it came.
+        let came = |n: usize| slid.depth[n - n % nx + nx - 1];
+        let grown: Vec<f64> = (0..slid.depth.len())
+            .map(|n| slid.depth[n] - came(n))
+            .collect();
+        let yielded = unfolded(&grown, &mesh);
         // The ice that is met lies lower by the groove.
         for (gap, depth) in mesh.contact.gap.iter_mut().zip(&slid.depth) {
             *gap += depth;
@@ -269,13 +276,12 @@ impl SlidingMeshes<'_> {
             length_error,
             relative: errors.largest(&m),
         };
-        let under_peak = self.under.under_peak(0.0, 0.0);
+        let mut contact = answer.solution(limits, Vec::new());
+        contact.under_peak = self.under.under_peak(0.0, 0.0);
+        contact.surface.yielded = yielded;
         let of = |value, error| Measure { value, error };
         SlidingSolution {
-            contact: Solution {
-                under_peak,
-                ..answer.solution(limits, Vec::new())
-            },
+            contact,
             groove: Groove {
                 deepest: of(m.depth, errors.depth),
                 ploughing: of(m.ploughing, errors.ploughing),

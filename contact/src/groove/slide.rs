@@ -37,7 +37,7 @@ use crate::{Error, Method, Options, Problem};
 /// let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.004)?));
 /// let problem = Problem::new(runner, ice, Load::central(950.0, Tilt::LEVEL));
 /// let solution = slide(&problem, None, &Options { cells: Some(8), ..Options::default() })?;
-/// // A groove of 36 um; ploughing it is some 5e-4 of the load.
+/// // A groove of 36 µm; ploughing it is some 5e-4 of the load.
 /// assert!((solution.groove.deepest.value / 35.6e-6 - 1.0).abs() < 0.03);
 /// assert!((solution.groove.ploughing.value / 950.0 / 4.77e-4 - 1.0).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

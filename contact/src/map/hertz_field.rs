@@ -18,6 +18,7 @@ pub fn ellipse(a: f64, b: f64, peak: f64) -> SurfaceField {
         y: y.clone(),
         pressure: Vec::new(),
         gap: Vec::new(),
+        yielded: vec![0.0; x.len() * y.len()],
         uz: Vec::new(),
     };
     for &yj in &y {

@@ -93,6 +93,7 @@ fn cropped(field: &SurfaceField, columns: Range<usize>) -> SurfaceField {
         y: field.y.clone(),
         pressure: crop(&field.pressure),
         gap: crop(&field.gap),
+        yielded: crop(&field.yielded),
         uz: crop(&field.uz),
     }
 }
@@ -127,6 +128,7 @@ mod tests {
             x,
             y: vec![0.0, 1.0, 2.0],
             gap: vec![0.0; pressure.len()],
+            yielded: vec![0.0; pressure.len()],
             uz: vec![0.0; pressure.len()],
             pressure,
         }

@@ -22,8 +22,9 @@ const LEAST: f64 = 0.1;
 /// its hat function, which reaches out of the contact. So nodes with an open one among their eight neighbours, and the open ones
 /// beside them, take the value of a paraboloid (weighted least squares) through the nodes around, which those within decide. Where
 /// that does not fall outwards (an edge of the hull) or has too few nodes, the rim lies half-way between nodes. Beside nodes that
-/// bear all they can, `bound` [Pa], it lies where the overlap ends, if there is one, and else half-way too; a node there that bears
-/// a part of it is one over which the rim goes, half of whose hat function presses where it bears half.
+/// bear all they can, `bound` [Pa], it lies where the ice begins to yield: where the overlap with the elastic surface is zero, or, of a
+/// runner that slides, where its groove begins. A node there that bears a part of it, in ice that has not yielded, is one over which
+/// the rim goes, half of whose hat function presses where it bears half.
 pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let square: Vec<f64> = field.pressure.iter().map(|p| p * p).collect();
     let nodes = Nodes::new(field, &square);
@@ -37,22 +38,40 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
         .collect();
     let full = |n: usize| field.pressure[n] >= bound;
     let yields = |n: usize| nodes.block(n, 1).any(full);
+    let closest = closest(field);
+    // Behind where it yields the ice presses elastically on the runner that rises.
+    let recovers = |n: usize| square[n] > 0.0 && !full(n) && field.yielded[n] > 0.0;
+    // Ice that stands beside such a part of the groove: the rim is the groove's wall, as it was made ahead.
+    let walled = |n: usize| field.yielded[n] <= 0.0 && nodes.facing(n).any(recovers);
+    let wall = |n: usize| {
+        let beside = || nodes.facing(n).filter(|&k| recovers(k));
+        let falls = beside().map(|k| square[k] / field.yielded[k]).sum::<f64>();
+        -closest[n] * falls / beside().count() as f64
+    };
     let touching = |n: usize| nodes.block(n, 1).filter(|&k| square[k] > 0.0);
     let mean = |n: usize| touching(n).map(|k| square[k]).sum::<f64>() / touching(n).count() as f64;
     // An open node where the surface has fallen from the nodes that touch.
-    let ended = |n: usize| nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !yields(n);
+    let ended = |n: usize| {
+        nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !yields(n) && !walled(n)
+    };
+    // The gap over the ice as it came; over a groove that is left behind the rim is no beginning of one.
+    let before = |n: usize| match field.gap[n] - field.yielded[n] {
+        gap if gap >= 0.0 => gap,
+        _ => f64::NAN,
+    };
     let steep = STEEP * bound * bound / overlap(field, &nodes.place, bound);
     (0..count)
         .into_par_iter()
         .map(|n| match nodes.place[n] {
-            Place::Within if full(n) && steep > 0.0 => (-steep * field.gap[n]).max(square[n]),
-            Place::Beside if full(n) && steep > 0.0 => -steep * field.gap[n],
-            Place::Beside if yields(n) && steep > 0.0 => {
+            Place::Within if full(n) && steep > 0.0 && !nodes.block(n, 2).any(recovers) => {
+                (steep * field.yielded[n]).max(square[n])
+            }
+            Place::Beside if full(n) && steep > 0.0 => steep * field.yielded[n],
+            Place::Beside if yields(n) && steep > 0.0 && field.yielded[n] <= 0.0 => {
                 STEEP * bound * (field.pressure[n] - 0.5 * bound)
             }
-            Place::Open if yields(n) && steep > 0.0 && field.gap[n].is_finite() => {
-                -steep * field.gap[n]
-            }
+            Place::Open if walled(n) && closest[n].is_finite() => wall(n),
+            Place::Open if yields(n) && steep > 0.0 && before(n).is_finite() => -steep * before(n),
             Place::Beside if nodes.block(n, 1).any(ended) => fitted[n],
             Place::Within | Place::Beside => square[n],
             Place::Open if ended(n) => fitted[n].min(0.0),
@@ -62,13 +81,21 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
         .collect()
 }
 
-/// How far the bodies overlap where ice yields beside the rim, on average [m]; infinite where they do not.
-///
-/// Ice that yields under a runner at rest takes the runner's shape from the overlap with the elastic surface, which goes through
-/// zero at the rim; in a groove there is none.
+/// The smallest gap over each node and those ahead of it [m].
+fn closest(field: &SurfaceField) -> Vec<f64> {
+    let mut closest = field.gap.clone();
+    for row in closest.chunks_exact_mut(field.x.len()) {
+        for i in (1..row.len()).rev() {
+            row[i - 1] = row[i - 1].min(row[i]);
+        }
+    }
+    closest
+}
+
+/// How far the ice has yielded beside the rim, on average [m]; infinite where it has not.
 fn overlap(field: &SurfaceField, place: &[Place], bound: f64) -> f64 {
     let yields = |n: &usize| place[*n] == Place::Beside && field.pressure[*n] >= bound;
-    let overlaps = (0..place.len()).filter(yields).map(|n| -field.gap[n]);
+    let overlaps = (0..place.len()).filter(yields).map(|n| field.yielded[n]);
     let open = (0..place.len()).filter(|&n| place[n] == Place::Open && field.gap[n].is_finite());
     let [overlap, gap] = [overlaps.collect(), open.map(|n| field.gap[n]).collect()]
         .map(|of: Vec<f64>| of.iter().sum::<f64>() / of.len() as f64);
@@ -127,6 +154,17 @@ impl Nodes<'_> {
         let [i, j] = [node % columns, node / columns];
         let near = move |k: usize, last: usize| k.saturating_sub(reach)..=(k + reach).min(last);
         near(j, rows - 1).flat_map(move |j| near(i, columns - 1).map(move |i| j * columns + i))
+    }
+
+    /// The touching ones of the four nodes beside a node; of its eight neighbours where none of those touches.
+    fn facing(&self, node: usize) -> impl Iterator<Item = usize> + use<'_> {
+        let columns = self.x.len();
+        let straight =
+            move |k: usize| k % columns == node % columns || k / columns == node / columns;
+        let touching = move |k: &usize| self.square[*k] > 0.0;
+        let any = self.block(node, 1).filter(touching).any(straight);
+        let near = self.block(node, 1).filter(touching);
+        near.filter(move |&k| !any || straight(k))
     }
 
     /// The paraboloid through the touching nodes around a node, at that node; NaN where they do not determine one.
@@ -198,8 +236,9 @@ mod tests {
         let last = cells.ceil() as i32 + 3;
         let nodes: Vec<f64> = (-last..=last).map(|k| f64::from(k) / cells).collect();
         let at = |k: usize| of(nodes[k % nodes.len()], nodes[k / nodes.len()]);
-        let (pressure, gap) = (0..nodes.len().pow(2)).map(at).unzip();
+        let (pressure, gap): (Vec<f64>, Vec<f64>) = (0..nodes.len().pow(2)).map(at).unzip();
         SurfaceField {
+            yielded: gap.iter().map(|gap| (-gap).max(0.0)).collect(),
             x: nodes.clone(),
             y: nodes.clone(),
             pressure,

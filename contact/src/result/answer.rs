@@ -52,11 +52,16 @@ impl Answer<'_> {
         let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
         let gaps = mesh.contact.gaps(&state);
         let ice_surface = mesh.contact.ice_surface(&state.displacement);
+        let bound = problem.ice.hardness.unwrap_or(f64::INFINITY);
+        // Ice that bears all it can takes the runner's shape: the overlap with its elastic surface.
+        let overlaps = values.iter().zip(&gaps);
+        let yielded = overlaps.map(|(p, gap)| if *p >= bound { -gap } else { 0.0 });
+        let yielded = yielded.collect();
         let surface = unfold(
             &mesh.grid.x,
             &mesh.grid.y,
             mesh.symmetry,
-            [values, gaps, ice_surface],
+            [values, gaps, ice_surface, yielded],
         );
         let depth = mesh.contact.depth(&state);
         let kkt_residual = kkt(&mesh.contact, &state, depth);
@@ -159,7 +164,7 @@ fn worst(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Mirrors plane fields over the symmetry planes.
-fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 3]) -> SurfaceField {
+fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 4]) -> SurfaceField {
     let whole = |nodes: &[f64], symmetric: bool| -> (Vec<f64>, Vec<usize>) {
         if !symmetric {
             return (nodes.to_vec(), (0..nodes.len()).collect());
@@ -176,12 +181,13 @@ fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 3]) -> S
             .flat_map(|&j| is.iter().map(move |&i| values[j * x.len() + i]))
             .collect()
     };
-    let [pressure, gap, uz] = fields.map(|f| spread(&f));
+    let [pressure, gap, uz, yielded] = fields.map(|f| spread(&f));
     SurfaceField {
         x: xs,
         y: ys,
         pressure,
         gap,
+        yielded,
         uz,
     }
 }

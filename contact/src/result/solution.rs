@@ -128,6 +128,8 @@ pub struct SurfaceField {
     pub pressure: Vec<f64>,
     /// Gap at the nodes, 0 in contact; infinite where there is no hull [m].
     pub gap: Vec<f64>,
+    /// How far the ice has yielded under the runner at the nodes, beyond the groove in which it came; 0 where it has not [m].
+    pub yielded: Vec<f64>,
     /// Vertical displacement of the ice surface, upwards positive [m].
     pub uz: Vec<f64>,
 }

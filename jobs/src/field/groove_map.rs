@@ -53,6 +53,7 @@ mod tests {
         let field = SurfaceField {
             pressure: vec![0.0; 25],
             gap: vec![0.0; 25],
+            yielded: vec![0.0; 25],
             uz: vec![0.0; 25],
             x,
             y,

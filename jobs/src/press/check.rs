@@ -56,7 +56,7 @@ impl Check {
                 "approach",
                 [solution.approach, found.approach],
                 [solution.approach_error, found.approach_error],
-                (1e6, "um"),
+                (1e6, "µm"),
             ),
         ];
         pairs.into_iter().find_map(|(name, values, errors, (factor, unit))| {

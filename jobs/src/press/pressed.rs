@@ -219,7 +219,7 @@ fn beyond_discretisation(
         )
     });
     format!(
-        "the stated errors do not hold what noise leaves in the hull: {:.3} um taken and {:.3} um found, {:.2} % of the approach{moved}",
+        "the stated errors do not hold what noise leaves in the hull: {:.3} µm taken and {:.3} µm found, {:.2} % of the approach{moved}",
         1e6 * hull.noise.found,
         1e6 * left,
         100.0 * left / solution.approach
@@ -230,7 +230,7 @@ fn beyond_discretisation(
 fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
     let moved = moved?;
     Some(format!(
-        "noise of up to {:.3} um does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
+        "noise of up to {:.3} µm does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
          (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 says that there is none",
         1e6 * hull.noise.unseen,
         100.0 * moved.p_max,

@@ -152,7 +152,7 @@ fn units(variables: &[(String, MatValue)]) -> MatValue {
     }
     let units = names
         .iter()
-        .filter_map(|name| Some((name.to_string(), MatValue::Text(unit(name)?.to_owned()))));
+        .filter_map(|name| Some((name.to_string(), MatValue::Text(unit(name)?))));
     MatValue::structure(units.collect())
 }
 

@@ -9,7 +9,7 @@ const JUDGED_HEIGHT: f64 = 50e-6;
 /// Largest error against the approach with which a hull is fine enough for its load.
 const LARGEST_ERROR: f64 = 0.05;
 
-/// How well a fitted underside follows its hull near the keel (up to 50 um above it).
+/// How well a fitted underside follows its hull near the keel (up to 50 µm above it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitQuality {
     /// Root mean square distance of the vertices [m].

@@ -98,7 +98,7 @@ impl fmt::Display for HullWarning {
             }
             Self::Noisy { noise } => write!(
                 f,
-                "the underside's vertices scatter by {:.3} um about a smooth surface: taken for noise and smoothed; noise_m states another",
+                "the underside's vertices scatter by {:.3} µm about a smooth surface: taken for noise and smoothed; noise_m states another",
                 1e6 * noise
             ),
             Self::Flipped { edges } => {

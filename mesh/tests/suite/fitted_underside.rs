@@ -45,7 +45,7 @@ fn bob_runner_at_half_and_one_millimetre_keeps_its_curvatures_and_heights() {
         assert_eq!(fitted.height(0.5001, 0.0), f64::INFINITY);
         for y in [0.002, 0.004, 0.0049] {
             let cosine = (1.0 - (y / 0.005f64).powi(2)).sqrt();
-            // On the flank no worse than the facets, whose sagitta is 25 um at 1 mm.
+            // On the flank no worse than the facets, whose sagitta is 25 µm at 1 mm.
             assert!((fitted.height(0.1, y) - runner.height(0.1, y)).abs() * cosine < 15e-6);
         }
     }

@@ -11,6 +11,7 @@ fn python(script: &str, modules: &str, folder: &Path) -> Option<String> {
         Command::new(&interpreter)
             .arg("-c")
             .arg(code)
+            .arg(env!("CARGO_PKG_VERSION"))
             .current_dir(folder)
             .output()
     };
@@ -78,7 +79,7 @@ fn pyvista_and_meshio_read_points_cells_and_fields() {
         let mesh = mesh(shape);
         write_with_fields(&mesh, &folder.path().join("field.vtu"));
         let script = r#"
-import numpy as np, pyvista, meshio
+import sys, numpy as np, pyvista, meshio
 def check(points, cells, scalar, vector, tensor, number):
     assert points.dtype == np.float64 and scalar.dtype == np.float32
     assert np.allclose(scalar, points @ [1, 10, 100], rtol=1e-7)
@@ -90,6 +91,7 @@ cells = m.cells_dict["hexahedron"]
 check(m.points, cells, m.point_data["von_mises_pa"], m.point_data["displacement_m"], m.point_data["stress_pa"], m.cell_data["number"][0])
 p = pyvista.read("field.vtu")
 assert (p.celltypes == 12).all()
+assert sys.argv[1] == ".".join(str(int(n)) for n in m.field_data["kufe_version"]) == ".".join(str(int(n)) for n in p.field_data["kufe_version"])
 assert list(m.field_data["planes"]) == [1, 0] and list(p.field_data["planes"]) == [1, 0]
 check(p.points, cells, p.point_data["von_mises_pa"], p.point_data["displacement_m"], p.point_data["stress_pa"], p.cell_data["number"])
 print(len(m.points), len(cells), p.n_cells, p.volume)

@@ -8,6 +8,7 @@ use super::data::Data;
 use super::diagram::COLOURS;
 use super::parts::{WIDTHS, for_both};
 use crate::page::escape;
+use crate::sign::sign;
 
 /// Bins that a picture shows.
 const SHOWN: usize = 12;
@@ -264,11 +265,14 @@ fn runs_drawn(of: Data, width: f64) -> String {
     svg
 }
 
-/// `column from to unit`.
+/// `column from to unit`; a place is one on a track, as `s_m on east`.
 pub fn range(bin: Data) -> String {
-    let unit = unit_of(bin.text("column"));
-    let (from, shown) = usual(bin.number("from"), unit);
-    let (to, _) = usual(bin.number("to"), unit);
+    let column = bin.text("column").split_once(' ');
+    let unit = sign(&unit_of(
+        column.map_or(bin.text("column"), |(name, _)| name),
+    ));
+    let (from, shown) = usual(bin.number("from"), &unit);
+    let (to, _) = usual(bin.number("to"), &unit);
     format!(
         "{} {} to {} {shown}",
         bin.text("column"),
@@ -277,4 +281,23 @@ pub fn range(bin: Data) -> String {
     )
     .trim_end()
     .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn bins_have_the_units_of_their_columns_on_a_track_too() {
+        for (column, told) in [
+            ("s_m on east", "s_m on east 10.00 to 20.00 m"),
+            ("ax_mps2", "ax_mps2 10.00 to 20.00 m/s²"),
+            ("humidity", "humidity 10.00 to 20.00"),
+        ] {
+            let bin = json!({ "column": column, "from": 10.0, "to": 20.0 });
+            assert_eq!(range(Data(&bin)), told);
+        }
+    }
 }

@@ -6,6 +6,7 @@ use kufe_plot::{axis_ticks, unit_of};
 
 use super::data::Data;
 use super::parts::for_both;
+use crate::sign::sign;
 
 /// Colours of what is before and after; told apart by colour-blind readers, on white and on black.
 pub const COLOURS: [&str; 2] = ["#d0703c", "#3f8fd0"];
@@ -34,7 +35,7 @@ fn drawn(plot: Data, width: f64) -> String {
     let frame = Frame::around(&x, &ends, width);
     let mut svg = frame.open(plot.text("label"));
     let column = plot.text("x_name");
-    let name = match unit_of(column) {
+    let name = match &*sign(&unit_of(column)) {
         "" => column.to_owned(),
         unit => format!("{column} [{unit}]"),
     };

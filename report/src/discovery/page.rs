@@ -15,6 +15,7 @@ use super::sections::{bins, detectable, next_runs, parameters, runs, step};
 use super::strip::strip;
 use super::summary::summary;
 use crate::page::{escape, plain_page};
+use crate::sign::signed;
 
 /// The page of a search for missing effects: one HTML file without scripts.
 ///
@@ -22,7 +23,8 @@ use crate::page::{escape, plain_page};
 /// whose `kind` is `strip` (`runs` along a track, `places`), `scatter` (`x`, `y`, `series`, a `curve` or `zero`), `maps` (a
 /// measured and simulated maps on one grid) or `peaks` (`rows` with their largest pressures).
 pub fn discovery_page(report: &Value) -> String {
-    let report = Data(report);
+    let report = signed(report);
+    let report = Data(&report);
     let mut out = String::new();
     summary(&mut out, report);
     let (strips, others): (Vec<Data>, Vec<Data>) = report

@@ -1,6 +1,10 @@
 //! Numbers in the unit in which they are easily read.
 
+use std::borrow::Cow;
+
 use kufe_plot::number4;
+
+use crate::sign::sign;
 
 /// A unit as files have it, and what stands for it from which size on, the largest first: the least size, how many of it make one, and its sign.
 type Ladder = (&'static str, &'static [(f64, f64, &'static str)]);
@@ -55,27 +59,18 @@ const LADDERS: [Ladder; 14] = [
     ("1e-3", &[(0.0, 1e3, "10⁻³")]),
 ];
 
-/// Signs of units that no size changes.
-const SIGNS: [(&str, &str); 5] = [
-    ("kg m2", "kg m²"),
-    ("rad/s2", "rad/s²"),
-    ("m/s2", "m/s²"),
-    ("deg C", "°C"),
-    ("deg", "°"),
-];
-
 /// What numbers are shown in.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     /// How many of the unit make one of the file's.
     pub times: f64,
     /// The unit's sign, empty for pure numbers.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 impl Scale {
     /// The one that suits numbers of which the largest has this size.
-    pub fn of(unit: &'static str, largest: f64) -> Scale {
+    pub fn of(unit: Cow<'static, str>, largest: f64) -> Scale {
         let steps = LADDERS.iter().find(|(known, _)| *known == unit);
         // Nothing is nothing of the usual unit.
         let fits = |(least, ..): &&(f64, f64, &str)| largest >= *least;
@@ -89,14 +84,13 @@ impl Scale {
             if let Some((_, times, unit)) = step.or(steps.last()) {
                 return Scale {
                     times: *times,
-                    unit,
+                    unit: Cow::Borrowed(unit),
                 };
             }
         }
-        let sign = SIGNS.iter().find(|(known, _)| *known == unit);
         Scale {
             times: 1.0,
-            unit: sign.map_or(unit, |(_, sign)| sign),
+            unit: Cow::Owned(sign(&unit)),
         }
     }
 
@@ -141,11 +135,13 @@ mod tests {
             (1.064e-5, "m2", "10.64 mm²"),
             (-6.0, "deg C", "-6 °C"),
             (0.0042, "1e-3", "4.200 10⁻³"),
+            (1.2, "kg/m3", "1.200 kg/m³"),
+            (-0.02, "1/K", "-0.02000 1/K"),
         ] {
-            let scale = Scale::of(unit, value.abs());
+            let scale = Scale::of(unit.into(), value.abs());
             assert_eq!(format!("{} {}", scale.number(value), scale.unit), shown);
         }
-        assert_eq!(Scale::of("m", 1e-5).error(1.6e-7), "0.16");
-        assert_eq!(Scale::of("Pa", 1e8).error(1.07e6), "1.1");
+        assert_eq!(Scale::of("m".into(), 1e-5).error(1.6e-7), "0.16");
+        assert_eq!(Scale::of("Pa".into(), 1e8).error(1.07e6), "1.1");
     }
 }

@@ -1,8 +1,10 @@
 //! One figure of a document: what it is called, and how it is written.
 
+use std::borrow::Cow;
+
 use serde_json::{Map, Value};
 
-use crate::page::{escape, with_micro};
+use crate::page::escape;
 use crate::results::amount::Scale;
 use crate::results::label::{error_keys, name_of, unit_of};
 
@@ -99,18 +101,18 @@ impl Entry<'_> {
     }
 
     /// The unit that its key ends in.
-    pub fn unit(&self) -> &'static str {
+    pub fn unit(&self) -> Cow<'static, str> {
         unit_of(self.key)
     }
 
     /// The figure with the unit of this scale, as HTML.
-    pub fn in_unit(&self, scale: Scale) -> String {
+    pub fn in_unit(&self, scale: &Scale) -> String {
         let numbers = match self.value {
             Value::Array(values) => values.iter().any(Value::is_number),
             _ => self.is_number(),
         };
         let number = self.number(scale);
-        match (numbers, scale.unit) {
+        match (numbers, &*scale.unit) {
             (false, _) | (_, "") => number,
             // A power of ten is a factor.
             (_, power) if power.starts_with("10") && number.contains(' ') => {
@@ -122,7 +124,7 @@ impl Entry<'_> {
     }
 
     /// The figure without its unit, as HTML.
-    pub fn number(&self, scale: Scale) -> String {
+    pub fn number(&self, scale: &Scale) -> String {
         if let Some([value, low, high]) = interval(self.value) {
             let [value, low, high] = [value, low, high].map(|x| scale.number(x));
             return match low == high {
@@ -144,7 +146,7 @@ impl Entry<'_> {
             Value::Number(number) => scale.number(number.as_f64().unwrap_or(f64::NAN)),
             // What stands in a column of names is a column or a key itself.
             Value::String(text) if ["column", "key"].contains(&self.key) => escape(&name_of(text)),
-            Value::String(text) => escape(&with_micro(text)),
+            Value::String(text) => escape(text),
             other => escape(&other.to_string()),
         };
         match self.value {

@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn figures_have_names_and_units_and_errors_stand_beside_them() {
         let page = page(json!({
-            "p_max_pa": 1.395e8, "p_max_error_pa": 1.1e6, "mu": 0.00412345, "left_out": [], "solver_rounds": 12, "cells": 7, "faces": 8, "stopped": null,
+            "p_max_pa": 1.395e8, "p_max_error_pa": 1.1e6, "mu": 0.00412345, "left_out": [], "left_out_as_fitted": [], "solver_rounds": 12, "cells": 7, "faces": 8, "stopped": null,
             "points": [{ "v_mps": 5.0, "mu": 4.1e-3, "mu_error": 2e-5 }, { "v_mps": 10.0, "note": "x & <y>" }],
         }));
         assert!(page.contains("<title>a &lt;b&gt;</title>"));
@@ -91,7 +91,7 @@ mod tests {
         );
         let rest = at("<details><summary>Further figures</summary>");
         assert!(peak < table && table < rest && rest < at("<td>solver rounds<td>12"));
-        at("<p>None: left out.</p>");
+        at("<p>left out: none; left out as fitted: none</p>");
         assert!(!page.contains("_pa") && !page.contains("stopped"));
     }
 

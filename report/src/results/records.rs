@@ -1,5 +1,6 @@
 //! Records as rows of one table, whose columns are all their figures.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use serde_json::{Map, Value};
@@ -15,14 +16,15 @@ const MOST_ROWS: usize = 200;
 /// The unit of a figure in a row that names the column or key which it is of.
 ///
 /// Where two runs part in their speed, the force that is lacking is told.
-fn own_unit(row: &Map<String, Value>, entry: &Entry) -> &'static str {
+fn own_unit(row: &Map<String, Value>, entry: &Entry) -> Cow<'static, str> {
     let of = ["column", "key"]
         .iter()
         .find_map(|key| row.get(*key)?.as_str());
-    match (entry.unit(), of) {
-        ("", Some("v_mps")) if entry.key == "size" => "N",
+    let unit = entry.unit();
+    match (&*unit, of) {
+        ("", Some("v_mps")) if entry.key == "size" => Cow::Borrowed("N"),
         ("", Some(of)) if !entry.key.starts_with("times") => unit_of(of),
-        (unit, _) => unit,
+        _ => unit,
     }
 }
 
@@ -46,9 +48,11 @@ pub fn records(out: &mut String, rows: &[Value]) {
     for name in names {
         let column = column(name);
         let there = || column.iter().flatten();
-        let unit = there().next().map_or("", |entry| entry.unit());
+        let unit = there()
+            .next()
+            .map_or(Cow::Borrowed(""), |entry| entry.unit());
         let scale = Scale::of(
-            unit,
+            unit.clone(),
             there().map(|entry| entry.largest()).fold(0.0, f64::max),
         );
         // Rows that tell what they are of have units of their own.
@@ -69,9 +73,9 @@ pub fn records(out: &mut String, rows: &[Value]) {
             .zip(shown)
             .map(|(entry, row)| match entry {
                 Some(entry) if own => {
-                    entry.in_unit(Scale::of(own_unit(row, entry), entry.largest()))
+                    entry.in_unit(&Scale::of(own_unit(row, entry), entry.largest()))
                 }
-                Some(entry) => entry.number(scale),
+                Some(entry) => entry.number(&scale),
                 None => String::new(),
             })
             .collect();

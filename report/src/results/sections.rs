@@ -62,8 +62,11 @@ fn top(out: &mut String, fields: &Map<String, Value>) {
         let mut inner = String::new();
         pairs(&mut inner, &further);
         if !none.is_empty() {
-            let none: Vec<String> = none.iter().map(|key| escape(&name_of(key))).collect();
-            let _ = writeln!(inner, "<p>None: {}.</p>", none.join(", "));
+            let none: Vec<String> = none
+                .iter()
+                .map(|key| format!("{}: none", escape(&name_of(key))))
+                .collect();
+            let _ = writeln!(inner, "<p>{}</p>", none.join("; "));
         }
         match alone || further.len() <= FEW {
             true => out.push_str(&inner),
@@ -169,7 +172,7 @@ fn pairs(out: &mut String, figures: &[Entry]) {
         let scale = Scale::of(figure.unit(), length);
         let text = match figure.largest() < NOTHING * length {
             true => format!("0 {}", scale.unit),
-            false => figure.in_unit(scale),
+            false => figure.in_unit(&scale),
         };
         let _ = writeln!(out, "<tr><td>{}<td>{text}", escape(&figure.name));
     }
@@ -199,7 +202,7 @@ fn beside(out: &mut String, group: &[(&str, &Value)]) {
         for column in &columns {
             let entry = column.iter().find(|entry| entry.name == *name);
             let text = entry.map_or(String::new(), |entry| {
-                entry.in_unit(Scale::of(entry.unit(), entry.largest()))
+                entry.in_unit(&Scale::of(entry.unit(), entry.largest()))
             });
             let _ = write!(out, "<td>{text}");
         }

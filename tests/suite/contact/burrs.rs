@@ -178,7 +178,7 @@ fn a_grain_on_measured_ice_bears_its_share() {
     assert!(off < 0.02, "{:e} {:e}", unbounded.p_max, s.p_max);
 }
 
-/// A burr of 0.06 mm along the whole runner, 2.5 mm beside the middle and 3 um deeper: it bears a line contact as sharp as itself.
+/// A burr of 0.06 mm along the whole runner, 2.5 mm beside the middle and 3 µm deeper: it bears a line contact as sharp as itself.
 #[test]
 fn a_burr_along_a_measured_section_is_touched() {
     let (at, width) = (2.525e-3, 0.03e-3);

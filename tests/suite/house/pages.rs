@@ -65,6 +65,28 @@ fn every_source_file_that_a_page_names_is_there() {
     super::told(faults);
 }
 
+#[test]
+fn micrometres_are_written_with_their_sign() {
+    let plain: String = ['u', 'm'].iter().collect();
+    let mut faults = Vec::new();
+    let mut files = rust_files(&root());
+    files.extend(pages());
+    for path in files.iter().filter(|path| !path.ends_with("CHANGELOG.md")) {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let word = |c: char| !c.is_alphanumeric() && !"_.-".contains(c);
+        let lines = text.lines().enumerate();
+        // A dot before it makes it part of an address, one behind it ends a sentence.
+        let told = lines.filter(|(_, line)| {
+            line.match_indices(&plain).any(|(at, _)| {
+                line[..at].chars().next_back().is_none_or(word)
+                    && !line[at + 2..].starts_with(|c: char| c.is_alphanumeric() || c == '_')
+            })
+        });
+        faults.extend(told.map(|(n, line)| format!("{}:{}: {line}", path.display(), n + 1)));
+    }
+    super::told(faults);
+}
+
 /// The words of a type's or folder's name, in lower case: `MuTableFit`, `mu_table_fit` -> mu, table, fit.
 fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();

@@ -192,7 +192,7 @@ fn summary(done: &Replay) -> String {
     );
     for section in &done.sections {
         let unit = match section.column {
-            "v_mps" => "N",
+            "v_mps" => "N".into(),
             column => unit_of(column),
         };
         let time = match section.lost_s {

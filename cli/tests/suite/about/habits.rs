@@ -1,5 +1,6 @@
 //! What every command does alike on a terminal and without one.
 
+use std::collections::BTreeSet;
 use std::process::{Command, Output};
 
 use crate::kufe::{Bench, CASE, errors};
@@ -45,4 +46,60 @@ fn no_color_keeps_help_and_errors_plain() {
             assert!(plain(&output), "{words:?} with {name}");
         }
     }
+}
+
+/// The commands within a command, as its help lists them.
+fn commands(bench: &Bench, words: &[&str]) -> Vec<String> {
+    let help = bench.succeeds(&[words, &["--help"]].concat());
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    listed
+        .take_while(|line| line.starts_with("  "))
+        .filter(|line| !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn every_command_within_commands_has_a_manual_page_of_its_own() {
+    let bench = Bench::new();
+    let said = bench.succeeds(&["man", "-o", "man"]);
+    let (mut open, mut pages) = (vec![Vec::new()], BTreeSet::new());
+    while let Some(path) = open.pop() {
+        let words: Vec<&str> = path.iter().map(String::as_str).collect();
+        let name = [&["kufe"], &words[..]].concat().join("-");
+        let page = std::fs::read_to_string(bench.path(&format!("man/{name}.1")))
+            .unwrap_or_else(|error| panic!("{name}.1: {error}"));
+        // Roff writes a hyphen with a backslash before it.
+        let page = page.replace("\\-", "-");
+        let title = format!(".TH {name} 1");
+        assert!(page.contains(&title), "{name}: {page}");
+        assert!(!page.contains("help(1)"), "{name}: {page}");
+        for inner in commands(&bench, &words) {
+            assert!(
+                page.contains(&format!("{name}-{inner}(1)")),
+                "{inner}: {page}"
+            );
+            open.push([path.clone(), vec![inner]].concat());
+        }
+        pages.insert(format!("{name}.1"));
+    }
+    for name in [
+        "kufe-lut-query.1",
+        "kufe-hull-check.1",
+        "kufe-runs-import.1",
+    ] {
+        assert!(pages.contains(name), "{pages:?}");
+    }
+    let written: BTreeSet<String> = std::fs::read_dir(bench.path("man"))
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name())
+        .map(|name| name.to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(written, pages);
+    assert!(
+        said.starts_with(&format!("{} pages ", pages.len())),
+        "{said}"
+    );
 }

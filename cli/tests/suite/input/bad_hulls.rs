@@ -277,7 +277,7 @@ fn an_open_hull_is_told_and_its_underside_used() {
     );
 }
 
-/// A rocker of 30 m and a section of 5 mm with a vertex every 2 mm across: sampled too thinly for 12 um of approach.
+/// A rocker of 30 m and a section of 5 mm with a vertex every 2 mm across: sampled too thinly for 12 µm of approach.
 fn coarse_hull() -> String {
     let (stations, across) = (9, 5);
     let mut text = String::new();
@@ -306,7 +306,7 @@ fn a_hull_too_coarse_for_its_load_is_refused_with_the_numbers_by_every_command_t
     let expected = [
         "runner.hull: too coarse",
         "uncertain by ",
-        "um, the ice is pressed in by ",
+        "µm, the ice is pressed in by ",
     ];
     refused(&bench, "hull = \"coarse.obj\"", &expected);
     let output = bench.kufe(&["friction", "case.toml", "--v-mps", "30"]);

@@ -109,7 +109,7 @@ fn gathered_runs_are_a_page_and_their_index_no_place_for_it() {
 }
 
 #[test]
-fn constants_of_steel_are_told_of_runners_that_deform_and_micrometres_with_their_sign() {
+fn constants_of_steel_are_told_of_runners_that_deform() {
     let bench = Bench::new();
     bench.write("rigid.toml", CASE);
     bench.write(
@@ -132,13 +132,15 @@ fn constants_of_steel_are_told_of_runners_that_deform_and_micrometres_with_their
         );
         assert!(states["ice"]["youngs_modulus_pa"].is_number(), "{said}");
     }
-    bench.succeeds(&["press", "rigid.toml"]);
-    let path = bench.path("out/result.json");
-    let text = std::fs::read_to_string(&path).expect("a result");
-    let mut result: Value = serde_json::from_str(&text).expect("JSON");
-    result["warnings"] = json!(["noise of 0.3 um where there is more"]);
-    std::fs::write(&path, result.to_string()).expect("a result");
+    let said = bench.succeeds(&["press", "rigid.toml"]);
+    let approach = said
+        .lines()
+        .find(|line| line.trim_start().starts_with("approach "));
+    assert!(
+        approach.is_some_and(|line| line.contains(" µm +- ")),
+        "{said}"
+    );
     bench.succeeds(&["report", "out"]);
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
-    assert!(page.contains("noise of 0.3 µm where") && !page.contains("210000000000"));
+    assert!(!page.contains("210000000000"));
 }

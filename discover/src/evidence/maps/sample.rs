@@ -73,6 +73,7 @@ mod tests {
             .collect();
         let surface = SurfaceField {
             gap: vec![0.0; pressure.len()],
+            yielded: vec![0.0; pressure.len()],
             uz: vec![0.0; pressure.len()],
             x,
             y,

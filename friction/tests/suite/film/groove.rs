@@ -27,7 +27,7 @@ fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
 
 #[test]
 fn strip_carries_the_runners_load_and_has_the_friction_of_a_bob() {
-    // Rocker 30 m, section 4 mm, 950 N, ice of 17.7 MPa: 48.7 mm ahead of and 16.7 mm behind the lowest point, 34.8 um deep.
+    // Rocker 30 m, section 4 mm, 950 N, ice of 17.7 MPa: 48.7 mm ahead of and 16.7 mm behind the lowest point, 34.8 µm deep.
     let strip = groove(48.7e-3, 16.7e-3, 34.8e-6, 4.0e-3, 17.7e6);
     let mut last = 0.0;
     for (v, low, high) in [

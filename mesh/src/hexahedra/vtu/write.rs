@@ -10,6 +10,13 @@ use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
 use crate::hexahedra::vtu::data::HEXAHEDRON;
 
+/// Numbers of the version that has written a file; readers that refuse texts among a file's data take numbers.
+const VERSION: [&str; 3] = [
+    env!("CARGO_PKG_VERSION_MAJOR"),
+    env!("CARGO_PKG_VERSION_MINOR"),
+    env!("CARGO_PKG_VERSION_PATCH"),
+];
+
 /// Numbers that are compressed at a time, one thread a block.
 const BLOCK: usize = 1 << 15;
 
@@ -26,7 +33,7 @@ pub struct VtuField<'a> {
 }
 
 /// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read; `field_data` is numbers of the whole file
-/// by name.
+/// by name, to which `kufe_version` is added: 0, 1, 0.
 ///
 /// # Errors
 /// [`MeshError::FieldLength`] where an array does not fit the mesh, [`MeshError::Vtu`] where it cannot be written.
@@ -77,22 +84,7 @@ fn write_file(
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">"
     )?;
     writeln!(out, "<UnstructuredGrid>")?;
-    if !field_data.is_empty() {
-        writeln!(out, "<FieldData>")?;
-        for &(name, values) in field_data {
-            let name = quick_xml::escape::escape(name);
-            let tuples = values.len();
-            write!(
-                out,
-                "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"{tuples}\" format=\"ascii\">"
-            )?;
-            values
-                .iter()
-                .try_for_each(|value| write!(out, " {value}"))?;
-            writeln!(out, "</DataArray>")?;
-        }
-        writeln!(out, "</FieldData>")?;
-    }
+    write_field_data(out, field_data)?;
     writeln!(
         out,
         "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
@@ -108,6 +100,25 @@ fn write_file(
     writeln!(out, "</Piece>")?;
     writeln!(out, "</UnstructuredGrid>")?;
     writeln!(out, "</VTKFile>")
+}
+
+/// Numbers of the whole file, the version that writes it among them.
+pub(super) fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64])]) -> Result<()> {
+    let version = ("kufe_version", VERSION.map(str::to_owned).to_vec());
+    let texts = |values: &[f64]| values.iter().map(f64::to_string).collect();
+    let others = field_data
+        .iter()
+        .map(|&(name, values)| (name, texts(values)));
+    writeln!(out, "<FieldData>")?;
+    for (name, values) in std::iter::once(version).chain(others) {
+        let name = quick_xml::escape::escape(name);
+        let (tuples, values): (usize, String) = (values.len(), values.join(" "));
+        writeln!(
+            out,
+            "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"{tuples}\" format=\"ascii\"> {values}</DataArray>"
+        )?;
+    }
+    writeln!(out, "</FieldData>")
 }
 
 /// The arrays on points or cells; the first scalar, vector and tensor are those that a viewer shows first.

@@ -3,10 +3,12 @@
 use std::io::{BufWriter, Result, Write};
 
 use crate::error::MeshError;
-use crate::hexahedra::vtu::write::{VtuField, fits, write_cells, write_fields, write_points};
+use crate::hexahedra::vtu::write::{
+    VtuField, fits, write_cells, write_field_data, write_fields, write_points,
+};
 
 /// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with `point_data` as a VTP file (polygons) that VTK
-/// and pyvista read.
+/// and pyvista read; `kufe_version` is among the file's data.
 ///
 /// # Errors
 /// [`MeshError::FieldLength`] where an array does not fit the points, [`MeshError::Vtu`] where it cannot be written.
@@ -35,6 +37,7 @@ fn write_file(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>"
     )?;
+    write_field_data(out, &[])?;
     writeln!(
         out,
         "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{faces}\">"

@@ -158,7 +158,7 @@ fn what_cells_cannot_resolve_or_is_no_half_space_has_no_second_answer() {
 /// Most of the patch yields: finite elements and boundary elements agree on how deep the runner goes.
 #[test]
 fn a_second_patch_beyond_the_cells_leaves_no_second_answer() {
-    // Of a runner held level whose approach is 12.5 um a bump at x = 0.4 m is higher than that, or lower.
+    // Of a runner held level whose approach is 12.5 µm a bump at x = 0.4 m is higher than that, or lower.
     let with_bump = |low: f64| {
         let hull = Formula {
             height: move |x: f64, y: f64| {
