@@ -177,6 +177,7 @@ impl Evidence for Joint<'_> {
                 Some(sum) => Lowered {
                     by: sum.by + one.by,
                     error: sum.error.hypot(one.error),
+                    weighed: None,
                     repeats: sum.repeats + one.repeats,
                     // What data without tolerances tell is no trace of them.
                     tolerated: sum.tolerated.min(one.tolerated),

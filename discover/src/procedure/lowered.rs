@@ -9,6 +9,9 @@ pub struct Lowered {
     pub by: f64,
     /// Standard error of this fall, from how much it scatters over the data.
     pub error: f64,
+    /// The same fall and its standard error with each channel counting by how much it tells of it where it was learned; nothing where
+    /// there is but one.
+    pub weighed: Option<[f64; 2]>,
     /// What repeats from run to run of the first model's sum of squares; 0 where it is not known.
     pub repeats: f64,
     /// Sum of squares that one standard deviation of everything the installation may be off by amounts to; 0 for none.
@@ -24,8 +27,23 @@ impl Lowered {
         (n > 0.0).then(|| Self {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
+            weighed: None,
             repeats,
             tolerated: 0.0,
+        })
+    }
+
+    /// The same over channels, with what each tells of it: `learned` are their falls on the data that both models were learned from.
+    pub fn over_channels<const C: usize>(falls: &[[f64; C]], learned: &[[f64; C]]) -> Option<Self> {
+        let weights = weights(learned);
+        let [whole, weighed] = [[1.0; C], weights].map(|weights| -> Vec<f64> {
+            let one = |fall: &[f64; C]| fall.iter().zip(&weights).map(|(f, w)| f * w).sum();
+            falls.iter().map(one).collect()
+        });
+        let weighed = Self::over(&weighed, 0.0)?;
+        Some(Self {
+            weighed: Some([weighed.by, weighed.error]),
+            ..Self::over(&whole, 0.0)?
         })
     }
 
@@ -38,16 +56,18 @@ impl Lowered {
         }
     }
 
-    /// Whether the gap falls beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated.
+    /// Whether the gap falls, beyond its scatter where channels count by what they tell, by a share of what repeats, and by more than a trace of what is tolerated.
     pub fn holds(&self, rules: &SearchRules) -> bool {
-        self.by > rules.beyond_scatter * self.error
+        self.strength() > rules.beyond_scatter
+            && self.by > 0.0
             && self.by >= rules.material * self.repeats
             && self.by >= rules.trace * self.tolerated
     }
 
     /// How clearly it falls: in standard errors.
     pub fn strength(&self) -> f64 {
-        self.by / self.error.max(1e-300)
+        let [by, error] = self.weighed.unwrap_or([self.by, self.error]);
+        by / error.max(1e-300)
     }
 
     /// The same in words.
@@ -56,10 +76,34 @@ impl Lowered {
             "by {:.1} +- {:.1} units of the noise's variance, of {:.1} that repeat",
             self.by, self.error, self.repeats
         );
+        let told = match self.weighed {
+            Some([by, error]) => format!(
+                "{told}; {:.1} standard errors where channels count by what they tell",
+                by / error.max(1e-300)
+            ),
+            None => told,
+        };
         match self.by < 1e-3 * self.tolerated {
             true => format!("{told}; tolerances amount to {:.1}", self.tolerated),
             false => told,
         }
+    }
+}
+
+/// What a channel's fall counts for: its mean over its variance from one piece of data to the next, with which a sum stands out most;
+/// nothing where it does not fall. All alike for so few pieces that their scatter says little.
+fn weights<const C: usize>(learned: &[[f64; C]]) -> [f64; C] {
+    const FEW: usize = 4;
+    let n = learned.len() as f64;
+    let weight: [f64; C] = std::array::from_fn(|c| {
+        let mean = learned.iter().map(|fall| fall[c]).sum::<f64>() / n;
+        let squares = learned.iter().map(|fall| (fall[c] - mean).powi(2));
+        mean.max(0.0) * (n - 1.0) / squares.sum::<f64>().max(1e-300)
+    });
+    let largest = weight.iter().copied().fold(0.0, f64::max);
+    match learned.len() < FEW || largest == 0.0 {
+        true => [1.0; C],
+        false => weight.map(|weight| weight / largest),
     }
 }
 
@@ -73,12 +117,18 @@ mod tests {
         let lowered = |by, error, repeats| Lowered {
             by,
             error,
+            weighed: None,
             repeats,
             tolerated: 0.0,
         };
         let of = |by, error, repeats| lowered(by, error, repeats).holds(&rules);
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
+        let weighed = |by| Lowered {
+            weighed: Some([2.0, 0.5]),
+            ..lowered(by, 5.0, 0.0)
+        };
+        assert!(weighed(4.0).holds(&rules) && !weighed(-4.0).holds(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
         for (repeats, before, holds) in [
             (20.0, 0.0, true),
@@ -96,5 +146,26 @@ mod tests {
             ..lowered(6.0, 0.1, 100.0)
         };
         assert!(tolerated(1e4).holds(&rules) && !tolerated(1e6).holds(&rules));
+    }
+
+    /// A channel in which a fall is small and steady beside one that scatters widely about nothing.
+    #[test]
+    fn a_steady_fall_is_not_lost_in_another_channels_scatter() {
+        let rules = SearchRules::default();
+        let loud = [30.0, -20.0, 25.0, -35.0, 15.0, -14.0];
+        let falls = |quiet: f64| loud.map(|l| [quiet + 0.01 * l, l]);
+        let of = |falls: &[[f64; 2]]| Lowered::over_channels(falls, &falls_learned());
+        let found = of(&falls(1.0)).unwrap();
+        assert!(found.holds(&rules) && found.strength() > 5.0, "{found:?}");
+        assert!(found.by < found.error, "{found:?}");
+        assert!(!of(&falls(-1.0)).unwrap().holds(&rules));
+        // Too few to tell how much each scatters.
+        let few = Lowered::over_channels(&falls(1.0), &falls_learned()[..3]).unwrap();
+        assert_eq!(few.weighed, Some([few.by, few.error]));
+    }
+
+    fn falls_learned() -> Vec<[f64; 2]> {
+        let loud = [-12.0, 22.0, -31.0, 18.0, 27.0, -20.0, -5.0, 3.0];
+        loud.iter().map(|l| [1.0 - 0.02 * l, *l]).collect()
     }
 }

@@ -137,79 +137,77 @@ impl Campaign<'_> {
         // Beside a large effect both leave as little as the one that has it.
         let beyond_noise: [f64; BALANCES] =
             std::array::from_fn(|c| before.beyond_noise[c].min(after.beyond_noise[c]));
-        let each: Vec<(Vec<f64>, f64)> = self
-            .held
-            .par_iter()
-            .map(|frame| {
-                let few = without_pushes(frame);
-                // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
-                let frame = &few.at_every_sample();
-                let shares = shares(&few, frame);
-                let rows = judged(before, frame, width, &whitener);
-                // A model that counts less of what was measured leaves less, and explains nothing by it.
-                let [own, of_after] = [before, after].map(|model| {
-                    let alike = ResidualModel {
-                        beyond_noise,
-                        ..model.clone()
-                    };
-                    expected(&alike, frame)
-                });
-                let counts = std::array::from_fn(|c| {
-                    let by = of_after[(c, c)] / own[(c, c)];
-                    let known = by.is_finite() && by > 0.0;
-                    whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
-                });
-                let mut left = judged(after, frame, width, &whitener.with_sd(counts));
-                if let Some(Told {
-                    candidate, size, ..
-                }) = told
-                {
-                    let design = Design {
-                        residual_model: after,
-                        whitener: &whitener,
-                        free_base: &self.free,
-                        candidates: std::slice::from_ref(candidate),
-                        local: &[],
-                        windows: &[],
-                    };
-                    let columns = design.columns(frame);
-                    let own = columns.column(OWN_LEVELS + design.fitted());
-                    let used = (0..3).filter(|c| self.used[*c]);
-                    let places = used.flat_map(|c| (0..frame.row_count()).map(move |i| (c, i)));
-                    for ((c, i), change) in places.zip(own.iter()) {
-                        left[c][i] -= change * size / candidate.typical;
-                    }
-                }
-                let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
-                let falls = falls(&rows, &left, &shares, pieces.max(1));
-                // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
-                let kept = |model: &ResidualModel, alike: f64| {
-                    let contacts = model.contacts.as_ref()?;
-                    let mut own = left_without(model, std::slice::from_ref(frame));
-                    apart_from_grip(model, std::slice::from_ref(frame), &mut own);
-                    let sd = whitener.sd[1];
-                    let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
-                    Some(kept_promise(contacts, frame, &side, sd, shares[1] / alike))
+        let of_run = |frame: &Frame| -> (Vec<[f64; CHANNELS]>, f64) {
+            let few = without_pushes(frame);
+            // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
+            let frame = &few.at_every_sample();
+            let shares = shares(&few, frame);
+            let rows = judged(before, frame, width, &whitener);
+            // A model that counts less of what was measured leaves less, and explains nothing by it.
+            let [own, of_after] = [before, after].map(|model| {
+                let alike = ResidualModel {
+                    beyond_noise,
+                    ..model.clone()
                 };
-                let [own, next] = [(before, alike[0]), (after, alike[1])]
-                    .map(|(model, alike)| kept(model, alike).unwrap_or_default());
-                (falls, next - own)
-            })
-            .collect();
-        let falls: Vec<f64> = each.iter().flat_map(|(falls, _)| falls.clone()).collect();
+                expected(&alike, frame)
+            });
+            let counts = std::array::from_fn(|c| {
+                let by = of_after[(c, c)] / own[(c, c)];
+                let known = by.is_finite() && by > 0.0;
+                whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
+            });
+            let mut left = judged(after, frame, width, &whitener.with_sd(counts));
+            if let Some(Told {
+                candidate, size, ..
+            }) = told
+            {
+                let design = Design {
+                    residual_model: after,
+                    whitener: &whitener,
+                    free_base: &self.free,
+                    candidates: std::slice::from_ref(candidate),
+                    local: &[],
+                    windows: &[],
+                };
+                let columns = design.columns(frame);
+                let own = columns.column(OWN_LEVELS + design.fitted());
+                let used = (0..3).filter(|c| self.used[*c]);
+                let places = used.flat_map(|c| (0..frame.row_count()).map(move |i| (c, i)));
+                for ((c, i), change) in places.zip(own.iter()) {
+                    left[c][i] -= change * size / candidate.typical;
+                }
+            }
+            let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
+            let falls = falls(&rows, &left, &shares, pieces.max(1));
+            // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
+            let kept = |model: &ResidualModel, alike: f64| {
+                let contacts = model.contacts.as_ref()?;
+                let mut own = left_without(model, std::slice::from_ref(frame));
+                apart_from_grip(model, std::slice::from_ref(frame), &mut own);
+                let sd = whitener.sd[1];
+                let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
+                Some(kept_promise(contacts, frame, &side, sd, shares[1] / alike))
+            };
+            let [own, next] = [(before, alike[0]), (after, alike[1])]
+                .map(|(model, alike)| kept(model, alike).unwrap_or_default());
+            (falls, next - own)
+        };
+        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = self.held.par_iter().map(of_run).collect();
+        let falls: Vec<[f64; CHANNELS]> =
+            each.iter().flat_map(|(falls, _)| falls.clone()).collect();
         let kept: f64 = each.iter().map(|(_, kept)| kept).sum();
-        let lowered = Lowered::over(&falls, 0.0)?;
-        Some(
-            match before.contacts.is_some() == after.contacts.is_some() {
-                true => lowered,
-                // What noise keeps of a promise is known, and no scatter of runs that hit and miss.
-                false => Lowered {
-                    by: lowered.by + kept,
-                    error: lowered.error.hypot(KEPT_BY_CHANCE),
-                    ..lowered
-                },
-            },
-        )
+        if before.contacts.is_some() == after.contacts.is_some() {
+            let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
+            return Lowered::over_channels(&falls, &learned.collect::<Vec<_>>());
+        }
+        // What noise keeps of a promise is known, and no scatter of runs that hit and miss.
+        let whole: Vec<f64> = falls.iter().map(|fall| fall.iter().sum()).collect();
+        let lowered = Lowered::over(&whole, 0.0)?;
+        Some(Lowered {
+            by: lowered.by + kept,
+            error: lowered.error.hypot(KEPT_BY_CHANCE),
+            ..lowered
+        })
     }
 
     /// The share of what the locked-away runs' contacts leave beyond noise, in the balances that did not set them, that a model with contacts
@@ -336,19 +334,23 @@ fn repeating(
         .sum()
 }
 
-/// The fall of the sum of squares, piece by piece of a run, a row of each channel counting for its share.
+/// The fall of each channel's sum of squares, piece by piece of a run, a row of each channel counting for its share.
 fn falls(
     before: &ChannelRows,
     after: &ChannelRows,
     shares: &[f64; CHANNELS],
     pieces: usize,
-) -> Vec<f64> {
-    let mut falls = vec![0.0; pieces];
-    for ((before, after), share) in before.iter().zip(after).zip(shares) {
+) -> Vec<[f64; CHANNELS]> {
+    let mut falls = vec![[0.0; CHANNELS]; pieces];
+    for (c, (before, after)) in before.iter().zip(after).enumerate() {
         let rows = before.len().max(1);
         for (i, (b, a)) in before.iter().zip(after).enumerate() {
-            falls[i * pieces / rows] += share * (b * b - a * a);
+            falls[i * pieces / rows][c] += shares[c] * (b * b - a * a);
         }
     }
     falls
+}
+
+fn sum(falls: &[[f64; CHANNELS]]) -> [f64; CHANNELS] {
+    std::array::from_fn(|c| falls.iter().map(|fall| fall[c]).sum())
 }
