@@ -58,7 +58,7 @@ impl Campaign<'_> {
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
         let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
         for candidate in &list {
-            let known = [self.tolerance(candidate), sd];
+            let known = [self.tolerance(residual_model, candidate), sd];
             channel.take(residual_model, &self.training, candidate, known);
         }
         if stated.is_none() && account.steps.is_empty() {
@@ -94,13 +94,17 @@ impl Campaign<'_> {
     }
 
     /// What tolerances of accelerometer and clocks leave open of a candidate of the track channel, a standard deviation in its unit.
-    fn tolerance(&self, candidate: &Candidate<Amplitude>) -> f64 {
+    fn tolerance(&self, model: &ResidualModel, candidate: &Candidate<Amplitude>) -> f64 {
         let known = self.model.tolerances.unwrap_or_default();
         match candidate.unit.as_str() {
             "rad" => known.accel_bias_mps2 / GRAVITY,
             "m/s2" => known.accel_bias_mps2,
-            // Of the speed beside the accelerometer, each of which may be late.
-            "s" => known.delay_s * std::f64::consts::SQRT_2,
+            // Of the speed beside the accelerometer, each of which may be late, as far as clocks were found to lie apart.
+            "s" => {
+                let clocks = model.installation.parts.iter().filter(|p| p.is_delay());
+                let found = clocks.map(|part| part.sd).fold(known.delay_s, f64::max);
+                found * std::f64::consts::SQRT_2
+            }
             _ => 0.0,
         }
     }
