@@ -21,6 +21,9 @@ pub struct Discovery {
 ///
 /// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or for pressures the
 /// `case.toml`. A `campaign.toml` names several of them and their model itself.
+///
+/// `only` names the effects to look for, and `"unknown"` for what is beyond the catalogue; all where it is empty.
+#[allow(clippy::too_many_arguments)] // keywords in Python
 #[pyfunction]
 #[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = Vec::new(), progress = None))]
 pub fn discover(
