@@ -72,7 +72,8 @@ fn told(report: &Report) -> String {
             )
         })
         .collect();
-    format!("{:?}: {}", report.verdict, steps.join(" | "))
+    let remarks = report.remarks.join(" | ");
+    format!("{:?}: {}; {remarks}", report.verdict, steps.join(" | "))
 }
 
 #[test]

@@ -197,25 +197,29 @@ impl TrackChannel {
             .map(|((d, w), b)| d * w * b.2)
             .sum();
         let size = score / information.max(1e-300);
-        let scatter = self.scatter_beside(d, size, &w);
-        let error = (scatter / information.max(1e-300))
-            .sqrt()
-            .hypot(self.tolerances[c]);
+        let [scatter, by_chance_alone] = self.scatter_beside(d, size, &w);
+        let error = |scatter: f64| {
+            let own = (scatter / information.max(1e-300)).sqrt();
+            own.hypot(self.tolerances[c])
+        };
+        let p = by_chance(size / error(by_chance_alone), self.turns[c]);
         TrackScore {
             size,
-            error,
-            p_value: (by_chance(size / error, self.turns[c]) * self.directions.len() as f64)
-                .min(1.0),
+            error: error(scatter),
+            p_value: (p * self.directions.len() as f64).min(1.0),
         }
     }
 
     /// How much more the bins scatter about a candidate of this size than their own scatter and the survey's allow, 1 at least (Birge's
     /// ratio, squared), and how much more they do together than alone: a profile that is off along the track goes with any candidate by chance.
-    fn scatter_beside(&self, direction: &[f64], size: f64, w: &[f64]) -> f64 {
+    /// Then the same were it nothing but chance: of the best of many sizes neighbours have less in common than without it.
+    fn scatter_beside(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
         let both = self.bins.iter().zip(direction);
         let left: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
         let squares: f64 = left.iter().zip(w).map(|(left, w)| w * left * left).sum();
-        (squares / (self.bins.len() as f64 - 1.0)).max(1.0) * inflation(&self.bins, &left)
+        let alone = (squares / (self.bins.len() as f64 - 1.0)).max(1.0);
+        let beside = inflation(&self.bins, &left);
+        [alone * beside, alone * beside.max(self.inflation)]
     }
 
     /// z of candidate `a` once `b` has taken its part.
@@ -232,7 +236,7 @@ impl TrackChannel {
             return 0.0;
         }
         let size = dot(x, &y) / dot(x, x);
-        let scatter = self.scatter_beside(x, size, &w);
+        let [scatter, _] = self.scatter_beside(x, size, &w);
         (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * scatter).sqrt()
     }
 

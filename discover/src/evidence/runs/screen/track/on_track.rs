@@ -1,5 +1,7 @@
 //! Claims in the track channel: slope, profile, and the faults of the accelerometer and of the speed that look like them.
 
+use std::f64::consts::{PI, SQRT_2};
+
 use kufe_sled::GRAVITY;
 
 use crate::evidence::runs::campaign::Campaign;
@@ -99,11 +101,13 @@ impl Campaign<'_> {
         match candidate.unit.as_str() {
             "rad" => known.accel_bias_mps2 / GRAVITY,
             "m/s2" => known.accel_bias_mps2,
-            // Of the speed beside the accelerometer, each of which may be late, as far as clocks were found to lie apart.
+            // Of the speed beside the accelerometer, each of which may be late, as far as clocks were found to lie apart; and beside the slope,
+            // which no low pass spreads over its time constant as it does the signals.
             "s" => {
                 let clocks = model.installation.parts.iter().filter(|p| p.is_delay());
                 let found = clocks.map(|part| part.sd).fold(known.delay_s, f64::max);
-                found * std::f64::consts::SQRT_2
+                let spread = 0.5 / (PI * self.rules().recordings.signal_cutoff_hz);
+                (found * SQRT_2).hypot(spread)
             }
             _ => 0.0,
         }
