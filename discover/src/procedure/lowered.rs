@@ -56,7 +56,7 @@ impl Lowered {
         }
     }
 
-    /// Whether the gap falls, beyond its scatter where channels count by what they tell, by a share of what repeats, and by more than a trace of what is tolerated.
+    /// Whether the gap falls, beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated.
     pub fn holds(&self, rules: &SearchRules) -> bool {
         self.strength() > rules.beyond_scatter
             && self.by > 0.0
@@ -64,10 +64,12 @@ impl Lowered {
             && self.by >= rules.trace * self.tolerated
     }
 
-    /// How clearly it falls: in standard errors.
+    /// How clearly it falls, in standard errors: over all channels alike, or as they tell of it, whichever is clearer. A step of one
+    /// channel is lost in the scatter of the others; of one that all tell a little of, those that are heard are too few.
     pub fn strength(&self) -> f64 {
-        let [by, error] = self.weighed.unwrap_or([self.by, self.error]);
-        by / error.max(1e-300)
+        let of = |[by, error]: [f64; 2]| by / error.max(1e-300);
+        let alike = of([self.by, self.error]);
+        self.weighed.map_or(alike, |weighed| of(weighed).max(alike))
     }
 
     /// The same in words.
@@ -124,11 +126,12 @@ mod tests {
         let of = |by, error, repeats| lowered(by, error, repeats).holds(&rules);
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
-        let weighed = |by| Lowered {
-            weighed: Some([2.0, 0.5]),
+        let weighed = |by, weighed| Lowered {
+            weighed: Some([weighed, 0.5]),
             ..lowered(by, 5.0, 0.0)
         };
-        assert!(weighed(4.0).holds(&rules) && !weighed(-4.0).holds(&rules));
+        assert!(weighed(4.0, 2.0).holds(&rules) && !weighed(-4.0, 2.0).holds(&rules));
+        assert!(weighed(6.0, 0.1).holds(&rules) && !weighed(4.0, 0.1).holds(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
         for (repeats, before, holds) in [
             (20.0, 0.0, true),
