@@ -137,6 +137,8 @@ impl Campaign<'_> {
         // Beside a large effect both leave as little as the one that has it.
         let beyond_noise: [f64; BALANCES] =
             std::array::from_fn(|c| before.beyond_noise[c].min(after.beyond_noise[c]));
+        // Where one of them alone has contacts they are judged by what others' promised.
+        let promised = before.contacts.is_some() != after.contacts.is_some();
         let of_run = |frame: &Frame| -> (Vec<[f64; CHANNELS]>, f64) {
             let few = without_pushes(frame);
             // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
@@ -181,7 +183,7 @@ impl Campaign<'_> {
             let falls = falls(&rows, &left, &shares, pieces.max(1));
             // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
             let kept = |model: &ResidualModel, alike: f64| {
-                let contacts = model.contacts.as_ref()?;
+                let contacts = model.contacts.as_ref().filter(|_| promised)?;
                 let mut own = left_without(model, std::slice::from_ref(frame));
                 apart_from_grip(model, std::slice::from_ref(frame), &mut own);
                 let sd = whitener.sd[1];
@@ -196,7 +198,7 @@ impl Campaign<'_> {
         let falls: Vec<[f64; CHANNELS]> =
             each.iter().flat_map(|(falls, _)| falls.clone()).collect();
         let kept: f64 = each.iter().map(|(_, kept)| kept).sum();
-        if before.contacts.is_some() == after.contacts.is_some() {
+        if !promised {
             let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
             return Lowered::over_channels(&falls, &learned.collect::<Vec<_>>());
         }

@@ -109,12 +109,9 @@ impl TrackChannel {
         /// Share of a size to which the best is found: far less than its error.
         const FOUND: f64 = 0.01;
         let small = 0.01 * candidate.typical;
-        let per_unit = |size: f64| -> Vec<f64> {
-            let change = self.change(residual_model, frames, candidate, size);
-            change.iter().map(|x| x / size).collect()
-        };
-        let w = self.weights(slope_sd);
         let of = |size: f64| self.change(residual_model, frames, candidate, size);
+        let per_unit = |size: f64| -> Vec<f64> { of(size).iter().map(|x| x / size).collect() };
+        let w = self.weights(slope_sd);
         let left = |change: &[f64]| -> f64 {
             let both = self.bins.iter().zip(change).zip(&w);
             both.map(|((bin, change), w)| w * (bin.2 - change).powi(2))
@@ -127,8 +124,13 @@ impl TrackChannel {
         });
         let mut sizes = vec![score / information.max(1e-300)];
         let [low, high] = [candidate.low, candidate.high].map(|bound| 0.5 * bound);
+        let farthest = if high > -low { high } else { low };
+        // What goes with its size is as it is at any.
+        let far = per_unit(farthest);
+        let both = far.iter().zip(&direct).zip(&w);
+        let bends: f64 = both.map(|((far, d), w)| w * (far - d).powi(2)).sum();
         let mut tried = 0.1 * candidate.typical;
-        while tried <= high.max(-low) {
+        while tried <= farthest.abs() && bends > FOUND * FOUND * information {
             sizes.extend([tried, -tried]);
             tried *= RATIO;
         }

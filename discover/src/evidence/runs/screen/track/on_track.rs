@@ -59,10 +59,6 @@ impl Campaign<'_> {
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
         let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
-        for candidate in &list {
-            let known = [self.tolerance(residual_model, candidate), sd];
-            channel.take(residual_model, &self.training, candidate, known);
-        }
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
                 "no [survey] in the model: a slope deviation of {} rad is assumed",
@@ -86,6 +82,10 @@ impl Campaign<'_> {
                 account.remarks.push(told);
             }
             return None;
+        }
+        for candidate in &list {
+            let known = [self.tolerance(residual_model, candidate), sd];
+            channel.take(residual_model, &self.training, candidate, known);
         }
         Some(Surveyed {
             channel,
