@@ -163,7 +163,7 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
     let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
     let told = errors(&output);
     assert_eq!(output.status.code(), Some(4), "{told}");
-    assert!(told.contains("asked 2.000 %"), "{told}");
+    assert!(told.contains("asked 2.00 %"), "{told}");
     let result = json(&bench.path("out/result.json"));
     assert_eq!(result["accuracy_reached"], false);
     assert_eq!(result["accuracy_asked"], 0.02);
