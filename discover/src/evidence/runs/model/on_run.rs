@@ -52,6 +52,13 @@ impl ResidualModel {
         };
         (0..frame.len()).map(of).collect()
     }
+
+    /// The speed of a run, brought from what was recorded to what was true.
+    pub fn speed(&self, frame: &Frame) -> Vec<f64> {
+        let on_run = ModelOnRun::new(self, frame);
+        let of = |i: usize| on_run.measured(i)[Sensor::Speed];
+        (0..frame.len()).map(of).collect()
+    }
 }
 
 /// A model on one run: the vehicle with the effects that act there, and the weather.

@@ -2,5 +2,6 @@
 
 pub(crate) mod bins;
 mod chance;
+mod jumps;
 pub(crate) mod channel;
 pub(crate) mod on_track;

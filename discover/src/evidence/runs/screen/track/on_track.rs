@@ -9,10 +9,12 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::laws::sums::total;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
+use crate::evidence::runs::screen::track::jumps;
 use crate::finding::report::{Fitted, Rival};
+use crate::options::BEYOND;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim};
 use crate::procedure::rivals::NamedEffect;
@@ -158,7 +160,12 @@ impl Campaign<'_> {
                 .max_by(|a, b| both(*a).total_cmp(&both(*b)))
         };
         let at = |factor: f64| best(stands(factor), factor);
-        if let Some(named) = at(1.0) {
+        let named = at(1.0);
+        let strength = named.map_or(0.0, |c| z(c, 1.0).abs());
+        if let Some(jump) = self.jump(residual_model, strength) {
+            return Some(jump);
+        }
+        if let Some(named) = named {
             let seen = channel.judge(named, sd);
             // A size that the forces speak against, beside another that they don't, is none.
             let needed = rules.track_rivals.needed_t.powi(2);
@@ -197,7 +204,7 @@ impl Campaign<'_> {
             }
             return Some(Claim {
                 place: "all runs".to_owned(),
-                channel: CHANNEL_NAMES[3],
+                channel: CHANNEL_NAMES[TRACK],
                 candidate: list[named].clone(),
                 size: seen.size,
                 error: seen.error,
@@ -234,7 +241,7 @@ impl Campaign<'_> {
             place: format!(
                 "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
             ),
-            channel: CHANNEL_NAMES[3],
+            channel: CHANNEL_NAMES[TRACK],
             parameters: self.by_track(&candidate, slope, needed_sd),
             candidate,
             size: slope,
@@ -243,6 +250,31 @@ impl Campaign<'_> {
             rivals: Vec::new(),
             p_value: p,
             remark: None,
+        })
+    }
+
+    /// A jump of the speed's reading, where one stands out by more standard errors than this.
+    fn jump(&self, model: &ResidualModel, beyond: f64) -> Option<Claim<Amplitude>> {
+        if !self.options.looks_for(BEYOND) {
+            return None;
+        }
+        let rules = self.rules();
+        let jump = jumps::find(model, &self.training, rules.track_bin_m)?;
+        if jump.p_value > rules.alpha_track || (jump.size / jump.error).abs() < beyond {
+            return None;
+        }
+        let candidate = jumps::law(&jump)?;
+        Some(Claim {
+            place: format!("v_mps {:.2}", jump.above),
+            channel: CHANNEL_NAMES[TRACK],
+            size: jump.size,
+            error: jump.error,
+            class: vec![candidate.effect.clone()],
+            rivals: Vec::new(),
+            p_value: jump.p_value,
+            remark: None,
+            parameters: self.by_track(&candidate, jump.size, jump.error),
+            candidate,
         })
     }
 
