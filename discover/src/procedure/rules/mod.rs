@@ -162,6 +162,8 @@ pub struct RunRules {
     pub track_bin_m: f64,
     /// Bins on either side from which the scatter between drivers is taken. Chosen.
     pub track_near: usize,
+    /// Time on either side of a moment at which the speed's reading may jump \[s\]. Chosen: as long as accelerometer and survey are off alike.
+    pub jump_reach_s: f64,
     /// Shortest piece of a run with which the sensors' noise is simulated \[s\]. Chosen: longer ones take longer.
     pub noise_piece_s: f64,
     /// Rows of a piece of a run over which locked-away gaps are compared. Chosen: four seconds, beyond which residuals no longer go together.
@@ -261,6 +263,7 @@ impl Default for RunRules {
             window_m: 10.0,
             track_bin_m: 20.0,
             track_near: 3,
+            jump_reach_s: 0.8,
             noise_piece_s: 7.0,
             piece_rows: 40,
             place_m: 10.0,

@@ -74,6 +74,7 @@ const RUN_KEYS: [&str; 47] = [
     "runs.window_m",
     "runs.track_bin_m",
     "runs.track_near",
+    "runs.jump_reach_s",
     "runs.noise_piece_s",
     "runs.piece_rows",
     "runs.place_m",

@@ -1,4 +1,4 @@
-//! The gap by channel, before and after: of the track channel that of means over its bins, as its claims are found.
+//! The gap by channel, before and after: of the track channel that of what the speed gains from one half of its bins to the next.
 
 use rayon::prelude::*;
 
@@ -8,14 +8,14 @@ use crate::evidence::runs::model::residual_model::{
     CHANNEL_NAMES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track::bins::means;
+use crate::evidence::runs::screen::track::bins::rates;
 use crate::finding::report::ChannelGap;
 
-/// Residuals of runs as they are judged: of the track channel means over bins so wide \[m\].
+/// Residuals of runs as they are judged: of the track channel rates within bins so wide \[m\].
 pub fn judged_rows(model: &ResidualModel, frames: &[Frame], track_bin_m: f64) -> Vec<ChannelRows> {
     let mut runs = residuals(model, frames);
     for (rows, frame) in runs.iter_mut().zip(frames) {
-        rows[TRACK] = means(frame, &rows[TRACK], track_bin_m);
+        rows[TRACK] = rates(frame, &rows[TRACK], track_bin_m);
     }
     runs
 }

@@ -10,7 +10,7 @@
 //! g is what a balance takes of its acceleration. Contacts of a run are set by its side balance, of which they take nothing off here; what
 //! the places promised of it counts instead ([`kept_promise`]).
 //!
-//! Rows of the track channel are means over its bins, as its claims are found: the speed's derivative is noisy, and what moves the speed in
+//! Rows of the track channel are what the speed gains from one half of its bins to the next: its derivative is noisy, and what moves it in
 //! time lays that noise elsewhere.
 
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track::bins::{means, of_run};
+use crate::evidence::runs::screen::track::bins::{gains, rates};
 use crate::finding::report::Interval;
 use crate::procedure::lowered::Lowered;
 
@@ -288,7 +288,7 @@ impl Campaign<'_> {
         for (c, rows) in rows.iter().enumerate() {
             let places: Vec<i64> = match c {
                 TRACK => {
-                    let bins = of_run(frame, &s, rules.track_bin_m);
+                    let bins = gains(frame, &s, rules.track_bin_m);
                     bins.into_iter().map(|(bin, _)| bin).collect()
                 }
                 _ => s.iter().map(at).collect(),
@@ -321,7 +321,7 @@ fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
 /// The rows of a locked-away run that a model is judged by, with bins so wide \[m\] in the track channel.
 fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
     let mut rows = with_whole_side(model, frame);
-    rows[TRACK] = means(frame, &rows[TRACK], width);
+    rows[TRACK] = rates(frame, &rows[TRACK], width);
     whitener.rows(&rows)
 }
 

@@ -44,10 +44,33 @@ pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
         .collect()
 }
 
+/// What the speed gains from one half of a bin to the next, a second: with e the sum of a run's rows over time, and means over the halves k,
+///
+/// ```text
+/// (e_k+1 - e_k) / (t_k+1 - t_k)
+/// ```
+///
+/// A mean of the rows themselves is a difference of two readings of the speed; here that of two means of many.
+pub fn gains(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
+    let t = frame.rows(&frame.t);
+    let steps = t.windows(2).zip(rows.windows(2));
+    let sum = steps.scan(0.0, |sum, (t, r)| {
+        *sum += 0.5 * (t[1] - t[0]) * (r[0] + r[1]);
+        Some(*sum)
+    });
+    let gained: Vec<f64> = std::iter::once(0.0).chain(sum).collect();
+    let [gained, t] = [&gained, &t].map(|x| of_run(frame, x, 0.5 * width));
+    let next = gained.windows(2).zip(t.windows(2));
+    let neighbours = next.filter(|(e, _)| e[1].0 == e[0].0 + 1);
+    neighbours
+        .map(|(e, t)| (e[0].0, (e[1].1 - e[0].1) / (t[1].1 - t[0].1)))
+        .collect()
+}
+
 /// The same without the bins' numbers: the rows of the track channel that runs are judged by.
-pub fn means(frame: &Frame, rows: &[f64], width: f64) -> Vec<f64> {
-    let bins = of_run(frame, rows, width).into_iter();
-    bins.map(|(_, mean)| mean).collect()
+pub fn rates(frame: &Frame, rows: &[f64], width: f64) -> Vec<f64> {
+    let gains = gains(frame, rows, width).into_iter();
+    gains.map(|(_, rate)| rate).collect()
 }
 
 /// Over the runs of a bin.

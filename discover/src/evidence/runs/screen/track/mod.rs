@@ -2,6 +2,6 @@
 
 pub(crate) mod bins;
 mod chance;
-mod jumps;
 pub(crate) mod channel;
+mod jumps;
 pub(crate) mod on_track;

@@ -259,7 +259,7 @@ impl Campaign<'_> {
             return None;
         }
         let rules = self.rules();
-        let jump = jumps::find(model, &self.training, rules.track_bin_m)?;
+        let jump = jumps::find(model, &self.training, rules)?;
         if jump.p_value > rules.alpha_track || (jump.size / jump.error).abs() < beyond {
             return None;
         }

@@ -1,0 +1,236 @@
+//! A speed whose reading jumps where it passes a value: what it says more on one side of the crossing than the accelerometer and the
+//! slope of the track have led it to.
+//!
+//! With r the track channel's residual of a run and the sum of it over time what the speed has gained too much, a crossing of x at t says
+//!
+//! ```text
+//! e(t) = sum r dt       h = +- sum k_j e(t + j dt)       k odd, without a part that goes with j
+//! ```
+//!
+//! Neither a survey that is off alike around a crossing nor one that bends shows in h. Runs that cross at one place of a track share what
+//! the survey is off by there: the variance of a place's mean is `a + b / n`, both pooled over all values that are crossed.
+
+use std::collections::BTreeMap;
+
+use kufe_sled::effects::{Channel, Custom, Kind, Level, Sensor};
+use rayon::prelude::*;
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::laws::shapes::rounded;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::screen::track::chance::two_sided;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::rules::RunRules;
+
+/// A jump of the speed's reading.
+pub struct Jump {
+    /// The speed above which it reads more [m/s].
+    pub above: f64,
+    /// How much more [m/s].
+    pub size: f64,
+    /// Standard error [m/s].
+    pub error: f64,
+    /// Two-sided p-value, times the number of speeds that were looked at.
+    pub p_value: f64,
+}
+
+/// From one speed that is looked at to the next [m/s].
+const STEP: f64 = 0.1;
+/// Time on either side over which the low pass of the signals spreads a jump [s].
+const SPREAD_S: f64 = 0.05;
+/// Speeds that are crossed so near to another share its moments [m/s].
+const NEAR: f64 = 1.5;
+/// Fewest places that a speed must be crossed at, and crossings.
+const LEAST_PLACES: usize = 3;
+const LEAST_CROSSINGS: usize = 6;
+
+/// What the speed of a run has gained too much, and the speed without it: as it reads in the middle of a window, so that it passes a jump
+/// half way up and no noise of its own.
+struct OnRun<'a> {
+    frame: &'a Frame,
+    kernel: Kernel,
+    gained: Vec<f64>,
+    passed: Vec<f64>,
+}
+
+/// Crossings of one speed, by track and place.
+type Crossings<'a> = BTreeMap<(&'a str, i64), Vec<f64>>;
+
+impl<'a> OnRun<'a> {
+    fn new(model: &ResidualModel, frame: &'a Frame, reach_s: f64) -> Self {
+        let (left, dt) = (model.track(frame), frame.sample_s());
+        let gained = left.iter().scan(0.0, |sum, r| {
+            *sum += r * dt;
+            Some(*sum)
+        });
+        let (gained, kernel): (Vec<f64>, _) = (gained.collect(), Kernel::new(dt, reach_s));
+        let reach = kernel.weights.len();
+        let read = model.speed(frame);
+        let passed = read.iter().zip(&gained).enumerate().map(|(i, (v, own))| {
+            let near = i.saturating_sub(reach)..(i + reach).min(gained.len());
+            v - own + mean(&gained[near])
+        });
+        Self {
+            passed: passed.collect(),
+            gained,
+            kernel,
+            frame,
+        }
+    }
+
+    /// How much more the reading says above `x` than below, by crossings, with where they are.
+    fn crossings(&self, x: f64, width: f64) -> Vec<(i64, f64)> {
+        let (v, taking) = (&self.passed, &self.frame.taking_part);
+        let reach = self.kernel.weights.len();
+        let mut out = Vec::new();
+        for i in reach..v.len().saturating_sub(reach) {
+            let up = v[i] > x;
+            let both = || (1..reach).all(|j| (v[i + j] > x) == up && (v[i - 1 - j] > x) != up);
+            let whole = || (i - reach..i + reach).all(|j| taking[j]);
+            if (v[i - 1] > x) == up || !both() || !whole() {
+                continue;
+            }
+            let weights = self.kernel.weights.iter().enumerate();
+            let more: f64 = weights
+                .map(|(j, k)| k * (self.gained[i + j] - self.gained[i - 1 - j]))
+                .sum();
+            let place = (self.frame.s[i] / width).floor() as i64;
+            out.push((place, if up { more } else { -more }));
+        }
+        out
+    }
+}
+
+/// Weights of the samples behind a crossing; those ahead of it have the opposite ones.
+struct Kernel {
+    weights: Vec<f64>,
+}
+
+impl Kernel {
+    /// Of a jump beside a straight line, by least squares; where the low pass spreads it, nothing.
+    fn new(sample_s: f64, reach_s: f64) -> Self {
+        let count = |time: f64| (time / sample_s).round() as usize;
+        let (reach, spread) = (count(reach_s).max(4), count(SPREAD_S));
+        let u: Vec<f64> = (spread..reach).map(|j| j as f64 + 0.5).collect();
+        let sum: f64 = u.iter().sum();
+        let square: f64 = u.iter().map(|u| u * u).sum();
+        let beside: Vec<f64> = u.iter().map(|u| 1.0 - u * sum / square).collect();
+        let whole: f64 = beside.iter().sum();
+        let near = (0..spread).map(|_| 0.0);
+        Self {
+            weights: near.chain(beside.iter().map(|k| k / whole)).collect(),
+        }
+    }
+}
+
+/// The jump that stands out most, where any speed is crossed often enough.
+pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Jump> {
+    let runs: Vec<OnRun> = frames
+        .par_iter()
+        .map(|frame| OnRun::new(model, frame, rules.jump_reach_s))
+        .collect();
+    let mut speeds: Vec<f64> = runs.iter().flat_map(|run| run.passed.clone()).collect();
+    speeds.retain(|v| v.is_finite());
+    speeds.sort_by(f64::total_cmp);
+    let [low, high] = [0.01, 0.99].map(|share| {
+        let last = speeds.len().saturating_sub(1);
+        speeds.get((share * last as f64) as usize).copied()
+    });
+    let (low, high) = (low?, high?);
+    let count = ((high - low) / STEP) as usize;
+    let at = |x: f64| -> Crossings {
+        let mut all = Crossings::new();
+        for run in &runs {
+            for (place, h) in run.crossings(x, rules.track_bin_m) {
+                let key = (run.frame.track.as_str(), place);
+                all.entry(key).or_default().push(h);
+            }
+        }
+        all
+    };
+    let looked: Vec<(f64, Crossings)> = (0..=count)
+        .into_par_iter()
+        .map(|k| low + k as f64 * STEP)
+        .map(|x| (x, at(x)))
+        .filter(|(_, all)| {
+            all.len() >= LEAST_PLACES
+                && all.values().map(Vec::len).sum::<usize>() >= LEAST_CROSSINGS
+        })
+        .collect();
+    let first = strongest(&looked, None)?;
+    // What a jump leaves at the speeds beside it is no scatter.
+    let (passed, size, error) = strongest(&looked, Some(first.0))?;
+    Some(Jump {
+        above: passed - 0.5 * size,
+        size,
+        error,
+        p_value: (two_sided(size / error) * looked.len() as f64).min(1.0),
+    })
+}
+
+/// The speed at which the reading's jump stands out most, its size and standard error; scatter is pooled over speeds that are not near
+/// `beside`.
+fn strongest(looked: &[(f64, Crossings)], beside: Option<f64>) -> Option<(f64, f64, f64)> {
+    let places = || {
+        let apart = |x: f64| beside.is_none_or(|beside| (x - beside).abs() > NEAR);
+        let apart = looked.iter().filter(move |(x, _)| apart(*x));
+        apart.flat_map(|(_, all)| all.values())
+    };
+    let [mut squares, mut freedom] = [0.0; 2];
+    for values in places() {
+        let m = mean(values);
+        squares += values.iter().map(|h| (h - m).powi(2)).sum::<f64>();
+        freedom += values.len() as f64 - 1.0;
+    }
+    if freedom < LEAST_CROSSINGS as f64 {
+        return None;
+    }
+    let b = squares / freedom;
+    let beyond: f64 = places()
+        .map(|values| mean(values).powi(2) - b / values.len() as f64)
+        .sum();
+    let a = (beyond / places().count() as f64).max(0.0);
+    let judged = looked.iter().map(|(x, all)| {
+        let [mut sum, mut weight] = [0.0; 2];
+        for values in all.values() {
+            let w = 1.0 / (a + b / values.len() as f64);
+            sum += w * mean(values);
+            weight += w;
+        }
+        (*x, sum / weight, 1.0 / weight.sqrt())
+    });
+    judged.max_by(|x, y| (x.1 / x.2).abs().total_cmp(&(y.1 / y.2).abs()))
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The law that a jump is: a sensor of speed that reads more above a value. It rises over a third of itself, so that what it says still
+/// tells what is true, and over what the low pass of the signals leaves sharp.
+pub fn law(jump: &Jump) -> Option<Candidate<Amplitude>> {
+    const SHARP: f64 = 0.05;
+    let width = rounded((jump.size.abs() / 3.0).max(SHARP), 2);
+    let above = rounded(jump.above, 4);
+    let text = format!("1 / (1 + exp(({above} - v_mps) / {width}))");
+    let custom = Custom::new(Channel::Sensor(Sensor::Speed), &text, None)?;
+    let limit = rounded(100.0 * jump.size.abs(), 1);
+    Some(Candidate {
+        effect: "unknown:v_mps".to_owned(),
+        key: "value".to_owned(),
+        unit: "m/s".to_owned(),
+        low: -limit,
+        high: limit,
+        typical: jump.size.abs(),
+        decides: "runs in which v_mps is varied by itself".to_owned(),
+        act: Amplitude {
+            kind: Kind::Custom(custom.bounded("m/s", -limit, limit)),
+            parameter: 0,
+            level: Level::Sample,
+            values: vec![0.0],
+            track: None,
+            carrier: None,
+        },
+    })
+}
