@@ -127,6 +127,32 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
 }
 
 #[test]
+fn a_speed_whose_reading_jumps_is_named_with_the_speed_above_which_it_does() {
+    let (hidden, above) = (0.06, 21.0);
+    let mut recorded = driven("", 6, 16);
+    for run in &mut recorded {
+        let speed = run.columns.get_mut("v_mps").unwrap();
+        for v in speed.iter_mut().filter(|v| **v > above) {
+            *v += hidden;
+        }
+    }
+    let report = search(&recorded, 6);
+    assert_eq!(report.verdict, Verdict::Law, "{}", told(&report));
+    assert_eq!(report.steps.len(), 1, "{}", told(&report));
+    let first = &report.steps[0];
+    assert_eq!(first.class, ["unknown:v_mps"], "{}", told(&report));
+    let size = &first.parameters[0];
+    assert!(
+        (size.low..size.high).contains(&hidden) && size.low > 0.0,
+        "{}",
+        told(&report)
+    );
+    let place = first.place.strip_prefix("v_mps = ").unwrap();
+    let place: f64 = place.parse().unwrap();
+    assert!((place - above).abs() < 0.15, "{}", first.place);
+}
+
+#[test]
 fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_place() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);

@@ -10,16 +10,16 @@
 //! Neither a survey that is off alike around a crossing nor one that bends shows in h. Runs that cross at one place of a track share what
 //! the survey is off by there: the variance of a place's mean is `a + b / n`, both pooled over all values that are crossed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use kufe_sled::effects::{Channel, Custom, Kind, Level, Sensor};
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track::chance::two_sided;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
@@ -158,49 +158,95 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
                 && all.values().map(Vec::len).sum::<usize>() >= LEAST_CROSSINGS
         })
         .collect();
-    let first = strongest(&looked, None)?;
+    let first = Scatter::of(&looked, None)?.strongest(&looked)?;
     // What a jump leaves at the speeds beside it is no scatter.
-    let (passed, size, error) = strongest(&looked, Some(first.0))?;
+    let best = Scatter::of(&looked, Some(first.passed))?.strongest(&looked)?;
+    let law = StudentsT::new(0.0, 1.0, best.freedom).ok()?;
+    let by_chance = 2.0 * law.cdf(-(best.size / best.error).abs());
     Some(Jump {
-        above: passed - 0.5 * size,
-        size,
-        error,
-        p_value: (two_sided(size / error) * looked.len() as f64).min(1.0),
+        above: best.passed - 0.5 * best.size,
+        size: best.size,
+        error: best.error,
+        p_value: (by_chance * looked.len() as f64).min(1.0),
     })
 }
 
-/// The speed at which the reading's jump stands out most, its size and standard error; scatter is pooled over speeds that are not near
-/// `beside`.
-fn strongest(looked: &[(f64, Crossings)], beside: Option<f64>) -> Option<(f64, f64, f64)> {
-    let places = || {
+/// Variances of crossings about the mean of their place, and of these means beyond them, with what each is known by.
+struct Scatter {
+    within: f64,
+    between: f64,
+    crossings: f64,
+    places: f64,
+}
+
+/// The mean jump of a speed that is passed, with its standard error and the degrees of freedom of that.
+struct Mean {
+    passed: f64,
+    size: f64,
+    error: f64,
+    freedom: f64,
+}
+
+impl Scatter {
+    /// Pooled over all speeds that are not near `beside`.
+    fn of(looked: &[(f64, Crossings)], beside: Option<f64>) -> Option<Self> {
         let apart = |x: f64| beside.is_none_or(|beside| (x - beside).abs() > NEAR);
-        let apart = looked.iter().filter(move |(x, _)| apart(*x));
-        apart.flat_map(|(_, all)| all.values())
-    };
-    let [mut squares, mut freedom] = [0.0; 2];
-    for values in places() {
-        let m = mean(values);
-        squares += values.iter().map(|h| (h - m).powi(2)).sum::<f64>();
-        freedom += values.len() as f64 - 1.0;
+        let apart = || looked.iter().filter(|(x, _)| apart(*x));
+        let [mut squares, mut crossings, mut means, mut count] = [0.0; 4];
+        let mut places = BTreeSet::new();
+        for (place, values) in apart().flat_map(|(_, all)| all) {
+            let m = mean(values);
+            squares += values.iter().map(|h| (h - m).powi(2)).sum::<f64>();
+            crossings += values.len() as f64 - 1.0;
+            means += m * m;
+            count += 1.0;
+            // As far as a window reaches, places are one.
+            places.insert((place.0, place.1 / 2));
+        }
+        if crossings < LEAST_CROSSINGS as f64 {
+            return None;
+        }
+        let within = squares / crossings;
+        let shared = apart().flat_map(|(_, all)| all.values());
+        let noise: f64 = shared.map(|values| within / values.len() as f64).sum();
+        Some(Self {
+            within,
+            between: ((means - noise) / count).max(0.0),
+            crossings,
+            places: places.len() as f64,
+        })
     }
-    if freedom < LEAST_CROSSINGS as f64 {
-        return None;
+
+    /// The speed whose jump stands out most.
+    fn strongest(&self, looked: &[(f64, Crossings)]) -> Option<Mean> {
+        let all = looked.iter().map(|(x, all)| self.mean(*x, all));
+        all.max_by(|x, y| {
+            (x.size / x.error)
+                .abs()
+                .total_cmp(&(y.size / y.error).abs())
+        })
     }
-    let b = squares / freedom;
-    let beyond: f64 = places()
-        .map(|values| mean(values).powi(2) - b / values.len() as f64)
-        .sum();
-    let a = (beyond / places().count() as f64).max(0.0);
-    let judged = looked.iter().map(|(x, all)| {
-        let [mut sum, mut weight] = [0.0; 2];
+
+    /// Over the places where a speed is passed; freedom as of a sum of two variances (Welch 1947).
+    fn mean(&self, passed: f64, all: &Crossings) -> Mean {
+        let [mut sum, mut weight, mut of_places, mut of_crossings] = [0.0; 4];
         for values in all.values() {
-            let w = 1.0 / (a + b / values.len() as f64);
+            let own = self.within / values.len() as f64;
+            let w = 1.0 / (self.between + own);
             sum += w * mean(values);
             weight += w;
+            of_places += w * w * self.between;
+            of_crossings += w * w * own;
         }
-        (*x, sum / weight, 1.0 / weight.sqrt())
-    });
-    judged.max_by(|x, y| (x.1 / x.2).abs().total_cmp(&(y.1 / y.2).abs()))
+        let freedom = (of_places + of_crossings).powi(2)
+            / (of_places.powi(2) / self.places + of_crossings.powi(2) / self.crossings);
+        Mean {
+            passed,
+            size: sum / weight,
+            error: 1.0 / weight.sqrt(),
+            freedom,
+        }
+    }
 }
 
 fn mean(values: &[f64]) -> f64 {

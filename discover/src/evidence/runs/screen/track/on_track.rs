@@ -265,7 +265,7 @@ impl Campaign<'_> {
         }
         let candidate = jumps::law(&jump)?;
         Some(Claim {
-            place: format!("v_mps {:.2}", jump.above),
+            place: format!("v_mps = {:.2}", jump.above),
             channel: CHANNEL_NAMES[TRACK],
             size: jump.size,
             error: jump.error,
