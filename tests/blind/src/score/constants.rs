@@ -43,7 +43,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 47] = [
+const RUN_KEYS: [&str; 48] = [
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.material",
