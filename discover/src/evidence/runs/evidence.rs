@@ -235,14 +235,17 @@ impl Evidence for Campaign<'_> {
 
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
         let mut last = self.with_what_lasts(fit, account)?;
-        // A refit of the base alone is written only where it is better than what was given.
-        let contacts = &last.residual_model.contacts;
-        let claimed = contacts.as_ref().is_some_and(|c| c.step.is_some());
-        let refitted = last.owners.is_empty() && !claimed;
-        let better = self.lowered_between(&self.given, &last.settled, None);
-        let least = self.options.rules.search.beyond_scatter;
-        if refitted && better.is_some_and(|l| l.by <= least * l.error) {
-            last.settled = self.given.clone();
+        // A refit of the base alone, or beside contacts, is written only where it is better than what was given.
+        let as_given = ResidualModel {
+            contacts: last.settled.contacts.clone(),
+            ..self.given.clone()
+        };
+        if last.owners.is_empty() {
+            let better = self.lowered_between(&as_given, &last.settled, None);
+            let least = self.options.rules.search.beyond_scatter;
+            if better.is_some_and(|l| l.by <= least * l.error) {
+                last.settled = as_given;
+            }
         }
         Ok(last)
     }
