@@ -153,6 +153,30 @@ fn a_speed_whose_reading_jumps_is_named_with_the_speed_above_which_it_does() {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
+fn a_slip_sensor_that_warms_up_is_no_offset() {
+    let (hidden, scale_s) = (4e-4, 5.0);
+    let mut recorded = driven("", 6, 16);
+    for run in &mut recorded {
+        let dt = run.dt_s;
+        let slip = run.columns.get_mut("alpha_rad").unwrap();
+        for (i, slip) in slip.iter_mut().enumerate() {
+            *slip += hidden * (1.0 - (-dt * i as f64 / scale_s).exp());
+        }
+    }
+    let report = search(&recorded, 6);
+    assert_eq!(report.verdict, Verdict::Law, "{}", told(&report));
+    let first = &report.steps[0];
+    assert_eq!(first.class, ["unknown:t_s"], "{}", told(&report));
+    let law = first.law.as_ref().unwrap();
+    let scale = law.strip_prefix("(1 - exp(-t_s / ").and_then(|x| x.strip_suffix("))"));
+    let scale: f64 = scale.unwrap().parse().unwrap();
+    assert!((scale / scale_s - 1.0).abs() < 0.15, "{law}");
+    let size = &first.parameters[0];
+    assert!((size.low..size.high).contains(&hidden), "{}", told(&report));
+}
+
+#[test]
 fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_place() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);

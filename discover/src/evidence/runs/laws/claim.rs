@@ -1,6 +1,6 @@
 //! A law beyond the catalogue, claimed: a smooth one that stands out, as the simplest formula that does as well.
 
-use kufe_sled::effects::{Channel, Kind};
+use kufe_sled::effects::{Channel, Kind, Reading};
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
@@ -68,6 +68,16 @@ impl Campaign<'_> {
             leaders.push(law);
             p_value = p_value.min(p);
         }
+        // A bias that leaves more than one which grows may be that one.
+        if let Some((claim, named)) = claim.zip(named)
+            && let Some(law) = teller.drifting(&claim.candidate)
+            && law
+                .refit
+                .as_ref()
+                .is_some_and(|refit| refit.misfit < named.misfit)
+        {
+            leaders.push(law);
+        }
         let mut shown = leaders
             .into_iter()
             .min_by(|a, b| a.left.total_cmp(&b.left))?;
@@ -80,7 +90,14 @@ impl Campaign<'_> {
             }
             (shown, beside) = teller.driven(teller.polished(shown), &smooth, without.misfit);
             if least <= shown.left {
-                return None;
+                let drifts = claim
+                    .zip(named)
+                    .filter(|(claim, _)| grows(&claim.candidate, &shown));
+                let beside = drifts.is_some_and(|(_, named)| {
+                    let [more, error] = self.more_than(Some(named), &shown);
+                    more > self.rules().laws.as_good * error
+                });
+                return beside.then_some(Law::Beside(shown.candidate.effect));
             }
         }
         if let Some(claim) = claim {
@@ -250,6 +267,8 @@ impl Teller<'_> {
         let alike = |[more, error]: [f64; 2]| more <= campaign.rules().laws.alike * error;
         let of_runs = |refit: &Refit| campaign.misfit_by_run(refit);
         let left = law.refit.as_ref().map(of_runs);
+        // What was found by full refits alone has no scores to hold against those of others.
+        let scored = !law.formula.gains.is_empty();
         let on_sensor = beside.iter().filter(|other| {
             let both = left.as_ref().zip(other.refit.as_ref().map(of_runs));
             both.is_some_and(|(own, other)| alike(difference(&other, own)))
@@ -258,6 +277,7 @@ impl Teller<'_> {
         let any = !smooth.iter().any(|other| other.stands);
         let single = smooth
             .iter()
+            .filter(|_| scored)
             .filter(|other| (other.stands || any) && other.columns.len() == 1)
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
@@ -265,6 +285,7 @@ impl Teller<'_> {
         // A product with the law's own column is beside it where it explains more.
         let products = smooth
             .iter()
+            .filter(|_| scored)
             .filter(|other| (other.stands || any) && other.columns.len() == 2)
             .filter(|other| {
                 law.formula
@@ -297,6 +318,19 @@ fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bo
         own.channel == Channel::Sensor(fault.of)
             && law.effect.strip_prefix("unknown:") == Some(fault.of.name())
     })
+}
+
+/// Whether a law is that of a claimed bias over time.
+fn grows(claimed: &Candidate<Amplitude>, law: &ToldLaw) -> bool {
+    let (Kind::Catalogue(effect), Kind::Custom(own)) = (&claimed.act.kind, &law.candidate.act.kind)
+    else {
+        return false;
+    };
+    let mut faults = effect.on_sensors.iter();
+    law.candidate.effect == "unknown:t_s"
+        && faults.any(|fault| {
+            fault.reading == Reading::Biased && own.channel == Channel::Sensor(fault.of)
+        })
 }
 
 /// Whether a law's name holds another one's column.

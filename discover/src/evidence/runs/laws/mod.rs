@@ -2,6 +2,7 @@
 
 pub(crate) mod bent;
 pub(crate) mod claim;
+mod drifting;
 pub(crate) mod formula;
 pub(crate) mod judged;
 pub(crate) mod polished;

@@ -93,6 +93,7 @@ pub fn moved(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
         Shape::Power(x, scale, power) => both(&|by| Shape::Power(x, scale, times(power, by))),
         Shape::Odd(x, scale, power) => both(&|by| Shape::Odd(x, scale, times(power, by))),
         Shape::Exponential(x, scale) => both(&|by| Shape::Exponential(x, times(scale, by))),
+        Shape::Approach(x, scale) => both(&|by| Shape::Approach(x, times(scale, by))),
         Shape::Step(x, from) => both(&|by| Shape::Step(x, beside(from, by))),
         Shape::Hump(x, middle, width) => [
             both(&|by| Shape::Hump(x, beside(middle, by), width)),

@@ -1,0 +1,39 @@
+//! A bias of a sensor that is not there from the start: one that warms up, or drifts all along.
+
+use kufe_sled::effects::{Channel, Kind, Reading};
+
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::laws::formula::Formula;
+use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::laws::term::{COLUMNS, Term};
+use crate::evidence::runs::laws::told::{Teller, ToldLaw};
+use crate::procedure::candidate::Candidate;
+
+impl Teller<'_> {
+    /// Where a bias of a sensor is claimed, the law of that sensor over time that leaves least in a full refit: `1 - exp(-t / scale)` with an
+    /// eighth, a quarter and half of the longest run, and t. Among all laws those on forces explain as much, and hide it.
+    pub fn drifting(&self, claimed: &Candidate<Amplitude>) -> Option<ToldLaw> {
+        let Kind::Catalogue(effect) = &claimed.act.kind else {
+            return None;
+        };
+        let fault = effect.on_sensors.iter().find(|fault| {
+            fault.reading == Reading::Biased && fault.parameter == claimed.act.parameter
+        })?;
+        let own = Channel::Sensor(fault.of);
+        let channel = self.channels.iter().position(|c| *c == own)?;
+        let time = COLUMNS.iter().position(|(name, _)| *name == "t_s")?;
+        let longest = self.terms.sorted(time).last().copied()?;
+        let warming = [0.125, 0.25, 0.5].map(|share| Shape::Approach(time, share * longest));
+        let laws = warming
+            .into_iter()
+            .chain([Shape::Line(time)])
+            .filter_map(|shape| {
+                self.told(Formula {
+                    term: Term { channel, shape },
+                    columns: vec![time],
+                    gains: Vec::new(),
+                })
+            });
+        laws.min_by(|a, b| a.left.total_cmp(&b.left))
+    }
+}
