@@ -169,7 +169,9 @@ fn a_slip_sensor_that_warms_up_is_no_offset() {
     let first = &report.steps[0];
     assert_eq!(first.class, ["unknown:t_s"], "{}", told(&report));
     let law = first.law.as_ref().unwrap();
-    let scale = law.strip_prefix("(1 - exp(-t_s / ").and_then(|x| x.strip_suffix("))"));
+    let scale = law
+        .strip_prefix("(1 - exp(-t_s / ")
+        .and_then(|x| x.strip_suffix("))"));
     let scale: f64 = scale.unwrap().parse().unwrap();
     assert!((scale / scale_s - 1.0).abs() < 0.15, "{law}");
     let size = &first.parameters[0];

@@ -241,8 +241,8 @@ impl Evidence for Campaign<'_> {
             ..self.given.clone()
         };
         if last.owners.is_empty() {
-            let better = self.lowered_between(&as_given, &last.settled, None);
             let least = self.options.rules.search.beyond_scatter;
+            let better = self.lowered_between(&as_given, &last.settled, None);
             if better.is_some_and(|l| l.by <= least * l.error) {
                 last.settled = as_given;
             }
@@ -305,15 +305,14 @@ impl Evidence for Campaign<'_> {
     ) -> Result<Description, Error> {
         let next_runs = self.next_runs(last, &account.steps)?;
         let simulator = self.simulator(&last.settled);
-        let (rules, seed) = (&self.options.rules.runs, self.options.seed);
+        let rules = &self.options.rules.runs;
         let bins = |fit: &RunFit| {
-            let (residual_model, whitener) = (&fit.residual_model, &fit.whitener);
             stand_out(
-                residual_model,
-                whitener,
+                &fit.residual_model,
+                &fit.whitener,
                 &self.training,
                 rules.bin_shown,
-                seed,
+                self.options.seed,
             )
         };
         let bins_after = bins(last);
@@ -325,7 +324,6 @@ impl Evidence for Campaign<'_> {
             true => "one run, in segments",
             false => "runs",
         };
-        let infos = CATALOGUE.iter().map(|e| e.info());
         let training = channels(
             &self.given,
             &last.settled,
@@ -336,11 +334,11 @@ impl Evidence for Campaign<'_> {
         );
         Ok(Description {
             data: data.to_owned(),
-            pictures: {
-                let mut pictures = self.pictures(last, &account.steps, &training);
-                pictures.extend(self.contact_pictures(last));
-                pictures
-            },
+            pictures: [
+                self.pictures(last, &account.steps, &training),
+                self.contact_pictures(last),
+            ]
+            .concat(),
             training,
             within_tolerance: self.within_tolerance(last, account),
             parameters: {
@@ -358,7 +356,7 @@ impl Evidence for Campaign<'_> {
             bins_after,
             by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),
             untestable: self.candidates.untestable.clone(),
-            effects: infos
+            effects: (CATALOGUE.iter().map(|e| e.info()))
                 .map(|i| Meaning {
                     name: i.name.to_owned(),
                     summary: i.summary.to_owned(),

@@ -3,8 +3,8 @@
 use kufe_sled::effects::Channel;
 
 use crate::evidence::runs::fit::refit::Refit;
-use crate::evidence::runs::laws::formula::Formula;
-use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::laws::formulas::formula::Formula;
+use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::term::{Term, said_by};
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;

@@ -3,8 +3,8 @@
 use kufe_sled::effects::{Channel, Kind, Reading};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::laws::formula::Formula;
-use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::laws::formulas::formula::Formula;
+use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::term::{COLUMNS, Term};
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
 use crate::procedure::candidate::Candidate;

@@ -3,8 +3,8 @@
 use kufe_sled::effects::{Channel, Sensor};
 
 use crate::evidence::runs::campaign::Campaign;
-use crate::evidence::runs::laws::shape::Shape;
-use crate::evidence::runs::laws::shapes::bumps;
+use crate::evidence::runs::laws::formulas::shape::Shape;
+use crate::evidence::runs::laws::formulas::shapes::bumps;
 use crate::evidence::runs::laws::smooth::{Group, test};
 use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::laws::term::{COLUMNS, Term, drives, said_by};

@@ -3,11 +3,9 @@
 pub(crate) mod bent;
 pub(crate) mod claim;
 mod drifting;
-pub(crate) mod formula;
+pub(crate) mod formulas;
 pub(crate) mod judged;
 pub(crate) mod polished;
-pub(crate) mod shape;
-pub(crate) mod shapes;
 pub(crate) mod smooth;
 pub(crate) mod sums;
 pub(crate) mod term;

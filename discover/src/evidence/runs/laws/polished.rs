@@ -2,7 +2,7 @@
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
-use crate::evidence::runs::laws::shapes::moved;
+use crate::evidence::runs::laws::formulas::shapes::moved;
 use crate::evidence::runs::laws::told::{Teller, ToldLaw};
 use crate::procedure::candidate::Candidate;
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::{COLUMNS, Term, TermsOnRun, said_by};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};

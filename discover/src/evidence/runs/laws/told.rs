@@ -6,10 +6,10 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::refit::Refit;
-use crate::evidence::runs::laws::formula::Formula;
+use crate::evidence::runs::laws::formulas::formula::Formula;
+use crate::evidence::runs::laws::formulas::shape::{unit, unit_of};
+use crate::evidence::runs::laws::formulas::shapes::rounded;
 use crate::evidence::runs::laws::judged::Smooth;
-use crate::evidence::runs::laws::shape::{unit, unit_of};
-use crate::evidence::runs::laws::shapes::rounded;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::{KNOWN, said_by};
 use crate::evidence::runs::laws::terms::Terms;
@@ -115,12 +115,12 @@ impl Teller<'_> {
             .map(|x| self.terms.names[*x].as_str())
             .collect();
         let own = match channel {
-            Channel::Lateral | Channel::Longitudinal => "N",
-            Channel::Yaw => "N m",
+            Channel::Lateral | Channel::Longitudinal => "N".into(),
+            Channel::Yaw => "N m".into(),
             Channel::Sensor(sensor) => unit_of(sensor.name()),
-            _ => "",
+            _ => "".into(),
         };
-        let unit = unit(own, &per);
+        let unit = unit(&own, &per);
         if !size.is_finite() || size == 0.0 {
             return None;
         }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::laws::shapes::rounded;
+use crate::evidence::runs::laws::formulas::shapes::rounded;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;

@@ -4,9 +4,9 @@ use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::laws::formulas::shape::Shape;
+use crate::evidence::runs::laws::formulas::shapes::{around, formulas};
 use crate::evidence::runs::laws::judged::Smooth;
-use crate::evidence::runs::laws::shape::Shape;
-use crate::evidence::runs::laws::shapes::{around, formulas};
 use crate::evidence::runs::laws::sums::difference;
 use crate::evidence::runs::laws::term::Term;
 use crate::evidence::runs::laws::terms::Terms;

@@ -1,5 +1,7 @@
 //! How a law depends on its columns: basis functions of a smooth curve, and formulas.
 
+use std::borrow::Cow;
+
 use kufe_sled::effects::Expression;
 
 /// A function of one column or two, by their places among the columns.
@@ -154,13 +156,14 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
         Some((of, over)) => (vec![of], vec![over]),
         None => (vec![channel], Vec::new()),
     };
-    for name in columns {
-        match unit_of(name).split_once('/') {
+    let units: Vec<Cow<str>> = columns.iter().map(|name| unit_of(name)).collect();
+    for unit in &units {
+        match unit.split_once('/') {
             Some((of, over)) => {
                 below.push(of);
                 above.push(over);
             }
-            None => below.push(unit_of(name)),
+            None => below.push(unit),
         }
     }
     below.retain(|unit| match above.iter().position(|u| u == unit) {
@@ -183,24 +186,12 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
     }
 }
 
-/// The unit that a column's name ends in.
-pub fn unit_of(name: &str) -> &'static str {
-    const ENDINGS: [(&str, &str); 12] = [
-        ("_radps2", "rad/s2"),
-        ("_radps", "rad/s"),
-        ("_mps2", "m/s2"),
-        ("_mps", "m/s"),
-        ("_rad", "rad"),
-        ("_pa", "Pa"),
-        ("_kg", "kg"),
-        ("_pct", "%"),
-        ("_c", "K"),
-        ("_n", "N"),
-        ("_s", "s"),
-        ("_m", "m"),
-    ];
-    let known = ENDINGS.iter().find(|(ending, _)| name.ends_with(ending));
-    known.map_or("", |(_, unit)| unit)
+/// The unit of a column, as one over which an amplitude goes: of a temperature that of its differences.
+pub fn unit_of(name: &str) -> Cow<'static, str> {
+    match kufe_plot::unit_of(name) {
+        unit if unit == "deg C" => Cow::Borrowed("K"),
+        unit => unit,
+    }
 }
 
 #[cfg(test)]

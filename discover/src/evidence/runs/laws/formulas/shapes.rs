@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::{Channel, Sensor};
 
-use crate::evidence::runs::laws::shape::Shape;
+use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::term::said_by;
 
 /// Bumps of a spline over a column whose values are `sorted`.
