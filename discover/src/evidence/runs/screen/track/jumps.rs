@@ -35,8 +35,9 @@ pub struct Jump {
     pub p_value: f64,
 }
 
-/// From one speed that is looked at to the next [m/s].
+/// From one speed that is looked at to the next [m/s], and how many are at most.
 const STEP: f64 = 0.1;
+const MOST: usize = 2000;
 /// Time on either side over which the low pass of the signals spreads a jump [s].
 const SPREAD_S: f64 = 0.05;
 /// Speeds that are crossed so near to another share its moments [m/s].
@@ -138,7 +139,7 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
         speeds.get((share * last as f64) as usize).copied()
     });
     let (low, high) = (low?, high?);
-    let count = ((high - low) / STEP) as usize;
+    let count = ((high - low) / STEP).min(MOST as f64) as usize;
     let at = |x: f64| -> Crossings {
         let mut all = Crossings::new();
         for run in &runs {
@@ -151,7 +152,7 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
     };
     let looked: Vec<(f64, Crossings)> = (0..=count)
         .into_par_iter()
-        .map(|k| low + k as f64 * STEP)
+        .map(|k| low + k as f64 * STEP.max((high - low) / MOST as f64))
         .map(|x| (x, at(x)))
         .filter(|(_, all)| {
             all.len() >= LEAST_PLACES
@@ -279,4 +280,68 @@ pub fn law(jump: &Jump) -> Option<Candidate<Amplitude>> {
             carrier: None,
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_beside_a_straight_line_is_what_a_crossing_says() {
+        let kernel = Kernel::new(0.02, 0.8);
+        let (hidden, spread) = (0.03, 2);
+        // What the low pass leaves of the jump's own edge says nothing.
+        let gained = |j: i32| {
+            let edge = if j < -spread {
+                0.0
+            } else if j > spread {
+                1.0
+            } else {
+                0.7
+            };
+            4.0 - 0.002 * f64::from(j) + hidden * edge
+        };
+        let more = kernel.weights.iter().zip(0..);
+        let more: f64 = more.map(|(k, j)| k * (gained(j + 1) - gained(-j))).sum();
+        assert!((more - hidden).abs() < 1e-12, "{more}");
+    }
+
+    #[test]
+    fn what_a_mean_is_known_by_is_what_its_scatter_is_of() {
+        let at = |places: &[&[f64]]| -> Crossings {
+            let all = places.iter().zip(0..);
+            all.map(|(values, k)| (("a", 10 * k), values.to_vec()))
+                .collect()
+        };
+        let scatter = |within, between| Scatter {
+            within,
+            between,
+            crossings: 400.0,
+            places: 20.0,
+        };
+        let three = at(&[&[1.0, 3.0], &[2.0], &[4.0]]);
+        // Crossings of their own: the mean of four, and all that was pooled.
+        let own = scatter(0.25, 0.0).mean(21.0, &three);
+        assert!((own.size - 2.5).abs() < 1e-12 && (own.error - 0.25).abs() < 1e-12);
+        assert!((own.freedom - 400.0).abs() < 1e-9);
+        // Places of their own: the mean of three, as well known as the places are many.
+        let shared = scatter(0.0, 0.75).mean(21.0, &three);
+        assert!((shared.size - 8.0 / 3.0).abs() < 1e-12 && (shared.error - 0.5).abs() < 1e-12);
+        assert!((shared.freedom - 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn variances_within_and_between_places_are_told_apart() {
+        // Places at -2 and 2 whose crossings lie 1 to either side: 2 within, and 4 less half of that between.
+        let looked: Vec<(f64, Crossings)> = (0..40)
+            .map(|k| {
+                let middle = if k % 2 == 0 { 2.0 } else { -2.0 };
+                let place = (("a", k), vec![middle - 1.0, middle + 1.0]);
+                (10.0 + 0.1 * k as f64, Crossings::from([place]))
+            })
+            .collect();
+        let scatter = Scatter::of(&looked, None).expect("crossings");
+        assert!((scatter.within - 2.0).abs() < 1e-12 && (scatter.between - 3.0).abs() < 1e-12);
+        assert_eq!((scatter.crossings, scatter.places), (40.0, 20.0));
+    }
 }
