@@ -236,11 +236,11 @@ impl Evidence for Campaign<'_> {
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
         let mut last = self.with_what_lasts(fit, account)?;
         // A refit of the base alone, or beside contacts, is written only where it is better than what was given.
-        let as_given = ResidualModel {
-            contacts: last.settled.contacts.clone(),
-            ..self.given.clone()
-        };
         if last.owners.is_empty() {
+            let as_given = ResidualModel {
+                contacts: last.settled.contacts.clone(),
+                ..self.given.clone()
+            };
             let least = self.options.rules.search.beyond_scatter;
             let better = self.lowered_between(&as_given, &last.settled, None);
             if better.is_some_and(|l| l.by <= least * l.error) {

@@ -1,6 +1,6 @@
 //! How an amplitude of an effect acts on a sled.
 
-use kufe_sled::effects::{Active, Channel, Effect, Judged, Kind, Level, Reading};
+use kufe_sled::effects::{Active, Channel, Custom, Effect, Judged, Kind, Level, Reading, Sensor};
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
@@ -36,6 +36,16 @@ impl Amplitude {
         matches!(&self.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::BeyondTolerance)
     }
 
+    /// The sensor whose bias it is.
+    pub fn biased(&self) -> Option<Sensor> {
+        let Kind::Catalogue(effect) = &self.kind else {
+            return None;
+        };
+        let mut faults = effect.on_sensors.iter();
+        let own = faults.find(|f| f.reading == Reading::Biased && f.parameter == self.parameter);
+        own.map(|fault| fault.of)
+    }
+
     /// Whether it is a channel that is late.
     pub fn is_delay(&self) -> bool {
         let late = |effect: &Effect| effect.on_sensors.iter().any(|f| f.reading == Reading::Late);
@@ -44,6 +54,37 @@ impl Amplitude {
 }
 
 impl Candidate<Amplitude> {
+    /// A law over these columns that no effect of the catalogue has, with the amplitude's unit, what it typically is and how large at most;
+    /// `carrier` is the one that the model has no name for.
+    pub fn law(
+        columns: &[&str],
+        custom: Custom,
+        carrier: Option<String>,
+        unit: &str,
+        [typical, limit]: [f64; 2],
+    ) -> Self {
+        Self {
+            effect: format!("unknown:{}", columns.join("*")),
+            key: "value".to_owned(),
+            unit: unit.to_owned(),
+            low: -limit,
+            high: limit,
+            typical,
+            decides: format!(
+                "runs in which {} is varied by itself",
+                columns.join(" times ")
+            ),
+            act: Amplitude {
+                kind: Kind::Custom(custom.bounded(unit, -limit, limit)),
+                parameter: 0,
+                level: Level::Sample,
+                values: vec![0.0],
+                track: None,
+                carrier,
+            },
+        }
+    }
+
     /// Whether another is the same amplitude of the same effect, with the same settings, in the same place.
     pub fn is(&self, other: &Self) -> bool {
         let (own, its) = (&self.act, &other.act);

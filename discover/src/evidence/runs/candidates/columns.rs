@@ -1,6 +1,6 @@
 //! Dependences on a column that no effect of the catalogue has.
 
-use kufe_sled::effects::{Channel, Column, Custom, Expression, Kind, Level};
+use kufe_sled::effects::{Channel, Column, Custom, Expression};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::frame::further_columns;
@@ -62,23 +62,14 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
             } else {
                 10.0
             };
-            out.push(Candidate {
-                effect: format!("unknown:{name}"),
-                key: "value".to_owned(),
-                unit: unit.to_owned(),
-                low: -limit,
-                high: limit,
-                typical,
-                decides: format!("runs in which {name} is varied by itself"),
-                act: Amplitude {
-                    kind: Kind::Custom(custom.bounded(unit, -limit, limit)),
-                    parameter: 0,
-                    level: Level::Sample,
-                    values: vec![0.0],
-                    track: None,
-                    carrier: carrier.clone(),
-                },
-            });
+            let sizes = [typical, limit];
+            out.push(Candidate::law(
+                &[&name],
+                custom,
+                carrier.clone(),
+                unit,
+                sizes,
+            ));
         }
     }
     out

@@ -1,6 +1,6 @@
 //! A law beyond the catalogue, claimed: a smooth one that stands out, as the simplest formula that does as well.
 
-use kufe_sled::effects::{Channel, Kind, Reading};
+use kufe_sled::effects::{Channel, Kind};
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
@@ -267,17 +267,19 @@ impl Teller<'_> {
         let alike = |[more, error]: [f64; 2]| more <= campaign.rules().laws.alike * error;
         let of_runs = |refit: &Refit| campaign.misfit_by_run(refit);
         let left = law.refit.as_ref().map(of_runs);
-        // What was found by full refits alone has no scores to hold against those of others.
-        let scored = !law.formula.gains.is_empty();
         let on_sensor = beside.iter().filter(|other| {
             let both = left.as_ref().zip(other.refit.as_ref().map(of_runs));
             both.is_some_and(|(own, other)| alike(difference(&other, own)))
         });
+        // What was found by full refits alone has no scores to hold against those of others.
+        let smooth = match law.formula.gains.is_empty() {
+            true => &[],
+            false => smooth,
+        };
         // Where none stands out by itself, as where noise is not known, those that explain as much are as good.
         let any = !smooth.iter().any(|other| other.stands);
         let single = smooth
             .iter()
-            .filter(|_| scored)
             .filter(|other| (other.stands || any) && other.columns.len() == 1)
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
@@ -285,7 +287,6 @@ impl Teller<'_> {
         // A product with the law's own column is beside it where it explains more.
         let products = smooth
             .iter()
-            .filter(|_| scored)
             .filter(|other| (other.stands || any) && other.columns.len() == 2)
             .filter(|other| {
                 law.formula
@@ -322,15 +323,11 @@ fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bo
 
 /// Whether a law is that of a claimed bias over time.
 fn grows(claimed: &Candidate<Amplitude>, law: &ToldLaw) -> bool {
-    let (Kind::Catalogue(effect), Kind::Custom(own)) = (&claimed.act.kind, &law.candidate.act.kind)
-    else {
+    let Kind::Custom(own) = &law.candidate.act.kind else {
         return false;
     };
-    let mut faults = effect.on_sensors.iter();
-    law.candidate.effect == "unknown:t_s"
-        && faults.any(|fault| {
-            fault.reading == Reading::Biased && own.channel == Channel::Sensor(fault.of)
-        })
+    let biased = claimed.act.biased().map(Channel::Sensor);
+    law.candidate.effect == "unknown:t_s" && biased == Some(own.channel)
 }
 
 /// Whether a law's name holds another one's column.

@@ -1,6 +1,6 @@
 //! A bias of a sensor that is not there from the start: one that warms up, or drifts all along.
 
-use kufe_sled::effects::{Channel, Kind, Reading};
+use kufe_sled::effects::Channel;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formulas::formula::Formula;
@@ -13,13 +13,7 @@ impl Teller<'_> {
     /// Where a bias of a sensor is claimed, the law of that sensor over time that leaves least in a full refit: `1 - exp(-t / scale)` with an
     /// eighth, a quarter and half of the longest run, and t. Among all laws those on forces explain as much, and hide it.
     pub fn drifting(&self, claimed: &Candidate<Amplitude>) -> Option<ToldLaw> {
-        let Kind::Catalogue(effect) = &claimed.act.kind else {
-            return None;
-        };
-        let fault = effect.on_sensors.iter().find(|fault| {
-            fault.reading == Reading::Biased && fault.parameter == claimed.act.parameter
-        })?;
-        let own = Channel::Sensor(fault.of);
+        let own = Channel::Sensor(claimed.act.biased()?);
         let channel = self.channels.iter().position(|c| *c == own)?;
         let time = COLUMNS.iter().position(|(name, _)| *name == "t_s")?;
         let longest = self.terms.sorted(time).last().copied()?;

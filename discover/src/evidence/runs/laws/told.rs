@@ -1,6 +1,6 @@
 //! A formula of a law as an effect of one's own, fitted together with the base.
 
-use kufe_sled::effects::{Channel, Custom, Kind, Level};
+use kufe_sled::effects::{Channel, Custom, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -132,30 +132,12 @@ impl Teller<'_> {
                 Kind::Catalogue(_) => None,
             })
             .any(|known| *known == text);
-        (!already).then(|| Candidate {
-            effect: name(columns, &self.terms.names),
-            key: "value".to_owned(),
-            unit: unit.clone(),
-            low: -limit,
-            high: limit,
-            typical: size.abs(),
-            decides: format!(
-                "runs in which {} is varied by itself",
-                columns
-                    .iter()
-                    .map(|x| self.terms.names[*x].as_str())
-                    .collect::<Vec<_>>()
-                    .join(" times ")
-            ),
-            act: Amplitude {
-                kind: Kind::Custom(custom.bounded(&unit, -limit, limit)),
-                parameter: 0,
-                level: Level::Sample,
-                values: vec![0.0],
-                track: None,
-                carrier,
-            },
-        })
+        let columns: Vec<&str> = columns
+            .iter()
+            .map(|x| self.terms.names[*x].as_str())
+            .collect();
+        let sizes = [size.abs(), limit];
+        (!already).then(|| Candidate::law(&columns, custom, carrier, &unit, sizes))
     }
 }
 

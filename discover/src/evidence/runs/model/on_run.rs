@@ -45,19 +45,20 @@ impl ResidualModel {
 
     /// The track channel of [`raw`](Self::raw) alone, which no force enters; zeros without a survey.
     pub fn track(&self, frame: &Frame) -> Vec<f64> {
+        let [track, _] = self.track_and_speed(frame);
+        track
+    }
+
+    /// The same, and the speed, brought from what was recorded to what was true.
+    pub fn track_and_speed(&self, frame: &Frame) -> [Vec<f64>; 2] {
         let on_run = ModelOnRun::new(self, frame);
         let of = |i: usize| {
             let signals = on_run.measured(i);
-            on_run.track(i, &on_run.balance(i, &signals), &signals)
+            let left = on_run.track(i, &on_run.balance(i, &signals), &signals);
+            (left, signals[Sensor::Speed])
         };
-        (0..frame.len()).map(of).collect()
-    }
-
-    /// The speed of a run, brought from what was recorded to what was true.
-    pub fn speed(&self, frame: &Frame) -> Vec<f64> {
-        let on_run = ModelOnRun::new(self, frame);
-        let of = |i: usize| on_run.measured(i)[Sensor::Speed];
-        (0..frame.len()).map(of).collect()
+        let (left, speed) = (0..frame.len()).map(of).unzip();
+        [left, speed]
     }
 }
 

@@ -12,7 +12,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use kufe_sled::effects::{Channel, Custom, Kind, Level, Sensor};
+use kufe_sled::effects::{Channel, Custom, Sensor};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -60,14 +60,13 @@ type Crossings<'a> = BTreeMap<(&'a str, i64), Vec<f64>>;
 
 impl<'a> OnRun<'a> {
     fn new(model: &ResidualModel, frame: &'a Frame, reach_s: f64) -> Self {
-        let (left, dt) = (model.track(frame), frame.sample_s());
+        let ([left, read], dt) = (model.track_and_speed(frame), frame.sample_s());
         let gained = left.iter().scan(0.0, |sum, r| {
             *sum += r * dt;
             Some(*sum)
         });
         let (gained, kernel): (Vec<f64>, _) = (gained.collect(), Kernel::new(dt, reach_s));
         let reach = kernel.weights.len();
-        let read = model.speed(frame);
         let passed = read.iter().zip(&gained).enumerate().map(|(i, (v, own))| {
             let near = i.saturating_sub(reach)..(i + reach).min(gained.len());
             v - own + mean(&gained[near])
@@ -263,23 +262,8 @@ pub fn law(jump: &Jump) -> Option<Candidate<Amplitude>> {
     let text = format!("1 / (1 + exp(({above} - v_mps) / {width}))");
     let custom = Custom::new(Channel::Sensor(Sensor::Speed), &text, None)?;
     let limit = rounded(100.0 * jump.size.abs(), 1);
-    Some(Candidate {
-        effect: "unknown:v_mps".to_owned(),
-        key: "value".to_owned(),
-        unit: "m/s".to_owned(),
-        low: -limit,
-        high: limit,
-        typical: jump.size.abs(),
-        decides: "runs in which v_mps is varied by itself".to_owned(),
-        act: Amplitude {
-            kind: Kind::Custom(custom.bounded("m/s", -limit, limit)),
-            parameter: 0,
-            level: Level::Sample,
-            values: vec![0.0],
-            track: None,
-            carrier: None,
-        },
-    })
+    let sizes = [jump.size.abs(), limit];
+    Some(Candidate::law(&["v_mps"], custom, None, "m/s", sizes))
 }
 
 #[cfg(test)]
