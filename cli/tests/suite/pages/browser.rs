@@ -1,17 +1,16 @@
 //! A headless Chromium, driven over its DevTools protocol.
 
 use kufe_outside::missing;
-use std::io::ErrorKind;
-use std::net::TcpStream;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use tungstenite::{Message, WebSocket};
 
 /// How long anything may take; the machine may be busy.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -19,7 +18,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// A browser with one tab.
 pub struct Browser {
     process: Child,
-    socket: WebSocket<TcpStream>,
+    hears: ChildStdin,
+    says: Receiver<Vec<u8>>,
     session: String,
     asked: u64,
     events: Vec<Value>,
@@ -69,7 +69,10 @@ impl Browser {
     /// Starts the browser with further `flags`.
     pub fn start(program: &Path, flags: &[&str]) -> Browser {
         let profile = tempfile::tempdir().expect("a temporary folder");
-        let process = Command::new(program)
+        // Its protocol runs over descriptors 3 and 4, each message ended by a zero.
+        let mut process = Command::new("sh")
+            .args(["-c", r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >/dev/null"#])
+            .arg(program)
             .args(["--headless", "--no-sandbox", "--no-first-run"])
             .args([
                 "--disable-background-networking",
@@ -80,30 +83,30 @@ impl Browser {
                 "--disable-dev-shm-usage",
                 "--hide-scrollbars",
             ])
-            .arg("--remote-debugging-port=0")
+            .arg("--remote-debugging-pipe")
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .args(flags)
             .arg("about:blank")
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .expect("chromium starts");
-        let address = profile.path().join("DevToolsActivePort");
-        let (port, path) = wait(|| {
-            let text = std::fs::read_to_string(&address).ok()?;
-            let (port, path) = text.split_once('\n')?;
-            Some((port.parse::<u16>().ok()?, path.trim().to_string()))
+        let mut pipe = BufReader::new(process.stdout.take().expect("a pipe"));
+        let (send, says) = channel();
+        std::thread::spawn(move || {
+            let mut text = Vec::new();
+            // Until the browser or the test goes away.
+            while pipe.read_until(0, &mut text).is_ok() && text.pop() == Some(0) {
+                if send.send(std::mem::take(&mut text)).is_err() {
+                    break;
+                }
+            }
         });
-        let stream = TcpStream::connect(("127.0.0.1", port)).expect("chromium listens");
-        stream
-            .set_read_timeout(Some(PATIENCE))
-            .expect("a time limit");
-        let (socket, _) = tungstenite::client(format!("ws://127.0.0.1:{port}{path}"), stream)
-            .expect("chromium speaks");
         let mut browser = Browser {
+            hears: process.stdin.take().expect("a pipe"),
+            says,
             process,
-            socket,
             session: String::new(),
             asked: 0,
             events: Vec::new(),
@@ -129,20 +132,14 @@ impl Browser {
         if !self.session.is_empty() {
             message["sessionId"] = json!(self.session);
         }
-        self.socket
-            .send(Message::text(message.to_string()))
-            .expect("chromium hears");
+        let mut bytes = message.to_string().into_bytes();
+        bytes.push(0);
+        let sent = self.hears.write_all(&bytes).and(self.hears.flush());
+        sent.expect("chromium hears");
         loop {
-            let text = match self.socket.read() {
-                Ok(Message::Text(text)) => text,
-                Ok(_) => continue,
-                // A signal came in between; the answer is still to come.
-                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {
-                    continue;
-                }
-                Err(error) => panic!("{method}: chromium does not answer: {error}"),
-            };
-            let mut answer: Value = serde_json::from_str(&text).expect("JSON");
+            let text = self.says.recv_timeout(PATIENCE);
+            let text = text.unwrap_or_else(|e| panic!("{method}: chromium does not answer: {e}"));
+            let mut answer: Value = serde_json::from_slice(&text).expect("JSON");
             if answer["id"] == self.asked {
                 assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
                 return answer["result"].take();
