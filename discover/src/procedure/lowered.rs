@@ -56,12 +56,18 @@ impl Lowered {
         }
     }
 
-    /// Whether the gap falls, beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated.
+    /// Whether the gap falls, beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated. Where it falls
+    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise beyond that scatter.
     pub fn holds(&self, rules: &SearchRules) -> bool {
+        let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
+        let by = match clearly {
+            Some([by, _]) if self.by > -rules.beyond_scatter * self.error => by.max(self.by),
+            _ => self.by,
+        };
         self.strength() > rules.beyond_scatter
-            && self.by > 0.0
-            && self.by >= rules.material * self.repeats
-            && self.by >= rules.trace * self.tolerated
+            && by > 0.0
+            && by >= rules.material * self.repeats
+            && by >= rules.trace * self.tolerated
     }
 
     /// How clearly it falls, in standard errors: over all channels alike, or as they tell of it, whichever is clearer. A step of one
@@ -130,7 +136,9 @@ mod tests {
             weighed: Some([weighed, 0.5]),
             ..lowered(by, 5.0, 0.0)
         };
-        assert!(weighed(4.0, 2.0).holds(&rules) && !weighed(-4.0, 2.0).holds(&rules));
+        assert!(weighed(4.0, 1.0).holds(&rules) && !weighed(-4.0, 1.0).holds(&rules));
+        // Clear where it is told, beside channels that scatter about nothing, or rise.
+        assert!(weighed(-4.0, 2.0).holds(&rules) && !weighed(-6.0, 2.0).holds(&rules));
         assert!(weighed(6.0, 0.1).holds(&rules) && !weighed(4.0, 0.1).holds(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
         for (repeats, before, holds) in [

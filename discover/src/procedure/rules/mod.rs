@@ -45,6 +45,9 @@ pub struct SearchRules {
     /// Standard errors by which the gap on locked-away data must fall for a step, and for the whole answer, to be named. Chosen:
     /// it is asked once more of what has stood out already.
     pub beyond_scatter: f64,
+    /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise beyond their
+    /// scatter. Chosen.
+    pub clear: f64,
     /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.
     pub material: f64,
     /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a hundredth in size.
@@ -65,6 +68,7 @@ impl Default for SearchRules {
             most_screens: 8,
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
+            clear: 3.0,
             material: 0.05,
             trace: 1e-4,
             kinds_agree: 3.0,

@@ -43,9 +43,10 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what is locked away, are left out.
-const RUN_KEYS: [&str; 48] = [
+const RUN_KEYS: [&str; 49] = [
     "search.superfluous_t",
     "search.beyond_scatter",
+    "search.clear",
     "search.material",
     "search.trace",
     "runs.alpha",

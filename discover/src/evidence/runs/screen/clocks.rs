@@ -73,7 +73,12 @@ impl Campaign<'_> {
     ) -> Vec<Leader<'c>> {
         let most = self.rules().finalists;
         let mut leaders: Vec<Leader> = Vec::new();
-        for (c, candidate) in regular.iter().enumerate().filter(|(_, c)| !c.is_column()) {
+        // First those that the screen says most of: what leaves more than they do is given up early.
+        let named = (0..regular.len()).filter(|c| !regular[*c].is_column());
+        let mut order: Vec<usize> = named.collect();
+        order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
+        for c in order {
+            let candidate = &regular[c];
             let last = leaders.get(most - 1);
             let beat = last.map_or(f64::INFINITY, |last| last.refit.misfit);
             let guess = (candidate, screen.seen[c].size);
