@@ -136,6 +136,7 @@ mod tests {
             weighed: Some([weighed, 0.5]),
             ..lowered(by, 5.0, 0.0)
         };
+        assert!(weighed(4.0, 2.0).holds(&rules));
         assert!(weighed(4.0, 1.0).holds(&rules) && !weighed(-4.0, 1.0).holds(&rules));
         // Clear where it is told, beside channels that scatter about nothing, or rise.
         assert!(weighed(-4.0, 2.0).holds(&rules) && !weighed(-6.0, 2.0).holds(&rules));

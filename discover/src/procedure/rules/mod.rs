@@ -46,7 +46,7 @@ pub struct SearchRules {
     /// it is asked once more of what has stood out already.
     pub beyond_scatter: f64,
     /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise beyond their
-    /// scatter. Chosen.
+    /// scatter. Chosen: of 34 steps that were refused without it four pass, three of which are there; at half the same four, at twice one that is not.
     pub clear: f64,
     /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.
     pub material: f64,
