@@ -7,7 +7,7 @@ use crate::Iterate;
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so that results kept on disk
 /// by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 15;
+pub const NUMERICS: u32 = 16;
 
 /// The way to the solution of one mesh's equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use crate::grid::discretise::Discretisation;
 use crate::groove::memory::Kind;
 use crate::groove::slid::Slid;
-use crate::result::chords::By;
+use crate::result::chords::{By, rim_by_overlap};
 use crate::result::measure::PressureField;
 
 /// A solution on its mesh, with the nodes' states on the whole plane.
@@ -157,15 +157,8 @@ impl<'a> Rims<'a> {
             (true, _) => Some((y[j - 1], self.grown(i, j - 1))),
             (false, _) => (j + 1 < y.len()).then(|| (y[j + 1], self.grown(i, j + 1))),
         };
-        let step = y[k] - y[j];
-        let bend = within.map_or(0.0, |(at, value)| {
-            let (before, after) = ((inside - value) / (y[j] - at), (-outside - inside) / step);
-            (after - before) / (y[k] - at)
-        });
-        Some((
-            [j, k],
-            y[j] + step * crossing(inside, outside, bend * step * step),
-        ))
+        let side = rim_by_overlap(within, (y[j], inside), (y[k], -outside))?;
+        Some(([j, k], side))
     }
 
     /// The outermost node in contact at a side of column `i` and the one beyond it.
@@ -292,12 +285,4 @@ impl<'a> Rims<'a> {
     fn shape(&self) -> [usize; 2] {
         [self.mesh.grid.x.len(), self.mesh.grid.y.len()]
     }
-}
-
-/// Where between 0 and 1 the parabola that is `inside` > 0 at 0 and `-outside` < 0 at 1, bent by `bend`, is zero.
-fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
-    // inside + t (slope + bend t) with slope = -outside - inside - bend; the root with the sign that falls.
-    let slope = -outside - inside - bend;
-    let root = (slope * slope - 4.0 * bend * inside).max(0.0).sqrt();
-    (2.0 * inside / (root - slope)).clamp(0.0, 1.0)
 }

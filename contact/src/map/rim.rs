@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
+use crate::result::measure::ROUNDED;
 use crate::result::solution::SurfaceField;
 
 /// Nodes on each side of a node that its surface is fitted to, and where their weights are 1 / e, in nodes.
@@ -36,8 +37,10 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
             Place::Within | Place::Far => f64::NAN,
         })
         .collect();
-    let full = |n: usize| field.pressure[n] >= bound;
+    let full = |n: usize| field.pressure[n] >= ROUNDED * bound;
     let yields = |n: usize| nodes.block(n, 1).any(full);
+    // Beyond nodes that yield, or that bear a part beside such.
+    let jumps = |n: usize| yields(n) || nodes.facing(n).all(yields);
     let closest = closest(field);
     // Behind where it yields the ice presses elastically on the runner that rises.
     let recovers = |n: usize| square[n] > 0.0 && !full(n) && field.yielded[n] > 0.0;
@@ -52,7 +55,7 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let mean = |n: usize| touching(n).map(|k| square[k]).sum::<f64>() / touching(n).count() as f64;
     // An open node where the surface has fallen from the nodes that touch.
     let ended = |n: usize| {
-        nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !yields(n) && !walled(n)
+        nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !jumps(n) && !walled(n)
     };
     // The gap over the ice as it came; over a groove that is left behind the rim is no beginning of one.
     let before = |n: usize| match field.gap[n] - field.yielded[n] {
@@ -71,7 +74,7 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
                 STEEP * bound * (field.pressure[n] - 0.5 * bound)
             }
             Place::Open if walled(n) && closest[n].is_finite() => wall(n),
-            Place::Open if yields(n) && steep > 0.0 && before(n).is_finite() => -steep * before(n),
+            Place::Open if jumps(n) && steep > 0.0 && before(n).is_finite() => -steep * before(n),
             Place::Beside if nodes.block(n, 1).any(ended) => fitted[n],
             Place::Within | Place::Beside => square[n],
             Place::Open if ended(n) => fitted[n].min(0.0),
@@ -94,7 +97,7 @@ fn closest(field: &SurfaceField) -> Vec<f64> {
 
 /// How far the ice has yielded beside the rim, on average [m]; infinite where it has not.
 fn overlap(field: &SurfaceField, place: &[Place], bound: f64) -> f64 {
-    let yields = |n: &usize| place[*n] == Place::Beside && field.pressure[*n] >= bound;
+    let yields = |n: &usize| place[*n] == Place::Beside && field.pressure[*n] >= ROUNDED * bound;
     let overlaps = (0..place.len()).filter(yields).map(|n| field.yielded[n]);
     let open = (0..place.len()).filter(|&n| place[n] == Place::Open && field.gap[n].is_finite());
     let [overlap, gap] = [overlaps.collect(), open.map(|n| field.gap[n]).collect()]

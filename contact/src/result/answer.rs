@@ -6,6 +6,7 @@ use crate::grid::assembled::assembled_bodies;
 use crate::grid::contact_mesh::{ContactMesh, State};
 use crate::grid::discretise::Discretisation;
 use crate::problem::gap::Gap;
+use crate::result::measure::ROUNDED;
 use crate::result::pressure::Pressure;
 use crate::{Foundation, Iterate, Problem, RunnerField, Solution, SurfaceField, VolumeField};
 
@@ -52,7 +53,7 @@ impl Answer<'_> {
         let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
         let gaps = mesh.contact.gaps(&state);
         let ice_surface = mesh.contact.ice_surface(&state.displacement);
-        let bound = problem.ice.hardness.unwrap_or(f64::INFINITY);
+        let bound = ROUNDED * problem.ice.hardness.unwrap_or(f64::INFINITY);
         // Ice that bears all it can takes the runner's shape: the overlap with its elastic surface.
         let overlaps = values.iter().zip(&gaps);
         let yielded = overlaps.map(|(p, gap)| if *p >= bound { -gap } else { 0.0 });

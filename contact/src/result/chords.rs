@@ -7,13 +7,15 @@ pub(crate) enum By {
     Shape,
     /// What the outermost node bears, which hardly depends on the pressure's shape: [`rim_by_load`].
     Load,
+    /// The same where the pressure goes to zero, and half-way to the next node where it jumps: ends that stay on all meshes that are made for them,
+    /// which those below the cell would not.
+    Cells,
 }
 
 /// Stretches of positive pressure along a line, resolved below the cell.
 ///
-/// Where ends are not found `by` what is asked, they are by [`rim_by_gap`]; beyond a node that bears all it can,
-/// and where that finds none either, half-way; a mirror plane at the first node is the
-/// start of a stretch that touches it.
+/// Where ends are not found `by` what is asked, they are by [`rim_by_gap`] or where the ice ceases to yield, if that is farther out,
+/// and where neither finds one, half-way; a mirror plane at the first node is the start of a stretch that touches it.
 pub(crate) fn chords(
     nodes: &[f64],
     pressure: &[f64],
@@ -43,28 +45,48 @@ pub(crate) fn chords(
         let cut = first == 0 && symmetric;
         let upwards: Vec<(f64, f64)> = (first..=last).take(4).map(at).collect();
         let downwards: Vec<(f64, f64)> = (first..=last).rev().take(4).map(at).collect();
+        let line = Line {
+            nodes,
+            pressure,
+            gap: gap.unwrap_or(&[]),
+            bound,
+            symmetric,
+        };
+        let beyond = |inside: [usize; 2], open: [Option<(f64, f64)>; 2], outwards: isize| {
+            let full = inside.map(|k| pressure[k] >= bound);
+            if by == By::Cells && full[0] {
+                return None;
+            }
+            let jumps = by != By::Cells && full[1];
+            let by_gap = rim_by_gap(inside.map(at), open, (!jumps).then_some(bound));
+            let yields = (by != By::Cells).then(|| line.rim_of_yielding(inside[0], outwards));
+            let farther = |a: f64, b: f64| if outwards < 0 { a.min(b) } else { a.max(b) };
+            by_gap.into_iter().chain(yields.flatten()).reduce(farther)
+        };
         let low = if cut {
             nodes[0]
         } else {
             let end = match by {
                 By::Shape => rim_by_shape(&upwards, before, bound),
-                By::Load if last > first + 2 => {
+                By::Load | By::Cells if last > first + 2 => {
                     rim_by_load(&upwards, before, |_| half_way[1], bound)
                 }
-                By::Load => None,
+                By::Load | By::Cells => None,
             };
-            end.or_else(|| rim_by_gap([first, (first + 1).min(last)].map(at), below, bound))
+            end.or_else(|| beyond([first, (first + 1).min(last)], below, -1))
                 .unwrap_or(half_way[0])
         };
         let other = |x: f64| if cut { 2.0 * nodes[0] - x } else { half_way[0] };
         let end = match by {
             By::Shape => rim_by_shape(&downwards, after, bound),
-            By::Load if cut || last > first + 2 => rim_by_load(&downwards, after, other, bound),
-            By::Load => None,
+            By::Load | By::Cells if cut || last > first + 2 => {
+                rim_by_load(&downwards, after, other, bound)
+            }
+            By::Load | By::Cells => None,
         };
         let next = last.saturating_sub(1).max(first);
         let high = end
-            .or_else(|| rim_by_gap([last, next].map(at), above, bound))
+            .or_else(|| beyond([last, next], above, 1))
             .unwrap_or(half_way[1]);
         found.push([low, high]);
         i += 1;
@@ -191,21 +213,103 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// Where the gap closes between the outermost node in contact, `inside` with the next one (place, pressure), and the two open ones
-/// (place, gap) beyond it; `None` where the outermost one bears all it can, up to the end of its part of the line.
+/// (place, gap) beyond it.
 ///
 /// Beside a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson, Contact Mechanics, 1985, section 5.1),
-/// so that its power 2/3 is a line. What the outermost node bears needs some of its part at the `bound` at least.
-fn rim_by_gap(inside: [(f64, f64); 2], open: [Option<(f64, f64)>; 2], bound: f64) -> Option<f64> {
+/// so that its power 2/3 is a line. What the outermost node bears needs some of its part at the `bound` at least. Where the pressure
+/// jumps beside it, which no bound tells, it says how much the ice gives instead ([`Line::rim_of_yielding`]).
+fn rim_by_gap(
+    inside: [(f64, f64); 2],
+    open: [Option<(f64, f64)>; 2],
+    bound: Option<f64>,
+) -> Option<f64> {
     let [near, far] = [open[0]?, open[1]?];
     let [outermost, next] = inside;
-    if outermost.1 >= bound || !(near.1 > 0.0 && far.1 > near.1 && far.1.is_finite()) {
+    if !(near.1 > 0.0 && far.1 > near.1 && far.1.is_finite()) {
         return None;
     }
     let [a, b] = [near.1, far.1].map(|gap| gap.powf(2.0 / 3.0));
     let rim = near.0 - (far.0 - near.0) * a / (b - a);
     let (start, end) = (0.5 * (next.0 + outermost.0), 0.5 * (outermost.0 + near.0));
-    let least = start + (end - start) * outermost.1 / bound;
+    let least = bound.map_or(start, |bound| start + (end - start) * outermost.1 / bound);
     Some(rim.clamp(least.min(near.0), least.max(near.0)))
+}
+
+/// A line's nodes with their pressures and gaps.
+struct Line<'a> {
+    nodes: &'a [f64],
+    pressure: &'a [f64],
+    gap: &'a [f64],
+    bound: f64,
+    symmetric: bool,
+}
+
+impl Line<'_> {
+    /// Where the ice ceases to yield beyond `end`, the outermost node in contact; `None` where neither it nor the next one within bears
+    /// all it can.
+    ///
+    /// The ice bears the hardness wherever the runner overlaps with its elastic surface. The overlap goes through zero steeply at a rim;
+    /// the pressure says no more than which nodes it lies between.
+    fn rim_of_yielding(&self, end: usize, outwards: isize) -> Option<f64> {
+        let end = end as isize;
+        let node = |k: isize| match k < 0 && !self.symmetric {
+            true => None,
+            // Before a mirror plane lie images.
+            false => Some(k.unsigned_abs()),
+        };
+        let full = |k: isize| {
+            let pressure = node(k).and_then(|k| self.pressure.get(k));
+            pressure.is_some_and(|p| *p >= self.bound)
+        };
+        let overlap = |k: isize| {
+            let (x, gap) = (*self.nodes.get(node(k)?)?, *self.gap.get(node(k)?)?);
+            Some((if k < 0 { 2.0 * self.nodes[0] - x } else { x }, -gap))
+        };
+        let last = match full(end) || (full(end - outwards) && overlap(end)?.1 > 0.0) {
+            true => end,
+            false => full(end - outwards).then(|| end - outwards)?,
+        };
+        rim_by_overlap(
+            overlap(last - outwards),
+            overlap(last)?,
+            overlap(last + outwards)?,
+        )
+    }
+}
+
+/// Where the overlap with the ice's elastic surface ends between the outermost node, which yields, and the open one `beyond`: where the
+/// parabola through these and the next node `within` is zero, or the line where that one's is unknown (place, overlap); `None` where
+/// there is no gap or, beyond the hull's edge, an infinite one.
+pub(crate) fn rim_by_overlap(
+    within: Option<(f64, f64)>,
+    outermost: (f64, f64),
+    beyond: (f64, f64),
+) -> Option<f64> {
+    let (inside, outside) = (outermost.1.max(0.0), -beyond.1);
+    if !(outside > 0.0 && outside.is_finite()) {
+        return None;
+    }
+    let step = beyond.0 - outermost.0;
+    let within = within.filter(|w| w.1.is_finite());
+    let bend = within.map_or(0.0, |(at, value)| {
+        let (before, after) = (
+            (inside - value) / (outermost.0 - at),
+            (-outside - inside) / step,
+        );
+        (after - before) / (beyond.0 - at)
+    });
+    Some(outermost.0 + step * crossing(inside, outside, bend * step * step))
+}
+
+/// Where between 0 and 1 the parabola that is `inside` >= 0 at 0 and `-outside` < 0 at 1, bent by `bend`, is zero.
+fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
+    if inside <= 0.0 {
+        return 0.0;
+    }
+    // inside + t (slope + bend t) with slope = -outside - inside - bend; the root with the sign that falls.
+    let slope = -outside - inside - bend;
+    let root = (slope * slope - 4.0 * bend * inside).max(0.0).sqrt();
+    (2.0 * inside / (root - slope)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Pressures and figures of a state, and the patch that they cover.
 
+use std::f64::consts::PI;
+
 use crate::Problem;
 use crate::grid::contact_mesh::State;
 use crate::grid::discretise::Discretisation;
@@ -20,6 +22,8 @@ pub(crate) struct Field<'a> {
     mesh: &'a Discretisation,
     patch: &'a Patch,
     hardness: f64,
+    /// 1 / E* of ice and runner [1/Pa].
+    compliance: f64,
 }
 
 impl<'a> Field<'a> {
@@ -29,6 +33,7 @@ impl<'a> Field<'a> {
             mesh,
             patch,
             hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
+            compliance: compliance(problem),
         }
     }
 
@@ -39,11 +44,34 @@ impl<'a> Field<'a> {
             x: &self.mesh.grid.x,
             y: &self.mesh.grid.y,
             force: &state.force,
-            gap: (!state.displacement.is_empty()).then(|| self.mesh.contact.gaps(state)),
+            gap: (!state.displacement.is_empty()).then(|| self.gaps(state)),
             lumped: [along, across],
             symmetry: self.mesh.symmetry,
             hardness: self.hardness,
         }
+    }
+
+    /// Gaps at the nodes, negative where the runner overlaps with the ice's elastic surface [m].
+    ///
+    /// A node that bears a part s of what it can has none. Beside a pressure that jumps it gives by what it bears, so that as it is held
+    /// up by half of that, as at a rim through it, the gap is (1/2 - s) H w, w being what a pressure of 1 on its own part of the plane makes of a
+    /// half-space ([`sinks`]).
+    fn gaps(&self, state: &State) -> Vec<f64> {
+        let contact = &self.mesh.contact;
+        let mut gaps = contact.gaps(state);
+        if self.hardness.is_infinite() {
+            return gaps;
+        }
+        let [along, across] = &contact.lumped;
+        let forces = state.force.iter().zip(&contact.bound);
+        for (n, (gap, (force, bound))) in gaps.iter_mut().zip(forces).enumerate() {
+            if *force > 0.0 && force < bound {
+                let [a, b] = [0.5 * along[n % along.len()], 0.5 * across[n / along.len()]];
+                let own = self.compliance * sinks([a, b]);
+                *gap = (0.5 - force / bound) * self.hardness * own;
+            }
+        }
+        gaps
     }
 
     /// Whether a node in contact has a neighbour under no hull.
@@ -83,6 +111,23 @@ impl<'a> Field<'a> {
     }
 }
 
+/// How far the middle of a rectangle of half sides a, b sinks under uniform pressure into a half-space, times E*/p,
+/// 4/pi (a asinh(b/a) + b asinh(a/b)) (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929) [m].
+fn sinks([a, b]: [f64; 2]) -> f64 {
+    match a > 0.0 && b > 0.0 {
+        true => 4.0 / PI * (a * (b / a).asinh() + b * (a / b).asinh()),
+        false => 0.0,
+    }
+}
+
+/// (1 - nu^2)/E of the ice and, where it bends, of the runner [1/Pa].
+fn compliance(problem: &Problem) -> f64 {
+    let give = |poisson: f64, young: f64| (1.0 - poisson * poisson) / young;
+    let runner = problem.runner.elastic.as_ref();
+    let runner = runner.map_or(0.0, |r| give(r.poissons_ratio, r.youngs_modulus));
+    runner + give(problem.ice.poissons_ratio, problem.ice.youngs_modulus)
+}
+
 /// The patch that a pressure field covers, and how fine it wants to be resolved.
 ///
 /// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends at the hull's
@@ -95,8 +140,8 @@ fn found_patch(
     edge: bool,
 ) -> Patch {
     let nx = field.x.len();
-    let mut x = merged(field.chords_along(pressure, By::Load), field.symmetry[0]);
-    let mut y = merged(field.chords_across(pressure, By::Load), field.symmetry[1]);
+    let mut x = merged(field.chords_along(pressure, By::Cells), field.symmetry[0]);
+    let mut y = merged(field.chords_across(pressure, By::Cells), field.symmetry[1]);
     let last = y.pop().unwrap_or_else(|| before.y.clone());
     let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
     let highest_at_x: Vec<f64> = (0..nx)
