@@ -35,20 +35,18 @@ fn driven(hidden: &str, seed: u64, runs_kept: usize) -> Vec<Run> {
 
 /// What the published model lacks in these runs.
 fn search(recorded: &[Run], seed: u64) -> Report {
+    search_where_the_way_is(1.0, recorded, seed)
+}
+
+/// The same, the way that was driven being so many times as long as the surveyed line.
+fn search_where_the_way_is(longer: f64, recorded: &[Run], seed: u64) -> Report {
     let base = Model::published();
-    let mut surveys = BTreeMap::new();
-    for name in ["east", "west"] {
+    let surveys = BTreeMap::from(["east", "west"].map(|name| {
         let track = sample_track(name);
-        surveys.insert(
-            name.to_owned(),
-            track
-                .s_m
-                .iter()
-                .copied()
-                .zip(track.slope_rad.iter().copied())
-                .collect(),
-        );
-    }
+        let line = track.s_m.iter().map(|s| s / longer);
+        let slopes = line.zip(track.slope_rad.iter().copied());
+        (name.to_owned(), slopes.collect())
+    }));
     let data = runs::prepare(recorded, &base, &surveys, &Rules::default()).unwrap();
     let options = Options {
         twins: 16,
@@ -121,6 +119,23 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
     let factor = &first.parameters[0];
     assert!(
         (factor.low..factor.high).contains(&hidden) && factor.high - factor.low < hidden,
+        "{}",
+        told(&report)
+    );
+}
+
+/// A survey that is 0.15 % shorter than the way says so of the speed.
+#[test]
+fn a_speed_that_reads_high_is_known_no_better_than_the_length_of_the_line_that_is_driven() {
+    let hidden = 0.012;
+    let mut recorded = driven(&format!("[effects.speed-scale]\nfactor = {hidden}"), 6, 16);
+    for run in &mut recorded {
+        run.columns.remove("s_m");
+    }
+    let report = search_where_the_way_is(1.0015, &recorded, 6);
+    let factor = &report.steps[0].parameters[0];
+    assert!(
+        (factor.low..factor.high).contains(&hidden),
         "{}",
         told(&report)
     );

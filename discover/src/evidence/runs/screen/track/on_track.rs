@@ -302,9 +302,24 @@ impl Campaign<'_> {
         both.map_or(0.0, |(without, with)| 2.0 * (without - with))
     }
 
+    /// Mean of the recorded speed over all samples of the training runs [m/s].
+    fn mean_speed(&self) -> f64 {
+        let speeds = |frame: &'_ Frame| frame.samples().map(|i| frame.v[i]).collect::<Vec<f64>>();
+        let all: Vec<f64> = self.training.iter().flat_map(speeds).collect();
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    }
+
     /// The forces say nothing of a slope: the track channel's own size stands.
+    ///
+    /// Speeds are held against distances of the survey, which no sled drives along its line: it is as unsure as that is long.
     fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
-        let half = self.options.rules.search.interval * error;
+        // The channel's candidates without a unit, or in m/s, are the speed's.
+        let line = match candidate.unit.as_str() {
+            "" => self.rules().line_share,
+            "m/s" => self.rules().line_share * self.mean_speed(),
+            _ => 0.0,
+        };
+        let half = self.options.rules.search.interval * error.hypot(line);
         vec![Fitted {
             name: candidate.key.clone(),
             value: size,
