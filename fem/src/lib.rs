@@ -63,7 +63,7 @@ mod test_block;
 
 pub use body::Body;
 pub use closed_form::beam::Beam;
-pub use closed_form::boussinesq::{boussinesq, boussinesq_stress, love_rectangle};
+pub use closed_form::boussinesq::{boussinesq, boussinesq_stress, love_depth, love_rectangle};
 pub use closed_form::thick_cylinder::ThickCylinder;
 pub use constraints::{Constraints, DofMap};
 pub use element::face::{FACES, add_pressure, add_traction, boundary_faces};

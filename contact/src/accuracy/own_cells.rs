@@ -29,10 +29,7 @@ impl OwnCells {
     pub fn new(problem: &Problem, patch: &Patch) -> Option<Self> {
         let elastic = problem.runner.elastic.as_ref()?;
         let solid = elastic.solid.as_ref()?;
-        let ice = &problem.ice;
-        let give = |poisson: f64, young: f64| (1.0 - poisson * poisson) / young;
-        let runner = give(elastic.poissons_ratio, elastic.youngs_modulus);
-        let share = runner / (runner + give(ice.poissons_ratio, ice.youngs_modulus));
+        let share = elastic.compliance() / problem.compliance();
         let across = [patch.y.low, patch.y.high];
         let of = |stretch: &Stretch| {
             let [dx, dy, dz] = solid.largest_cell([stretch.low, stretch.high], across);

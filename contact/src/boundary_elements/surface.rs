@@ -36,15 +36,12 @@ pub(super) struct Surface {
 impl Surface {
     /// The surface that the problem states.
     pub fn of(problem: &Problem) -> Result<Self, NotChecked> {
-        let plane = |e: f64, nu: f64| (1.0 - nu * nu) / e;
         let ice = &problem.ice;
-        let mut compliance = plane(ice.youngs_modulus, ice.poissons_ratio);
         if let Some(elastic) = &problem.runner.elastic {
             let unbounded = problem.runner.underside.extent();
             if elastic.solid.is_some() || unbounded.iter().any(|end| end.is_finite()) {
                 return Err(NotChecked::ElasticRunner);
             }
-            compliance += plane(elastic.youngs_modulus, elastic.poissons_ratio);
         }
         let top = |thickness: f64| Layer {
             youngs_modulus: ice.youngs_modulus,
@@ -63,6 +60,9 @@ impl Surface {
                 },
             ],
         };
-        Ok(Surface { compliance, layers })
+        Ok(Surface {
+            compliance: problem.compliance(),
+            layers,
+        })
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kufe_mesh::IceSurface;
 
-use crate::{Ice, Load, Runner};
+use crate::{ElasticRunner, Ice, Load, Runner};
 
 /// A runner on ice under a load.
 #[derive(Clone)]
@@ -31,5 +31,11 @@ impl Problem {
             track_curvature: 0.0,
             load,
         }
+    }
+
+    /// How both bodies give as half-spaces, 1 / E* = (1 - nu^2) / E of the ice and, where it is elastic, of the runner [1/Pa].
+    pub fn compliance(&self) -> f64 {
+        let runner = self.runner.elastic.as_ref();
+        self.ice.compliance() + runner.map_or(0.0, ElasticRunner::compliance)
     }
 }

@@ -26,6 +26,11 @@ impl Ice {
         }
     }
 
+    /// How it gives as a half-space, (1 - nu^2) / E [1/Pa].
+    pub fn compliance(&self) -> f64 {
+        (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
+    }
+
     /// The element of its hexahedra and of its bed's.
     pub fn element_kind(&self) -> ElementKind {
         let ratio = match self.foundation {

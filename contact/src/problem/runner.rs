@@ -52,6 +52,11 @@ pub struct ElasticRunner {
 }
 
 impl ElasticRunner {
+    /// How it gives as a half-space, (1 - nu^2) / E [1/Pa].
+    pub fn compliance(&self) -> f64 {
+        (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
+    }
+
     /// A runner held at its flat top.
     pub fn held_at_top(youngs_modulus: f64, poissons_ratio: f64, top: f64) -> Self {
         ElasticRunner {

@@ -1,6 +1,6 @@
 //! Pressures and figures of a state, and the patch that they cover.
 
-use std::f64::consts::PI;
+use kufe_fem::love_depth;
 
 use crate::Problem;
 use crate::grid::contact_mesh::State;
@@ -33,7 +33,7 @@ impl<'a> Field<'a> {
             mesh,
             patch,
             hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
-            compliance: compliance(problem),
+            compliance: problem.compliance(),
         }
     }
 
@@ -55,7 +55,7 @@ impl<'a> Field<'a> {
     ///
     /// A node that bears a part s of what it can has none. Beside a pressure that jumps it gives by what it bears, so that as it is held
     /// up by half of that, as at a rim through it, the gap is (1/2 - s) H w, w being what a pressure of 1 on its own part of the plane makes of a
-    /// half-space ([`sinks`]).
+    /// half-space ([`love_depth`]).
     fn gaps(&self, state: &State) -> Vec<f64> {
         let contact = &self.mesh.contact;
         let mut gaps = contact.gaps(state);
@@ -67,7 +67,7 @@ impl<'a> Field<'a> {
         for (n, (gap, (force, bound))) in gaps.iter_mut().zip(forces).enumerate() {
             if *force > 0.0 && force < bound {
                 let [a, b] = [0.5 * along[n % along.len()], 0.5 * across[n / along.len()]];
-                let own = self.compliance * sinks([a, b]);
+                let own = self.compliance * love_depth([0.0; 2], [a, b]);
                 *gap = (0.5 - force / bound) * self.hardness * own;
             }
         }
@@ -109,23 +109,6 @@ impl<'a> Field<'a> {
             patch,
         }
     }
-}
-
-/// How far the middle of a rectangle of half sides a, b sinks under uniform pressure into a half-space, times E*/p,
-/// 4/pi (a asinh(b/a) + b asinh(a/b)) (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929) [m].
-fn sinks([a, b]: [f64; 2]) -> f64 {
-    match a > 0.0 && b > 0.0 {
-        true => 4.0 / PI * (a * (b / a).asinh() + b * (a / b).asinh()),
-        false => 0.0,
-    }
-}
-
-/// (1 - nu^2)/E of the ice and, where it bends, of the runner [1/Pa].
-fn compliance(problem: &Problem) -> f64 {
-    let give = |poisson: f64, young: f64| (1.0 - poisson * poisson) / young;
-    let runner = problem.runner.elastic.as_ref();
-    let runner = runner.map_or(0.0, |r| give(r.poissons_ratio, r.youngs_modulus));
-    runner + give(problem.ice.poissons_ratio, problem.ice.youngs_modulus)
 }
 
 /// The patch that a pressure field covers, and how fine it wants to be resolved.

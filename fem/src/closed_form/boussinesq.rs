@@ -75,21 +75,27 @@ pub fn boussinesq_stress(point: [f64; 3], load: f64, material: Material) -> [f64
 /// Vertical displacement of the surface z = 0 under a uniform pressure on a rectangle.
 ///
 /// The rectangle spans |x| <= a, |y| <= b, `half_widths` = [a, b] [m]; `pressure` [Pa] acts downwards, and the
-/// result u_z [m] is positive upwards, hence negative for a positive pressure:
-///
-/// ```text
-/// u_z = -p (1 - nu^2) / (pi E) [ F(x+a, y+b) - F(x+a, y-b) - F(x-a, y+b) + F(x-a, y-b) ],
-/// F(x, y) = x asinh(y / |x|) + y asinh(x / |y|).
-/// ```
-///
-/// `point` is (x, y) [m], inside or outside the rectangle. Source: A. E. H. Love (1929); K. L. Johnson,
-/// Contact Mechanics (1985), equation 3.25.
+/// result u_z = -p (1 - nu^2) / E d [m], with the depth d of [`love_depth`], is positive upwards, hence negative for a positive
+/// pressure. `point` is (x, y) [m], inside or outside the rectangle.
 pub fn love_rectangle(
     point: [f64; 2],
     half_widths: [f64; 2],
     pressure: f64,
     material: Material,
 ) -> f64 {
+    -pressure / material.plane_strain_modulus() * love_depth(point, half_widths)
+}
+
+/// Depth to which a half-space sinks under a uniform pressure on a rectangle, times E / (1 - nu^2) over the pressure [m]:
+///
+/// ```text
+/// d = [ F(x+a, y+b) - F(x+a, y-b) - F(x-a, y+b) + F(x-a, y-b) ] / pi,
+/// F(x, y) = x asinh(y / |x|) + y asinh(x / |y|).
+/// ```
+///
+/// `point` and `half_widths` are those of [`love_rectangle`]. Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929); K. L. Johnson,
+/// Contact Mechanics (1985), equation 3.25.
+pub fn love_depth(point: [f64; 2], half_widths: [f64; 2]) -> f64 {
     fn term(x: f64, y: f64) -> f64 {
         if x == 0.0 {
             0.0
@@ -101,7 +107,7 @@ pub fn love_rectangle(
     let ([x, y], [a, b]) = (point, half_widths);
     let sum =
         corner(x + a, y + b) - corner(x + a, y - b) - corner(x - a, y + b) + corner(x - a, y - b);
-    -pressure / (PI * material.plane_strain_modulus()) * sum
+    sum / PI
 }
 
 #[cfg(test)]

@@ -97,13 +97,8 @@ pub(super) fn between_vertices(
 /// The problem with a rigid runner, on ice that gives for a steel too.
 fn rigid(problem: &Problem) -> Problem {
     let mut problem = problem.clone();
-    if let Some(elastic) = problem.runner.elastic.take() {
-        let compliance = |e: f64, nu: f64| (1.0 - nu * nu) / e;
-        let ice = &mut problem.ice;
-        let own = compliance(ice.youngs_modulus, ice.poissons_ratio);
-        let both = own + compliance(elastic.youngs_modulus, elastic.poissons_ratio);
-        ice.youngs_modulus *= own / both;
-    }
+    problem.ice.youngs_modulus *= problem.ice.compliance() / problem.compliance();
+    problem.runner.elastic = None;
     problem
 }
 
