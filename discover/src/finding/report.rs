@@ -329,7 +329,8 @@ pub struct Report {
     /// The next runs that would split a class, by simulating them, the best first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub next_runs: Vec<NextRuns>,
-    /// Base parameters: before is 1 or the file's value.
+    /// Base parameters as the next model states them, with intervals for what is true: as wide as what the installation leaves open of
+    /// them, and by as much as its errors, which a model file does not state, have moved them.
     pub base: Vec<Fitted>,
     /// Bins that stand out before any effect was added.
     pub bins: Vec<Bin>,

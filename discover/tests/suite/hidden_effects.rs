@@ -104,13 +104,19 @@ fn a_hidden_grip_that_falls_with_speed_is_in_the_class_that_is_named() {
     is_in_the_class_that_is_named("speed-grip", "[effects.speed-grip]\nslope_s_per_m = 0.015");
 }
 
-#[test]
-fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
-    let hidden = 0.012;
-    let mut recorded = driven(&format!("[effects.speed-scale]\nfactor = {hidden}"), 6, 16);
+/// Runs whose speeds read a share too much, without the distance that would tell it.
+fn driven_at_a_speed_that_reads_high(share: f64) -> Vec<Run> {
+    let mut recorded = driven(&format!("[effects.speed-scale]\nfactor = {share}"), 6, 16);
     for run in &mut recorded {
         run.columns.remove("s_m");
     }
+    recorded
+}
+
+#[test]
+fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
+    let hidden = 0.012;
+    let recorded = driven_at_a_speed_that_reads_high(hidden);
     let report = search(&recorded, 6);
     let first = &report.steps[0];
     let of_speed = |name: &String| ["speed-scale", "speed-bias"].contains(&name.as_str());
@@ -128,10 +134,7 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
 #[test]
 fn a_speed_that_reads_high_is_known_no_better_than_the_length_of_the_line_that_is_driven() {
     let hidden = 0.012;
-    let mut recorded = driven(&format!("[effects.speed-scale]\nfactor = {hidden}"), 6, 16);
-    for run in &mut recorded {
-        run.columns.remove("s_m");
-    }
+    let recorded = driven_at_a_speed_that_reads_high(hidden);
     let report = search_where_the_way_is(1.0015, &recorded, 6);
     let factor = &report.steps[0].parameters[0];
     assert!(

@@ -18,6 +18,7 @@
 //! | `coloured` | noise of a colour of each channel's own, through anti-alias filters or none, which nobody states |
 //! | `bare` | no column and no track table beyond what is required |
 //! | `few` | six to ten runs |
+//! | `many` | forty runs |
 //! | `walls` | some runs hit a wall somewhere, harder or softer |
 //! | `uphill` | the track tables count slope uphill |
 //!

@@ -3,7 +3,7 @@
 use crate::world::noise::Source;
 
 /// The worlds by name.
-pub const WORLDS: [World; 13] = [
+pub const WORLDS: [World; 14] = [
     World::Clean,
     World::Delays,
     World::Gyros,
@@ -15,6 +15,7 @@ pub const WORLDS: [World; 13] = [
     World::Coloured,
     World::Bare,
     World::Few,
+    World::Many,
     World::Walls,
     World::Uphill,
 ];
@@ -34,6 +35,7 @@ pub enum World {
     Coloured,
     Bare,
     Few,
+    Many,
     Walls,
     Uphill,
     /// Noise of so many thousandths of what each channel spreads over a run, which nobody states.
@@ -58,6 +60,7 @@ impl World {
             World::Coloured => ["coloured-null", "coloured-effect"],
             World::Bare => ["bare-null", "bare-effect"],
             World::Few => ["few-null", "few-effect"],
+            World::Many => ["many-null", "many-effect"],
             World::Walls => ["walls-null", "walls-effect"],
             World::Uphill => ["uphill-null", "uphill-effect"],
             World::Noise(_) => ["recovery-null", "recovery"],
@@ -201,6 +204,7 @@ impl Wrong {
             }
             World::Bare => wrong.bare = true,
             World::Few => wrong.runs = [2, 3 + source.uniform(0.0, 3.0) as usize],
+            World::Many => wrong.runs = [10, 4],
             World::Walls => wrong.wall = 0.4,
             World::Uphill => wrong.uphill = true,
         }

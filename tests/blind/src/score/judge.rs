@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::cases::answer::{Answer, Hides};
-use crate::score::outcome::{Claim, Found, Outcome};
+use crate::score::outcome::{BaseFound, Claim, Found, Outcome};
 
 fn triple(value: &Value) -> Option<[f64; 3]> {
     Some([
@@ -190,25 +190,31 @@ fn overlap(step: &Value, hides: &Hides) -> Option<f64> {
     Some(if any > 0.0 { both / any } else { 0.0 })
 }
 
-/// Relative errors of the base parameters that the next model states.
-pub fn base_errors(text: &str, answer: &Answer) -> Vec<(String, f64)> {
-    let Ok(model) = text.parse::<toml::Table>() else {
+/// Base parameters that the next model (TOML) states, and whether their intervals in the report hold the truth.
+pub fn base_found(next: &str, report: &Value, answer: &Answer) -> Vec<BaseFound> {
+    let Ok(model) = next.parse::<toml::Table>() else {
         return Vec::new();
     };
-    answer
-        .base
-        .iter()
-        .filter_map(|(key, truth)| {
-            let mut at = model.get(key.split('.').next()?)?;
-            for part in key.split('.').skip(1) {
-                at = at.get(part)?;
-            }
-            let value = at
-                .as_float()
-                .or_else(|| at.as_integer().map(|i| i as f64))?;
-            Some((key.clone(), value / truth - 1.0))
+    let reported = report["base"].as_array().into_iter().flatten();
+    let reported: Vec<&Value> = reported.collect();
+    let found = |(key, truth): &(String, f64)| {
+        let mut at = model.get(key.split('.').next()?)?;
+        for part in key.split('.').skip(1) {
+            at = at.get(part)?;
+        }
+        let value = at
+            .as_float()
+            .or_else(|| at.as_integer().map(|i| i as f64))?;
+        let name = key.trim_start_matches("friction.").replace('.', " ");
+        let interval = reported.iter().find(|base| base["name"] == name);
+        let ends = interval.and_then(|base| base["low"].as_f64().zip(base["high"].as_f64()));
+        Some(BaseFound {
+            key: key.clone(),
+            error: value / truth - 1.0,
+            inside: ends.map(|(low, high)| (low..=high).contains(truth)),
         })
-        .collect()
+    };
+    answer.base.iter().filter_map(found).collect()
 }
 
 #[cfg(test)]

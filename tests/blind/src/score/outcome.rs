@@ -63,8 +63,19 @@ pub struct Outcome {
     pub overconfident: bool,
     /// Hidden effects.
     pub found: Vec<Found>,
-    /// Relative errors of the base parameters in `model.next.toml`.
-    pub base_errors: Vec<(String, f64)>,
+    /// Base parameters in `model.next.toml`.
+    pub base: Vec<BaseFound>,
     /// Time of the finder's run.
     pub seconds: f64,
+}
+
+/// A base parameter as it was found.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BaseFound {
+    /// Its dotted key.
+    pub key: String,
+    /// Relative error.
+    pub error: f64,
+    /// Whether its interval holds the truth; nothing where none is reported.
+    pub inside: Option<bool>,
 }

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::cases::answer::{Answer, CaseError};
 use crate::cases::catalogue::Spec;
-use crate::score::judge::{base_errors, judge};
+use crate::score::judge::{base_found, judge};
 use crate::score::outcome::Outcome;
 
 /// How the finder is run.
@@ -95,7 +95,7 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
         wrong_firm: false,
         overconfident: false,
         found: Vec::new(),
-        base_errors: Vec::new(),
+        base: Vec::new(),
         seconds: 0.0,
     };
     let case = match spec.build(seed).and_then(|case| {
@@ -111,13 +111,15 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
     let start = Instant::now();
     let threads = if options.jobs > 1 { 1 } else { 2 };
     match discover(options, &data, &case.answer, &out, threads) {
-        Ok(report) => judge(&report, &case.answer, &mut outcome),
+        Ok(report) => {
+            judge(&report, &case.answer, &mut outcome);
+            if let Ok(next) = std::fs::read_to_string(out.join("model.next.toml")) {
+                outcome.base = base_found(&next, &report, &case.answer);
+            }
+        }
         Err(message) => outcome.failure = Some(message),
     }
     outcome.seconds = start.elapsed().as_secs_f64();
-    if let Ok(text) = std::fs::read_to_string(out.join("model.next.toml")) {
-        outcome.base_errors = base_errors(&text, &case.answer);
-    }
     if options.keep.is_none() {
         // a folder that cannot be removed goes with the temporary root
         let _ = std::fs::remove_dir_all(&data);

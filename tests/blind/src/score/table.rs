@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::score::outcome::{Found, Outcome};
+use crate::score::outcome::{BaseFound, Found, Outcome};
 
 /// Rates of one group of outcomes.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -154,31 +154,30 @@ pub fn markdown(rows: &[Rates], date: &str) -> String {
     text
 }
 
-/// Mean relative error of each base parameter after the effect was added, with its standard error,
+/// Mean relative error of each base parameter after the effect was added, with its standard error, and how many intervals hold the truth,
 /// over the outcomes that found what was hidden.
 pub fn base_table(outcomes: &[Outcome]) -> String {
-    let mut errors: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for outcome in outcomes
-        .iter()
-        .filter(|o| !o.found.is_empty() && o.found.iter().all(|f| f.in_class))
-    {
-        for (key, error) in &outcome.base_errors {
-            errors.entry(key).or_default().push(*error);
-        }
+    let all_found = |o: &&Outcome| !o.found.is_empty() && o.found.iter().all(|f| f.in_class);
+    let mut by_key: BTreeMap<&str, Vec<&BaseFound>> = BTreeMap::new();
+    for base in outcomes.iter().filter(all_found).flat_map(|o| &o.base) {
+        by_key.entry(&base.key).or_default().push(base);
     }
     let mut text = String::from(
-        "| base parameter | cases | mean error | standard error |\n|---|---|---|---|\n",
+        "| base parameter | cases | mean error | standard error | interval holds |\n|---|---|---|---|---|\n",
     );
-    for (key, values) in errors {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let spread =
-            (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt();
+    for (key, found) in by_key {
+        let n = found.len() as f64;
+        let mean = found.iter().map(|base| base.error).sum::<f64>() / n;
+        let squares: f64 = found.iter().map(|base| (base.error - mean).powi(2)).sum();
+        let spread = (squares / (n - 1.0).max(1.0)).sqrt();
+        let told: Vec<bool> = found.iter().filter_map(|base| base.inside).collect();
+        let held = told.iter().filter(|inside| **inside).count();
         let _ = writeln!(
             text,
-            "| {key} | {n} | {:+.2} % | {:.2} % |",
+            "| {key} | {n} | {:+.2} % | {:.2} % | {held} of {} |",
             100.0 * mean,
-            100.0 * spread / n.sqrt()
+            100.0 * spread / n.sqrt(),
+            told.len()
         );
     }
     text
@@ -284,7 +283,7 @@ mod tests {
                 json!([])
             };
             let whole = json!({"id": "", "family": "clean-effect", "share": asked, "seed": 1, "verdict": "", "claims": claims,
-                "false_claim": false, "wrong_firm": false, "overconfident": false, "found": found, "base_errors": [], "seconds": 1.0});
+                "false_claim": false, "wrong_firm": false, "overconfident": false, "found": found, "base": [], "seconds": 1.0});
             serde_json::from_value::<Outcome>(whole).unwrap()
         };
         let text = by_share(&[

@@ -43,7 +43,7 @@ fn judged(answer: &Answer, verdict: &str, steps: serde_json::Value) -> Outcome {
         wrong_firm: false,
         overconfident: false,
         found: Vec::new(),
-        base_errors: Vec::new(),
+        base: Vec::new(),
         seconds: 0.0,
     };
     judge(

@@ -25,6 +25,31 @@ pub struct Estimate {
     pub high: f64,
 }
 
+impl Estimate {
+    /// The same with another standard error.
+    pub fn with_error(&self, error: f64) -> Self {
+        let wider = error / self.error.max(1e-300);
+        Self {
+            error,
+            low: self.value - wider * (self.value - self.low),
+            high: self.value + wider * (self.high - self.value),
+            ..*self
+        }
+    }
+
+    /// What is known where another value is stated in its place: that this is off as well.
+    pub fn stated_as(&self, value: f64) -> Self {
+        let off = value - self.value;
+        let moved = Self {
+            value,
+            low: self.low + off,
+            high: self.high + off,
+            ..*self
+        };
+        moved.with_error(self.error.hypot(off))
+    }
+}
+
 /// What is estimated from: a fitted model and the runs that it is fitted to.
 pub struct FittedRows<'a> {
     /// The model.
@@ -173,4 +198,24 @@ pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) 
     let covariance = &inverse * (meat * ((n - 1.0) / n) + random) * &inverse;
     let errors = (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
     (step, errors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_is_stated_for_another_is_as_unsure_as_that_and_the_way_between_them() {
+        let known = Estimate {
+            value: 1.0,
+            error: 0.03,
+            low: 0.94,
+            high: 1.06,
+        };
+        let stated = known.stated_as(1.04);
+        assert!((stated.value - 1.04).abs() < 1e-15);
+        assert!((stated.error - 0.05).abs() < 1e-12);
+        // Two standard errors to either side, as before.
+        assert!((stated.low - 0.94).abs() < 1e-12 && (stated.high - 1.14).abs() < 1e-12);
+    }
 }

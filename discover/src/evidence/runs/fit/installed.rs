@@ -160,8 +160,6 @@ impl Campaign<'_> {
     /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not held, the diagonal of
     /// `inv(J'J) J'N P N'J inv(J'J)`. What an amplitude is itself is no doubt of it: the scale of a sensor, that is named, is all of it.
     pub fn left_open(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
-        /// In squared standard deviations of a row: far less than anything that one row could tell.
-        const NOTHING: f64 = 1e-6;
         let installation = &model.installation;
         let count = installation.parts.len();
         let all = ResidualModel {
@@ -170,17 +168,17 @@ impl Campaign<'_> {
         };
         let design = self.fit_design(&all, whitener);
         let known = design.fitted() - count;
-        let total = plain_total(&design.products(&self.training));
-        let mut own = total.view((0, 0), (known, known)).into_owned();
-        let mut beside = total.view((0, known), (known, count)).into_owned();
-        // Of what only differs from run to run the runs' own levels take all; what rounding leaves is no information.
-        for k in (0..known).filter(|k| total[(*k, *k)] < NOTHING) {
-            own.row_mut(k).fill(0.0);
-            own.column_mut(k).fill(0.0);
-            beside.row_mut(k).fill(0.0);
-        }
-        let mut moved = ridge_inverse(own) * beside;
-        for (amplitude, part) in named(&total, self.free.len(), count) {
+        let products = design.products(&self.training);
+        // As estimates are made, of whole rows: a run's own level is not taken out.
+        let zero = DMatrix::zeros(
+            design.fitted() + OWN_LEVELS + 1,
+            design.fitted() + OWN_LEVELS + 1,
+        );
+        let whole = products.iter().fold(zero, |sum, run| sum + &run.full);
+        let own = whole.view((OWN_LEVELS, OWN_LEVELS), (known, known));
+        let beside = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
+        let mut moved = ridge_inverse(own.into_owned()) * beside;
+        for (amplitude, part) in named(&plain_total(&products), self.free.len(), count) {
             moved[(amplitude, part)] = 0.0;
         }
         let mut open = DMatrix::identity(count, count);

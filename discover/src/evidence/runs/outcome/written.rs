@@ -11,7 +11,8 @@ impl Campaign<'_> {
     /// Estimates of a fit, and the model that is written of it.
     ///
     /// Sizes of effects are those beside an installation that may be off. A model file states no such errors: friction and grip
-    /// are fitted once more to the runs as they were recorded.
+    /// are fitted once more to the runs as they were recorded. Their intervals are of what is true: as wide as beside the installation, and
+    /// by as much as its errors have moved them.
     ///
     /// # Errors
     /// Those of the fit.
@@ -41,7 +42,9 @@ impl Campaign<'_> {
             &BESIDE_INSTALLATION,
             self.settles(),
         );
-        fit.estimates[..base.len()].copy_from_slice(&base);
+        for (beside, written) in fit.estimates.iter_mut().zip(&base) {
+            *beside = beside.stated_as(written.value);
+        }
         fit.settled = ResidualModel { frozen, ..written };
         Ok(())
     }
@@ -54,11 +57,7 @@ impl Campaign<'_> {
         let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
         let scales = self.free.iter().map(|_| 1.0).chain(amplitudes);
         for ((estimate, open), scale) in fit.estimates.iter_mut().zip(open).zip(scales) {
-            let error = estimate.error.hypot(open * scale);
-            let wider = error / estimate.error.max(1e-300);
-            estimate.low = estimate.value - wider * (estimate.value - estimate.low);
-            estimate.high = estimate.value + wider * (estimate.high - estimate.value);
-            estimate.error = error;
+            *estimate = estimate.with_error(estimate.error.hypot(open * scale));
         }
     }
 

@@ -304,9 +304,11 @@ impl Campaign<'_> {
 
     /// Mean of the recorded speed over all samples of the training runs [m/s].
     fn mean_speed(&self) -> f64 {
-        let speeds = |frame: &'_ Frame| frame.samples().map(|i| frame.v[i]).collect::<Vec<f64>>();
-        let all: Vec<f64> = self.training.iter().flat_map(speeds).collect();
-        all.iter().sum::<f64>() / all.len().max(1) as f64
+        let frames = self.training.iter();
+        let speeds = frames.flat_map(|frame| frame.samples().map(|i| frame.v[i]));
+        let add = |(sum, count), v: f64| (sum + v, count + 1.0);
+        let (sum, count) = speeds.fold((0.0, 0.0), add);
+        sum / f64::max(count, 1.0)
     }
 
     /// The forces say nothing of a slope: the track channel's own size stands.
