@@ -21,7 +21,7 @@ struct Push {
 impl Campaign<'_> {
     /// Marks where something pushed a single run that no other run meets, and where no contacts can be claimed up to half of the runs of a
     /// track. What training runs say there is left out; their names with the place are returned. Of the locked-away runs, seen beside
-    /// these, nothing there judges a model.
+    /// these, nothing there judges a model, however many of them are pushed: nothing was learned of it.
     pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
         let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
         else {
@@ -32,8 +32,11 @@ impl Campaign<'_> {
         let all: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
         let left = left_without(model, &all);
         let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
-        let pushes = self.pushes(effect, &all[..learned], &side[..learned], claimable);
-        for push in self.pushes(effect, &all, &side, claimable) {
+        let pushes = |seen: usize| -> Vec<Push> {
+            self.pushes(effect, (&all[..seen], &side[..seen]), learned, claimable)
+        };
+        let of_training = pushes(learned);
+        for push in pushes(all.len()) {
             if let Some(held) = push.run.checked_sub(learned) {
                 let Stretch { from_m, to_m, .. } = push.stretch;
                 self.held[held].pushed.push([from_m, to_m]);
@@ -46,7 +49,7 @@ impl Campaign<'_> {
             run,
             stretch: Stretch { from_m, to_m, .. },
             force_n,
-        } in pushes
+        } in of_training
         {
             let frame = &mut frames[run];
             frame.pushed.push([from_m, to_m]);
@@ -62,12 +65,13 @@ impl Campaign<'_> {
         told
     }
 
-    /// The pushes of single runs among these, `side` being what the side balance leaves of each at every kept sample.
+    /// The pushes among these runs that so few of the first `learned` ones meet that nothing is learned of them, `side` being what the side
+    /// balance leaves of each at every kept sample.
     fn pushes(
         &self,
         effect: &'static Effect,
-        frames: &[Frame],
-        side: &[Vec<f64>],
+        (frames, side): (&[Frame], &[Vec<f64>]),
+        learned: usize,
         claimable: bool,
     ) -> Vec<Push> {
         let rules = self.options.rules.runs.contacts;
@@ -81,14 +85,15 @@ impl Campaign<'_> {
                 .map(|(frame, y)| own_contacts(frame, y, &place))
                 .collect();
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
-            let runs = frames.iter().filter(|f| f.track == stretch.track).count();
+            let on = |f: &&Frame| f.track == stretch.track;
+            let runs = frames[..learned].iter().filter(on).count();
             let most = if claimable {
                 rules.fewest_hits - 1
             } else {
                 runs / 2
             };
-            let single = hit.iter().copied().filter(|_| hit.len() <= most);
-            pushes.extend(single.map(|run| Push {
+            let few = hit.iter().filter(|run| **run < learned).count() <= most;
+            pushes.extend(hit.into_iter().filter(|_| few).map(|run| Push {
                 run,
                 stretch: stretch.clone(),
                 force_n: own[run][0].contact.force_n,

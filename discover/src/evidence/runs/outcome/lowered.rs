@@ -40,6 +40,10 @@ use crate::procedure::lowered::Lowered;
 /// `2 ln (1 / 0.159)`.
 const KEPT_BY_CHANCE: f64 = 3.7;
 
+/// Deviations that a row of the side balance counts for at most where contacts are judged by their promise. Of pushes, at places that were
+/// learned and at others, both models leave all there: seventy deviations would multiply what else they differ by. Chosen.
+const MOST_OF_A_ROW: f64 = 6.0;
+
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
 
@@ -144,7 +148,7 @@ impl Campaign<'_> {
             // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
             let frame = &few.at_every_sample();
             let shares = shares(&few, frame);
-            let rows = judged(before, frame, width, &whitener);
+            let mut rows = judged(before, frame, width, &whitener);
             // A model that counts less of what was measured leaves less, and explains nothing by it.
             let [own, of_after] = [before, after].map(|model| {
                 let alike = ResidualModel {
@@ -179,6 +183,11 @@ impl Campaign<'_> {
                     left[c][i] -= change * size / candidate.typical;
                 }
             }
+            if promised {
+                for row in rows[1].iter_mut().chain(&mut left[1]) {
+                    *row = row.clamp(-MOST_OF_A_ROW, MOST_OF_A_ROW);
+                }
+            }
             let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
             let falls = falls(&rows, &left, &shares, pieces.max(1));
             // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
@@ -202,12 +211,14 @@ impl Campaign<'_> {
             let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
             return Lowered::over_channels(&falls, &learned.collect::<Vec<_>>());
         }
-        // What noise keeps of a promise is known, and no scatter of runs that hit and miss.
+        // What noise keeps of a promise is known, and no scatter of runs that hit and miss. It is what tells of contacts: how each turns a run,
+        // with a lever of its own, scatters by far more than is learned of it.
         let whole: Vec<f64> = falls.iter().map(|fall| fall.iter().sum()).collect();
         let lowered = Lowered::over(&whole, 0.0)?;
         Some(Lowered {
             by: lowered.by + kept,
             error: lowered.error.hypot(KEPT_BY_CHANCE),
+            weighed: Some([kept, KEPT_BY_CHANCE]),
             ..lowered
         })
     }

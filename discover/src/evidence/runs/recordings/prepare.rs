@@ -195,6 +195,7 @@ fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Locked {
         .map(|f| Place {
             session: &f.session,
             track: &f.track,
+            driver: &f.driver,
         })
         .collect();
     lock.runs(&places)

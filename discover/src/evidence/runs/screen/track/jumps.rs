@@ -160,13 +160,18 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
         .collect();
     let first = Scatter::of(&looked, None)?.strongest(&looked)?;
     // What a jump leaves at the speeds beside it is no scatter.
-    let best = Scatter::of(&looked, Some(first.passed))?.strongest(&looked)?;
+    let scatter = Scatter::of(&looked, Some(first.passed))?;
+    let best = scatter.strongest(&looked)?;
+    let window_m = 2.0 * rules.jump_reach_s * best.passed;
+    let bins = (window_m / rules.track_bin_m).ceil().max(1.0) as i64;
+    let crossed = looked.iter().find(|(x, _)| *x == best.passed);
+    let error = crossed.map_or(best.error, |(_, all)| scatter.error_beside(all, bins));
     let law = StudentsT::new(0.0, 1.0, best.freedom).ok()?;
     let by_chance = 2.0 * law.cdf(-(best.size / best.error).abs());
     Some(Jump {
         above: best.passed - 0.5 * best.size,
         size: best.size,
-        error: best.error,
+        error: best.error.max(error),
         p_value: (by_chance * looked.len() as f64).min(1.0),
     })
 }
@@ -225,6 +230,21 @@ impl Scatter {
                 .abs()
                 .total_cmp(&(y.size / y.error).abs())
         })
+    }
+
+    /// Standard error of a mean where so many places beside one another share what the survey is off by, as those within one window do.
+    fn error_beside(&self, all: &Crossings, bins: i64) -> f64 {
+        let mut shared: BTreeMap<(&str, i64), f64> = BTreeMap::new();
+        let [mut weight, mut own] = [0.0; 2];
+        for ((track, place), values) in all {
+            let noise = self.within / values.len() as f64;
+            let w = 1.0 / (self.between + noise);
+            *shared.entry((*track, place / bins)).or_default() += w;
+            own += w * w * noise;
+            weight += w;
+        }
+        let squares: f64 = shared.values().map(|w| w * w).sum();
+        (self.between * squares + own).sqrt() / weight
     }
 
     /// Over the places where a speed is passed; freedom as of a sum of two variances (Welch 1947).
@@ -312,6 +332,9 @@ mod tests {
         let shared = scatter(0.0, 0.75).mean(21.0, &three);
         assert!((shared.size - 8.0 / 3.0).abs() < 1e-12 && (shared.error - 0.5).abs() < 1e-12);
         assert!((shared.freedom - 20.0).abs() < 1e-9);
+        // Two of the three within one window: five of nine parts of a variance in place of three.
+        let beside = scatter(0.0, 0.75).error_beside(&three, 11);
+        assert!((beside - (0.75 * 5.0 / 9.0_f64).sqrt()).abs() < 1e-12);
     }
 
     #[test]

@@ -212,7 +212,10 @@ impl Campaign<'_> {
                 rivals,
                 p_value: seen.p_value,
                 remark: None,
-                parameters: self.by_track(&list[named], seen.size, seen.error),
+                parameters: {
+                    let error = seen.error.hypot(self.by_line(&list[named]));
+                    self.by_track(&list[named], seen.size, error)
+                },
             });
         }
         let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
@@ -311,17 +314,20 @@ impl Campaign<'_> {
         sum / f64::max(count, 1.0)
     }
 
-    /// The forces say nothing of a slope: the track channel's own size stands.
-    ///
-    /// Speeds are held against distances of the survey, which no sled drives along its line: it is as unsure as that is long.
-    fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
+    /// What the length of the driven line leaves open of a scale or an offset of the speed, a standard deviation: they are held against
+    /// distances of the survey, which no sled drives along its line.
+    fn by_line(&self, candidate: &Candidate<Amplitude>) -> f64 {
         // The channel's candidates without a unit, or in m/s, are the speed's.
-        let line = match candidate.unit.as_str() {
+        match candidate.unit.as_str() {
             "" => self.rules().line_share,
             "m/s" => self.rules().line_share * self.mean_speed(),
             _ => 0.0,
-        };
-        let half = self.options.rules.search.interval * error.hypot(line);
+        }
+    }
+
+    /// The forces say nothing of a slope: the track channel's own size stands.
+    fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
+        let half = self.options.rules.search.interval * error;
         vec![Fitted {
             name: candidate.key.clone(),
             value: size,
