@@ -18,6 +18,8 @@ pub struct LockRules {
     pub fewest_maps: usize,
     /// Of runs, one in so many at least, where their sessions are long enough. Chosen.
     pub runs_every: usize,
+    /// Runs that are left to learn from before so many are. Derived: signs of eleven give p-values of 0.001.
+    pub fewest_to_learn: usize,
     /// Fewest runs of a session whose last is locked away. Chosen.
     pub fewest_in_session: usize,
     /// Fewest sessions of which a whole one is locked away. Chosen.
@@ -34,6 +36,7 @@ impl Default for LockRules {
             fewest_rows: 20,
             fewest_maps: 3,
             runs_every: 4,
+            fewest_to_learn: 11,
             fewest_in_session: 3,
             fewest_sessions: 6,
             fewest_tracks: 3,
@@ -98,7 +101,7 @@ impl<'a> Shares<'a> {
 impl LockRules {
     /// With three tracks or more, the one with the fewest runs if it holds no more than a quarter of them (what is peculiar to a locked
     /// track could not be found); with six sessions or more, the whole middle one; then as many runs as every second session gives, one each,
-    /// or as make up a quarter of all, of sessions of at least three runs and no more than half of one. Each is of the track and the driver of
+    /// or as make up a quarter of all where eleven are left to learn from, of sessions of at least three runs and no more than half of one. Each is of the track and the driver of
     /// whom the smallest share is locked away, so that what differs between them is learned and judged of all; of those that are alike the
     /// last run of every second session comes first.
     pub fn runs(&self, runs: &[Place]) -> Locked {
@@ -134,7 +137,8 @@ impl LockRules {
         }
         let seconds = (1..own.len()).step_by(2).filter(gives).count();
         let already = held.iter().filter(|held| **held).count();
-        let fewest = runs.len() / self.runs_every.max(1);
+        let to_spare = runs.len().saturating_sub(self.fewest_to_learn);
+        let fewest = to_spare.min(runs.len() / self.runs_every.max(1));
         for _ in 0..seconds.max(fewest.saturating_sub(already)) {
             let sessions = (0..own.len()).filter(gives).filter(|k| left[*k] > 0);
             let all =
@@ -278,6 +282,20 @@ mod tests {
                 .filter(|i| by_turns[**i].driver == driver);
             assert_eq!(own.count(), 2, "{driver}: {:?}", locked.held);
         }
+    }
+
+    #[test]
+    fn of_few_runs_most_are_learned_from() {
+        let place = Place {
+            session: "",
+            track: "a",
+            driver: "m",
+        };
+        let locked = |count: usize| LockRules::default().runs(&vec![place; count]).held.len();
+        assert_eq!(
+            [4, 5, 9, 11, 12, 13, 16, 44].map(locked),
+            [0, 1, 1, 1, 1, 2, 4, 11]
+        );
     }
 
     #[test]
