@@ -6,13 +6,14 @@ use kufe_discover::{Options, Rules, Verdict, runs};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, WallContact, prepare_all, residuals};
 
-/// Every second of the sample runs on one track, with its walls: what is told of them is held against how they were driven.
+/// Sample runs on one track, with its walls: what is told of them is held against how they were driven. Every second run of the drivers who
+/// drove more than a few; where another hits walls of his own, one of two runs would not tell what repeats.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
     let base = Model::published();
     let mut plan = sample_plan(2);
-    plan.retain(|planned| planned.track == "east");
+    plan.retain(|planned| planned.track == "east" && !planned.run.starts_with('C'));
     let mut place = 0..;
     plan.retain(|_| place.next().is_some_and(|k: usize| k.is_multiple_of(2)));
     for planned in &mut plan {
@@ -57,11 +58,12 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
                     own.run, own.force_n, own.error_n
                 )
             });
-        // The low pass of 16 Hz flattens half a wave of 10 m at 28 m/s by a tenth.
+        // The low pass of 16 Hz flattens half a wave of 10 m at 28 m/s by a tenth; each force is known to its standard error.
         let share = own.force_n / true_one.force_n;
+        let known = 3.0 * own.error_n / true_one.force_n.abs();
         assert!(
-            (0.8..1.1).contains(&share),
-            "{} at {middle:.0} m: {share}",
+            (0.8 - known..1.1 + known).contains(&share),
+            "{} at {middle:.0} m: {share} +- {known}",
             own.run
         );
         told += 1;
