@@ -147,7 +147,7 @@ fn contacts(step: Data) -> Option<String> {
     let least = forces.iter().copied().reduce(f64::min)?;
     let most = forces.iter().copied().fold(least, f64::max);
     Some(format!(
-        "{} contacts at {} places, {least:.0} to {most:.0} N: each by the side force of its own run, judged by how the sled then turns and brakes",
+        "{} contacts at {} places, {least:.0} to {most:.0} N: each by the side force of its own run, judged by runs that hit the same places and by how the sled then turns and brakes",
         forces.len(),
         places.len(),
     ))
