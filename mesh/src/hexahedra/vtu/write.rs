@@ -21,7 +21,7 @@ const VERSION: [&str; 3] = [
 const BLOCK: usize = 1 << 15;
 
 /// The part of a block, one in so many, that says whether packing is worth its time: stresses and displacements, whose last digits are those
-/// of no other, shrink by 5 to 17 %, and are stored as they are.
+/// of no other, shrink by 17 % at most, and are stored as they are.
 const SAMPLE: usize = 16;
 
 /// A named array with one value, vector or tensor a point or cell; in the file its numbers have seven digits (`Float32`), which halves

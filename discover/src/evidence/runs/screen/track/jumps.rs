@@ -158,14 +158,13 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
                 && all.values().map(Vec::len).sum::<usize>() >= LEAST_CROSSINGS
         })
         .collect();
-    let first = Scatter::of(&looked, None)?.strongest(&looked)?;
+    let (first, _) = Scatter::of(&looked, None)?.strongest(&looked)?;
     // What a jump leaves at the speeds beside it is no scatter.
     let scatter = Scatter::of(&looked, Some(first.passed))?;
-    let best = scatter.strongest(&looked)?;
+    let (best, crossed) = scatter.strongest(&looked)?;
     let window_m = 2.0 * rules.jump_reach_s * best.passed;
     let bins = (window_m / rules.track_bin_m).ceil().max(1.0) as i64;
-    let crossed = looked.iter().find(|(x, _)| *x == best.passed);
-    let error = crossed.map_or(best.error, |(_, all)| scatter.error_beside(all, bins));
+    let error = scatter.error_beside(crossed, bins);
     let law = StudentsT::new(0.0, 1.0, best.freedom).ok()?;
     let by_chance = 2.0 * law.cdf(-(best.size / best.error).abs());
     Some(Jump {
@@ -222,10 +221,13 @@ impl Scatter {
         })
     }
 
-    /// The speed whose jump stands out most.
-    fn strongest(&self, looked: &[(f64, Crossings)]) -> Option<Mean> {
-        let all = looked.iter().map(|(x, all)| self.mean(*x, all));
-        all.max_by(|x, y| {
+    /// The speed whose jump stands out most, and where it is crossed.
+    fn strongest<'c, 'f>(
+        &self,
+        looked: &'c [(f64, Crossings<'f>)],
+    ) -> Option<(Mean, &'c Crossings<'f>)> {
+        let all = looked.iter().map(|(x, all)| (self.mean(*x, all), all));
+        all.max_by(|(x, _), (y, _)| {
             (x.size / x.error)
                 .abs()
                 .total_cmp(&(y.size / y.error).abs())

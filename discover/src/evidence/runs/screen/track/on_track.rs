@@ -196,6 +196,7 @@ impl Campaign<'_> {
                 },
                 others.collect(),
             );
+            let beside_line = seen.error.hypot(self.by_line(&list[named]));
             if at(2.0).is_none() {
                 account.depends.push(format!(
                     "{} stands out at the stated survey deviation but not at twice it",
@@ -212,10 +213,7 @@ impl Campaign<'_> {
                 rivals,
                 p_value: seen.p_value,
                 remark: None,
-                parameters: {
-                    let error = seen.error.hypot(self.by_line(&list[named]));
-                    self.by_track(&list[named], seen.size, error)
-                },
+                parameters: self.by_track(&list[named], seen.size, beside_line),
             });
         }
         let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
