@@ -44,6 +44,8 @@ type Known = (Candidate<Amplitude>, Option<Arc<Refit>>);
 pub struct Refits {
     alone: OnceLock<Option<Refit>>,
     with: Mutex<Vec<Known>>,
+    /// Those that were given up, since they leave more than so much.
+    given_up: Mutex<Vec<(Candidate<Amplitude>, f64)>>,
 }
 
 impl Refits {
@@ -64,6 +66,31 @@ impl Refits {
         }
         let refit = make().map(Arc::new);
         known.push((candidate.clone(), refit.clone()));
+        refit
+    }
+
+    /// The same where it leaves no more than `beat`; `make` may give up where that is out of reach.
+    pub fn below(
+        &self,
+        candidate: &Candidate<Amplitude>,
+        beat: f64,
+        make: impl FnOnce() -> Option<Refit>,
+    ) -> Option<Arc<Refit>> {
+        let mut known = self.with.lock().expect("no refit panics");
+        if let Some((_, refit)) = known.iter().find(|(other, _)| candidate.is(other)) {
+            return refit.clone().filter(|refit| refit.misfit <= beat);
+        }
+        let mut given_up = self.given_up.lock().expect("no refit panics");
+        let out_of_reach =
+            |(other, least): &(Candidate<_>, f64)| candidate.is(other) && *least >= beat;
+        if given_up.iter().any(out_of_reach) {
+            return None;
+        }
+        let refit = make().filter(|refit| refit.misfit <= beat).map(Arc::new);
+        match &refit {
+            Some(_) => known.push((candidate.clone(), refit.clone())),
+            None => given_up.push((candidate.clone(), beat)),
+        }
         refit
     }
 }

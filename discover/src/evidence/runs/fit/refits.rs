@@ -38,8 +38,9 @@ impl Campaign<'_> {
         size: f64,
         beat: f64,
     ) -> Option<Arc<Refit>> {
-        let refit = self.refitted_beside(at, candidate, size, beat)?;
-        (refit.misfit <= beat).then(|| at.refits.with(candidate, || Some(refit)))?
+        at.refits.below(candidate, beat, || {
+            self.refitted_beside(at, candidate, size, beat)
+        })
     }
 
     /// The same, not kept.

@@ -52,20 +52,23 @@ impl Campaign<'_> {
 
     /// Where something is large, the model with what the balances leave beyond noise beside the effect of the catalogue that explains most in
     /// a full refit, if that is far less; refits and what they explain are asked beside it, else what the effect leaves counts as noise.
+    /// `contacts` as in [`leading`](Self::leading).
     pub fn beside_leader(
         &self,
         at: &Current,
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
+        contacts: f64,
     ) -> Option<ResidualModel> {
         let (order, _) = self.strongest_and_others(screen, regular);
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
         if !self.is_large(at, most) {
             return None;
         }
+        let enough = self.left_by_rivals(self.refitted_alone(at)?, contacts);
         let refits = order
             .iter()
-            .filter_map(|c| self.refitted_at(at, &regular[*c], screen.seen[*c].size));
+            .filter_map(|c| self.refitted_below(at, &regular[*c], screen.seen[*c].size, enough));
         let best = refits.min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
         Some(ResidualModel {
             beyond_noise: far_less_beyond(
@@ -119,11 +122,7 @@ impl Campaign<'_> {
         }
         let without = self.refitted_alone(at)?;
         let bare = self.misfit_by_run(without);
-        // What explains far less than contacts does is given up on the way.
-        let enough = match contacts > 0.0 {
-            true => without.misfit - 0.5 * self.rules().leads * contacts,
-            false => f64::INFINITY,
-        };
+        let enough = self.left_by_rivals(without, contacts);
         let leader = |c: usize, refit: Arc<Refit>| Leader {
             candidate: &regular[c],
             at: c,
@@ -181,6 +180,15 @@ impl Campaign<'_> {
         let p_value = chances_of_gains(&gains, options.flips, options.seed)[place];
         let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
         (p_value <= options.alpha).then(|| (claim(), gain))
+    }
+
+    /// What a rival of contacts leaves at most, `without` being what is left without both: what explains far less than they do is given up
+    /// on the way. Without any, anything is one.
+    fn left_by_rivals(&self, without: &Refit, contacts: f64) -> f64 {
+        match contacts > 0.0 {
+            true => without.misfit - 0.5 * self.rules().leads * contacts,
+            false => f64::INFINITY,
+        }
     }
 
     /// What a refit explains of what is left without it, by run, in units of the noise's variance.

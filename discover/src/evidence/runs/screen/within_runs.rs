@@ -87,7 +87,7 @@ impl Campaign<'_> {
             .as_ref()
             .map_or(0.0, |found| found.gain / self.rules().contacts.over);
         let beside = if asked > standing { asked } else { 0.0 };
-        let eased = self.beside_leader(at, &screen, &regular);
+        let eased = self.beside_leader(at, &screen, &regular, beside);
         self.beside_large = eased.as_ref().map(|model| model.beyond_noise);
         let eased = eased.as_ref().map(|model| at.of(model));
         let at = eased.as_ref().unwrap_or(at);
