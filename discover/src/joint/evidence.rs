@@ -178,6 +178,7 @@ impl Evidence for Joint<'_> {
                     by: sum.by + one.by,
                     error: sum.error.hypot(one.error),
                     weighed: None,
+                    by_channel: Vec::new(),
                     repeats: sum.repeats + one.repeats,
                     // What data without tolerances tell is no trace of them.
                     tolerated: sum.tolerated.min(one.tolerated),

@@ -3,7 +3,7 @@
 use crate::procedure::rules::SearchRules;
 
 /// What locked-away data say of one model beside another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lowered {
     /// By how much the sum of squares falls, over all channels, each in units of its variance.
     pub by: f64,
@@ -12,6 +12,8 @@ pub struct Lowered {
     /// The same fall and its standard error with each channel counting by how much it tells of it where it was learned; nothing where
     /// there is but one.
     pub weighed: Option<[f64; 2]>,
+    /// The fall and its standard error channel by channel, where there is more than one.
+    pub by_channel: Vec<(&'static str, [f64; 2])>,
     /// What repeats from run to run of the first model's sum of squares; 0 where it is not known.
     pub repeats: f64,
     /// Sum of squares that one standard deviation of everything the installation may be off by amounts to; 0 for none.
@@ -28,13 +30,23 @@ impl Lowered {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
             weighed: None,
+            by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
         })
     }
 
-    /// The same over channels, with what each tells of it: `learned` are their falls on the data that both models were learned from.
-    pub fn over_channels<const C: usize>(falls: &[[f64; C]], learned: &[[f64; C]]) -> Option<Self> {
+    /// The same over channels of these names, with what each tells of it: `learned` are their falls on the data that both models were learned
+    /// from.
+    pub fn over_channels<const C: usize>(
+        names: [&'static str; C],
+        falls: &[[f64; C]],
+        learned: &[[f64; C]],
+    ) -> Option<Self> {
+        let of_channel = |(c, name): (usize, &'static str)| {
+            let own: Vec<f64> = falls.iter().map(|fall| fall[c]).collect();
+            Self::over(&own, 0.0).map(|own| (name, [own.by, own.error]))
+        };
         let weights = weights(learned);
         let [whole, weighed] = [[1.0; C], weights].map(|weights| -> Vec<f64> {
             let one = |fall: &[f64; C]| fall.iter().zip(&weights).map(|(f, w)| f * w).sum();
@@ -43,6 +55,11 @@ impl Lowered {
         let weighed = Self::over(&weighed, 0.0)?;
         Some(Self {
             weighed: Some([weighed.by, weighed.error]),
+            by_channel: names
+                .into_iter()
+                .enumerate()
+                .filter_map(of_channel)
+                .collect(),
             ..Self::over(&whole, 0.0)?
         })
     }
@@ -70,6 +87,14 @@ impl Lowered {
             && by >= rules.trace * self.tolerated
     }
 
+    /// The same for a claim that is made of this channel: there, where the model is said to be wrong, the gap may not rise beyond its scatter,
+    /// whatever falls elsewhere.
+    pub fn holds_in(&self, channel: &str, rules: &SearchRules) -> bool {
+        let rises = |[by, error]: [f64; 2]| by < -rules.beyond_scatter * error;
+        let mut own = self.by_channel.iter().filter(|(name, _)| *name == channel);
+        self.holds(rules) && !own.any(|(_, fall)| rises(*fall))
+    }
+
     /// How clearly it falls, in standard errors: over all channels alike, or as they tell of it, whichever is clearer. A step of one
     /// channel is lost in the scatter of the others; of one that all tell a little of, those that are heard are too few.
     pub fn strength(&self) -> f64 {
@@ -91,10 +116,14 @@ impl Lowered {
             ),
             None => told,
         };
-        match self.by < 1e-3 * self.tolerated {
+        let told = match self.by < 1e-3 * self.tolerated {
             true => format!("{told}; tolerances amount to {:.1}", self.tolerated),
             false => told,
-        }
+        };
+        let each = self.by_channel.iter();
+        each.fold(told, |told, (name, [by, error])| {
+            format!("{told}; {name} {by:.1} +- {error:.1}")
+        })
     }
 }
 
@@ -126,6 +155,7 @@ mod tests {
             by,
             error,
             weighed: None,
+            by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
         };
@@ -166,14 +196,28 @@ mod tests {
         let rules = SearchRules::default();
         let loud = [30.0, -20.0, 25.0, -35.0, 15.0, -14.0];
         let falls = |quiet: f64| loud.map(|l| [quiet + 0.01 * l, l]);
-        let of = |falls: &[[f64; 2]]| Lowered::over_channels(falls, &falls_learned());
+        let names = ["quiet", "loud"];
+        let of = |falls: &[[f64; 2]]| Lowered::over_channels(names, falls, &falls_learned());
         let found = of(&falls(1.0)).unwrap();
         assert!(found.holds(&rules) && found.strength() > 5.0, "{found:?}");
         assert!(found.by < found.error, "{found:?}");
         assert!(!of(&falls(-1.0)).unwrap().holds(&rules));
         // Too few to tell how much each scatters.
-        let few = Lowered::over_channels(&falls(1.0), &falls_learned()[..3]).unwrap();
+        let few = Lowered::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
         assert_eq!(few.weighed, Some([few.by, few.error]));
+    }
+
+    #[test]
+    fn what_rises_in_its_own_channel_does_not_hold_there_however_much_falls_in_another() {
+        let rules = SearchRules::default();
+        let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
+        let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
+        assert!(lowered.holds(&rules) && lowered.holds_in("yaw", &rules));
+        assert!(!lowered.holds_in("side", &rules), "{}", lowered.told());
+        // Within its scatter it may.
+        let falls = [[-2.0, 9.0], [3.0, 10.0], [-2.5, 11.0], [1.0, 10.0]];
+        let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
+        assert!(lowered.holds_in("side", &rules));
     }
 
     fn falls_learned() -> Vec<[f64; 2]> {

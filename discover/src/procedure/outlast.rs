@@ -25,7 +25,7 @@ pub fn outlast<E: Evidence>(
         true => None,
         false => evidence.lowered(base, &last)?,
     };
-    let all = whole;
+    let all = whole.clone();
     while account.steps.len() > 1 {
         let mut weakest: Option<(usize, Lowered, E::Fit)> = None;
         for step in 0..account.steps.len() {
@@ -35,13 +35,14 @@ pub fn outlast<E: Evidence>(
             };
             // In units of what this one leaves: beside a large effect the noise is far less than the base model left.
             let before = evidence.lowered(&without, base)?.map_or(0.0, |to| -to.by);
-            let lowered = all
-                .as_ref()
-                .map_or(lowered, |all| lowered.of_all(all, before));
+            let lowered = match &all {
+                Some(all) => lowered.of_all(all, before),
+                None => lowered,
+            };
             let weaker = weakest
                 .as_ref()
                 .is_none_or(|(_, w, _)| lowered.strength() < w.strength());
-            if !lowered.holds(rules) && weaker {
+            if !lowered.holds_in(&account.steps[step].channel, rules) && weaker {
                 weakest = Some((step, lowered, without));
             }
         }
@@ -54,7 +55,10 @@ pub fn outlast<E: Evidence>(
     }
     if !account.steps.is_empty()
         && let Some(lowered) = whole
-        && !lowered.holds(rules)
+        && !match &account.steps[..] {
+            [one] => lowered.holds_in(&one.channel, rules),
+            _ => lowered.holds(rules),
+        }
     {
         while !account.steps.is_empty() {
             tried.push(take_back(account, 0, &lowered));

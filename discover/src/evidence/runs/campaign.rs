@@ -193,7 +193,7 @@ impl Campaign<'_> {
         };
         let needed = (1.0 - asked.log2()).ceil();
         Some(format!(
-            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {asked}, so that none can be claimed: {needed} runs are needed beside those put aside",
+            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {asked}, so that only what exceeds the tolerances by itself can be claimed: {needed} runs are needed beside those put aside",
             self.training.len()
         ))
     }

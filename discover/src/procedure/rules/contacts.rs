@@ -26,6 +26,9 @@ pub struct ContactRules {
     pub inside: f64,
     /// Times what any single effect that stands out explains that contacts, with three numbers each, must explain. Chosen.
     pub over: f64,
+    /// Deviations that a row of the side balance counts for at most where contacts are judged by their promise. Of pushes, at places that were
+    /// learned and at others, both models leave all there: seventy deviations would multiply what else they differ by. Chosen.
+    pub most_of_a_row: f64,
     /// Share of what contacts explain that those found anew must explain to take their place. Chosen.
     pub anew: f64,
 }
@@ -43,6 +46,7 @@ impl Default for ContactRules {
             met_by_chance: 0.1,
             inside: 0.75,
             over: 2.0,
+            most_of_a_row: 6.0,
             anew: 0.5,
         }
     }

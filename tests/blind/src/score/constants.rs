@@ -42,8 +42,9 @@ const EXPERIMENTS: [&str; 6] = [
 const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
-/// what is locked away, are left out.
-const RUN_KEYS: [&str; 49] = [
+/// what else of the lock is chosen, are left out.
+const RUN_KEYS: [&str; 56] = [
+    "lock.runs_every",
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.clear",
@@ -84,8 +85,12 @@ const RUN_KEYS: [&str; 49] = [
     "runs.recordings.signal_cutoff_hz",
     "runs.recordings.row_cutoff_hz",
     "runs.contacts.differs",
+    "runs.contacts.together",
     "runs.contacts.ends",
     "runs.contacts.most",
+    "runs.contacts.alpha",
+    "runs.contacts.met_by_chance",
+    "runs.contacts.most_of_a_row",
     "runs.contacts.inside",
     "runs.contacts.over",
     "runs.contacts.anew",
@@ -93,12 +98,16 @@ const RUN_KEYS: [&str; 49] = [
     "runs.less_beyond",
     "runs.leads",
     "runs.leaders",
+    "runs.finalists",
+    "runs.belief",
 ];
-const LAW_KEYS: [&str; 8] = [
+const LAW_KEYS: [&str; 10] = [
     "runs.laws.bumps",
     "runs.laws.smoothing",
     "runs.laws.folds",
     "runs.laws.number",
+    "runs.laws.stands_t",
+    "runs.laws.alike",
     "runs.laws.beats",
     "runs.laws.as_good",
     "runs.laws.tried",

@@ -27,7 +27,7 @@ use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{
-    BALANCES, CHANNELS, ChannelRows, ResidualModel, TRACK,
+    BALANCES, CHANNEL_NAMES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::gap::judged_rows;
@@ -39,10 +39,6 @@ use crate::procedure::lowered::Lowered;
 /// What noise alone keeps of a promise ([`kept_promise`]) no more often than it leaves what is normal beyond one standard error:
 /// `2 ln (1 / 0.159)`.
 const KEPT_BY_CHANCE: f64 = 3.7;
-
-/// Deviations that a row of the side balance counts for at most where contacts are judged by their promise. Of pushes, at places that were
-/// learned and at others, both models leave all there: seventy deviations would multiply what else they differ by. Chosen.
-const MOST_OF_A_ROW: f64 = 6.0;
 
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
@@ -184,8 +180,9 @@ impl Campaign<'_> {
                 }
             }
             if promised {
+                let most = rules.contacts.most_of_a_row;
                 for row in rows[1].iter_mut().chain(&mut left[1]) {
-                    *row = row.clamp(-MOST_OF_A_ROW, MOST_OF_A_ROW);
+                    *row = row.clamp(-most, most);
                 }
             }
             let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
@@ -209,7 +206,8 @@ impl Campaign<'_> {
         let kept: f64 = each.iter().map(|(_, kept)| kept).sum();
         if !promised {
             let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
-            return Lowered::over_channels(&falls, &learned.collect::<Vec<_>>());
+            let names = CHANNEL_NAMES.map(|(name, _)| name);
+            return Lowered::over_channels(names, &falls, &learned.collect::<Vec<_>>());
         }
         // What noise keeps of a promise is known, and no scatter of runs that hit and miss. It is what tells of contacts: how each turns a run,
         // with a lever of its own, scatters by far more than is learned of it.
