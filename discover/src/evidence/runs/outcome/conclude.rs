@@ -123,6 +123,12 @@ impl Campaign<'_> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held.is_empty() {
             return Vec::new();
         }
+        // What an installation that is off beyond belief stands for is open all the same.
+        let base_model = match self.is_beyond_belief(&base.residual_model) {
+            true => self.within_belief(&base.residual_model),
+            false => None,
+        };
+        let base_model = base_model.as_ref().unwrap_or(&base.residual_model);
         let simulator = self.simulator(&last.settled);
         let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
             [last.already()..]
@@ -143,7 +149,7 @@ impl Campaign<'_> {
             .cloned()
             .collect();
         let design = Design {
-            residual_model: &base.residual_model,
+            residual_model: base_model,
             whitener: &base.whitener,
             free_base: &self.free,
             candidates: &directions,
@@ -159,13 +165,7 @@ impl Campaign<'_> {
             self.rules(),
             self.options.seed,
         );
-        let by_track = || {
-            track_closed(
-                [&base.residual_model, &last.settled],
-                &self.held,
-                self.rules(),
-            )
-        };
+        let by_track = || track_closed([base_model, &last.settled], &self.held, self.rules());
         let track = CHANNEL_NAMES[3].0;
         let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
         steps
