@@ -36,8 +36,8 @@ impl Refit {
     }
 }
 
-/// A candidate with its refit; nothing where it could not be fitted.
-type Known = (Candidate<Amplitude>, Option<Arc<Refit>>);
+/// A candidate with its refit.
+type Known = (Candidate<Amplitude>, Arc<Refit>);
 
 /// Refits beside one model, each made once.
 #[derive(Default)]
@@ -54,22 +54,8 @@ impl Refits {
         self.alone.get_or_init(make).as_ref()
     }
 
-    /// The model with one candidate more, as it is known or as it is made.
-    pub fn with(
-        &self,
-        candidate: &Candidate<Amplitude>,
-        make: impl FnOnce() -> Option<Refit>,
-    ) -> Option<Arc<Refit>> {
-        let mut known = self.with.lock().expect("no refit panics");
-        if let Some((_, refit)) = known.iter().find(|(other, _)| candidate.is(other)) {
-            return refit.clone();
-        }
-        let refit = make().map(Arc::new);
-        known.push((candidate.clone(), refit.clone()));
-        refit
-    }
-
-    /// The same where it leaves no more than `beat`; `make` may give up where that is out of reach.
+    /// The model with one candidate more, as it is known or as it is made, where it leaves no more than `beat`; `make` may give up where that
+    /// is out of reach, or where it cannot be fitted.
     pub fn below(
         &self,
         candidate: &Candidate<Amplitude>,
@@ -78,7 +64,7 @@ impl Refits {
     ) -> Option<Arc<Refit>> {
         let mut known = self.with.lock().expect("no refit panics");
         if let Some((_, refit)) = known.iter().find(|(other, _)| candidate.is(other)) {
-            return refit.clone().filter(|refit| refit.misfit <= beat);
+            return Some(refit.clone()).filter(|refit| refit.misfit <= beat);
         }
         let mut given_up = self.given_up.lock().expect("no refit panics");
         let out_of_reach =
@@ -88,7 +74,7 @@ impl Refits {
         }
         let refit = make().filter(|refit| refit.misfit <= beat).map(Arc::new);
         match &refit {
-            Some(_) => known.push((candidate.clone(), refit.clone())),
+            Some(refit) => known.push((candidate.clone(), refit.clone())),
             None => given_up.push((candidate.clone(), beat)),
         }
         refit

@@ -25,9 +25,7 @@ impl Campaign<'_> {
         candidate: &Candidate<Amplitude>,
         size: f64,
     ) -> Option<Arc<Refit>> {
-        at.refits.with(candidate, || {
-            self.refitted_beside(at, candidate, size, f64::INFINITY)
-        })
+        self.refitted_below(at, candidate, size, f64::INFINITY)
     }
 
     /// The same where it leaves no more than `beat`; given up as soon as that is out of reach.

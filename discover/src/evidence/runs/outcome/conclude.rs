@@ -124,10 +124,7 @@ impl Campaign<'_> {
             return Vec::new();
         }
         // What an installation that is off beyond belief stands for is open all the same.
-        let base_model = match self.is_beyond_belief(&base.residual_model) {
-            true => self.within_belief(&base.residual_model),
-            false => None,
-        };
+        let base_model = self.as_believed(&base.residual_model);
         let base_model = base_model.as_ref().unwrap_or(&base.residual_model);
         let simulator = self.simulator(&last.settled);
         let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active

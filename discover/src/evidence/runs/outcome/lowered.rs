@@ -55,10 +55,7 @@ impl Campaign<'_> {
                 true => &fit.settled,
                 false => &fit.residual_model,
             };
-            match self.is_beyond_belief(model) {
-                true => self.within_belief(model),
-                false => Some(model.clone()),
-            }
+            self.as_believed(model)
         };
         let mut before = model(from)?;
         let after = model(to)?;

@@ -205,8 +205,16 @@ impl Campaign<'_> {
     }
 
     /// A model whose installation is off by what its tolerances can mean and no more, its base refitted beside that.
-    pub fn within_belief(&self, model: &ResidualModel) -> Option<ResidualModel> {
+    fn within_belief(&self, model: &ResidualModel) -> Option<ResidualModel> {
         self.refitted_beside_installation(model, model.installation.within(self.rules().belief))
+    }
+
+    /// A model as it is, or within belief where it is beyond that.
+    pub fn as_believed(&self, model: &ResidualModel) -> Option<ResidualModel> {
+        match self.is_beyond_belief(model) {
+            true => self.within_belief(model),
+            false => Some(model.clone()),
+        }
     }
 
     /// A model with clocks as they are stated, its base refitted beside that.
