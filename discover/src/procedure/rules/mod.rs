@@ -126,6 +126,8 @@ pub struct RunRules {
     pub leaders: usize,
     /// Of these, those that leave least, beside which what the installation is off by is found anew. Chosen.
     pub finalists: usize,
+    /// The first look at each of them on a few runs.
+    pub look: LeaderRule,
     /// Standard deviations beyond which no part of an installation is merely off by its tolerance. Derived: of 25 parts within theirs, one is
     /// in 1.6 of 1000 campaigns.
     pub belief: f64,
@@ -240,6 +242,7 @@ impl Default for RunRules {
             leads: 0.5,
             leaders: 6,
             finalists: 3,
+            look: LeaderRule::default(),
             belief: 4.0,
             column_wins: [2.0, 3.0],
             laws: LawRules::default(),
@@ -281,6 +284,28 @@ impl Default for RunRules {
             explains_alone: 1e-2,
             explains_beyond: 2.0,
             recordings: RecordingRules::default(),
+        }
+    }
+}
+
+/// A first look at a candidate on a few runs, before it is fitted on all.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LeaderRule {
+    /// One of so many runs is looked at. Chosen.
+    pub every: usize,
+    /// Fewest runs of a look. Chosen.
+    pub least: usize,
+    /// Part of the runs' share of what is asked that a candidate must explain there. Chosen.
+    pub part: f64,
+}
+
+impl Default for LeaderRule {
+    fn default() -> Self {
+        Self {
+            every: 3,
+            least: 4,
+            part: 0.5,
         }
     }
 }

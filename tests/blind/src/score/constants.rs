@@ -43,7 +43,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 56] = [
+const RUN_KEYS: [&str; 59] = [
     "lock.runs_every",
     "search.superfluous_t",
     "search.beyond_scatter",
@@ -99,6 +99,9 @@ const RUN_KEYS: [&str; 56] = [
     "runs.leads",
     "runs.leaders",
     "runs.finalists",
+    "runs.look.every",
+    "runs.look.least",
+    "runs.look.part",
     "runs.belief",
 ];
 const LAW_KEYS: [&str; 10] = [

@@ -2,6 +2,7 @@
 
 mod balance_products;
 pub(crate) mod estimate;
+mod few_runs;
 pub(crate) mod gauss_newton;
 mod installed;
 pub(crate) mod noise_products;

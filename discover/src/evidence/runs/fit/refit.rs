@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
 /// Base and effect fitted together.
@@ -36,12 +37,21 @@ impl Refit {
     }
 }
 
+/// A model on a part of the runs.
+pub struct RunPart {
+    /// The runs.
+    pub frames: Vec<Frame>,
+    /// What it leaves there, fitted.
+    pub left: f64,
+}
+
 /// A candidate with its refit.
 type Known = (Candidate<Amplitude>, Arc<Refit>);
 
 /// Refits beside one model, each made once.
 #[derive(Default)]
 pub struct Refits {
+    few: OnceLock<Option<RunPart>>,
     alone: OnceLock<Option<Refit>>,
     with: Mutex<Vec<Known>>,
     /// Those that were given up, since they leave more than so much.
@@ -52,6 +62,11 @@ impl Refits {
     /// The model alone, as it is known or as it is made.
     pub fn alone(&self, make: impl FnOnce() -> Option<Refit>) -> Option<&Refit> {
         self.alone.get_or_init(make).as_ref()
+    }
+
+    /// The model on a few runs, as it is known or as it is made.
+    pub fn on_few(&self, make: impl FnOnce() -> Option<RunPart>) -> Option<&RunPart> {
+        self.few.get_or_init(make).as_ref()
     }
 
     /// The model with one candidate more, as it is known or as it is made, where it leaves no more than `beat`; `make` may give up where that

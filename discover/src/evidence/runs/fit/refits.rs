@@ -51,6 +51,9 @@ impl Campaign<'_> {
     ) -> Option<Refit> {
         let from = 0.01 * candidate.typical.copysign(size);
         let with = at.residual_model.with(candidate.active(from));
+        if self.out_of_reach(at, &with, beat) {
+            return None;
+        }
         self.beside_either(&with, Effort::COMPARED, beat)?
             .sized(candidate)
     }
@@ -88,24 +91,44 @@ impl Campaign<'_> {
     /// A model fitted beside its own installation, and from the given base beside the stated one: whichever leaves less. A fit that cannot
     /// leave less than `beat`, or than the other, is given up on the way.
     pub fn beside_either(&self, model: &ResidualModel, effort: Effort, beat: f64) -> Option<Refit> {
+        self.beside_either_on(&self.training, model, (effort, beat))
+    }
+
+    /// The same on some runs, which bear their share of what the installation costs.
+    pub fn beside_either_on(
+        &self,
+        frames: &[Frame],
+        model: &ResidualModel,
+        (effort, beat): (Effort, f64),
+    ) -> Option<Refit> {
         let stated = ResidualModel {
             base: self.given.base,
             installation: Installation::default(),
             ..model.clone()
         };
         let installed = model.installation.cost() > 0.0;
-        let own = installed.then(|| self.fitted_as_it_is(&model.hold(true), effort, beat));
+        let own = installed.then(|| self.fitted_on(frames, &model.hold(true), (effort, beat)));
         let own = own.flatten();
         let beat = own.as_ref().map_or(beat, |own| own.misfit.min(beat));
-        let tried = [own, self.fitted_as_it_is(&stated, effort, beat)];
+        let tried = [own, self.fitted_on(frames, &stated, (effort, beat))];
         let tried = tried.into_iter().flatten();
         tried.min_by(|a, b| a.misfit.total_cmp(&b.misfit))
     }
 
     fn fitted_as_it_is(&self, model: &ResidualModel, effort: Effort, beat: f64) -> Option<Refit> {
-        let found = fit(model, &self.training, &self.free, self.used, effort, beat).ok()?;
+        self.fitted_on(&self.training, model, (effort, beat))
+    }
+
+    fn fitted_on(
+        &self,
+        frames: &[Frame],
+        model: &ResidualModel,
+        (effort, beat): (Effort, f64),
+    ) -> Option<Refit> {
+        let found = fit(model, frames, &self.free, self.used, effort, beat).ok()?;
+        let share = frames.len() as f64 / self.training.len() as f64;
         Some(Refit {
-            misfit: found.criterion + found.model.installation.cost(),
+            misfit: found.criterion + share * found.model.installation.cost(),
             size: 0.0,
             model: found.model,
             whitener: found.whitener,
@@ -150,6 +173,14 @@ impl Campaign<'_> {
     /// misfit and size are those of before); nothing where that cannot be fitted.
     pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
         self.installed_by(refit, |fit| self.installed(fit))
+    }
+
+    /// The same, or the refit as it is where that leaves less.
+    pub fn best_installed(&self, refit: &Refit) -> Refit {
+        let left = |refit: &Refit| self.misfit_by_run(refit).iter().sum::<f64>();
+        let anew = self.installed_anew(refit);
+        anew.filter(|anew| left(anew) < left(refit))
+            .unwrap_or_else(|| refit.clone())
     }
 
     /// The same with delays no further apart than is stated.

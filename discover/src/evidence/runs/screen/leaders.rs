@@ -153,15 +153,15 @@ impl Campaign<'_> {
             return None;
         }
         // Beside an installation that was found without them all look alike: of those that lead, by their scores or as they are refitted,
-        // and of the claim, it is found anew.
+        // and of the claim, it is found anew, and kept where that leaves less: found to first order it may leave more.
         let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
-        let bare = self.misfit_by_run(&self.installed_anew(without)?);
+        let bare = self.misfit_by_run(&self.best_installed(without));
         leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
         for (place, leader) in leaders.iter_mut().enumerate() {
             let seen = &screen.seen[leader.at];
             let stands = seen.usable && seen.gain >= self.rules().leads * most;
             let leads = stands || place < self.rules().finalists;
-            let found = leads.then(|| self.installed_anew(&leader.refit)).flatten();
+            let found = leads.then(|| self.best_installed(&leader.refit));
             if let Some(refit) = found.and_then(|refit| refit.sized(leader.candidate)) {
                 leader.refit = Arc::new(refit);
             }
@@ -172,7 +172,7 @@ impl Campaign<'_> {
             .enumerate()
             .max_by(|a, b| total(&a.1.gains).total_cmp(&total(&b.1.gains)))?;
         let gain = total(&best.gains);
-        let of_claim = claimed.and_then(|refit| self.installed_anew(&refit));
+        let of_claim = claimed.map(|refit| self.best_installed(&refit));
         if of_claim.is_some_and(|refit| total(&self.gains(&refit, &bare)) >= gain) {
             return None;
         }
