@@ -13,7 +13,11 @@ fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
 
 /// Runs driven with the effects of `hidden` (TOML).
 fn driven(hidden: &str, seed: u64, runs_kept: usize) -> Vec<Run> {
-    let base = Model::published();
+    driven_by(&Model::published(), hidden, seed, runs_kept)
+}
+
+/// The same with another model than the published one.
+fn driven_by(base: &Model, hidden: &str, seed: u64, runs_kept: usize) -> Vec<Run> {
     let truth = Model::from_toml(&(base.to_toml() + hidden), "truth").unwrap();
     let mut plan = sample_plan(seed);
     let step = plan.len() / runs_kept;
@@ -35,28 +39,25 @@ fn driven(hidden: &str, seed: u64, runs_kept: usize) -> Vec<Run> {
 
 /// What the published model lacks in these runs.
 fn search(recorded: &[Run], seed: u64) -> Report {
-    search_where_the_way_is(1.0, recorded, seed)
+    search_where_the_way_is(1.0, recorded, (&Model::published(), seed))
 }
 
 /// The same, the way that was driven being so many times as long as the surveyed line.
-fn search_where_the_way_is(longer: f64, recorded: &[Run], seed: u64) -> Report {
-    let base = Model::published();
+fn search_where_the_way_is(longer: f64, recorded: &[Run], (base, seed): (&Model, u64)) -> Report {
     let surveys = BTreeMap::from(["east", "west"].map(|name| {
         let track = sample_track(name);
         let line = track.s_m.iter().map(|s| s / longer);
         let slopes = line.zip(track.slope_rad.iter().copied());
         (name.to_owned(), slopes.collect())
     }));
-    let data = runs::prepare(recorded, &base, &surveys, &Rules::default()).unwrap();
+    let data = runs::prepare(recorded, base, &surveys, &Rules::default()).unwrap();
     let options = Options {
         twins: 16,
         flips: 999,
         seed,
         ..Options::default()
     };
-    runs::search(&data, &base, &options, &|_| {})
-        .unwrap()
-        .report
+    runs::search(&data, base, &options, &|_| {}).unwrap().report
 }
 
 fn told(report: &Report) -> String {
@@ -135,7 +136,7 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
 fn a_speed_that_reads_high_is_known_no_better_than_the_length_of_the_line_that_is_driven() {
     let hidden = 0.012;
     let recorded = driven_at_a_speed_that_reads_high(hidden);
-    let report = search_where_the_way_is(1.0015, &recorded, 6);
+    let report = search_where_the_way_is(1.0015, &recorded, (&Model::published(), 6));
     let factor = &report.steps[0].parameters[0];
     assert!(
         (factor.low..factor.high).contains(&hidden),
@@ -214,6 +215,26 @@ fn a_mass_is_named_and_not_the_drag_and_the_inertia_that_it_seems_to_lack() {
     let excess = &report.steps[0].parameters[0];
     assert!(
         (excess.low..excess.high).contains(&hidden),
+        "{}",
+        told(&report)
+    );
+}
+
+/// The gyro is so noisy that the measured yaw acceleration is hardly like the true one.
+#[test]
+#[ignore = "slow study: .ci/slow"]
+fn an_inertia_that_is_doubled_is_named_and_not_shared_out_with_its_tolerance() {
+    let (mut model, hidden) = (Model::published(), 1.0);
+    let noise = model.noise.as_mut().unwrap();
+    noise.rate_radps *= 4.0;
+    let text = format!("[effects.yaw-inertia]\nfactor = {hidden}");
+    let recorded = driven_by(&model, &text, 9, 16);
+    let report = search_where_the_way_is(1.0, &recorded, (&model, 9));
+    let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
+    assert_eq!(names, ["yaw-inertia"], "{}", told(&report));
+    let factor = &report.steps[0].parameters[0];
+    assert!(
+        (factor.low..factor.high).contains(&hidden) && factor.high - factor.low < 0.5,
         "{}",
         told(&report)
     );

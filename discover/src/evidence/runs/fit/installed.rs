@@ -82,19 +82,15 @@ impl Campaign<'_> {
         let model = plain.residual_model.hold(false);
         let design = self.fit_design(&model, &plain.whitener);
         let products = design.products(&self.training);
-        let noise = mean_noise_products(
-            &design,
-            &self.training,
-            &self.simulator(&model),
-            FIRST_ROUND..FIRST_ROUND + INSTALLATION_PAIRS,
-        );
+        let noise = self.noise_of(&design);
         let n = design.fitted() + 1;
         let corrected = |(x, d): (&Products, DMatrix<f64>)| {
             let c = &x.full - d;
             c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
         };
         let mut beyond = beyond_base(&design, &products);
-        for (_, part) in named(&plain_total(&products), self.free.len(), beyond.ncols()) {
+        let total = corrected_total(&products, &noise);
+        for (_, part) in named(&total, self.free.len(), beyond.ncols()) {
             beyond.row_mut(part).fill(0.0);
             beyond.column_mut(part).fill(0.0);
         }
@@ -178,8 +174,11 @@ impl Campaign<'_> {
         let own = whole.view((OWN_LEVELS, OWN_LEVELS), (known, known));
         let beside = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
         let mut moved = ridge_inverse(own.into_owned()) * beside;
-        for (amplitude, part) in named(&plain_total(&products), self.free.len(), count) {
-            moved[(amplitude, part)] = 0.0;
+        if known > self.free.len() {
+            let total = corrected_total(&products, &self.noise_of(&design));
+            for (amplitude, part) in named(&total, self.free.len(), count) {
+                moved[(amplitude, part)] = 0.0;
+            }
         }
         let mut open = DMatrix::identity(count, count);
         for direction in &installation.directions {
@@ -201,6 +200,16 @@ impl Campaign<'_> {
     ) -> DMatrix<f64> {
         let design = self.fit_design(model, whitener);
         beyond_base(&design, &design.products(frames))
+    }
+
+    /// What noisy inputs add to the products of a design's columns, by run.
+    fn noise_of(&self, design: &Design) -> Vec<DMatrix<f64>> {
+        mean_noise_products(
+            design,
+            &self.training,
+            &self.simulator(design.residual_model),
+            FIRST_ROUND..FIRST_ROUND + INSTALLATION_PAIRS,
+        )
     }
 
     /// The rows' derivatives for what is fitted of a model.
@@ -228,18 +237,19 @@ fn beyond_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
     cross_information(&grams, &base)
 }
 
-/// Products of base, amplitudes, parts and residual over all runs, their own levels taken out.
-fn plain_total(products: &[Products]) -> DMatrix<f64> {
-    let grams = products.iter().map(|run| run.plain().g);
+/// Products of base, amplitudes, parts and residual over all runs, their own levels and what noise adds taken out.
+fn corrected_total(products: &[Products], noise: &[DMatrix<f64>]) -> DMatrix<f64> {
+    let both = products.iter().zip(noise);
+    let grams = both.map(|(run, noise)| run.corrected(noise, 1.0).g);
     grams.reduce(|sum, gram| sum + gram).unwrap_or_default()
 }
 
 /// Amplitudes, counted with the base before them, that are the same as a part of the installation: once named it is no tolerance, and
 /// what it is shared out between nothing could tell.
 fn named(total: &DMatrix<f64>, base: usize, parts: usize) -> Vec<(usize, usize)> {
-    /// Squared cosine from which both are the same, but for what a large one changes in the other: 0.95 of a mass or an inertia, 0.85 at most
-    /// of others. Chosen.
-    const SAME: f64 = 0.9;
+    /// Squared cosine from which both are the same, but for what a large one changes in the other: 0.995 of an inertia that is doubled, 0.93 at
+    /// most of others (a scale and a bias of the vertical acceleration). Chosen.
+    const SAME: f64 = 0.97;
     let known = total.ncols().saturating_sub(parts + 1);
     let pairs = (base..known).flat_map(|k| (0..parts).map(move |j| (k, j)));
     let same = |(k, j): &(usize, usize)| {
