@@ -200,7 +200,7 @@ impl Campaign<'_> {
 
 impl Teller<'_> {
     /// The smooth laws whose formulas are tried, the one that explains most first: those that stand out, that of a claimed column, and those
-    /// that explain more than it.
+    /// that explain more than it, or than all that stand out.
     fn best<'l>(&self, smooth: &'l [Smooth], claim: Option<&Claim<Amplitude>>) -> Vec<&'l Smooth> {
         let column = claim.filter(|c| c.candidate.is_column());
         let of_claim = |law: &Smooth| {
@@ -211,9 +211,14 @@ impl Teller<'_> {
             .map(|law| total(&law.gains))
             .fold(f64::INFINITY, f64::min)
             .max(0.0);
+        // Once one stands out the question is which: those that explain more are asked, too.
+        let standing = smooth.iter().filter(|law| law.stands);
+        let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
+        let rivals = |law: &Smooth| law.holds && most.is_some_and(|m| total(&law.gains) > m);
+        let asked = |law: &Smooth| of_claim(law) || total(&law.gains) > enough;
         let mut best: Vec<&Smooth> = smooth
             .iter()
-            .filter(|law| law.stands || of_claim(law) || total(&law.gains) > enough)
+            .filter(|law| law.stands || rivals(law) || asked(law))
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));

@@ -19,6 +19,8 @@ pub struct Smooth {
     pub columns: Vec<usize>,
     /// By run.
     pub gains: Vec<f64>,
+    /// Whether it stands out as much over all that noise is trusted to be.
+    pub holds: bool,
     /// Whether it stands out from chance and noise.
     pub stands: bool,
 }
@@ -122,6 +124,7 @@ impl Campaign<'_> {
                     channel,
                     columns,
                     gains,
+                    holds,
                     stands,
                 }
             })
