@@ -178,7 +178,8 @@ impl Evidence for Joint<'_> {
                     by: sum.by + one.by,
                     error: sum.error.hypot(one.error),
                     weighed: None,
-                    by_channel: Vec::new(),
+                    promise: sum.promise.or(one.promise),
+                    by_channel: [sum.by_channel, one.by_channel].concat(),
                     repeats: sum.repeats + one.repeats,
                     // What data without tolerances tell is no trace of them.
                     tolerated: sum.tolerated.min(one.tolerated),

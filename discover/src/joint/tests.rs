@@ -9,6 +9,7 @@ use crate::procedure::beside::{Amount, Beside, Chance};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
 use crate::procedure::lowered::Lowered;
+use crate::procedure::rules::SearchRules;
 
 /// Data that know some effects, each with one size; a fit is the name of what was added last.
 #[derive(Default)]
@@ -17,6 +18,7 @@ struct Told {
     chances: Vec<Chance>,
     lacks: Vec<&'static str>,
     of_the_air: Vec<&'static str>,
+    lowered: Option<Lowered>,
 }
 
 impl Evidence for Told {
@@ -43,7 +45,7 @@ impl Evidence for Told {
         Ok(fit.clone())
     }
     fn lowered(&self, _: &String, _: &String) -> Result<Option<Lowered>, Error> {
-        Ok(None)
+        Ok(self.lowered.clone())
     }
     fn open(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Opened, Error> {
         unreachable!("not asked here")
@@ -232,4 +234,22 @@ fn what_no_data_claim_alone_two_may_claim_together_where_they_agree() {
         None
     );
     assert_eq!(weakly(of(1.0, 1e-4), Vec::new(), Vec::new()), None);
+}
+
+#[test]
+fn what_rises_in_the_channel_that_it_is_made_of_is_seen_beside_other_data() {
+    let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
+    let of = |lowered: Option<Lowered>| Told {
+        lowered,
+        ..Told::default()
+    };
+    let runs = of(Lowered::over_channels(["side", "yaw"], &falls, &falls));
+    let experiments = of(Lowered::over(&[5.0, 6.0, 5.5], 0.0));
+    let sum = asked([runs, experiments], |joint, fit| joint.lowered(fit, fit));
+    let (sum, rules) = (sum.ok().flatten(), SearchRules::default());
+    let holds_in = |channel| sum.as_ref().map(|sum| sum.holds_in(channel, &rules));
+    assert_eq!(
+        [holds_in("yaw"), holds_in("side")],
+        [Some(true), Some(false)]
+    );
 }

@@ -12,6 +12,8 @@ pub struct Lowered {
     /// The same fall and its standard error with each channel counting by how much it tells of it where it was learned; nothing where
     /// there is but one.
     pub weighed: Option<[f64; 2]>,
+    /// What is kept of what was promised, and what noise alone keeps of it, where both models differ in that: it must be more.
+    pub promise: Option<[f64; 2]>,
     /// The fall and its standard error channel by channel, where there is more than one.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
     /// What repeats from run to run of the first model's sum of squares; 0 where it is not known.
@@ -30,6 +32,7 @@ impl Lowered {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
             weighed: None,
+            promise: None,
             by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
@@ -74,14 +77,17 @@ impl Lowered {
     }
 
     /// Whether the gap falls, beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated. Where it falls
-    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise beyond that scatter.
+    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise beyond that scatter. Of what was
+    /// promised more is kept than noise alone keeps.
     pub fn holds(&self, rules: &SearchRules) -> bool {
         let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
         let by = match clearly {
             Some([by, _]) if self.by > -rules.beyond_scatter * self.error => by.max(self.by),
             _ => self.by,
         };
+        let beyond = |[kept, chance]: [f64; 2]| kept > rules.beyond_scatter * chance;
         self.strength() > rules.beyond_scatter
+            && self.promise.is_none_or(beyond)
             && by > 0.0
             && by >= rules.material * self.repeats
             && by >= rules.trace * self.tolerated
@@ -103,26 +109,29 @@ impl Lowered {
         self.weighed.map_or(alike, |weighed| of(weighed).max(alike))
     }
 
-    /// The same in words.
-    pub fn told(&self) -> String {
+    /// The same in words, of a claim that is made of this channel.
+    pub fn told_in(&self, channel: &str) -> String {
         let told = format!(
             "by {:.1} +- {:.1} units of the noise's variance, of {:.1} that repeat",
             self.by, self.error, self.repeats
         );
-        let told = match self.weighed {
-            Some([by, error]) => format!(
+        let told = match (self.promise, self.weighed) {
+            (Some([kept, chance]), _) => format!(
+                "{told}; {kept:.1} of what was promised is kept, where noise alone keeps {chance:.1}"
+            ),
+            (None, Some([by, error])) => format!(
                 "{told}; {:.1} standard errors where channels count by what they tell",
                 by / error.max(1e-300)
             ),
-            None => told,
+            (None, None) => told,
         };
         let told = match self.by < 1e-3 * self.tolerated {
             true => format!("{told}; tolerances amount to {:.1}", self.tolerated),
             false => told,
         };
-        let each = self.by_channel.iter();
-        each.fold(told, |told, (name, [by, error])| {
-            format!("{told}; {name} {by:.1} +- {error:.1}")
+        let own = self.by_channel.iter().filter(|(name, _)| *name == channel);
+        own.fold(told, |told, (name, [by, error])| {
+            format!("{told}; in {name} alone by {by:.1} +- {error:.1}")
         })
     }
 }
@@ -155,6 +164,7 @@ mod tests {
             by,
             error,
             weighed: None,
+            promise: None,
             by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
@@ -208,12 +218,25 @@ mod tests {
     }
 
     #[test]
+    fn of_a_promise_more_is_kept_than_noise_keeps() {
+        let rules = SearchRules::default();
+        let kept = |kept| Lowered {
+            promise: Some([kept, 3.7]),
+            ..Lowered::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
+        };
+        assert!(kept(3.8).holds(&rules));
+        assert!(!kept(3.6).holds(&rules) && !kept(-4.0).holds(&rules));
+        let told = kept(-4.0).told_in("yaw");
+        assert!(told.contains("-4.0 of what was promised"), "{told}");
+    }
+
+    #[test]
     fn what_rises_in_its_own_channel_does_not_hold_there_however_much_falls_in_another() {
         let rules = SearchRules::default();
         let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
         let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
         assert!(lowered.holds(&rules) && lowered.holds_in("yaw", &rules));
-        assert!(!lowered.holds_in("side", &rules), "{}", lowered.told());
+        assert!(!lowered.holds_in("side", &rules), "{lowered:?}");
         // Within its scatter it may.
         let falls = [[-2.0, 9.0], [3.0, 10.0], [-2.5, 11.0], [1.0, 10.0]];
         let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();

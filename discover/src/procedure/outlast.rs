@@ -79,6 +79,6 @@ fn take_back(account: &mut Account, step: usize, lowered: &Lowered) -> String {
         "{} stood out where it was learned (p = {:.1e}), but the model with it does not lower the gap on the data put aside enough ({}): neither named nor written",
         gone.effect,
         gone.p_value,
-        lowered.told()
+        lowered.told_in(&gone.channel)
     )
 }

@@ -214,6 +214,7 @@ impl Campaign<'_> {
             by: lowered.by + kept,
             error: lowered.error.hypot(KEPT_BY_CHANCE),
             weighed: Some([kept, KEPT_BY_CHANCE]),
+            promise: Some([kept, KEPT_BY_CHANCE]),
             ..lowered
         })
     }
