@@ -8,7 +8,13 @@
 //! ```
 //!
 //! Neither a survey that is off alike around a crossing nor one that bends shows in h. Runs that cross at one place of a track share what
-//! the survey is off by there: the variance of a place's mean is `a + b / n`, both pooled over all values that are crossed.
+//! the survey is off by there: the variance of a place's mean is `a + b / n`, both pooled over all values that are crossed. What a survey
+//! is off by may be far more at a few places (where curves end, drivers leave their lines up the banks): of K places it has the tails of
+//! Student's law whose excess kurtosis is that of their mean, e / K, with degrees of freedom
+//!
+//! ```text
+//! 4 + 6 K / e        e = (mean m^4 - 3 (mean m^2)^2) / a^2
+//! ```
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -163,32 +169,33 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
     let scatter = Scatter::of(&looked, Some(first.passed))?;
     let (best, crossed) = scatter.strongest(&looked)?;
     let window_m = 2.0 * rules.jump_reach_s * best.passed;
-    let bins = (window_m / rules.track_bin_m).ceil().max(1.0) as i64;
-    let error = scatter.error_beside(crossed, bins);
-    let law = StudentsT::new(0.0, 1.0, best.freedom).ok()?;
-    let by_chance = 2.0 * law.cdf(-(best.size / best.error).abs());
+    let [error, freedom] = scatter.beside(crossed, window_m / rules.track_bin_m);
+    let law = StudentsT::new(0.0, 1.0, freedom).ok()?;
+    let by_chance = 2.0 * law.cdf(-(best.size / error).abs());
     Some(Jump {
         above: best.passed - 0.5 * best.size,
         size: best.size,
-        error: best.error.max(error),
+        error,
         p_value: (by_chance * looked.len() as f64).min(1.0),
     })
 }
 
-/// Variances of crossings about the mean of their place, and of these means beyond them, with what each is known by.
+/// Variances of crossings about the mean of their place, and of these means beyond them.
 struct Scatter {
     within: f64,
     between: f64,
+    /// How many crossings tell of the first.
     crossings: f64,
+    /// How many places tell of the second, and the excess kurtosis that it has over them.
     places: f64,
+    excess: f64,
 }
 
-/// The mean jump of a speed that is passed, with its standard error and the degrees of freedom of that.
+/// The mean jump of a speed that is passed, with the standard error that it has if no two places share what the survey is off by.
 struct Mean {
     passed: f64,
     size: f64,
     error: f64,
-    freedom: f64,
 }
 
 impl Scatter {
@@ -196,13 +203,14 @@ impl Scatter {
     fn of(looked: &[(f64, Crossings)], beside: Option<f64>) -> Option<Self> {
         let apart = |x: f64| beside.is_none_or(|beside| (x - beside).abs() > NEAR);
         let apart = || looked.iter().filter(|(x, _)| apart(*x));
-        let [mut squares, mut crossings, mut means, mut count] = [0.0; 4];
+        let [mut squares, mut crossings, mut means, mut fourth, mut count] = [0.0; 5];
         let mut places = BTreeSet::new();
         for (place, values) in apart().flat_map(|(_, all)| all) {
             let m = mean(values);
             squares += values.iter().map(|h| (h - m).powi(2)).sum::<f64>();
             crossings += values.len() as f64 - 1.0;
             means += m * m;
+            fourth += m.powi(4);
             count += 1.0;
             // As far as a window reaches, places are one.
             places.insert((place.0, place.1 / 2));
@@ -213,11 +221,14 @@ impl Scatter {
         let within = squares / crossings;
         let shared = apart().flat_map(|(_, all)| all.values());
         let noise: f64 = shared.map(|values| within / values.len() as f64).sum();
+        let between = ((means - noise) / count).max(0.0);
+        let excess = fourth / count - 3.0 * (means / count).powi(2);
         Some(Self {
             within,
-            between: ((means - noise) / count).max(0.0),
+            between,
             crossings,
             places: places.len() as f64,
+            excess: excess.max(0.0) / between.powi(2).max(1e-300),
         })
     }
 
@@ -234,39 +245,46 @@ impl Scatter {
         })
     }
 
-    /// Standard error of a mean where so many places beside one another share what the survey is off by, as those within one window do.
-    fn error_beside(&self, all: &Crossings, bins: i64) -> f64 {
-        let mut shared: BTreeMap<(&str, i64), f64> = BTreeMap::new();
+    /// Standard error of a mean whose places share what the survey is off by where they lie within so many bins, as those within one window
+    /// do, and its degrees of freedom, those of a sum of two variances (Welch 1947) of which that of places has tails.
+    fn beside(&self, all: &Crossings, bins: f64) -> [f64; 2] {
         let [mut weight, mut own] = [0.0; 2];
+        // What places that are one weigh together, with the first of them.
+        let mut shared: Vec<((&str, i64), f64)> = Vec::new();
         for ((track, place), values) in all {
             let noise = self.within / values.len() as f64;
             let w = 1.0 / (self.between + noise);
-            *shared.entry((*track, place / bins)).or_default() += w;
             own += w * w * noise;
             weight += w;
+            match shared.last_mut() {
+                Some(((other, first), sum))
+                    if other == track && ((place - *first) as f64) < bins =>
+                {
+                    *sum += w;
+                }
+                _ => shared.push(((track, *place), w)),
+            }
         }
-        let squares: f64 = shared.values().map(|w| w * w).sum();
-        (self.between * squares + own).sqrt() / weight
+        let squares: f64 = shared.iter().map(|(_, w)| w * w).sum();
+        let of_places = self.between * squares;
+        let tails = 4.0 + 6.0 * shared.len() as f64 / self.excess.max(1e-300);
+        let of_places_alone = of_places.powi(2) / tails.min(self.places);
+        let freedom = (of_places + own).powi(2) / (of_places_alone + own.powi(2) / self.crossings);
+        [(of_places + own).sqrt() / weight, freedom]
     }
 
-    /// Over the places where a speed is passed; freedom as of a sum of two variances (Welch 1947).
+    /// Over the places where a speed is passed.
     fn mean(&self, passed: f64, all: &Crossings) -> Mean {
-        let [mut sum, mut weight, mut of_places, mut of_crossings] = [0.0; 4];
+        let [mut sum, mut weight] = [0.0; 2];
         for values in all.values() {
-            let own = self.within / values.len() as f64;
-            let w = 1.0 / (self.between + own);
+            let w = 1.0 / (self.between + self.within / values.len() as f64);
             sum += w * mean(values);
             weight += w;
-            of_places += w * w * self.between;
-            of_crossings += w * w * own;
         }
-        let freedom = (of_places + of_crossings).powi(2)
-            / (of_places.powi(2) / self.places + of_crossings.powi(2) / self.crossings);
         Mean {
             passed,
             size: sum / weight,
             error: 1.0 / weight.sqrt(),
-            freedom,
         }
     }
 }
@@ -324,19 +342,25 @@ mod tests {
             between,
             crossings: 400.0,
             places: 20.0,
+            excess: 0.0,
         };
         let three = at(&[&[1.0, 3.0], &[2.0], &[4.0]]);
+        let near =
+            |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < 1e-12 && (b - d).abs() < 1e-9;
         // Crossings of their own: the mean of four, and all that was pooled.
-        let own = scatter(0.25, 0.0).mean(21.0, &three);
-        assert!((own.size - 2.5).abs() < 1e-12 && (own.error - 0.25).abs() < 1e-12);
-        assert!((own.freedom - 400.0).abs() < 1e-9);
+        let own = scatter(0.25, 0.0);
+        assert!((own.mean(21.0, &three).size - 2.5).abs() < 1e-12);
+        assert!(near(own.beside(&three, 1.0), [0.25, 400.0]));
         // Places of their own: the mean of three, as well known as the places are many.
-        let shared = scatter(0.0, 0.75).mean(21.0, &three);
-        assert!((shared.size - 8.0 / 3.0).abs() < 1e-12 && (shared.error - 0.5).abs() < 1e-12);
-        assert!((shared.freedom - 20.0).abs() < 1e-9);
+        let mut shared = scatter(0.0, 0.75);
+        assert!((shared.mean(21.0, &three).size - 8.0 / 3.0).abs() < 1e-12);
+        assert!(near(shared.beside(&three, 1.0), [0.5, 20.0]));
         // Two of the three within one window: five of nine parts of a variance in place of three.
-        let beside = scatter(0.0, 0.75).error_beside(&three, 11);
-        assert!((beside - (0.75 * 5.0 / 9.0_f64).sqrt()).abs() < 1e-12);
+        let beside = (0.75 * 5.0 / 9.0_f64).sqrt();
+        assert!(near(shared.beside(&three, 11.0), [beside, 20.0]));
+        // As far off as Student's law of 10 degrees, whose excess is 1: the mean of two has half of it.
+        shared.excess = 1.0;
+        assert!(near(shared.beside(&three, 11.0), [beside, 16.0]));
     }
 
     #[test]
@@ -352,5 +376,7 @@ mod tests {
         let scatter = Scatter::of(&looked, None).expect("crossings");
         assert!((scatter.within - 2.0).abs() < 1e-12 && (scatter.between - 3.0).abs() < 1e-12);
         assert_eq!((scatter.crossings, scatter.places), (40.0, 20.0));
+        // Two values alone have no tails.
+        assert_eq!(scatter.excess, 0.0);
     }
 }
