@@ -141,7 +141,7 @@ impl Evidence for Campaign<'_> {
             model.beyond_noise = self.given.beyond_noise;
         }
         if self.data.noise_from == NoiseFrom::Differences {
-            let n = &self.data.noise.sd;
+            let n = self.data.noise.sd();
             let [low, high] = self.rules().estimated_noise_trust;
             let low = match low {
                 0.5 => "half".to_owned(),

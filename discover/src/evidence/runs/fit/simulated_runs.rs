@@ -13,9 +13,8 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece_of;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
-use crate::evidence::runs::recordings::colour::Colour;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::sensor_noise::{SensorNoise, louder};
+use crate::evidence::runs::recordings::sensor_noise::{ColumnNoise, SensorNoise};
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, sign, stream};
 use crate::procedure::rules::{RecordingRules, RunRules};
@@ -103,10 +102,7 @@ impl RunSimulator {
         let piece = piece_of(frame, SHARE, 0.5 * self.piece_s, ROUND, i);
         let mut both = [piece.clone(), piece];
         let [plus, minus] = &mut both;
-        let noise = SensorNoise {
-            sd: louder(&self.noise.sd, &LEAST_NOISE),
-            ..self.noise
-        };
+        let noise = self.noise.at_least(&LEAST_NOISE);
         self.add_noise(&noise, plus, minus, &mut stream(self.seed, ROUND, i as u64));
         both
     }
@@ -190,9 +186,9 @@ impl RunSimulator {
         let n = plus.len();
         let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let dt = plus.recorded_dt;
-        let mut noise_of = |sd: f64, colour: Colour| -> Vec<f64> {
-            let noise = colour.noise(length, dt, rng);
-            noise.into_iter().map(|e| sd * e).collect()
+        let mut noise_of = |of: ColumnNoise| -> Vec<f64> {
+            let noise = of.colour.noise(length, dt, rng);
+            noise.into_iter().map(|e| of.sd * e).collect()
         };
         let add = |to: &mut [f64], against: &mut [f64], what: Vec<f64>| {
             for ((x, y), e) in to.iter_mut().zip(against).zip(what) {
@@ -200,16 +196,14 @@ impl RunSimulator {
                 *y -= e;
             }
         };
-        let sd = noise.sd;
-        let [accel, rate, speed, slip, steer, roll_split] = noise.colours;
         for axis in 0..3 {
-            let e = kernel.smooth(&noise_of(sd.accel_mps2, accel));
+            let e = kernel.smooth(&noise_of(noise.accel_mps2[axis]));
             add(
                 &mut plus.acceleration[axis],
                 &mut minus.acceleration[axis],
                 e,
             );
-            let e = noise_of(sd.rate_radps, rate);
+            let e = noise_of(noise.rate_radps[axis]);
             add(
                 &mut plus.rate[axis],
                 &mut minus.rate[axis],
@@ -222,20 +216,20 @@ impl RunSimulator {
                 slope,
             );
         }
-        let e = noise_of(sd.speed_mps, speed);
+        let e = noise_of(noise.speed_mps);
         add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
         add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
-        let e = noise_of(sd.slip_rad, slip);
+        let e = noise_of(noise.slip_rad);
         add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
         add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
-        let e = noise_of(sd.steer_rad, steer);
+        let e = noise_of(noise.steer_rad);
         add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
         add(
             &mut plus.steer_rate,
             &mut minus.steer_rate,
             kernel.slope(&e),
         );
-        let e = kernel.smooth(&noise_of(sd.roll_split_rad, roll_split));
+        let e = kernel.smooth(&noise_of(noise.roll_split_rad));
         add(&mut plus.roll_split, &mut minus.roll_split, e);
     }
 }

@@ -190,7 +190,7 @@ impl Campaign<'_> {
                 Some(better) => self.quieter(
                     whitener,
                     &truth.model,
-                    [drive(Some(&self.data.noise.sd))?, drive(Some(&better))?],
+                    [drive(Some(&self.data.noise.sd()))?, drive(Some(&better))?],
                 ),
             };
             let rows = |member: &Member| {

@@ -16,7 +16,6 @@ use std::f64::consts::{PI, SQRT_2};
 
 use rand::Rng;
 
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::periodogram::Periodogram;
 use crate::null::random::normal;
 
@@ -121,20 +120,8 @@ impl Colour {
             .sum()
     }
 
-    /// The colour of the noise of sensors that are alike and its deviation, from what the recordings hold from this frequency on: of the
-    /// one that has least there, as motion only adds. `None` where they hold too little.
-    pub fn of_sensors(learned: &[Learned], names: &[&str], from_hz: f64) -> Option<(Self, f64)> {
-        let dt = learned.first()?.run.dt_s;
-        let seen = names.iter().filter_map(|name| {
-            let alike = learned.iter().filter(|piece| piece.run.dt_s == dt);
-            let columns: Vec<&[f64]> = alike.filter_map(|piece| piece.column(name)).collect();
-            Periodogram::of(&columns, dt, from_hz)
-        });
-        let least = seen.min_by(|a, b| a.lowest().total_cmp(&b.lowest()))?;
-        Self::of(&least, dt)
-    }
-
-    fn of(seen: &Periodogram, dt: f64) -> Option<(Self, f64)> {
+    /// The colour of the noise that a sensor's recordings show above the motion, and its deviation; `None` where none is seen.
+    pub fn of(seen: &Periodogram, dt: f64) -> Option<(Self, f64)> {
         let (first, last) = (*seen.frequency_hz.first()?, *seen.frequency_hz.last()?);
         let corners = |from: f64, to: f64| {
             let steps = (to / from).ln() / STEP.ln();

@@ -131,7 +131,10 @@ pub fn prepare(
         let below = estimate_below(&learned, recordings.signal_cutoff_hz);
         SensorNoise::white(quieter(stated, &louder(&seen, &below), remarks))
     };
-    let of_spectra = || SensorNoise::of_spectra(&learned, recordings.row_cutoff_hz);
+    let of_spectra = || {
+        let from_hz = recordings.row_cutoff_hz;
+        SensorNoise::of_spectra(&learned, from_hz, recordings.quietest_axis)
+    };
     let (noise, noise_from) = match &model.noise {
         Some(stated) if as_stated(stated) => (white(stated, &mut remarks), NoiseFrom::Model),
         stated => match (of_spectra(), stated) {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::recordings::colour::Colour;
 use crate::evidence::runs::recordings::learned::Learned;
+use crate::evidence::runs::recordings::periodogram::Periodogram;
 
 /// How the sensors' noise is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,13 +20,30 @@ pub enum NoiseFrom {
     Doubted,
 }
 
-/// Deviations of the sensors' noise at the recorded rate, and how it is coloured.
+/// Noise of one recorded column.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnNoise {
+    /// Its deviation at the recorded rate.
+    pub sd: f64,
+    /// How it is coloured.
+    pub colour: Colour,
+}
+
+/// The sensors' noise, column by column.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorNoise {
-    /// Deviations.
-    pub sd: Noise,
-    /// Colours: of accelerometer, gyroscope, speed, slip, steering and roll split.
-    pub colours: [Colour; SENSORS],
+    /// Of the accelerometer's axes.
+    pub accel_mps2: [ColumnNoise; 3],
+    /// Of the gyroscope's.
+    pub rate_radps: [ColumnNoise; 3],
+    /// Of the speed.
+    pub speed_mps: ColumnNoise,
+    /// Of the slip sensor.
+    pub slip_rad: ColumnNoise,
+    /// Of the steering angle.
+    pub steer_rad: ColumnNoise,
+    /// Of the roll split.
+    pub roll_split_rad: ColumnNoise,
 }
 
 /// Kinds of sensors.
@@ -75,32 +93,70 @@ fn of_each(sd: [f64; SENSORS]) -> Noise {
 impl SensorNoise {
     /// White noise of these deviations.
     pub fn white(sd: Noise) -> Self {
-        Self {
+        let of = |sd| ColumnNoise {
             sd,
-            colours: [Colour::WHITE; SENSORS],
+            colour: Colour::WHITE,
+        };
+        Self {
+            accel_mps2: [of(sd.accel_mps2); 3],
+            rate_radps: [of(sd.rate_radps); 3],
+            speed_mps: of(sd.speed_mps),
+            slip_rad: of(sd.slip_rad),
+            steer_rad: of(sd.steer_rad),
+            roll_split_rad: of(sd.roll_split_rad),
         }
     }
 
-    /// As the recordings' spectra show it from this frequency on; `None` where they hold too little.
-    pub fn of_spectra(learned: &[Learned], from_hz: f64) -> Option<Self> {
-        let each: Vec<Option<(Colour, f64)>> = COLUMNS_ALIKE
+    /// As the recordings' spectra show it from this frequency on; `None` where they hold too little. An axis with more than so many times
+    /// the power of the quietest of its instrument shows its motion, and is taken to be as noisy as that one.
+    pub fn of_spectra(learned: &[Learned], from_hz: f64, quietest: f64) -> Option<Self> {
+        let each: Vec<Option<Vec<ColumnNoise>>> = INSTRUMENTS
             .par_iter()
-            .map(|alike| {
-                // What stands still all the time, as a roll split of zeros, is no sensor.
-                let moves = |name: &&str| learned.iter().any(|piece| piece.moves(name));
-                let moving: Vec<&str> = alike.iter().copied().filter(moves).collect();
-                match moving.is_empty() {
-                    true => Some((Colour::WHITE, 0.0)),
-                    false => Colour::of_sensors(learned, &moving, from_hz),
-                }
-            })
+            .map(|axes| of_instrument(learned, axes, from_hz, quietest))
             .collect();
-        let each: Vec<(Colour, f64)> = each.into_iter().collect::<Option<_>>()?;
-        let each: [(Colour, f64); SENSORS] = each.try_into().ok()?;
+        let each: Vec<Vec<ColumnNoise>> = each.into_iter().collect::<Option<_>>()?;
+        let axes = |k: usize| <[ColumnNoise; 3]>::try_from(each[k].as_slice()).ok();
         Some(Self {
-            sd: of_each(each.map(|(_, sd)| sd)),
-            colours: each.map(|(colour, _)| colour),
+            accel_mps2: axes(0)?,
+            rate_radps: axes(1)?,
+            speed_mps: each[2][0],
+            slip_rad: each[3][0],
+            steer_rad: each[4][0],
+            roll_split_rad: each[5][0],
         })
+    }
+
+    /// Noise that is nowhere less than this.
+    pub fn at_least(self, least: &Noise) -> Self {
+        let of = |noise: ColumnNoise, least: f64| ColumnNoise {
+            sd: noise.sd.max(least),
+            ..noise
+        };
+        Self {
+            accel_mps2: self.accel_mps2.map(|axis| of(axis, least.accel_mps2)),
+            rate_radps: self.rate_radps.map(|axis| of(axis, least.rate_radps)),
+            speed_mps: of(self.speed_mps, least.speed_mps),
+            slip_rad: of(self.slip_rad, least.slip_rad),
+            steer_rad: of(self.steer_rad, least.steer_rad),
+            roll_split_rad: of(self.roll_split_rad, least.roll_split_rad),
+        }
+    }
+
+    /// White noise as loud, of each instrument's loudest axis.
+    pub fn sd(&self) -> Noise {
+        of_each(self.instruments().map(|axes| loudest(axes).sd))
+    }
+
+    fn instruments(&self) -> [&[ColumnNoise]; INSTRUMENTS.len()] {
+        use std::slice::from_ref;
+        [
+            &self.accel_mps2,
+            &self.rate_radps,
+            from_ref(&self.speed_mps),
+            from_ref(&self.slip_rad),
+            from_ref(&self.steer_rad),
+            from_ref(&self.roll_split_rad),
+        ]
     }
 
     /// A sentence on noise that is taken from spectra, where the model states other or none.
@@ -109,13 +165,24 @@ impl SensorNoise {
             true => "the sensors' noise is not the white noise that [noise] states",
             false => "no [noise] in the model",
         };
-        let lowest = |colour: Colour| colour.knee_hz.min(colour.corner_hz);
-        let of = |((name, sd), colour): ((&str, f64), Colour)| match lowest(colour) {
-            corner if corner.is_finite() => format!("{name} {sd:.2e}, less above {corner:.0} Hz"),
-            _ => format!("{name} {sd:.2e}"),
+        let of = |noise: &ColumnNoise| {
+            let Colour { knee_hz, corner_hz } = noise.colour;
+            match knee_hz.min(corner_hz) {
+                corner if corner.is_finite() => {
+                    format!("{:.2e}, less above {corner:.0} Hz", noise.sd)
+                }
+                _ => format!("{:.2e}", noise.sd),
+            }
         };
-        let sensors = NAMES.into_iter().zip(each(&self.sd)).zip(self.colours);
-        let each: Vec<String> = sensors.filter(|((_, sd), _)| *sd > 0.0).map(of).collect();
+        let sensors = NAMES.into_iter().zip(self.instruments());
+        let each: Vec<String> = sensors
+            .filter(|(_, axes)| loudest(axes).sd > 0.0)
+            .map(|(name, axes)| {
+                let mut axes: Vec<String> = axes.iter().map(of).collect();
+                axes.dedup();
+                format!("{name} {}", axes.join(" and "))
+            })
+            .collect();
         format!(
             "{why}: it is taken from the recordings' spectra above the motion: {}",
             each.join("; ")
@@ -123,8 +190,57 @@ impl SensorNoise {
     }
 }
 
-/// Columns of sensors that are alike.
-const COLUMNS_ALIKE: [&[&str]; SENSORS] = [
+fn loudest(axes: &[ColumnNoise]) -> ColumnNoise {
+    let more = |a: ColumnNoise, b: &ColumnNoise| if b.sd > a.sd { *b } else { a };
+    axes.iter().fold(axes[0], more)
+}
+
+/// Noise of each axis of an instrument, by its spectrum.
+fn of_instrument(
+    learned: &[Learned],
+    axes: &[&str],
+    from_hz: f64,
+    quietest: f64,
+) -> Option<Vec<ColumnNoise>> {
+    // What stands still all the time, as a roll split of zeros, is no sensor.
+    let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
+    if !axes.iter().any(|name| moves(name)) {
+        let still = ColumnNoise {
+            sd: 0.0,
+            colour: Colour::WHITE,
+        };
+        return Some(vec![still; axes.len()]);
+    }
+    let dt = learned.first()?.run.dt_s;
+    let alike: Vec<&Learned> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
+    let spectrum = |name: &&str| {
+        let columns: Vec<&[f64]> = alike.iter().filter_map(|p| p.column(name)).collect();
+        Periodogram::of(&columns, dt, from_hz).filter(|_| moves(name))
+    };
+    let seen: Vec<Option<Periodogram>> = axes.iter().map(spectrum).collect();
+    of_axes(&seen, dt, quietest)
+}
+
+/// Noise of each axis: its own, or the quietest one's where it shows its motion or nothing.
+fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
+    let power = |axis: &Periodogram| axis.lowest();
+    let less = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
+    let quiet = seen.iter().flatten().min_by(less)?;
+    let of = |axis: &Periodogram| {
+        let of = |(colour, sd)| ColumnNoise { sd, colour };
+        Colour::of(axis, dt).map(of)
+    };
+    let of_quiet = of(quiet)?;
+    let own = |axis: &Option<Periodogram>| {
+        let still = |axis: &&Periodogram| power(axis) <= quietest * power(quiet);
+        let own = axis.as_ref().filter(still).and_then(of);
+        own.unwrap_or(of_quiet)
+    };
+    Some(seen.iter().map(own).collect())
+}
+
+/// Columns of each instrument.
+const INSTRUMENTS: [&[&str]; SENSORS] = [
     &["ax_mps2", "ay_mps2", "az_mps2"],
     &["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
     &["v_mps"],
@@ -220,4 +336,49 @@ fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize
         each.get(each.len() / 2).copied().unwrap_or(0.0)
     };
     of_each(COLUMNS.map(sd))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::{normal, stream};
+
+    /// A column of this deviation that falls off above a corner, of an Ornstein-Uhlenbeck process in steps of a tenth of a row.
+    fn spectrum(knee_hz: f64, sd: f64, axis: u64) -> Option<Periodogram> {
+        const DT: f64 = 0.001;
+        let keep = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
+        let columns: Vec<Vec<f64>> = (0..20)
+            .map(|run| {
+                let rng = &mut stream(7, axis, run);
+                let mut own = normal(rng);
+                let mut next = || {
+                    own = keep * own + (1.0 - keep * keep).sqrt() * normal(rng);
+                    sd * own
+                };
+                let fine: Vec<f64> = (0..18_000).map(|_| next()).collect();
+                fine.into_iter().step_by(10).collect()
+            })
+            .collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        Periodogram::of(&columns, 0.01, 4.0)
+    }
+
+    #[test]
+    fn axes_have_noise_of_their_own_but_for_one_that_shows_its_motion() {
+        let seen = [
+            spectrum(14.0, 1.0, 0),
+            spectrum(3.5, 1.0, 1),
+            spectrum(5.0, 20.0, 2),
+        ];
+        let own = of_axes(&seen, 0.01, 10.0).unwrap();
+        let knees = [14.0, 3.5, 14.0];
+        for (noise, knee_hz) in own.iter().zip(knees) {
+            assert!((0.9..1.1).contains(&noise.sd), "{own:?}");
+            let off = noise.colour.knee_hz / knee_hz;
+            assert!((0.7..1.4).contains(&off), "{own:?}");
+        }
+        // Without the bound all of it is noise.
+        let all = of_axes(&seen, 0.01, f64::INFINITY).unwrap();
+        assert!((18.0..22.0).contains(&all[2].sd), "{all:?}");
+    }
 }

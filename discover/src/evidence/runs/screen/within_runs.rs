@@ -127,7 +127,8 @@ impl Campaign<'_> {
             alpha_beyond: share * rules.alpha_beyond,
             trust: match self.data.noise_from {
                 NoiseFrom::Model => rules.noise_trust,
-                NoiseFrom::Spectra | NoiseFrom::Differences => rules.estimated_noise_trust,
+                NoiseFrom::Spectra => rules.spectral_noise_trust,
+                NoiseFrom::Differences => rules.estimated_noise_trust,
                 // All that is known is that it makes no more than the residual.
                 NoiseFrom::Doubted => {
                     let [low, high] = rules.estimated_noise_trust;
