@@ -124,7 +124,7 @@ pub fn fit(
     let mut best: Option<(Fit, DVector<f64>)> = None;
     let mut trial = residual_model.clone();
     let mut share = 1.0;
-    let mut by_base: Option<Vec<f64>> = None;
+    let mut by_base: Option<([f64; BASE], Vec<f64>)> = None;
     for _ in 0..effort.rounds {
         let design = Design {
             residual_model: &trial,
@@ -155,7 +155,7 @@ pub fn fit(
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
-            // How what is to be expected of noise changes with the base, found once, and with each amplitude.
+            // How what is to be expected of noise changes with the base, found anew where that has moved far, and with each amplitude.
             let mut counted = DVector::zeros(p);
             let mut count = |first: usize, by: &[f64]| {
                 by.iter()
@@ -163,8 +163,12 @@ pub fn fit(
                     .for_each(|(k, by)| counted[first + k] = products.rows * by);
             };
             if effort.by_own_base {
-                let of_base = || noise_by_base(&trial, frames, used, (free_base, noise));
-                count(0, by_base.get_or_insert_with(of_base));
+                let of_base = || {
+                    let by = noise_by_base(&trial, frames, used, (free_base, noise));
+                    (trial.base, by)
+                };
+                by_base = by_base.filter(|(at, _)| are_near(at, &trial.base));
+                count(0, &by_base.get_or_insert_with(of_base).1);
             }
             count(free_base.len(), &by_amplitudes(&based, frames, used, noise));
             let step = joint_step(&products.weighted(&whitener), &counted);
@@ -213,6 +217,18 @@ fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
     ridge_inverse(jj) * (jr.column(0) + counted)
 }
 
+/// Whether no multiplier of one base is so far from that of another that noise changes otherwise there.
+fn are_near(a: &[f64; BASE], b: &[f64; BASE]) -> bool {
+    /// Chosen.
+    const NEAR: f64 = 1.25;
+    let near = |(a, b): (&f64, &f64)| (1.0 / NEAR..NEAR).contains(&(a / b));
+    a.iter().zip(b).all(near)
+}
+
+/// Factor by which a step moves a multiplier of the base at most: from far away a step of one that these data hardly tell says nothing, and
+/// leads to where they tell nothing of it at all. Chosen.
+const FARTHEST: f64 = 2.0;
+
 /// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off
 /// by; all stay in their bounds.
 pub fn stepped(
@@ -223,7 +239,9 @@ pub fn stepped(
 ) -> ResidualModel {
     let mut trial = residual_model.clone();
     for (k, b) in free_base.iter().enumerate() {
-        trial.base[*b] = (residual_model.base[*b] + share * step[k]).clamp(BOUNDS[0], BOUNDS[1]);
+        let from = residual_model.base[*b];
+        let next = (from + share * step[k]).clamp(from / FARTHEST, from * FARTHEST);
+        trial.base[*b] = next.clamp(BOUNDS[0], BOUNDS[1]);
     }
     for (k, (e, q)) in residual_model.free().into_iter().enumerate() {
         let scale = residual_model.scale(e, q);
