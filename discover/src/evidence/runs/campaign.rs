@@ -227,13 +227,25 @@ impl Campaign<'_> {
         self.beside(plain, &off)
     }
 
-    /// A fit beside what its installation is found to be off by.
+    /// A fit beside what its installation is found to be off by; without that where it makes the rows worse by more than it costs: a step
+    /// along what the data hardly tell has gone too far.
     pub fn beside(&self, plain: RunFit, off: &ResidualModel) -> Result<RunFit, Error> {
         // Of a base that runs away the installation is none of this sled's.
-        match self.free.iter().all(|b| off.within(*b)) {
-            true => self.least_squares(off, plain.owners),
-            false => Ok(plain),
+        if !self.free.iter().all(|b| off.within(*b)) {
+            return Ok(plain);
         }
+        let found = self.least_squares(off, plain.owners.clone())?;
+        let cost = found.residual_model.installation.cost();
+        let worse = self.left_by_rows(&found) - self.left_by_rows(&plain);
+        Ok(if worse > cost { plain } else { found })
+    }
+
+    fn left_by_rows(&self, fit: &RunFit) -> f64 {
+        let (model, whitener) = (&fit.residual_model, &fit.whitener);
+        let all = residuals(model, &self.training);
+        let runs = self.training.iter().zip(&all);
+        let left = runs.map(|(frame, rows)| self.left_by_run(model, whitener, (frame, rows)));
+        left.sum()
     }
 
     /// Fits base and effects alone, beside an installation as it stands. Base parameters that run to a bound, as they do where what is
