@@ -240,6 +240,22 @@ fn an_inertia_that_is_doubled_is_named_and_not_shared_out_with_its_tolerance() {
     );
 }
 
+/// From the given base the first step of a refit leads to where the rear runner's limit tells nothing.
+#[test]
+#[ignore = "slow study: .ci/slow"]
+fn a_centre_of_gravity_three_decimetres_ahead_is_named() {
+    let hidden = 0.3;
+    let report = searched(&format!("[effects.cg-place]\nx_m = {hidden}"), 12, 16);
+    let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
+    assert_eq!(names, ["cg-place"], "{}", told(&report));
+    let place = &report.steps[0].parameters[0];
+    assert!(
+        (place.low..place.high).contains(&hidden) && place.high - place.low < 0.2,
+        "{}",
+        told(&report)
+    );
+}
+
 #[test]
 fn a_delay_within_its_tolerance_is_told_and_not_named() {
     let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
