@@ -43,7 +43,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
 /// what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 59] = [
+const RUN_KEYS: [&str; 60] = [
     "lock.runs_every",
     "search.superfluous_t",
     "search.beyond_scatter",
@@ -84,6 +84,7 @@ const RUN_KEYS: [&str; 59] = [
     "runs.explains_beyond",
     "runs.recordings.signal_cutoff_hz",
     "runs.recordings.row_cutoff_hz",
+    "runs.recordings.quietest_axis",
     "runs.contacts.differs",
     "runs.contacts.together",
     "runs.contacts.ends",
