@@ -100,7 +100,7 @@ pub struct RunRules {
     /// Factors of what the sensors' noise adds between which a claim must hold, the noise being stated. Chosen.
     pub noise_trust: [f64; 2],
     /// The same where the noise is taken from the recordings' spectra. Measured: of 48 columns of speed, slip, steering and yaw rate beneath
-    /// coloured and filtered noise, what is found over what is there is 0.7 to 1.5 in 46.
+    /// coloured and filtered noise, what is there is 0.7 to 1.4 times of what is found in 46.
     pub spectral_noise_trust: [f64; 2],
     /// The same where it is taken for white, from differences of the recordings. Chosen.
     pub estimated_noise_trust: [f64; 2],
