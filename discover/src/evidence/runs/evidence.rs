@@ -25,8 +25,8 @@ use crate::evidence::runs::outcome::by_run::by_run;
 use crate::evidence::runs::outcome::gap::channels;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
 use crate::finding::report::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{

@@ -1,13 +1,11 @@
 //! Recorded runs, read and made ready for the model.
 
 pub(crate) mod available;
-pub(crate) mod colour;
 pub(crate) mod frame;
 pub(crate) mod learned;
-pub(crate) mod periodogram;
+pub(crate) mod noise;
 pub(crate) mod prepare;
 pub(crate) mod read;
-pub(crate) mod sensor_noise;
 pub(crate) mod smooth;
 pub(crate) mod smooth_run;
 pub(crate) mod survey;

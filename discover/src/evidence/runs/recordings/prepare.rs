@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::learned::Learned;
-use crate::evidence::runs::recordings::sensor_noise::{
+use crate::evidence::runs::recordings::noise::sensors::{
     NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
 };
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};

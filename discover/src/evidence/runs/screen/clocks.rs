@@ -11,7 +11,7 @@ use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::sums::{difference, total};
-use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
+use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::leaders::Leader;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::procedure::candidate::Candidate;

@@ -10,7 +10,7 @@ use crate::evidence::runs::fit::row_noise::far_less_beyond;
 use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
-use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
+use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::finding::report::Rival;
 use crate::null::sign_flips::chances_of_gains;

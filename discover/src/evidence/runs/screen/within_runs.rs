@@ -9,7 +9,7 @@ use crate::evidence::runs::laws::claim::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::{Window, windows};
-use crate::evidence::runs::recordings::sensor_noise::NoiseFrom;
+use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
     RunScreen, ScreenOptions, best_windows, screen_runs,

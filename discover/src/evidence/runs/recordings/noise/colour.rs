@@ -16,7 +16,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use rand::Rng;
 
-use crate::evidence::runs::recordings::periodogram::Periodogram;
+use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
 use crate::null::random::normal;
 
 /// A first-order low pass and a second-order one; infinite corners pass everything.

@@ -1,0 +1,103 @@
+//! Noise of an instrument's axes, each by its own spectrum.
+
+use crate::evidence::runs::recordings::learned::Learned;
+use crate::evidence::runs::recordings::noise::colour::Colour;
+use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
+
+/// Noise of one recorded column.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnNoise {
+    /// Its deviation at the recorded rate.
+    pub sd: f64,
+    /// How it is coloured.
+    pub colour: Colour,
+}
+
+/// Noise of each axis of an instrument, by its spectrum.
+pub fn of_instrument(
+    learned: &[Learned],
+    axes: &[&str],
+    from_hz: f64,
+    quietest: f64,
+) -> Option<Vec<ColumnNoise>> {
+    // What stands still all the time, as a roll split of zeros, is no sensor.
+    let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
+    if !axes.iter().any(|name| moves(name)) {
+        let still = ColumnNoise {
+            sd: 0.0,
+            colour: Colour::WHITE,
+        };
+        return Some(vec![still; axes.len()]);
+    }
+    let dt = learned.first()?.run.dt_s;
+    let alike: Vec<&Learned> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
+    let spectrum = |name: &&str| {
+        let columns: Vec<&[f64]> = alike.iter().filter_map(|p| p.column(name)).collect();
+        Periodogram::of(&columns, dt, from_hz).filter(|_| moves(name))
+    };
+    let seen: Vec<Option<Periodogram>> = axes.iter().map(spectrum).collect();
+    of_axes(&seen, dt, quietest)
+}
+
+/// Noise of each axis: its own, or the quietest one's where it shows its motion or nothing.
+fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
+    let power = |axis: &Periodogram| axis.lowest();
+    let less = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
+    let quiet = seen.iter().flatten().min_by(less)?;
+    let of = |axis: &Periodogram| {
+        let of = |(colour, sd)| ColumnNoise { sd, colour };
+        Colour::of(axis, dt).map(of)
+    };
+    let of_quiet = of(quiet)?;
+    let own = |axis: &Option<Periodogram>| {
+        let still = |axis: &&Periodogram| power(axis) <= quietest * power(quiet);
+        let own = axis.as_ref().filter(still).and_then(of);
+        own.unwrap_or(of_quiet)
+    };
+    Some(seen.iter().map(own).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::random::{normal, stream};
+
+    /// A column of this deviation that falls off above a corner, of an Ornstein-Uhlenbeck process in steps of a tenth of a row.
+    fn spectrum(knee_hz: f64, sd: f64, axis: u64) -> Option<Periodogram> {
+        const DT: f64 = 0.001;
+        let keep = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
+        let columns: Vec<Vec<f64>> = (0..20)
+            .map(|run| {
+                let rng = &mut stream(7, axis, run);
+                let mut own = normal(rng);
+                let mut next = || {
+                    own = keep * own + (1.0 - keep * keep).sqrt() * normal(rng);
+                    sd * own
+                };
+                let fine: Vec<f64> = (0..18_000).map(|_| next()).collect();
+                fine.into_iter().step_by(10).collect()
+            })
+            .collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        Periodogram::of(&columns, 0.01, 4.0)
+    }
+
+    #[test]
+    fn axes_have_noise_of_their_own_but_for_one_that_shows_its_motion() {
+        let seen = [
+            spectrum(14.0, 1.0, 0),
+            spectrum(3.5, 1.0, 1),
+            spectrum(5.0, 20.0, 2),
+        ];
+        let own = of_axes(&seen, 0.01, 10.0).unwrap();
+        let knees = [14.0, 3.5, 14.0];
+        for (noise, knee_hz) in own.iter().zip(knees) {
+            assert!((0.9..1.1).contains(&noise.sd), "{own:?}");
+            let off = noise.colour.knee_hz / knee_hz;
+            assert!((0.7..1.4).contains(&off), "{own:?}");
+        }
+        // Without the bound all of it is noise.
+        let all = of_axes(&seen, 0.01, f64::INFINITY).unwrap();
+        assert!((18.0..22.0).contains(&all[2].sd), "{all:?}");
+    }
+}

@@ -1,0 +1,6 @@
+//! The sensors' noise: as stated, from differences of the recordings, from their spectra.
+
+pub(crate) mod axes;
+pub(crate) mod colour;
+pub(crate) mod periodogram;
+pub(crate) mod sensors;
