@@ -236,16 +236,12 @@ impl Campaign<'_> {
         }
         let found = self.least_squares(off, plain.owners.clone())?;
         let cost = found.residual_model.installation.cost();
-        let worse = self.left_by_rows(&found) - self.left_by_rows(&plain);
+        let left = |fit: &RunFit| -> f64 {
+            let runs = self.left_by_run(&fit.residual_model, &fit.whitener);
+            runs.iter().sum()
+        };
+        let worse = left(&found) - left(&plain);
         Ok(if worse > cost { plain } else { found })
-    }
-
-    fn left_by_rows(&self, fit: &RunFit) -> f64 {
-        let (model, whitener) = (&fit.residual_model, &fit.whitener);
-        let all = residuals(model, &self.training);
-        let runs = self.training.iter().zip(&all);
-        let left = runs.map(|(frame, rows)| self.left_by_run(model, whitener, (frame, rows)));
-        left.sum()
     }
 
     /// Fits base and effects alone, beside an installation as it stands. Base parameters that run to a bound, as they do where what is

@@ -140,21 +140,19 @@ impl Campaign<'_> {
     pub fn misfit_by_run(&self, refit: &Refit) -> Vec<f64> {
         let (model, whitener) = (&refit.model, &refit.whitener);
         let cost = model.installation.cost() / self.training.len().max(1) as f64;
-        let of_run = |run: (&Frame, &ChannelRows)| cost + self.left_by_run(model, whitener, run);
-        let all = residuals(model, &self.training);
-        self.training.iter().zip(&all).map(of_run).collect()
+        let runs = self.left_by_run(model, whitener).into_iter();
+        runs.map(|left| cost + left).collect()
     }
 
-    /// What a model leaves of a run, but for a constant and what its installation costs.
-    pub fn left_by_run(
-        &self,
-        model: &ResidualModel,
-        whitener: &Whitener,
-        (frame, rows): (&Frame, &ChannelRows),
-    ) -> f64 {
-        let squares: f64 = whitener.apply(rows).iter().map(|x| x * x).sum();
-        let noise = log_noise_of(model, frame, self.used);
-        0.5 * squares + frame.row_count() as f64 * (whitener.log_scale() - noise)
+    /// What a model leaves of each run, but for a constant and what its installation costs.
+    pub fn left_by_run(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
+        let of_run = |(frame, rows): (&Frame, &ChannelRows)| {
+            let squares: f64 = whitener.apply(rows).iter().map(|x| x * x).sum();
+            let noise = log_noise_of(model, frame, self.used);
+            0.5 * squares + frame.row_count() as f64 * (whitener.log_scale() - noise)
+        };
+        let all = residuals(model, &self.training);
+        self.training.iter().zip(&all).map(of_run).collect()
     }
 
     /// A candidate fitted from the given base, nothing found of the installation, where that leaves no more than `beat`.
