@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording,mdf4,matlab73}
-kufe() { cargo run --release --quiet --manifest-path ../Cargo.toml -p kufe -- "$@"; }
+kufe() { cargo run --release --quiet --manifest-path ../Cargo.toml -p kufe-cli -- "$@"; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 kufe init "$scratch/case.toml" --quiet

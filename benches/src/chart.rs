@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_plot::PALETTE;
+use kufe::plot::PALETTE;
 use plotters::prelude::*;
 
 /// One line: x and y by point.
@@ -29,9 +29,9 @@ pub struct Chart {
 ///
 /// # Errors
 /// Those of the drawing and of the file.
-pub fn draw(path: &Path, charts: &[Chart]) -> Result<(), kufe_plot::Error> {
+pub fn draw(path: &Path, charts: &[Chart]) -> Result<(), kufe::plot::Error> {
     let width = 560 * charts.len() as u32;
-    kufe_plot::svg(path, width, 440, &|root| {
+    kufe::plot::svg(path, width, 440, &|root| {
         for (area, chart) in root.split_evenly((1, charts.len())).iter().zip(charts) {
             let decades = |axis: usize| {
                 let values = chart.lines.iter().flat_map(|l| &l.points).map(|p| p[axis]);

@@ -16,7 +16,7 @@ mod view;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::about::{completions, doctor, examples, init, schema};
 use crate::bodies::{export, hull, mesh};

@@ -76,7 +76,7 @@ pub enum Error {
     Sled(#[from] kufe_sled::Error),
     /// From the friction laws.
     #[error(transparent)]
-    Friction(#[from] kufe_friction::Error),
+    Friction(#[from] kufe_sled::friction::Error),
     /// From an `[effects]` table.
     #[error(transparent)]
     Effect(#[from] kufe_sled::effects::EffectError),

@@ -65,7 +65,7 @@ impl Options {
             None => Vec::new(),
         };
         let of_runs = CATALOGUE.iter().map(|e| e.info().name);
-        let of_maps = kufe_case::effects::CATALOGUE.iter().map(|e| e.info().name);
+        let of_maps = kufe::case::effects::CATALOGUE.iter().map(|e| e.info().name);
         let mut known: Vec<&str> = of_runs.chain(of_maps).chain([BEYOND]).collect();
         known.extend(own.iter().map(|active| active.name.as_str()));
         known.sort_unstable();

@@ -1,7 +1,7 @@
 //! Any text is a case or an error of one line; a case survives writing and reading.
 #![no_main]
 
-use kufe_case::Case;
+use kufe::case::Case;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| match Case::parse(text) {

@@ -4,5 +4,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = kufe_friction::read_glide("glide.csv", bytes);
+    let _ = kufe_sled::friction::read_glide("glide.csv", bytes);
 });

@@ -209,7 +209,4 @@ pub enum Error {
     /// A stream could not be written.
     #[error("table could not be written: {0}")]
     Write(#[from] std::io::Error),
-    /// A picture could not be made.
-    #[error(transparent)]
-    Picture(#[from] kufe_plot::Error),
 }

@@ -19,9 +19,10 @@ mod file;
 mod store;
 mod sweep;
 mod table;
+mod unit;
 
 pub use error::Error;
-pub use export::{Fmu, MatValue, Sample, Slice, draw, read_fmu, simulink_files, write_mat_file};
+pub use export::{Fmu, MatValue, Sample, read_fmu, simulink_files, write_mat_file};
 pub use file::MAX_FILE_BYTES;
 pub use store::{
     Done, Manifest, Next, Origin, Store, next_batch, parallel_script, sha256, slurm_script,
@@ -32,3 +33,4 @@ pub use table::{
     Axes, Check, Errors, Flush, Layered, Looked, Lookup, MAX_AXIS, MAX_NODES, MIN_SPEED, Measured,
     Method, Mode, Point, Quantity, Sliding, Solved, Table, curvature_from_pitch, radius_from_pitch,
 };
+pub use unit::unit_of;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::{Pressed, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
-use kufe_jobs::{Pressed, case_file::LoadedCase, with_progress};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
@@ -188,7 +188,7 @@ fn solved(
             true => with_progress(options, asked, move |line| teller.progress(line)),
             false => options,
         };
-        kufe_jobs::press(loaded, watch, options)
+        kufe::jobs::press(loaded, watch, options)
     })?;
     let pressed = worked.value.map_err(raised)?;
     Ok(Contact { pressed })

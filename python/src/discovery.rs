@@ -106,7 +106,7 @@ impl Discovery {
     #[getter]
     fn html(&self) -> PyResult<String> {
         let data = self.report.page_data().map_err(bad_input)?;
-        Ok(kufe_report::discovery_page(&data))
+        Ok(kufe::report::discovery_page(&data))
     }
 
     fn __repr__(&self) -> String {

@@ -1,6 +1,6 @@
 //! Failures as exceptions, with the texts of the command.
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
 use pyo3::{PyErr, create_exception};
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::runs::RunSelection;
+use kufe::jobs::runs::RunSelection;
 use kufe_sled::{DrivingForce, RunEvaluation, groups};
 use numpy::PyArray1;
 use pyo3::prelude::*;

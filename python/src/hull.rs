@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::write_whole;
+use kufe::jobs::write_whole;
 use kufe_mesh::{
     Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Swept, check_hull,
     load_hull, tessellate,

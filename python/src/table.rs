@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::table::{Solver, Wanted, fill, read_table};
-use kufe_jobs::write_whole;
+use kufe::jobs::table::{Solver, Wanted, fill, read_table};
+use kufe::jobs::write_whole;
 use kufe_lut::{Layered, Mode, Quantity};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
 
-use kufe_jobs::Watch;
+use kufe::jobs::Watch;
 use pyo3::prelude::*;
 
 /// What a job told while it worked, and what came of it.

@@ -241,10 +241,7 @@ pub enum Error {
     },
     /// The friction models' own errors.
     #[error(transparent)]
-    Friction(#[from] kufe_friction::Error),
-    /// A picture could not be made.
-    #[error(transparent)]
-    Plot(#[from] kufe_plot::Error),
+    Friction(#[from] crate::friction::Error),
 }
 
 fn needs(by: Option<&str>) -> String {

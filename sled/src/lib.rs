@@ -24,20 +24,20 @@
 //! # Ok::<(), kufe_sled::Error>(())
 //! ```
 
+pub mod effects;
 mod error;
 mod evaluate;
 mod fit;
+pub mod friction;
 mod model;
 mod motion;
-pub mod plots;
 mod record;
 mod replay;
 mod signals;
 mod simulate;
 mod track;
 
-pub use kufe_effect as effects;
-pub use kufe_friction::GRAVITY;
+pub use friction::GRAVITY;
 
 pub use error::Error;
 pub use evaluate::bootstrap::{Summary, quantile, summarise};

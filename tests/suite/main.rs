@@ -2,4 +2,3 @@
 
 mod contact;
 mod fem;
-mod house;

@@ -11,8 +11,8 @@
 use std::path::Path;
 use std::time::Instant;
 
+use kufe::case::Case;
 use kufe_benches::ICE;
-use kufe_case::Case;
 use kufe_contact::{Anchored, Options, Problem, boundary_elements, hertz, solve};
 use kufe_lut::each;
 use rayon::prelude::*;

@@ -9,8 +9,8 @@
 
 use std::path::Path;
 
+use kufe::case::Case;
 use kufe_benches::{needle_block, table_of};
-use kufe_case::Case;
 use kufe_contact::{Options, solve};
 use kufe_lut::{Lookup, Mode, Quantity};
 use kufe_sled::sample_data::{drive_sample, sample_plan};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Command;
 use clap_complete::Shell;
-use kufe_jobs::{Failure, write_whole};
+use kufe::jobs::{Failure, write_whole};
 
 use crate::about::reference;
 use crate::output::global::Global;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE, write_whole};
+use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE, write_whole};
 use kufe_telemetry::MAPPING_EXAMPLE;
 
 use crate::about::schema::Kind;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use kufe_case::Case;
-use kufe_jobs::{Failure, write_whole};
+use kufe::case::Case;
+use kufe::jobs::{Failure, write_whole};
 use kufe_sled::Model;
 use kufe_telemetry::Mapping;
 use schemars::generate::SchemaSettings;
@@ -59,7 +59,7 @@ impl Kind {
         let mut generator = SchemaSettings::draft07().into_generator();
         let schema = match self {
             Kind::Case => generator.root_schema_for::<Case>(),
-            Kind::Table => kufe_jobs::table::schema(&mut generator),
+            Kind::Table => kufe::jobs::table::schema(&mut generator),
             Kind::Model => generator.root_schema_for::<Model>(),
             Kind::Mapping => generator.root_schema_for::<Mapping>(),
         };

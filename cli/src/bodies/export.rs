@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_case::StatedProblem;
+use kufe::case::StatedProblem;
+use kufe::jobs::{Failure, case_file::LoadedCase, runner_keys};
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, runner_loads, solve};
-use kufe_jobs::{Failure, case_file::LoadedCase, runner_keys};
 use serde_json::{Value, json};
 
 use crate::bodies::calculix::{Deck, write_deck};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use kufe_jobs::{Failure, write_whole};
+use kufe::jobs::{Failure, write_whole};
 use kufe_mesh::{
     BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
     tessellate_turning,

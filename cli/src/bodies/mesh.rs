@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use kufe_case::{Shape, StatedProblem};
+use kufe::case::{Shape, StatedProblem};
+use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe_contact::{Runner, solve};
-use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 use serde_json::{Value, json};
 

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::{Failure, write_whole};
 use kufe_contact::hertz;
-use kufe_jobs::{Failure, write_whole};
 use kufe_mesh::{
     Axis, Coarse, FittedUnderside, HullOptions, HullReport, Sampling, Standing, load_hull,
 };

@@ -3,10 +3,10 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use kufe_case::StatedProblem;
+use kufe::case::StatedProblem;
+use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe_contact::{Options, Solution, StiffnessForm, solve};
 use kufe_fem::write_matrix_market;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 use serde_json::json;
 
 use crate::output::apart::{apart, case_inputs};

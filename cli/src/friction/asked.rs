@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::Failure;
-use kufe_jobs::case_file::LoadedCase;
-use kufe_jobs::slide::FrictionPoint;
+use kufe::jobs::Failure;
+use kufe::jobs::case_file::LoadedCase;
+use kufe::jobs::slide::FrictionPoint;
 
 use crate::output::apart::case_inputs;
 use crate::output::staging::Staging;

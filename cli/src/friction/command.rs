@@ -1,6 +1,6 @@
 //! `kufe friction`: from a hull to its friction, and the fit of friction over pressure.
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::friction::{fit, optimum, point, sliding};
 use crate::output::global::Global;

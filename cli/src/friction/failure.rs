@@ -1,11 +1,11 @@
 //! How a friction fit fails.
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 /// A library's error as the command's.
-pub fn failure(error: &kufe_friction::Error) -> Failure {
+pub fn failure(error: &kufe_sled::friction::Error) -> Failure {
     match error {
-        kufe_friction::Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
+        kufe_sled::friction::Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
         _ => Failure::bad_input(error),
     }
 }

@@ -3,11 +3,11 @@
 use std::io::BufReader;
 use std::path::PathBuf;
 
-use kufe_friction::{
-    Experiment, Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn,
-    draw_mu_over_pressure, fit_mu, read_experiments,
+use kufe::jobs::Failure;
+use kufe_sled::friction::{
+    Experiment, Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu,
+    read_experiments,
 };
-use kufe_jobs::Failure;
 use serde_json::{Value, json};
 
 use crate::friction::failure::failure;
@@ -94,8 +94,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     staging.remove_on_interrupt();
     let toml = model_form(&law).map_err(|error| staging.failure("friction.toml", &error))?;
     staging.text("friction.toml", &toml)?;
-    kufe_plot::png(&staging.path("mu.png"), 900, 620, &|root| {
-        draw_mu_over_pressure(&root, &experiments, &fit, &law)
+    kufe::plot::png(&staging.path("mu.png"), 900, 620, &|root| {
+        kufe::charts::draw_mu_over_pressure(&root, &experiments, &fit, &law)
     })
     .map_err(|error| staging.failure("mu.png", &error))?;
     staging.document("fit.json", &mut document)?;

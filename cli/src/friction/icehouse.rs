@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use kufe_friction::{
-    GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, draw_glide, evaluate_glide, evaluate_ice_house,
-    read_glide, read_glide_index, write_experiments,
+use kufe::jobs::Failure;
+use kufe_sled::friction::{
+    GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, evaluate_glide, evaluate_ice_house, read_glide,
+    read_glide_index, write_experiments,
 };
-use kufe_jobs::Failure;
 use serde_json::{Value, json};
 
 use crate::friction::failure::failure;
@@ -57,8 +57,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })?;
     for (i, run) in house.runs.iter().enumerate() {
         let name = picture(i, &run.entry.run);
-        kufe_plot::png(&staging.path(&name), 900, 580, &|root| {
-            draw_glide(&root, &house, run)
+        kufe::plot::png(&staging.path(&name), 900, 580, &|root| {
+            kufe::charts::draw_glide(&root, &house, run)
         })
         .map_err(|error| staging.failure(&name, &error))?;
     }

@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 
+use kufe::jobs::case_file::LoadedCase;
+use kufe::jobs::slide::{Optimum, Parameter, optimise};
+use kufe::jobs::{Failure, case_json};
 use kufe_contact::Options;
-use kufe_friction::Span;
-use kufe_jobs::case_file::LoadedCase;
-use kufe_jobs::slide::{Optimum, Parameter, optimise};
-use kufe_jobs::{Failure, case_json};
+use kufe_sled::friction::Span;
 use serde_json::{Value, json};
 
 use crate::friction::asked::{Asked, begin};
@@ -35,7 +35,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let mut document = document(&found, &loaded);
     if let Some(staging) = staging {
         staging.write("friction.csv", |file| write_csv(file, &found))?;
-        kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
+        kufe::plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             optimum_picture::draw(&root, &found)
         })
         .map_err(|error| staging.failure("friction.png", &error))?;

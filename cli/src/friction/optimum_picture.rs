@@ -1,7 +1,7 @@
 //! `friction.png` of a search: mu over one parameter, or the map over two, with the best runner.
 
-use kufe_jobs::slide::Optimum;
-use kufe_plot::{
+use kufe::jobs::slide::Optimum;
+use kufe::plot::{
     Error, Key, PALETTE, PngRoot, Swatch, colour_bar, curve, legend, tick_text, viridis,
 };
 use plotters::prelude::*;

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use kufe_case::StatedProblem;
+use kufe::case::StatedProblem;
+use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe_contact::solve;
-use kufe_friction::effects::Conditions;
-use kufe_friction::{Longitudinal, air_density, longitudinal_force};
-use kufe_jobs::{Failure, case_file::LoadedCase};
 use kufe_sled::Model;
+use kufe_sled::effects::Conditions;
 use kufe_sled::effects::{Effects, Kind};
+use kufe_sled::friction::{Longitudinal, air_density, longitudinal_force};
 use serde_json::json;
 
 use crate::friction::asked::Asked;

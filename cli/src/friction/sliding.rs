@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::case_file::LoadedCase;
+use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
+use kufe::jobs::{Failure, case_json};
 use kufe_contact::Options;
-use kufe_jobs::case_file::LoadedCase;
-use kufe_jobs::slide::{FrictionPoint, fastest, friction_table};
-use kufe_jobs::{Failure, case_json};
 use serde_json::{Value, json};
 
 use crate::friction::asked::{Asked, Runner, begin};
@@ -62,7 +62,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     }
     if let Some(staging) = staging {
         staging.write("friction.csv", |file| write_csv(file, &runners))?;
-        kufe_plot::png(&staging.path("friction.png"), 900, 620, &|root| {
+        kufe::plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             sliding_picture::draw(&root, &runners)
         })
         .map_err(|error| staging.failure("friction.png", &error))?;

@@ -1,7 +1,7 @@
 //! `friction.png`: mu of each runner over speed, over temperature, or runner by runner.
 
-use kufe_jobs::slide::FrictionPoint;
-use kufe_plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
+use kufe::jobs::slide::FrictionPoint;
+use kufe::plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
 use plotters::prelude::*;
 
 use crate::friction::asked::Runner;

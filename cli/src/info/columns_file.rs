@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::{Columns, Entry, read_columns, read_index};
 use serde_json::{Map, Value, json};
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, percent};
-use kufe_plot::{number4, quantity, unit_of};
+use kufe::jobs::{Failure, percent};
+use kufe::plot::{number4, quantity, unit_of};
 use serde_json::{Map, Value, json};
 
 use crate::info::{

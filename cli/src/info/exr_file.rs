@@ -5,8 +5,8 @@ use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
+use kufe::jobs::{Failure, json_number};
 use kufe_files::open_regular;
-use kufe_jobs::{Failure, json_number};
 use serde_json::{Map, Value, json};
 
 /// Channels of kufe's maps, what they hold, and what a file is that has one; the first of them tells.

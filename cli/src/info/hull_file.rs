@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use kufe_mesh::{HullOptions, load_hull};
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Method, Mode, Quantity, Table, read_fmu};
 use serde_json::{Map, Value, json};
 

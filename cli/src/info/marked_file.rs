@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use serde_json::{Value, json};
 
 use crate::output::marks::version_of;

@@ -3,8 +3,8 @@
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use kufe::jobs::Failure;
 use kufe_files::open_regular;
-use kufe_jobs::Failure;
 use serde_json::{Map, Value, json};
 
 /// More variables than a file of figures has.

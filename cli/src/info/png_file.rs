@@ -3,8 +3,8 @@
 use std::io::Read;
 use std::path::Path;
 
+use kufe::jobs::Failure;
 use kufe_files::open_regular;
-use kufe_jobs::Failure;
 use serde_json::{Map, Value, json};
 
 /// What a picture begins with is in here [bytes].

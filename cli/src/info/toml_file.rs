@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use kufe::jobs::{Failure, case_file::LoadedCase, case_json, toml_json};
 use kufe_files::text_of_regular;
-use kufe_jobs::{Failure, case_file::LoadedCase, case_json, toml_json};
 use serde_json::{Map, Value, json};
 
 /// What is longer is no file that someone wrote [bytes].

@@ -1,6 +1,6 @@
 //! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::lut::{export, fill, plan, query, show};
 use crate::output::global::Global;

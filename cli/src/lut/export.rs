@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, table::read_table, write_whole};
+use kufe::jobs::{Failure, table::read_table, write_whole};
 use kufe_lut::{Table, simulink_files};
 
 use crate::output::apart::apart;

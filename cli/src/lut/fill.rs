@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use kufe_jobs::{
+use kufe::jobs::{
     Failure,
     table::{Solver, Wanted},
 };
@@ -46,7 +46,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let mut outputs = args.forms.paths(&out);
         outputs.push(out.clone());
         apart(&solver.inputs(&wanted)?, &outputs)?;
-        let filled = kufe_jobs::table::fill(&wanted, &solver, &out, watch)?;
+        let filled = kufe::jobs::table::fill(&wanted, &solver, &out, watch)?;
         Ok::<_, Failure>((solver, filled))
     })?;
     write_table(&filled.swept.table, &out)?;

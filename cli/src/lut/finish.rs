@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_jobs::{Failure, percent};
+use kufe::jobs::{Failure, percent};
 use kufe_lut::{Method, Mode, Point, Quantity, Swept, Table};
 use serde_json::{Value, json};
 

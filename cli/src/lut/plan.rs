@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use kufe_jobs::{
+use kufe::jobs::{
     Failure, Watch,
     table::{Solver, Wanted},
     write_whole,

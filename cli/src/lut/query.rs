@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Layered, Looked, MIN_SPEED, Mode, Quantity, Table, curvature_from_pitch};
 use serde_json::{Map, Value, json};
 

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::runs::RunSelection;
-use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Quantity, Sample, Slice};
+use kufe::charts::Slice;
+use kufe::jobs::runs::RunSelection;
+use kufe::jobs::{Failure, table::read_table};
+use kufe_lut::{Quantity, Sample};
 use kufe_sled::table_samples;
 
 use crate::output::apart::apart;
@@ -96,7 +97,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         speed: args.v_mps,
         ice_c: args.ice_c,
     };
-    let outside = kufe_lut::draw(&table, quantity, slice, &samples, &out)
+    let outside = kufe::charts::draw(&table, quantity, slice, &samples, &out)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
     if global.json {
         let written = out.display().to_string();

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe_files::outputs_apart;
-use kufe_jobs::{Failure, case_file::LoadedCase};
 
 /// Refuses outputs that are inputs or one another, and what is no file where a file is to be.
 ///

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::output::progress::Progress;
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::Failure;
 use kufe_files::same_file;
-use kufe_jobs::Failure;
 use serde_json::Value;
 
 use crate::output::documents::{DOCUMENTS, Known, document};

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use kufe_lut::{MatValue, write_mat_file};
 use serde_json::Value;
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::sync::OnceLock;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 /// Why standard output took no more.
 static LOST: OnceLock<String> = OnceLock::new();

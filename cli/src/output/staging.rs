@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::Failure;
 use kufe_files::clear_temporaries;
-use kufe_jobs::Failure;
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 

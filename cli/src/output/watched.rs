@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use kufe_jobs::Watch;
+use kufe::jobs::Watch;
 
 use crate::output::global::Global;
 

@@ -1,7 +1,7 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
+use kufe::jobs::{Failure, Watch, case_file::LoadedCase, press_with, with_progress};
 use kufe_contact::Options;
-use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with, with_progress};
 
 use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;

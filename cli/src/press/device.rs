@@ -1,7 +1,7 @@
 //! `--gpu`: the graphics processor that a contact is solved on.
 
+use kufe::jobs::Failure;
 use kufe_contact::Options;
-use kufe_jobs::Failure;
 
 use crate::output::global::Global;
 

@@ -2,12 +2,12 @@
 
 use std::io::BufWriter;
 
-use kufe_case::Case;
-use kufe_contact::{PressureMap, pressure_maps};
-use kufe_jobs::field::{
+use kufe::case::Case;
+use kufe::jobs::field::{
     contact_vtp, map_picture, stress_picture, subsurface, volume_vtu, write_exr,
 };
-use kufe_jobs::{Failure, Pressed};
+use kufe::jobs::{Failure, Pressed};
+use kufe_contact::{PressureMap, pressure_maps};
 use kufe_mesh::HullFormat;
 use serde_json::{Value, json};
 

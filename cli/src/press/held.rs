@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use serde_json::Value;
 
 use crate::output::held::Held;

@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
+use kufe::jobs::Failure;
 use kufe_contact::{PressureMap, Solution};
-use kufe_jobs::Failure;
 use kufe_lut::MatValue;
 use serde_json::Value;
 

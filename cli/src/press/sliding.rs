@@ -2,10 +2,10 @@
 
 use std::io::{self, Write};
 
+use kufe::jobs::field::{groove_map, groove_picture, write_exr};
+use kufe::jobs::slide::Slid;
+use kufe::jobs::{Failure, Pressed};
 use kufe_contact::PressureMap;
-use kufe_jobs::field::{groove_map, groove_picture, write_exr};
-use kufe_jobs::slide::Slid;
-use kufe_jobs::{Failure, Pressed};
 
 use crate::output::staging::Staging;
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use kufe::jobs::slide::Slid;
+use kufe::jobs::{Pressed, percent};
 use kufe_contact::{Measure, RunnerLoads, Solution};
-use kufe_jobs::slide::Slid;
-use kufe_jobs::{Pressed, percent};
 
 use crate::press::series::table::Row;
 

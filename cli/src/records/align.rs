@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::{
     Aligned, Entry, Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat,
     TakingPart, Track, TrackShape, Vehicle, align, gaps_line, prepare_all, read_index, read_runs,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::{Examination, examine};
 use serde_json::json;
 
@@ -46,7 +46,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "runs": runs,
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.text("check.html", &kufe_report::record_page(&document))?;
+    staging.text("check.html", &kufe::report::record_page(&document))?;
     staging.document("check.json", &mut document)?;
     staging.commit()?;
     if global.json {

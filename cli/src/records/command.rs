@@ -1,6 +1,6 @@
 //! `kufe runs`: one file a subcommand.
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::output::global::Global;
 use crate::records::{align, check, gather, import, init};

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::Failure;
 use kufe_files::same_file;
-use kufe_jobs::Failure;
 use kufe_sled::{Entry, write_index};
 use serde_json::json;
 

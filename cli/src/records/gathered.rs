@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::{Failure, runs::failure};
 use kufe_files::same_file;
-use kufe_jobs::{Failure, runs::failure};
 use kufe_sled::{Conditions, Entry, IceAlong, read_columns, read_index};
 
 /// What an index says of a name that is not stated.

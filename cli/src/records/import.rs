@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use kufe_sled::{RunFormat, write_run};
 use kufe_telemetry::{Importer, Note, PlannedRun, RunFormatWord, index_csv, model_fragment, plan};
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, write_whole};
+use kufe::jobs::{Failure, write_whole};
 use kufe_telemetry::{TextOptions, guess_mapping, read_recording};
 
 use crate::about::schema::Kind;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, write_whole};
+use kufe::jobs::{Failure, write_whole};
 use serde_json::json;
 
 use crate::output::apart::apart;

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use kufe::jobs::Failure;
+use kufe::jobs::field::read_exr::read_map;
+use kufe::report::{Grid, Kind, pack, page as html};
 use kufe_contact::{PressureMap, parted};
-use kufe_jobs::Failure;
-use kufe_jobs::field::read_exr::read_map;
 use kufe_mesh::{Hull, HullOptions, load_hull};
-use kufe_report::{Grid, Kind, pack, page as html};
 use serde_json::{Value, json};
 
 use crate::output::documents::without_idle_steel;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use kufe_jobs::Failure;
-use kufe_report::{Kind, page as html, picture_url};
+use kufe::jobs::Failure;
+use kufe::report::{Kind, page as html, picture_url};
 use serde_json::{Value, json};
 
 use crate::report::read_json::read_json;

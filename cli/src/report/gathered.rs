@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use kufe_jobs::{Failure, runs::failure};
-use kufe_report::results_page;
+use kufe::jobs::{Failure, runs::failure};
+use kufe::report::results_page;
 use kufe_sled::{Entry, read_index};
 use serde_json::{Value, json};
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use kufe::jobs::Failure;
 use kufe_files::text_of_regular;
-use kufe_jobs::Failure;
 use serde_json::Value;
 
 /// A JSON file of at most `longest` bytes.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use kufe::jobs::Failure;
+use kufe::report::{Picture, results_page};
 use kufe_files::read_regular;
-use kufe_jobs::Failure;
-use kufe_report::{Picture, results_page};
 
 use crate::output::documents::{known_as, without_idle_steel};
 use crate::report::folder_name::folder_name;

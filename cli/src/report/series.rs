@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use kufe_jobs::Failure;
-use kufe_report::{Kind, page as html};
+use kufe::jobs::Failure;
+use kufe::report::{Kind, page as html};
 use serde_json::{Value, json};
 
 use crate::report::folder_name::folder_name;

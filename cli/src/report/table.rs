@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use kufe_jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, table::read_table};
+use kufe::report::{Kind, page as html};
 use kufe_lut::{Axes, Flush, Method, Mode, Quantity, Table};
-use kufe_report::{Kind, page as html};
 use serde_json::{Value, json};
 
 use crate::output::documents::without_idle_steel;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::runs::Loaded;
-use kufe_jobs::{Failure, Watch, runs::RunSelection};
+use kufe::jobs::runs::Loaded;
+use kufe::jobs::{Failure, Watch, runs::RunSelection};
 use kufe_sled::Run;
 
 use crate::output::global::Global;

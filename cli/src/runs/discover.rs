@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::Failure;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
-use kufe_jobs::Failure;
 
 use crate::output::global::Global;
 use crate::output::say::say;
@@ -115,7 +115,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let mut document = serde_json::to_value(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;
-    staging.text("report.html", &kufe_report::discovery_page(&page))?;
+    staging.text("report.html", &kufe::report::discovery_page(&page))?;
     staging.text("model.next.toml", &next)?;
     if let Some(case) = case {
         staging.text("case.next.toml", &case)?;

@@ -1,7 +1,7 @@
 //! `kufe evaluate`: what drivers lose beyond a straight glide.
 
-use kufe_jobs::Failure;
-use kufe_sled::plots::{angle_picture, energy_picture, force_picture};
+use kufe::charts::{angle_picture, energy_picture, force_picture};
+use kufe::jobs::Failure;
 use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups, table_samples};
 use serde_json::json;
 
@@ -94,7 +94,7 @@ fn draw(
 ) -> Result<Vec<String>, Failure> {
     let mut files = Vec::new();
     let mut picture = |name: String,
-                       draw: &dyn Fn(&std::path::Path) -> Result<(), kufe_sled::Error>|
+                       draw: &dyn Fn(&std::path::Path) -> Result<(), kufe::plot::Error>|
      -> Result<(), Failure> {
         draw(&staging.path(&name)).map_err(|error| staging.failure(&name, &error))?;
         files.push(name);

@@ -1,8 +1,8 @@
 //! `kufe fit`: friction from recorded runs.
 
-use kufe_friction::{LateralFit, MagicFormula};
-use kufe_jobs::{Failure, runs::Loaded, runs::failure};
-use kufe_sled::plots::fit_picture;
+use kufe::charts::fit_picture;
+use kufe::jobs::{Failure, runs::Loaded, runs::failure};
+use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{FitOptions, find_contacts, lateral_samples};
 
 use crate::output::global::Global;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::output::staging::Staging;
 

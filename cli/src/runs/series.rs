@@ -2,7 +2,7 @@
 
 use std::io::BufWriter;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use kufe_lut::MatValue;
 use kufe_sled::{LateralForce, Run, RunValidation};
 use serde_json::Value;

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::{Failure, table::read_table};
-use kufe_lut::{Sample, Slice, draw};
+use kufe::charts::{Slice, draw};
+use kufe::jobs::{Failure, table::read_table};
+use kufe_lut::Sample;
 use kufe_sled::Vehicle;
 
 use crate::output::staging::Staging;

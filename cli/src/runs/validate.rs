@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use kufe_friction::MagicFormula;
-use kufe_jobs::{Failure, runs::failure};
-use kufe_sled::plots::{lateral_force_picture, rmse_picture};
+use kufe::charts::{lateral_force_picture, rmse_picture};
+use kufe::jobs::{Failure, runs::failure};
+use kufe_sled::friction::MagicFormula;
 use kufe_sled::{RunValidation, by_track, validate};
 use serde_json::{Value, json};
 

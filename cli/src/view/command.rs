@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use kufe_jobs::{Failure, case_file::LoadedCase};
-use kufe_report::{Kind, page};
+use kufe::jobs::{Failure, case_file::LoadedCase};
+use kufe::report::{Kind, page};
 use serde_json::json;
 
 use crate::output::global::Global;

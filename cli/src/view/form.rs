@@ -1,6 +1,6 @@
 //! What the page's form asks for, and the case that it makes.
 
-use kufe_case::{Case, Shape, TiltWord};
+use kufe::case::{Case, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -182,7 +182,7 @@ impl Form {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kufe_jobs::case_file::LoadedCase;
+    use kufe::jobs::case_file::LoadedCase;
 
     #[test]
     fn the_form_of_a_case_gives_the_case_back() -> Result<(), Box<dyn std::error::Error>> {

@@ -4,8 +4,8 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use kufe::jobs::{Failure, Watch, case_file::LoadedCase, press_with};
 use kufe_contact::{Options, pressure_maps};
-use kufe_jobs::{Failure, Watch, case_file::LoadedCase, press_with};
 use serde_json::{Value, json};
 
 use crate::bodies::placed_hull::placed_hull;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_case::effects::Map;
+use kufe::case::effects::Map;
 use kufe_mesh::{ExrImage, MeshError};
 
 use crate::error::Error;

@@ -1,6 +1,6 @@
 //! The verdict in words.
 
-use kufe_plot::{number4, quantity};
+use kufe::plot::{number4, quantity};
 
 use crate::finding::report::{HeldOut, Verdict};
 use crate::procedure::evidence::{Account, Words};

@@ -11,7 +11,6 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::error::Error;
 use crate::export::header::{EVALUATION, layers, rocker_on_axis};
-use crate::export::picture::title;
 use crate::table::layered::Layered;
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
@@ -193,7 +192,7 @@ impl Table {
                 "    <Float64 name=\"{}\" valueReference=\"{reference}\" causality=\"output\" variability=\"continuous\"{unit} \
                  description=\"{}\"/>\n",
                 quantity.name(),
-                title(quantity)
+                quantity.title()
             );
             *outputs += &format!(
                 "    <Output valueReference=\"{reference}\" dependencies=\"1 2 3 4 {ICE_C}\"/>\n"

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use crate::error::Error;
-use crate::export::picture::title;
 use crate::table::layered::{Layered, Spline};
 use crate::table::mode::Mode;
 use crate::table::nodes::Table;
@@ -98,7 +97,7 @@ impl Table {
             },
             self.version.replace("*/", ""),
             self.case_sha256.replace("*/", ""),
-            title(self.judged()),
+            self.judged().title(),
             self.solver_error()
         );
         for mode in Mode::ALL {

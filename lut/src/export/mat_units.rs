@@ -2,7 +2,7 @@
 
 /// The unit of a name that has one.
 pub(super) fn unit(name: &str) -> Option<String> {
-    let unit = kufe_plot::unit_of(name);
+    let unit = crate::unit::unit_of(name);
     let unit = match &*unit {
         "" => return None,
         "deg C" => "degC",

@@ -6,12 +6,10 @@ pub(crate) mod header;
 pub(crate) mod mat;
 pub(crate) mod mat_file;
 mod mat_units;
-pub(crate) mod picture;
-pub(crate) mod samples;
+mod sample;
 pub(crate) mod simulink;
 
 pub use fmu::{Fmu, read_fmu};
 pub use mat_file::{MatValue, write_mat_file};
-pub use picture::{Slice, draw};
-pub use samples::Sample;
+pub use sample::Sample;
 pub use simulink::simulink_files;

@@ -28,6 +28,23 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// Its name in titles.
+    pub fn title(self) -> &'static str {
+        match self {
+            Quantity::PMax => "Peak pressure",
+            Quantity::PMean => "Mean pressure",
+            Quantity::Area => "Contact area",
+            Quantity::Length => "Contact length",
+            Quantity::Width => "Contact width",
+            Quantity::Approach => "Approach",
+            Quantity::Mu => "Coefficient of friction",
+            Quantity::MuPloughing => "Friction of ploughing",
+            Quantity::MuViscous => "Friction of the melt film",
+            Quantity::GrooveDepth => "Depth of the groove",
+            Quantity::FilmMean => "Mean thickness of the film",
+        }
+    }
+
     /// All quantities, in the order files list them.
     pub const ALL: [Quantity; 11] = [
         Quantity::PMax,

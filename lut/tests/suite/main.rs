@@ -6,7 +6,6 @@ mod fmu;
 mod hertz;
 mod lookup;
 mod lut_files;
-mod picture;
 mod python;
 mod python_reads;
 mod shards;

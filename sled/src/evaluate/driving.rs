@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_effect::Forces;
+use crate::effects::Forces;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -202,7 +202,7 @@ fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Force
         across: [0.0; 2],
         ..laws.forces
     };
-    let seen = kufe_effect::State {
+    let seen = crate::effects::State {
         slip: [0.0; 2],
         slip_rate: [0.0; 2],
         chassis_slip: 0.0,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_friction::Braghin;
+use crate::friction::Braghin;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! The contacts with walls that are a run's own: hit or missed, harder or softer.
 
-use kufe_effect::Active;
+use crate::effects::Active;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::model::vehicle::Vehicle;
@@ -230,7 +230,7 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
 
 #[cfg(test)]
 mod tests {
-    use kufe_effect::{CATALOGUE, Kind};
+    use crate::effects::{CATALOGUE, Kind};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

@@ -1,6 +1,6 @@
 //! Lateral friction of both runners from measured runs.
 
-use kufe_friction::{Estimate, LateralFit, LateralFitOptions, MagicFormula, fit_lateral};
+use crate::friction::{Estimate, LateralFit, LateralFitOptions, MagicFormula, fit_lateral};
 use serde::Serialize;
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! Samples of slip, load and lateral force from measured runs.
 
-use kufe_friction::LateralSample;
+use crate::friction::LateralSample;
 use rayon::prelude::*;
 
 use crate::fit::own_contacts::with_own_contacts;

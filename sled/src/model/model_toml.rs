@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use kufe_friction::{LongitudinalKeys, MagicFormula};
+use crate::friction::{LongitudinalKeys, MagicFormula};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ pub struct Model {
     pub tolerances: Option<Tolerances>,
     /// Effects beyond the base model, by name; an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(schema_with = "kufe_effect::schema")]
+    #[schemars(schema_with = "crate::effects::schema")]
     pub effects: BTreeMap<String, toml::Table>,
     /// Folder that paths in the file are relative to.
     #[serde(skip)]
@@ -178,7 +178,7 @@ impl Model {
                 require(file, key, value, (0.0..=most).contains(&value), expected)?;
             }
         }
-        let in_friction = |table: &str, error: kufe_friction::Error| Error::Keys {
+        let in_friction = |table: &str, error: crate::friction::Error| Error::Keys {
             file: file.to_string(),
             reason: format!("[friction.{table}] {error}"),
         };
@@ -223,7 +223,7 @@ impl Model {
                 yaw_drag_per_deg: published_yaw_drag(),
             },
             friction: Friction {
-                longitudinal: kufe_friction::Longitudinal::PUBLISHED_FIXED.into(),
+                longitudinal: crate::friction::Longitudinal::PUBLISHED_FIXED.into(),
                 front: MagicFormula::PUBLISHED_FRONT,
                 rear: MagicFormula::PUBLISHED_REAR,
             },

@@ -1,6 +1,6 @@
 //! Effects that need what is stated nowhere are refused by name.
 
-use kufe_effect::Effects;
+use crate::effects::Effects;
 
 use crate::error::Error;
 

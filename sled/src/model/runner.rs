@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_friction::{MagicFormula, PressureLaw};
+use crate::friction::{MagicFormula, PressureLaw};
 use kufe_lut::{Layered, Looked, Mode, Quantity, Table};
 
 use crate::error::Error;

@@ -43,8 +43,8 @@ pub(crate) fn published_yaw_drag() -> f64 {
 
 impl Sled {
     /// What effects may find to be another than stated.
-    pub fn constants(&self) -> kufe_effect::Constants {
-        kufe_effect::Constants {
+    pub fn constants(&self) -> crate::effects::Constants {
+        crate::effects::Constants {
             mass: self.mass_kg,
             pitch_inertia: self.j_yy_kgm2,
             yaw_inertia: self.j_zz_kgm2,
@@ -55,7 +55,7 @@ impl Sled {
     }
 
     /// Takes them over.
-    pub fn set_constants(&mut self, to: &kufe_effect::Constants) {
+    pub fn set_constants(&mut self, to: &crate::effects::Constants) {
         self.mass_kg = to.mass;
         self.j_yy_kgm2 = to.pitch_inertia;
         self.j_zz_kgm2 = to.yaw_inertia;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use kufe_effect::{Column, Effects};
-use kufe_friction::{Longitudinal, MagicFormula};
+use crate::effects::{Column, Effects};
+use crate::friction::{Longitudinal, MagicFormula};
 use kufe_lut::Quantity;
 
 use crate::error::Error;

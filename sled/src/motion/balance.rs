@@ -11,8 +11,8 @@
 //! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta = atan(v_y/v_x) to the centre of
 //! gravity. Fits, validation, evaluation, simulation and discovery all take their forces and balances from here.
 
-use kufe_effect::{self as effects, Active, Conditions, Forces, Sensor, Signals};
-use kufe_friction::{GRAVITY, sin_cos_near};
+use crate::effects::{self as effects, Active, Conditions, Forces, Sensor, Signals};
+use crate::friction::{GRAVITY, sin_cos_near};
 
 use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;

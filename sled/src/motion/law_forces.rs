@@ -1,7 +1,7 @@
 //! Forces of the base laws at one instant, with their derivatives.
 
-use kufe_effect::Forces;
-use kufe_friction::LateralDerivatives;
+use crate::effects::Forces;
+use crate::friction::LateralDerivatives;
 
 use crate::model::vehicle::{BaseParameter, Vehicle};
 

@@ -1,7 +1,7 @@
 //! The base laws asked at one instant.
 
-use kufe_effect::Forces;
-use kufe_friction::LateralDerivatives;
+use crate::effects::Forces;
+use crate::friction::LateralDerivatives;
 
 use crate::model::runner::RunnerFriction;
 use crate::model::vehicle::Vehicle;
@@ -9,7 +9,7 @@ use crate::motion::balance::Balance;
 use crate::motion::law_forces::LawForces;
 
 impl Balance {
-    /// Longitudinal force on each runner in its own frame at its normal force [N], as [`kufe_friction::longitudinal_force`] has it.
+    /// Longitudinal force on each runner in its own frame at its normal force [N], as [`crate::friction::longitudinal_force`] has it.
     ///
     /// A lifted runner does not push.
     #[inline]

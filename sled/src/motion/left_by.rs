@@ -8,7 +8,7 @@
 //!
 //! the laws asked to first order, the front runner's load as [`Balance::laws_near`] has it.
 
-use kufe_effect::{Constants, SENSORS, Sensor, Signals};
+use crate::effects::{Constants, SENSORS, Sensor, Signals};
 
 use crate::model::runner::RunnerFriction;
 use crate::model::vehicle::Vehicle;

@@ -1,6 +1,6 @@
 //! State and motion as the sensors of one instant tell them.
 
-use kufe_effect::{Conditions, Sensor, Signals};
+use crate::effects::{Conditions, Sensor, Signals};
 
 use crate::model::sled::Sled;
 use crate::motion::axles::normal_forces;

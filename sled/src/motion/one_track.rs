@@ -12,8 +12,8 @@
 //! a is the specific force at the centre of gravity, which gravity does not enter. Forces and moments that effects put on
 //! the body stand beside the aerodynamic one.
 
-use kufe_effect::Forces;
-use kufe_friction::Braghin;
+use crate::effects::Forces;
+use crate::friction::Braghin;
 
 use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;

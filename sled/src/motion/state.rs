@@ -1,6 +1,6 @@
 //! What is known of a sled at one instant, and the forces on it.
 
-use kufe_effect::{Conditions, Relaxed};
+use crate::effects::{Conditions, Relaxed};
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_effect::Sensor;
+use crate::effects::Sensor;
 
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;

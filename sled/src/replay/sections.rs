@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_friction::GRAVITY;
+use crate::friction::GRAVITY;
 use serde::Serialize;
 
 use crate::replay::compared::Compared;

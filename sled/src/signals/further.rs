@@ -1,6 +1,6 @@
 //! What laws and effects may ask of a run beyond its sensors: humidity, the distance run on this finish, the ice's temperature.
 
-use kufe_effect::{Conditions, Effects};
+use crate::effects::{Conditions, Effects};
 
 use crate::error::Error;
 use crate::model::refuse::refuse_effects;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_effect::{Active, Effects, Relaxed};
+use crate::effects::{Active, Effects, Relaxed};
 use rayon::prelude::*;
 
 use crate::error::Error;

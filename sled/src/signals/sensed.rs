@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kufe_effect::{Active, Conditions, Effects, Sensor, Signals, ahead};
+use crate::effects::{Active, Conditions, Effects, Sensor, Signals, ahead};
 
 use crate::error::Error;
 use crate::record::run::Run;

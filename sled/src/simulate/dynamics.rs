@@ -1,7 +1,7 @@
 //! Equations of motion of the one-track sled on a track.
 
-use kufe_effect::Relaxed;
-use kufe_friction::GRAVITY;
+use crate::effects::Relaxed;
+use crate::friction::GRAVITY;
 
 use crate::model::vehicle::Vehicle;
 use crate::motion::axles::normal_forces;

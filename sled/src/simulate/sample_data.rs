@@ -1,6 +1,6 @@
 //! A sample data set: 44 simulated runs of five drivers on two tracks, with the truth stated.
 
-use kufe_friction::GRAVITY;
+use crate::friction::GRAVITY;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

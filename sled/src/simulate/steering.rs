@@ -1,6 +1,6 @@
 //! Where the steering of a simulation comes from.
 
-use kufe_friction::GRAVITY;
+use crate::friction::GRAVITY;
 
 use crate::model::sled::Sled;
 use crate::simulate::driver::{Driver, Mood};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_friction::{LateralFitOptions, LateralSample, fit_lateral};
+use kufe_sled::friction::{LateralFitOptions, LateralSample, fit_lateral};
 use kufe_sled::{Conditions, Entry, Model, OnGaps, derivative, low_pass, read_run, slips};
 
 /// Gravity, to give each axle its static load per mass [m/s2].

@@ -347,7 +347,7 @@ fn the_model_driven_again_equals_scipys_solve_ivp() {
     heavier.sled.mass_kg *= 1.1;
     heavier.rear.lateral.k_n_per_rad *= 0.8;
     let ours = again(&run, &heavier, &track);
-    let law = |law: kufe_friction::MagicFormula| [law.mu_zeta, law.c, law.e, law.k_n_per_rad];
+    let law = |law: kufe_sled::friction::MagicFormula| [law.mu_zeta, law.c, law.e, law.k_n_per_rad];
     let to_m = 500.0;
     let parameters = serde_json::json!({
         "mass": heavier.sled.mass_kg, "jyy": sled.j_yy_kgm2, "jzz": sled.j_zz_kgm2,

@@ -1,6 +1,6 @@
 //! Simulated with known friction, recorded with noise, fitted: the friction must come back.
 
-use kufe_friction::{LateralFit, MagicFormula};
+use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
     Driver, FitOptions, Model, PrepareOptions, Run, SimulateOptions, TrackShape, Vehicle, fit,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use kufe::jobs::{Failure, Prepared, case_file::LoadedCase};
 use kufe_contact::{Options, check_problem};
-use kufe_jobs::{Failure, Prepared, case_file::LoadedCase};
 
 /// What is kept between steps: a hull is read and fitted once.
 #[derive(Default)]

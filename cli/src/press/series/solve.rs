@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use kufe_case::TiltWord;
-use kufe_contact::Options;
-use kufe_jobs::{
+use kufe::case::TiltWord;
+use kufe::jobs::{
     Failure, Prepared, Pressed, Watch, case_file::LoadedCase, case_json, press_prepared, time_left,
     write_whole,
 };
+use kufe_contact::Options;
 use kufe_mesh::write_pvd;
 use serde_json::Value;
 

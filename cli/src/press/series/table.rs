@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_jobs::{Failure, write_whole};
+use kufe::jobs::{Failure, write_whole};
 use serde_json::{Map, Value, json};
 
 /// One step of a series: what was varied and what came out.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 use kufe_sled::{Conditions, RunFormat};
 
 const EXAMPLES: &str = "\

@@ -1,6 +1,6 @@
 //! `kufe simulate`: a sled driven down a track, recorded like a measured run.
 
-use kufe_jobs::Failure;
+use kufe::jobs::Failure;
 
 use crate::output::global::Global;
 use crate::runs::simulate::args::Args;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe::charts::run_picture;
+use kufe::jobs::{Failure, runs::failure};
 use kufe_lut::Sample;
-use kufe_sled::plots::run_picture;
 use kufe_sled::sample_data::{DRIVERS, sample_driver};
 use kufe_sled::{
     Driver, EnergyBalance, Model, OutsideTable, PrepareOptions, Run, SimulateOptions, Track,

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, runs::failure};
-use kufe_plot::unit_of;
-use kufe_sled::plots::replay_picture;
+use kufe::charts::replay_picture;
+use kufe::jobs::{Failure, runs::failure};
+use kufe::plot::unit_of;
 use kufe_sled::{
     Difference, Entry, Error, Inputs, Model, OnGaps, Replay, SimulateOptions, Track, TrackShape,
     Vehicle, beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_jobs::{Failure, runs::failure};
+use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::Model;
 use kufe_sled::sample_data::{DRIVERS, drive_sample, sample_driver, sample_plan, sample_track};
 use serde_json::json;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use kufe_case::Case;
-use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
+use kufe::case::Case;
+use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_sled::Model;
 use kufe_telemetry::{MAPPING_EXAMPLE, Mapping};
 
@@ -197,6 +197,6 @@ fn files_to_start_from_are_what_the_readers_take() {
         assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")));
         assert!(bench.path(&format!("{kind}.schema.json")).exists());
     }
-    kufe_jobs::table::Wanted::read(&bench.path("table.toml")).expect("a table file");
-    kufe_jobs::case_file::LoadedCase::read(&bench.path("case.toml")).expect("a case");
+    kufe::jobs::table::Wanted::read(&bench.path("table.toml")).expect("a table file");
+    kufe::jobs::case_file::LoadedCase::read(&bench.path("case.toml")).expect("a case");
 }

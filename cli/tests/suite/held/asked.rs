@@ -118,7 +118,7 @@ fn a_groove_that_is_met_counts() {
     std::fs::create_dir(bench.path("front")).expect("a folder");
     let content = |groove: &str| {
         bench.write("front/groove.exr", groove);
-        kufe_jobs::case_file::LoadedCase::read(&bench.path("case.toml"))
+        kufe::jobs::case_file::LoadedCase::read(&bench.path("case.toml"))
             .and_then(|case| case.content())
             .expect("a case")
     };

@@ -124,7 +124,7 @@ fn a_buffer_beside_a_gltf_file_counts() {
     );
     bench.write("case.toml", case("hull", "body.gltf"));
     let loaded = |bench: &Bench| {
-        kufe_jobs::case_file::LoadedCase::read(&bench.path("case.toml"))
+        kufe::jobs::case_file::LoadedCase::read(&bench.path("case.toml"))
             .and_then(|case| case.content())
             .expect("a case")
     };
@@ -144,7 +144,7 @@ fn a_mesh_of_a_runner_counts() {
     );
     let content = |text: &str| {
         bench.write("runner.vtu", text);
-        kufe_jobs::case_file::LoadedCase::read(&bench.path("case.toml"))
+        kufe::jobs::case_file::LoadedCase::read(&bench.path("case.toml"))
             .and_then(|case| case.content())
             .expect("a case")
     };

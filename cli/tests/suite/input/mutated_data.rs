@@ -7,12 +7,12 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
     WritableImage,
 };
+use kufe::jobs::table::Wanted;
+use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
 use kufe_discover::read_map_bytes;
-use kufe_friction::{read_experiments, read_glide, read_glide_index};
-use kufe_jobs::table::Wanted;
-use kufe_jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
 use kufe_lut::{Axes, Solved, Table};
 use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
+use kufe_sled::friction::{read_experiments, read_glide, read_glide_index};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
 use kufe_telemetry::{MAPPING_EXAMPLE, Mapping, TextOptions, guess_mapping, read_text};
 

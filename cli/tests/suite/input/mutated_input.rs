@@ -2,14 +2,14 @@
 //! make a reader take memory that the file does not justify. `KUFE_FUZZ_SECONDS` sets the time a reader gets. Hulls and
 //! cases are here; `mutated_data.rs` has what the rest of the program reads.
 
-use kufe_case::Case;
+use kufe::case::Case;
 use kufe_mesh::{
     BobRunner, HullFormat, HullOptions, check_hull, read_gltf, read_obj, read_stl, tessellate,
 };
 
 use crate::input::damage::rounds;
 
-const EXAMPLE: &str = include_str!("../../../../jobs/assets/example.toml");
+const EXAMPLE: &str = include_str!("../../../../kufe/assets/example.toml");
 
 fn hull_seed(format: HullFormat) -> Vec<u8> {
     let runner = BobRunner {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use kufe_case::Case;
+use kufe::case::Case;
 use kufe_contact::{Error, Load, Options, Problem, Solution, solve};
 use kufe_lut::{Lookup, Mode, Quantity, Table};
 

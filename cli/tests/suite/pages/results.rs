@@ -50,7 +50,8 @@ fn a_wide_picture_fits_a_phone_and_opens_at_a_click() {
         "sliding/friction.json",
         "{ \"points\": [{ \"mu\": 0.0031 }] }",
     );
-    kufe_plot::png(&bench.path("sliding/friction.png"), 1500, 300, &|_| Ok(())).expect("a picture");
+    kufe::plot::png(&bench.path("sliding/friction.png"), 1500, 300, &|_| Ok(()))
+        .expect("a picture");
     bench.succeeds(&["report", "sliding"]);
     let mut browser = Browser::start(&program, &[]);
     let phone = Look {

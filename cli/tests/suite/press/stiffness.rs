@@ -4,7 +4,7 @@ use kufe_outside::python;
 use std::path::Path;
 
 use crate::kufe::{Bench, errors, refused};
-use kufe_case::Case;
+use kufe::case::Case;
 use kufe_contact::{Options, solve};
 use kufe_fem::{Material, TensorOperator};
 use serde_json::Value;

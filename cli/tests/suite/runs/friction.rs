@@ -86,7 +86,8 @@ fn fit_reproduces_the_papers_figures_and_writes_a_models_table() -> Outcome {
     }
     let text = std::fs::read_to_string(at.join("o/friction.toml"))?;
     let table: toml::Table = text.parse()?;
-    let law: kufe_friction::Longitudinal = table["friction"]["longitudinal"].clone().try_into()?;
+    let law: kufe_sled::friction::Longitudinal =
+        table["friction"]["longitudinal"].clone().try_into()?;
     let least = number(&fit, "/least_friction/mu/value");
     let place = number(&fit, "/least_friction/p_pa/value");
     assert!((law.mu(place) - least).abs() < 1e-12);
@@ -134,7 +135,7 @@ fn a_models_law_and_effects_hold_and_missing_conditions_are_asked_for() -> Outco
     let at = folder.path();
     std::fs::write(at.join("case.toml"), case(200.0))?;
     let mut model = kufe_sled::Model::published();
-    model.friction.longitudinal = kufe_friction::LongitudinalKeys {
+    model.friction.longitudinal = kufe_sled::friction::LongitudinalKeys {
         mu: Some(0.005),
         ..Default::default()
     };
@@ -221,7 +222,7 @@ fn ice_house_leads_from_glides_to_a_fit() -> Outcome {
     assert!((number(&found, "/slope_rad/value") / slope - 1.0).abs() < 2e-4);
     assert!(at.join("o/energy_001_0uphill.png").exists());
     let table = std::fs::read_to_string(at.join("o/experiments.csv"))?;
-    let experiments = kufe_friction::read_experiments("experiments.csv", table.as_bytes())?;
+    let experiments = kufe_sled::friction::read_experiments("experiments.csv", table.as_bytes())?;
     assert_eq!(experiments.len(), 5);
     json(
         at,

@@ -173,7 +173,7 @@ fn a_hidden_temperature_is_named_and_acts_in_the_next_model() -> Outcome {
     // Runs need a law of their own for mu: the next model's effect on a constant one.
     for name in ["next", "off"] {
         let mut model = kufe_sled::Model::load(&at.join(format!("{name}.toml")))?;
-        model.friction.longitudinal = kufe_friction::LongitudinalKeys {
+        model.friction.longitudinal = kufe_sled::friction::LongitudinalKeys {
             mu: Some(0.005),
             ..Default::default()
         };

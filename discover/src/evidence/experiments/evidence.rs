@@ -7,9 +7,9 @@
 
 use std::path::Path;
 
-use kufe_friction::Longitudinal;
 use kufe_sled::Model;
 use kufe_sled::effects::{Effects, find};
+use kufe_sled::friction::Longitudinal;
 
 use crate::error::Error;
 use crate::evidence::experiments::bins::bins;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_friction::effects::Conditions;
+use kufe_sled::effects::Conditions;
 
 use crate::error::Error;
 use crate::input::table::Table;

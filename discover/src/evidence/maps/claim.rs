@@ -1,6 +1,6 @@
 //! The claim of a screen: the effect that leaves least, with its class.
 
-use kufe_case::effects::Effect;
+use kufe::case::effects::Effect;
 
 use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::screen::correlation;

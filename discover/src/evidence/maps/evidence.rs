@@ -1,6 +1,6 @@
 //! Pressure measurements as evidence: maps and peaks against contact solves.
 //!
-//! Each candidate of [`kufe_case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
+//! Each candidate of [`kufe::case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
 //! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that is really left:
 //!
 //! ```text
@@ -13,7 +13,7 @@
 
 use std::path::Path;
 
-use kufe_case::effects::{CATALOGUE, Effect};
+use kufe::case::effects::{CATALOGUE, Effect};
 
 use crate::error::Error;
 use crate::evidence::maps::bins::bins;

@@ -3,7 +3,7 @@
 //! Every point costs one solve of all rows and serves twice, as a misfit and for the next derivative. The first step is as
 //! large as moves the maps by a few per cent, whatever the runner's measures.
 
-use kufe_case::effects::Effect;
+use kufe::case::effects::Effect;
 
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;

@@ -1,6 +1,6 @@
 //! The case with what was found switched on.
 
-use kufe_case::effects::Effect;
+use kufe::case::effects::Effect;
 
 /// The case's text with `[effects]` of these sizes; what it had already is kept, sizes of the same effect add up as the
 /// effects themselves do.
@@ -36,7 +36,7 @@ pub fn next_case(text: &str, active: &[(&'static Effect, f64)]) -> Result<String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kufe_case::effects::{Map, find};
+    use kufe::case::effects::{Map, find};
 
     #[test]
     fn an_effect_that_the_case_has_already_is_added_to() -> Result<(), String> {

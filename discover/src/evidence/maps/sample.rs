@@ -4,7 +4,7 @@
 //! pressure is not: the square, continued beyond the rim ([`squared_pressure`]), is interpolated between nodes, and its root is
 //! averaged over a pixel. Farther out the square is NaN, which is no pressure.
 
-use kufe_case::effects::Map;
+use kufe::case::effects::Map;
 use kufe_contact::{SurfaceField, squared_pressure};
 
 /// Points a pixel along each direction.

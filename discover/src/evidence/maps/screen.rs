@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_case::effects::{CATALOGUE, Effect, Growth};
+use kufe::case::effects::{CATALOGUE, Effect, Growth};
 
 use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::simulate::Simulations;

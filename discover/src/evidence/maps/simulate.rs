@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use kufe_case::effects::{Effect, Map};
+use kufe::case::effects::{Effect, Map};
 use kufe_contact::solve;
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Which channels of the residual can be judged.
 
-use kufe_friction::Longitudinal;
 use kufe_sled::effects::Column;
+use kufe_sled::friction::Longitudinal;
 use kufe_sled::{Model, State, outside_tables};
 
 use crate::evidence::runs::model::on_run::ModelOnRun;

@@ -1,7 +1,7 @@
 //! Files of tables that slide.
 
 use crate::tables::sliding;
-use kufe_lut::{Quantity, Slice, Table, draw};
+use kufe_lut::Table;
 
 #[test]
 fn a_file_read_back_is_the_same_table_to_the_bit() {
@@ -45,20 +45,5 @@ fn broken_files_are_named_by_place() {
         };
         let error = error.to_string();
         assert!(error.contains(told), "{told}: {error}");
-    }
-}
-
-#[test]
-fn a_slice_is_drawn() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("mu.png");
-    let slice = Slice {
-        speed: Some(30.0),
-        ..Slice::default()
-    };
-    draw(&sliding(false), Quantity::Mu, slice, &[], &path).unwrap();
-    assert!(std::fs::read(&path).unwrap().len() > 10_000);
-    if let Ok(keep) = std::env::var("KUFE_KEEP_PICTURES") {
-        std::fs::copy(&path, std::path::Path::new(&keep).join("mu.png")).unwrap();
     }
 }

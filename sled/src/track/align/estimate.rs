@@ -81,7 +81,7 @@ pub(crate) fn estimate(
         |k: usize| -> (Vec<f64>, Vec<f64>) { rows.iter().map(|row| mean_sd(row, k)).unzip() };
     let ((curvature_1pm, mut of_curvature), (bank_rad, mut of_bank), (slope_rad, mut of_slope)) =
         (column(0), column(1), column(2));
-    let tilt = tolerances.accel_bias_mps2 / kufe_friction::GRAVITY;
+    let tilt = tolerances.accel_bias_mps2 / crate::friction::GRAVITY;
     let add = |sd: &mut f64, more: f64| *sd = sd.hypot(more);
     for i in 0..rows.len() {
         let turn = tolerances.gyro_bias_radps / speed_mps;

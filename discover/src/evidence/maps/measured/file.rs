@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_case::Case;
+use kufe::case::Case;
 
 use crate::error::Error;
 use crate::evidence::maps::measured::rows::{LONGEST_CASE, Row, read};

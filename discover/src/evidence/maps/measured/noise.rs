@@ -8,7 +8,7 @@
 //! leave nothing of what is smooth (the idea of J. Immerkaer, Comput. Vis. Image Underst. 64 (1996) 300-302); d = 1/3 pixel
 //! for a pixel's place; f = 0.3 per cent for the solves.
 
-use kufe_case::effects::Map;
+use kufe::case::effects::Map;
 
 use crate::procedure::rules::MapRules;
 

@@ -1,6 +1,6 @@
 //! What measurements of pressure can say, and what not.
 
-use kufe_case::effects::CATALOGUE;
+use kufe::case::effects::CATALOGUE;
 
 use crate::evidence::maps::measured::rows::Row;
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_case::effects::{CATALOGUE, Map};
-use kufe_case::{Case, CaseError};
+use kufe::case::effects::{CATALOGUE, Map};
+use kufe::case::{Case, CaseError};
 use kufe_contact::{Load, Problem};
 
 use crate::error::Error;

@@ -1,8 +1,8 @@
 //! The base model with what may be fitted of it: multipliers, effects, what the installation is off by.
 
-use kufe_friction::MagicFormula;
 use kufe_sled::Vehicle;
 use kufe_sled::effects::{Active, Effects, Kind, Sensor};
+use kufe_sled::friction::MagicFormula;
 
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::model::installation::Installation;

@@ -1,6 +1,6 @@
 //! The end of a search over runs: parameters, what is closed, what stands out.
 
-use kufe_plot::number4;
+use kufe::plot::number4;
 use kufe_sled::Model;
 use kufe_sled::effects::{Active, Channel, Kind};
 
@@ -244,7 +244,7 @@ fn base_value(model: &Model, b: usize) -> f64 {
         3 => model.friction.rear.mu_zeta,
         4 => model.friction.rear.k_n_per_rad,
         _ => match model.friction.longitudinal.model() {
-            Ok(kufe_friction::Longitudinal::Fixed(mu)) => mu,
+            Ok(kufe_sled::friction::Longitudinal::Fixed(mu)) => mu,
             _ => 1.0,
         },
     }

@@ -1,6 +1,6 @@
 //! What may have been done to channels, and how it is undone.
 
-use kufe_friction::GRAVITY;
+use crate::friction::GRAVITY;
 
 use crate::record::check::relations::fault::FaultKind;
 use crate::record::check::relations::slow::Slow;

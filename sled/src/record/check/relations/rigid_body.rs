@@ -10,7 +10,7 @@
 //! nothing cancels. In 44 simulated runs of a bobsled (its accelerometer 0.37 m off) it is below 0.1, 0.03 and 0.01 for x, y
 //! and z, in the real car's 0.06 and 0.05 for x and y.
 
-use kufe_friction::GRAVITY;
+use crate::friction::GRAVITY;
 
 use crate::record::check::relations::coefficients::{Coefficient, coefficients};
 use crate::record::check::relations::slow::Slow;

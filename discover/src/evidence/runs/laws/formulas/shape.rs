@@ -188,7 +188,7 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
 
 /// The unit of a column, as one over which an amplitude goes: of a temperature that of its differences.
 pub fn unit_of(name: &str) -> Cow<'static, str> {
-    match kufe_plot::unit_of(name) {
+    match kufe::plot::unit_of(name) {
         unit if unit == "deg C" => Cow::Borrowed("K"),
         unit => unit,
     }

@@ -1,5 +1,0 @@
-//! case.toml, and the effects that it switches on.
-
-mod case_page;
-mod effects;
-mod page;

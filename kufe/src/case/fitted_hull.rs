@@ -1,0 +1,84 @@
+//! A hull's smooth underside, and the noise of its vertices.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kufe_mesh::{
+    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
+    load_hull, noise_of_hull,
+};
+
+use crate::case::table::{FileAxis, RunnerTable};
+
+/// The fitted underside of a hull, or of a mesh, and what that is like.
+#[derive(Clone)]
+pub struct FittedHull {
+    /// The smooth surface that is pressed on the ice.
+    pub underside: Arc<FittedUnderside>,
+    /// Size, holes and warnings.
+    pub report: HullReport,
+    /// Standard deviation of its vertices that the fit was made with, found where none is stated, and what would not be found [m].
+    pub noise: Noise,
+    /// Its triangles, where there is noise, or some would not show.
+    pub scan: Option<Arc<Hull>>,
+}
+
+/// Reads the runner's hull and fits its underside; with what fills it where the runner deforms.
+pub(crate) fn fitted_hull(
+    runner: &RunnerTable,
+    path: &Path,
+) -> Result<(FittedHull, Option<Filled>), MeshError> {
+    let options = HullOptions {
+        scale: runner.scale.unwrap_or(1.0),
+        up: runner.up.map(FileAxis::axis),
+        forward: runner.forward.map_or(Axis::X, FileAxis::axis),
+    };
+    let (hull, mut report) = load_hull(path, &options)?;
+    let noise = runner.noise(&mut report, || noise_of_hull(&hull));
+    let underside = FittedUnderside::new(&hull, noise.found)?;
+    let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
+    let filled = runner.elastic.then(fill).transpose();
+    let filled = filled.map_err(|error| error.in_file(path))?;
+    let fitted = FittedHull {
+        underside: Arc::new(underside),
+        report,
+        noise,
+        scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
+    };
+    Ok((fitted, filled))
+}
+
+impl RunnerTable {
+    /// The noise of the runner's vertices that is stated, or else what is `found`, which the report then tells.
+    pub(crate) fn noise(
+        &self,
+        report: &mut HullReport,
+        found: impl Fn() -> Option<Noise>,
+    ) -> Noise {
+        let stated = self.noise_m.map(|found| Noise { found, unseen: 0.0 });
+        let none = Noise {
+            found: 0.0,
+            unseen: 0.0,
+        };
+        let noise = stated.or_else(&found).unwrap_or(none);
+        if stated.is_none() && noise.found > 0.0 {
+            let noise = noise.found;
+            report.warnings.push(HullWarning::Noisy { noise });
+        }
+        noise
+    }
+}
+
+impl FileAxis {
+    fn axis(self) -> Axis {
+        let (index, negative) = match self {
+            FileAxis::X => (0, false),
+            FileAxis::MinusX => (0, true),
+            FileAxis::Y => (1, false),
+            FileAxis::MinusY => (1, true),
+            FileAxis::Z => (2, false),
+            FileAxis::MinusZ => (2, true),
+        };
+        Axis { index, negative }
+    }
+}

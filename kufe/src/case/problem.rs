@@ -1,0 +1,355 @@
+//! From a case file to the problem it states.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kufe_files::read_regular;
+use kufe_mesh::{
+    BobRunner, Filled, FittedUnderside, LugeSteel, Paraboloid, Rocker, Section, Underside,
+    check_hull, read_gmsh, read_vtu, size_warnings,
+};
+
+use crate::case::check::range::combination;
+use crate::case::fitted_hull::{FittedHull, fitted_hull};
+use crate::case::table::{RunnerTable, SectionTable, Shape, mesh_error};
+use crate::case::{Case, CaseError};
+use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
+
+/// Most bytes of a file of hexahedra.
+const MOST_BYTES: u64 = 1 << 31;
+/// Steepest slope of the solid under a runner that is flat across, as a luge steel.
+const GENTLE: f64 = 0.15;
+/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of the defaults gains 0.0009 of
+/// it, a bobsled runner 0.045.
+const LITTLE: f64 = 0.01;
+
+/// A case's problem with the hull that it came from.
+#[derive(Clone)]
+pub struct StatedProblem {
+    /// The problem.
+    pub problem: Problem,
+    /// The hull or mesh, where the case names one.
+    pub hull: Option<FittedHull>,
+}
+
+impl Case {
+    /// The problem that the case states; a hull's path is taken from `base`, the case's folder.
+    ///
+    /// # Errors
+    /// [`CaseError`] where the case is out of range or the hull cannot be had.
+    pub fn problem(&self, base: &Path) -> Result<Problem, CaseError> {
+        Ok(self.stated(base)?.problem)
+    }
+
+    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be told.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
+        let (runner, hull) = self.runner(base)?;
+        let problem = self.problem_of(runner, base)?;
+        Ok(StatedProblem { problem, hull })
+    }
+
+    /// The runner alone, and its hull where the case names one; a hull's path is taken from `base`.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub fn runner(&self, base: &Path) -> Result<(Runner, Option<FittedHull>), CaseError> {
+        self.check()?;
+        let (underside, hull, elastic) = match &self.runner.mesh {
+            Some(path) => {
+                let (hull, elastic) = self.meshed(&base.join(path))?;
+                let underside: Arc<dyn Underside> = hull.underside.clone();
+                (underside, Some(hull), Some(elastic))
+            }
+            None => {
+                let (underside, hull, filled) = underside(&self.runner, base)?;
+                let elastic = self.runner.elastic.then(|| self.elastic_runner(filled));
+                (underside, hull, elastic.transpose()?)
+            }
+        };
+        Ok((Runner { underside, elastic }, hull))
+    }
+
+    /// The problem that the case states of a runner that is there already; other paths are taken from `base`.
+    ///
+    /// # Errors
+    /// As [`problem`](Self::problem).
+    pub fn problem_of(&self, runner: Runner, base: &Path) -> Result<Problem, CaseError> {
+        self.check()?;
+        let mut ice = self.ice.ice();
+        if let Some(sliding) = &self.sliding {
+            ice.hardness = Some(sliding.hardness(ice.hardness));
+        }
+        let mut problem = Problem {
+            runner,
+            ice,
+            ice_surface: self.ice.surface(base)?,
+            track_curvature: self.track.curvature(),
+            load: self.load.load(),
+        };
+        crate::case::effects::switch_on(&self.effects, &mut problem)?;
+        Ok(problem)
+    }
+
+    /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised stiffness.
+    ///
+    /// Its mount holds the nodes at its highest place, all of them or those over the places held.
+    fn meshed(&self, path: &Path) -> Result<(FittedHull, ElasticRunner), CaseError> {
+        let named =
+            |reason: &dyn std::fmt::Display| mesh_error(format!("{}: {reason}", path.display()));
+        let bytes = read_regular(path, MOST_BYTES)
+            .map_err(|error| named(&format!("cannot be read: {error}")))?;
+        let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let mut mesh = match ending.as_deref() {
+            Some("msh") => read_gmsh(&bytes).map_err(|error| named(&error))?,
+            Some("vtu") => read_vtu(&bytes).map_err(|error| named(&error))?,
+            _ => return Err(named(&"expected hexahedra in a .msh or a .vtu file")),
+        };
+        let scale = self.runner.scale.unwrap_or(1.0);
+        mesh.points.iter_mut().flatten().for_each(|v| *v *= scale);
+        let heights = || mesh.points.iter().map(|p| p[2]);
+        let top = heights().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = heights().fold(f64::INFINITY, f64::min);
+        let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
+        let held = |p: [f64; 3]| {
+            top - p[2] <= 1e-6 * (top - lowest) && mount.as_ref().is_none_or(|m| m.over(p[0]))
+        };
+        let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
+        let extent = extent(&mesh.points);
+        let solid = RunnerSolid::new(mesh, modulus, ratio, held).map_err(|error| named(&error))?;
+        let part = solid.underside();
+        let mut report = check_hull(&part).map_err(|error| named(&error))?;
+        // An underside alone is open; its size is that of the whole mesh.
+        report.warnings = size_warnings(extent);
+        report.extent = extent;
+        let noise = self.runner.noise(&mut report, || solid.noise());
+        let underside = FittedUnderside::new(&part, noise.found).map_err(|error| named(&error))?;
+        let elastic = ElasticRunner {
+            solid: Some(Arc::new(solid)),
+            ..ElasticRunner::held_at_top(modulus, ratio, top)
+        };
+        let hull = FittedHull {
+            underside: Arc::new(underside),
+            report,
+            noise,
+            scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(part)),
+        };
+        Ok((hull, elastic))
+    }
+
+    /// The runner's elasticity and what holds its flat top; `filled` is a hull's.
+    fn elastic_runner(&self, filled: Option<Filled>) -> Result<ElasticRunner, CaseError> {
+        let (top, gentle) = match (&self.runner.shape, filled) {
+            (Some(Shape::Bob { height_m, .. }), _) => (*height_m, false),
+            (Some(Shape::Luge { height_m, .. }), _) => (*height_m, true),
+            (None, Some(filled)) => (filled.top, filled.gain(GENTLE) < LITTLE),
+            (Some(Shape::Paraboloid { .. }), _) | (None, None) => (f64::INFINITY, false),
+        };
+        let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
+        if mount.is_some() && top.is_infinite() {
+            return Err(combination(
+                "runner.mount",
+                "expected a shape with a top: a paraboloid has none",
+            ));
+        }
+        Ok(ElasticRunner {
+            mount: mount.unwrap_or_default(),
+            // A luge steel is flat across: a gentle limit adds steel over the radius of its edge alone.
+            flank: gentle.then_some(GENTLE),
+            ..ElasticRunner::held_at_top(
+                self.runner.youngs_modulus_pa,
+                self.runner.poissons_ratio,
+                top,
+            )
+        })
+    }
+}
+
+/// Size of a mesh along x, y and z [m].
+fn extent(points: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let along = || points.iter().map(|p| p[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    })
+}
+
+type Surface = (Arc<dyn Underside>, Option<FittedHull>, Option<Filled>);
+
+fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
+    match (&runner.shape, &runner.hull) {
+        (Some(shape), _) => {
+            let section = runner.section.clone().unwrap_or_default();
+            Ok((shape_underside(shape, &section, base)?, None, None))
+        }
+        (None, Some(path)) => {
+            let (hull, filled) = fitted_hull(runner, &base.join(path)).map_err(CaseError::Hull)?;
+            Ok((hull.underside.clone(), Some(hull), filled))
+        }
+        (None, None) => Err(combination("runner", "expected a hull or a shape")),
+    }
+}
+
+/// The shape's underside, with the measured or worn section where one is stated.
+fn shape_underside(
+    shape: &Shape,
+    section: &SectionTable,
+    base: &Path,
+) -> Result<Arc<dyn Underside>, CaseError> {
+    let of = |own: Section| section.of(own, base).map_err(CaseError::Section);
+    Ok(match *shape {
+        Shape::Bob {
+            length_m,
+            rocker_radius_m,
+            section_radius_m,
+            width_m,
+            height_m,
+        } => {
+            let bob = BobRunner {
+                length: length_m,
+                rocker_radius: rocker_radius_m,
+                section_radius: section_radius_m,
+                width: width_m,
+                height: height_m,
+                ..BobRunner::default()
+            };
+            let section = of(Section::arc(section_radius_m, width_m)?)?;
+            Arc::new(bob.swept_with(Rocker::arc(rocker_radius_m)?, section)?)
+        }
+        Shape::Paraboloid {
+            rocker_radius_m,
+            section_radius_m,
+        } => Arc::new(Paraboloid::new(rocker_radius_m, section_radius_m)?),
+        Shape::Luge {
+            length_m,
+            rocker_radius_m,
+            edge_radius_m,
+            tilt_rad,
+            width_m,
+            height_m,
+        } => {
+            let steel = LugeSteel {
+                length: length_m,
+                rocker_radius: rocker_radius_m,
+                edge_radius: edge_radius_m,
+                tilt: tilt_rad,
+                width: width_m,
+                height: height_m,
+                ..LugeSteel::default()
+            };
+            let section = of(Section::edge(edge_radius_m, tilt_rad, width_m)?)?;
+            Arc::new(steel.swept_with(section)?)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::table::FileAxis;
+    use kufe_contact::{Foundation, Load, Tilt};
+
+    fn case(shape: &str, rest: &str) -> Case {
+        let text = format!(
+            "[runner]\nshape = {{ {shape} }}\n[ice]\nyoungs_modulus_pa = 9e9\npoissons_ratio = 0.33\n\
+             thickness_m = \"half-space\"\n[load]\nfz_n = 800\n{rest}"
+        );
+        Case::parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+
+    #[test]
+    fn a_paraboloid_has_the_radii_of_its_case() -> Result<(), CaseError> {
+        let shape = "kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005";
+        let problem = case(
+            shape,
+            "tilt = \"fixed\"\nroll_rad = 0.01\n[track]\nradius_m = -50\n",
+        )
+        .problem(Path::new(""))?;
+        let height = |x, y| problem.runner.underside.height(x, y);
+        assert!((height(0.1, 0.0) / (0.01 / 60.0) - 1.0).abs() < 1e-12);
+        assert!((height(0.0, 0.001) / (1e-6 / 0.01) - 1.0).abs() < 1e-12);
+        assert_eq!(problem.track_curvature, -0.02);
+        assert_eq!(problem.ice.foundation, Foundation::HalfSpace);
+        assert_eq!(
+            problem.load,
+            Load::Force {
+                fz: 800.0,
+                offset_x: 0.0,
+                offset_y: 0.0,
+                tilt: Tilt::Fixed {
+                    pitch: 0.0,
+                    roll: 0.01
+                },
+            }
+        );
+        Ok(())
+    }
+
+    #[test]
+    fn dimensions_that_do_not_fit_are_refused_with_their_numbers() {
+        let shape = "kind = \"bob\", length_m = 1, rocker_radius_m = 30, section_radius_m = 0.005, width_m = 0.01, height_m = 0.001";
+        let error = case(shape, "")
+            .problem(Path::new(""))
+            .map(|_| ())
+            .expect_err("no height");
+        assert!(error.to_string().starts_with("runner.shape: "), "{error}");
+    }
+
+    #[test]
+    fn a_hull_is_read_from_the_cases_folder_and_fitted() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let runner = BobRunner {
+            length: 0.2,
+            ..BobRunner::default()
+        }
+        .swept()?;
+        let hull = kufe_mesh::tessellate(&runner, 0.001)?;
+        // Written in millimetres, lying on its side, to be turned back by scale, up and forward.
+        let mut text = String::new();
+        for [x, y, z] in &hull.positions {
+            text += &format!("v {} {} {}\n", 1e3 * y, 1e3 * z, 1e3 * x);
+        }
+        for [a, b, c] in &hull.triangles {
+            text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+        }
+        std::fs::write(folder.path().join("bob.obj"), text)?;
+        let mut case = case(
+            "kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005",
+            "",
+        );
+        case.runner.shape = None;
+        case.runner.hull = Some("bob.obj".into());
+        case.runner.scale = Some(0.001);
+        case.runner.up = Some(FileAxis::Y);
+        case.runner.forward = Some(FileAxis::Z);
+        let stated = case.stated(folder.path())?;
+        let fitted = stated.problem.runner.underside;
+        for (x, y) in [(0.0, 0.0), (0.05, 0.0), (0.02, 0.0007), (-0.03, -0.001)] {
+            let error = fitted.height(x, y) - runner.height(x, y);
+            assert!(error.abs() < 2e-7, "{error:e} at {x}, {y}");
+        }
+        let report = stated.hull.expect("a hull").report;
+        assert!((report.extent[0] - 0.2).abs() < 1e-9 && report.warnings.is_empty());
+        Ok(())
+    }
+
+    #[test]
+    fn a_hull_that_does_not_exist_is_named() {
+        let mut case = case(
+            "kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005",
+            "",
+        );
+        case.runner.shape = None;
+        case.runner.hull = Some("nowhere.obj".into());
+        let error = case
+            .problem(Path::new("hulls"))
+            .map(|_| ())
+            .expect_err("no such file")
+            .to_string();
+        assert!(
+            error.starts_with("runner.hull: ") && error.contains("nowhere.obj"),
+            "{error}"
+        );
+    }
+}

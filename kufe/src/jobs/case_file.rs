@@ -1,0 +1,262 @@
+//! A case and the file that it came from.
+
+use std::path::{Path, PathBuf};
+
+use crate::case::{Case, FittedHull, StatedProblem};
+use kufe_contact::{Error, Solution, SurfaceField};
+use kufe_files::text_of_regular;
+use kufe_mesh::hull_files;
+
+use crate::jobs::failure::Failure;
+
+/// The case that is solved where none is given.
+pub const EXAMPLE: &str = include_str!("../../assets/example.toml");
+
+/// A case file is a page of text; what is longer than this is something else [bytes].
+const LONGEST: u64 = 1 << 20;
+
+/// A case and where it stands.
+#[derive(Clone, Debug)]
+pub struct LoadedCase {
+    /// What to call it in messages.
+    pub name: String,
+    /// The folder that a hull's path starts from.
+    pub base: PathBuf,
+    /// The case.
+    pub case: Case,
+}
+
+impl LoadedCase {
+    /// The built-in example.
+    ///
+    /// # Errors
+    /// None in a released program; the example is part of it.
+    pub fn example() -> Result<LoadedCase, Failure> {
+        LoadedCase::parse("the built-in example", Path::new(""), EXAMPLE)
+    }
+
+    /// Reads a case file.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] naming the file, the line, the key, the value and what was expected.
+    pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
+        let name = path.display().to_string();
+        let told = |reason: String| Failure::BadInput(format!("{name}: {reason}"));
+        let text = text_of_regular(path, LONGEST)
+            .map_err(|error| told(format!("cannot be read: {error}")))?;
+        let base = path.parent().unwrap_or(Path::new(""));
+        LoadedCase::parse(&name, base, &text)
+    }
+
+    /// Parses a case's text; `name` stands for it in messages, a hull's path starts from `base`.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] naming the line, the key, the value and what was expected.
+    pub fn parse(name: &str, base: &Path, text: &str) -> Result<LoadedCase, Failure> {
+        let case =
+            Case::parse(text).map_err(|error| Failure::BadInput(format!("{name}: {error}")))?;
+        Ok(LoadedCase {
+            name: name.to_string(),
+            base: base.to_path_buf(),
+            case,
+        })
+    }
+
+    /// Every file that is read for the case beside its own, with the key that names it: hull and its buffers, mesh, section, ice
+    /// surface, groove.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where a hull that names further files cannot be read.
+    pub fn files(&self) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
+        let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
+        let mut files = Vec::new();
+        for (key, file) in self.case.files() {
+            let path = self.base.join(file);
+            if key == "runner.hull" {
+                let parts = hull_files(&path).map_err(told)?;
+                files.extend(parts.into_iter().map(|part| (key, part)));
+            } else {
+                files.push((key, path));
+            }
+        }
+        Ok(files)
+    }
+
+    /// The problem that the case states, of a contact at rest.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the hull cannot be had, and for a case that slides.
+    pub fn stated(&self) -> Result<StatedProblem, Failure> {
+        if self.case.sliding.is_some() {
+            return Err(Failure::BadInput(format!(
+                "{}: [sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
+                self.name
+            )));
+        }
+        self.stated_sliding()
+    }
+
+    /// The problem that the case states, sliding or not.
+    ///
+    /// # Errors
+    /// As [`stated`](Self::stated).
+    pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
+        self.case
+            .stated(&self.base)
+            .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
+    }
+
+    /// The case with another value of a number of its runner's shape.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for a runner without a shape, a key that the shape does not have, and a value out of range.
+    pub fn with_shape(&self, key: &str, value: f64) -> Result<LoadedCase, Failure> {
+        let wrong = |text: String| Failure::BadInput(format!("{}: {text}", self.name));
+        let Some(shape) = &self.case.runner.shape else {
+            return Err(wrong(format!(
+                "runner.shape.{key}: the runner is a hull, expected a shape"
+            )));
+        };
+        let told = |error: &dyn std::fmt::Display| wrong(format!("runner.shape.{key}: {error}"));
+        let mut table = toml::Table::try_from(shape).map_err(|error| told(&error))?;
+        let numbers: Vec<&String> = table.keys().filter(|key| *key != "kind").collect();
+        let found = numbers.iter().any(|known| *known == key);
+        if !found {
+            let keys: Vec<&str> = numbers.iter().map(|key| key.as_str()).collect();
+            let expected = format!("found no such key, expected one of {}", keys.join(", "));
+            return Err(told(&expected));
+        }
+        table.insert(key.to_owned(), value.into());
+        let mut case = self.case.clone();
+        case.runner.shape = Some(table.try_into().map_err(|error| told(&error))?);
+        case.check()
+            .map_err(|error| wrong(format!("with {key} = {value}: {error}")))?;
+        Ok(LoadedCase {
+            name: format!("{} with {key} = {value}", self.name),
+            base: self.base.clone(),
+            case,
+        })
+    }
+
+    /// What is odd about the hull, ready to be shown.
+    pub fn hull_warnings(&self, hull: Option<&FittedHull>) -> Vec<String> {
+        hull.iter()
+            .flat_map(|hull| &hull.report.warnings)
+            .map(|warning| format!("{}: {}: {warning}", self.name, self.hull_key()))
+            .collect()
+    }
+
+    /// The key that names the hull or the mesh.
+    fn hull_key(&self) -> &'static str {
+        match self.case.runner.mesh {
+            Some(_) => "runner.mesh",
+            None => "runner.hull",
+        }
+    }
+
+    /// Refuses a hull whose fit is too uncertain for what was solved on it; a shape has no fit.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
+    pub fn fine_enough(
+        &self,
+        hull: Option<&FittedHull>,
+        solution: &Solution,
+    ) -> Result<(), Failure> {
+        match hull {
+            Some(_) => self.fine_within(hull, depth(solution), patch(&solution.surface)),
+            None => Ok(()),
+        }
+    }
+
+    /// As [`fine_enough`](Self::fine_enough) for ice that gives `depth` [m] under a patch `[x_min, x_max, y_min, y_max]` [m].
+    pub(crate) fn fine_within(
+        &self,
+        hull: Option<&FittedHull>,
+        depth: f64,
+        patch: [f64; 4],
+    ) -> Result<(), Failure> {
+        let Some(hull) = hull else { return Ok(()) };
+        match hull.underside.coarse_within(depth, patch) {
+            None => Ok(()),
+            Some(coarse) => {
+                let would_do = match hull.noise.found > 0.0 {
+                    true => format!(
+                        "noise of {:.3} µm where there is {:.3} µm, or vertices {:.1} times closer both ways, would do",
+                        1e6 * hull.noise.found * coarse.noise_share(),
+                        1e6 * hull.noise.found,
+                        1.0 / coarse.noise_share()
+                    ),
+                    false => "give it a finer surface".into(),
+                };
+                Err(Failure::BadInput(format!(
+                    "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
+                     the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {would_do}",
+                    self.name,
+                    self.hull_key(),
+                    1e6 * coarse.error,
+                    1e6 * coarse.approach,
+                    1e6 * coarse.allowed
+                )))
+            }
+        }
+    }
+
+    /// Why the error of a peak is not known: noise that nobody stated, whose effect could not be told.
+    pub(crate) fn noise_untold(&self) -> Failure {
+        Failure::NotConverged(format!(
+            "{}: {}: its vertices scatter, and what that moves the peak by could not be told by boundary elements: expected vertices on a \
+             smooth surface, or runner.noise_m",
+            self.name,
+            self.hull_key()
+        ))
+    }
+
+    /// A solver's error as the command's.
+    pub fn failure(&self, error: &Error) -> Failure {
+        let text = format!("{}: {error}", self.name);
+        match error {
+            Error::NotConverged { .. }
+            | Error::AccuracyNotReached { .. }
+            | Error::MeshTooLarge { .. }
+            | Error::TooManyTouch { .. }
+            | Error::NoPatch { .. }
+            | Error::FarField { .. }
+            | Error::NoAnswer { .. }
+            | Error::NotHeld { .. }
+            | Error::TouchesElsewhere { .. }
+            | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
+            Error::Stopped => Failure::Partial(text),
+            _ => Failure::BadInput(text),
+        }
+    }
+}
+
+/// How deep the ice gives, which a hull's fit is held against: a runner that bends comes nearer to its mount, too [m].
+pub(crate) fn depth(solution: &Solution) -> f64 {
+    let deepest = |field: &SurfaceField| field.uz.iter().fold(0.0, |most, uz| f64::max(most, -uz));
+    match solution.runner_volume {
+        Some(_) => deepest(&solution.surface).min(solution.approach),
+        None => solution.approach,
+    }
+}
+
+/// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
+pub(crate) fn patch(field: &SurfaceField) -> [f64; 4] {
+    let mut patch = [
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    for (k, _) in field.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        let (x, y) = (field.x[k % field.x.len()], field.y[k / field.x.len()]);
+        patch = [
+            patch[0].min(x),
+            patch[1].max(x),
+            patch[2].min(y),
+            patch[3].max(y),
+        ];
+    }
+    patch
+}

@@ -1,0 +1,156 @@
+//! `pressure.exr`: the map as 32-bit floats with its place in metres.
+
+use std::io::{Cursor, Write};
+
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
+    WritableImage,
+};
+use kufe_contact::PressureMap;
+
+const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is p_max_mesh_pa; p_max_pa: the peak in the limit of fine meshes; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
+    row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
+
+/// Writes channels `p` [Pa], `gap` [m] and `uz` [m] of a contact, as [`write_channels`].
+///
+/// `figures` are further numbers of the contact, by name.
+///
+/// # Errors
+/// The EXR writer's, which are those of `writer`.
+pub fn write(
+    writer: &mut dyn Write,
+    map: &PressureMap,
+    track_curvature: f64,
+    figures: &[(&str, f64)],
+) -> exr::error::UnitResult {
+    let radius = if track_curvature == 0.0 {
+        f64::INFINITY
+    } else {
+        1.0 / track_curvature
+    };
+    let numbers = [("radius_m", radius), ("curvature_1pm", track_curvature)];
+    let numbers = [&numbers[..], figures].concat();
+    let channels = [("p", &map.pressure[..]), ("gap", &map.gap), ("uz", &map.uz)];
+    write_channels(writer, map, COMMENTS, &numbers, &channels)
+}
+
+/// Writes channels on the pixels of `map`, one pixel a cell, as ZIP-compressed scanlines.
+///
+/// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
+/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers would show a needle as a line.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_channels(
+    writer: &mut dyn Write,
+    map: &PressureMap,
+    comments: &str,
+    numbers: &[(&str, f64)],
+    channels: &[(&str, &[f64])],
+) -> exr::error::UnitResult {
+    let mut attributes = LayerAttributes {
+        software_name: Some(Text::from(concat!("kufe ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(Text::from(comments)),
+        ..LayerAttributes::default()
+    };
+    let place = [
+        ("origin_x_m", map.x0),
+        ("origin_y_m", map.y0),
+        ("pixel_x_m", map.dx),
+        ("pixel_y_m", map.dy),
+    ];
+    for (name, value) in place.iter().chain(numbers) {
+        attributes
+            .other
+            .insert(Text::from(*name), AttributeValue::F64(*value));
+    }
+    let channel = |(name, values): &(&str, &[f64])| {
+        let samples = values.iter().map(|&value| value as f32).collect();
+        AnyChannel::new(*name, FlatSamples::F32(samples))
+    };
+    let channels = AnyChannels::sort(channels.iter().map(channel).collect::<SmallVec<_>>());
+    let layer = Layer::new(
+        (map.nx, map.ny),
+        attributes,
+        Encoding::SMALL_LOSSLESS,
+        channels,
+    );
+    let mut file = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)?;
+    let mut bytes = file.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(writer.write_all(&bytes)?)
+}
+
+/// Sorts the header's attributes by name: the EXR library holds them in a table of random order, and the same
+/// map is to be the same bytes.
+///
+/// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a zero, the value's
+/// size as 4 bytes and the value; a zero ends the header. Sorting keeps its length, so all offsets stay.
+fn sort_attributes(bytes: &mut [u8]) {
+    const START: usize = 8;
+    let zero = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|k| from + k);
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    let mut at = START;
+    while bytes[at] != 0 {
+        let end = zero(at).and_then(|name| zero(name + 1)).and_then(|kind| {
+            let size = bytes.get(kind + 1..kind + 5)?.try_into().ok()?;
+            Some(kind + 5 + u32::from_le_bytes(size) as usize)
+        });
+        let Some(end) = end.filter(|&end| end < bytes.len()) else {
+            unreachable!("the EXR library wrote a broken header");
+        };
+        attributes.push(bytes[at..end].to_vec());
+        at = end;
+    }
+    attributes.sort();
+    bytes[START..at].copy_from_slice(&attributes.concat());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::field::hertz_map::hertz_map;
+    use exr::prelude::read_first_flat_layer_from_file;
+
+    #[test]
+    fn an_exr_gives_back_its_channels_and_its_place() -> Result<(), Box<dyn std::error::Error>> {
+        let map = hertz_map();
+        let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
+        write(&mut file.as_file(), &map, 0.0, &[("fz_n", 1000.0)])?;
+        let image = read_first_flat_layer_from_file(file.path())?;
+        let names: Vec<String> = image
+            .layer_data
+            .channel_data
+            .list
+            .iter()
+            .map(|channel| channel.name.to_string())
+            .collect();
+        assert_eq!(names, ["gap", "p", "uz"]);
+        let pressure: Vec<f32> = image.layer_data.channel_data.list[1]
+            .sample_data
+            .values_as_f32()
+            .collect();
+        assert_eq!(pressure.len(), map.nx * map.ny);
+        assert!(
+            pressure
+                .iter()
+                .zip(&map.pressure)
+                .all(|(a, b)| *a == *b as f32)
+        );
+        let other = &image.layer_data.attributes.other;
+        assert_eq!(
+            other.get(&Text::from("pixel_x_m")),
+            Some(&AttributeValue::F64(map.dx))
+        );
+        assert_eq!(
+            other.get(&Text::from("radius_m")),
+            Some(&AttributeValue::F64(f64::INFINITY))
+        );
+        Ok(())
+    }
+}

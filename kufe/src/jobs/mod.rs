@@ -1,0 +1,48 @@
+//! Jobs: what the command and the Python package do alike, from files to results.
+//!
+//! A job takes the paths that a user gives, calls the libraries, and fails with the one sentence that the user reads.
+//! It prints nothing: progress and warnings go to closures. Which files are written is the caller's to say.
+//!
+//! | item | the job |
+//! |---|---|
+//! | [`case_file::LoadedCase`], [`press()`] | a case and its solution, with what there is to say about it |
+//! | [`field`] | the maps, pictures and bodies of a solved contact, as files |
+//! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
+//! | [`table`] | a table file and the lookup table that it asks for |
+//! | [`runs`] | recorded runs, chosen and prepared |
+//! | [`Failure`] | how a job fails: in a sentence, of one of four kinds |
+//! | [`Watch`] | who is told of progress and warnings, and may stop the job |
+//!
+//! ```
+//! use kufe_contact::Options;
+//! use kufe::jobs::{Watch, case_file::LoadedCase, press};
+//! let pressed = press(LoadedCase::example()?, &Watch::default(), Options::default())?;
+//! assert!((pressed.solution.p_max / 138.5e6 - 1.0).abs() < 0.01);
+//! # Ok::<(), kufe::jobs::Failure>(())
+//! ```
+
+mod case_content;
+pub mod case_file;
+mod case_json;
+pub mod failure;
+pub mod field;
+mod press;
+pub mod runs;
+pub mod slide;
+pub mod table;
+mod watch;
+mod write_whole;
+
+pub use case_json::{case_json, json_number, toml_json};
+pub use failure::Failure;
+pub use press::{
+    Prepared, Pressed, percent, press, press_prepared, press_with, runner_keys, time_left,
+    with_progress,
+};
+pub use watch::Watch;
+pub use write_whole::write_whole;
+
+/// A commented `table.toml` to start from; its case is `case.toml` beside it.
+pub const TABLE_EXAMPLE: &str = include_str!("../../assets/table.toml");
+/// A commented `model.toml` to start from: the published sled.
+pub const MODEL_EXAMPLE: &str = include_str!("../../assets/model.toml");

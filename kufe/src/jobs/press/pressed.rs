@@ -1,0 +1,249 @@
+//! One contact problem, from its case to its solution.
+
+use std::time::Instant;
+
+use crate::case::FittedHull;
+use kufe_contact::{CentreLine, Error, Options, Problem, RunnerLoads, Solution};
+use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
+
+use crate::jobs::case_file::{LoadedCase, depth, patch};
+use crate::jobs::failure::Failure;
+use crate::jobs::press::check::Check;
+use crate::jobs::press::hull_error::{HullError, between_vertices, moved};
+use crate::jobs::press::prepared::Prepared;
+use crate::jobs::slide::{Slid, solve_sliding};
+use crate::jobs::watch::Watch;
+
+/// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
+const ICE_GIVES_WAY: f64 = 10e6;
+
+/// A solved case with what there is to say about it.
+pub struct Pressed {
+    /// The case.
+    pub loaded: LoadedCase,
+    /// The problem that it stated.
+    pub problem: Problem,
+    /// The hull, where the case names one.
+    pub hull: Option<FittedHull>,
+    /// Its solution.
+    pub solution: Solution,
+    /// What an elastic runner bears.
+    pub runner: Option<RunnerLoads>,
+    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
+    pub moved: Option<HullError>,
+    /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
+    pub between: Option<HullError>,
+    /// The stress under the peak, where [`Options::subsurface`] asks for it.
+    pub line: Option<CentreLine>,
+    /// What boundary elements say of it; nothing where the runner slides.
+    pub check: Option<Check>,
+    /// Groove, film and friction, where the case slides.
+    pub sliding: Option<Slid>,
+    /// Wall time of the solve [s].
+    pub seconds: f64,
+    /// Why the accuracy asked was not reached, where it was not: the solution is the best there is, with its error.
+    pub short: Option<Failure>,
+    /// What the case's files held: [`LoadedCase::content`].
+    pub content: String,
+    /// What the reader of the result should know.
+    pub warnings: Vec<String>,
+}
+
+/// Solves a case, with the solver's limits and who is told of every update of the contact set; the accuracy is the case's.
+///
+/// # Errors
+/// [`Failure::BadInput`] for the case and a hull that is too coarse for its load, [`Failure::NotConverged`] where the
+/// solver stops short of the accuracy asked.
+pub fn press(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+    let pressed = press_with(loaded, watch, options)?;
+    match pressed.short {
+        Some(failure) => Err(failure),
+        None => Ok(pressed),
+    }
+}
+
+/// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's. Where that is not reached the best answer
+/// comes with [`Pressed::short`].
+///
+/// # Errors
+/// As [`press`] for all else; [`Failure::Partial`] where it was stopped.
+pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+    let prepared = Prepared::of(&loaded)?;
+    press_prepared(loaded, &prepared, watch, options)
+}
+
+/// As [`press_with`], of a runner that is read and fitted already.
+///
+/// # Errors
+/// As [`press_with`].
+pub fn press_prepared(
+    loaded: LoadedCase,
+    prepared: &Prepared,
+    watch: &Watch,
+    options: Options,
+) -> Result<Pressed, Failure> {
+    let problem = prepared.problem(&loaded)?;
+    let hull = prepared.hull.clone();
+    let mut warnings = loaded.hull_warnings(hull.as_ref());
+    warnings.iter().for_each(|warning| watch.warn(warning));
+    let started = Instant::now();
+    let options = Options {
+        p_max_tolerance: loaded.case.accuracy.p_max,
+        stiffness: loaded.case.solver.stiffness.into(),
+        ..options
+    };
+    let (solution, sliding, short) = match &loaded.case.sliding {
+        None => match solve(&problem, &options) {
+            Ok(solution) => (solution, None, None),
+            Err(error) => {
+                let failure = loaded.failure(&error);
+                match error {
+                    Error::AccuracyNotReached { best, .. } => (*best, None, Some(failure)),
+                    Error::Stopped => return Err(failure),
+                    _ => {
+                        return Err(too_coarse(&loaded, hull.as_ref(), &problem).unwrap_or(failure));
+                    }
+                }
+            }
+        },
+        Some(table) => {
+            let (solution, slid) = solve_sliding(&loaded, table, &problem, &options)?;
+            (solution, Some(slid), None)
+        }
+    };
+    let seconds = started.elapsed().as_secs_f64();
+    loaded.fine_enough(hull.as_ref(), &solution)?;
+    let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
+    let told = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
+    let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
+    let resting = hull.as_ref().filter(|_| sliding.is_none());
+    let between = resting
+        .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
+    let moved_by = told.filter(|_| sliding.is_none()).and_then(|_| {
+        watch.progress("scans made up, to see how far noise moves the peak");
+        moved(&problem, || prepared.scans())
+    });
+    let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
+    let untold = unstated && sliding.is_none() && moved_by.is_none();
+    let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
+    // Not told now: the command ends with it.
+    warnings.extend(
+        short
+            .as_ref()
+            .map(|short| format!("the accuracy asked was not reached: {short}")),
+    );
+    let remarks = [
+        beyond_ice(&problem, &solution),
+        own_hexahedra(&loaded),
+        noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
+        exact.and_then(|hull| not_shown(hull, moved_by, solution.approach)),
+        between
+            .filter(|between| between.p_max > loaded.case.accuracy.p_max)
+            .map(|between| far_apart(between, solution.approach)),
+    ];
+    for warning in remarks.into_iter().flatten() {
+        watch.warn(&warning);
+        warnings.push(warning);
+    }
+    let check = sliding.is_none().then(|| Check::of(&problem));
+    if let Some(warning) = check.as_ref().and_then(|check| check.parted(&solution)) {
+        watch.warn(&warning);
+        warnings.push(warning);
+    }
+    if let Some(warning) = sliding.as_ref().and_then(Slid::too_deep) {
+        watch.warn(&warning);
+        warnings.push(warning);
+    }
+    let line = options.subsurface.then(|| centre_line(&solution));
+    Ok(Pressed {
+        line: line.transpose().map_err(Failure::bad_input)?,
+        runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
+        loaded,
+        problem,
+        hull,
+        moved: moved_by,
+        between,
+        solution,
+        check,
+        sliding,
+        seconds,
+        short,
+        content: prepared.content.clone(),
+        warnings,
+    })
+}
+
+/// That the hull is too coarse for its load, by the contact that boundary elements find on it: why there is no answer, then.
+fn too_coarse(
+    loaded: &LoadedCase,
+    hull: Option<&FittedHull>,
+    problem: &Problem,
+) -> Option<Failure> {
+    let found = boundary_elements_to_compare(problem).ok()?;
+    loaded.fine_within(hull, found.approach, found.patch).err()
+}
+
+/// A warning where the elastic answer is beyond what ice bears.
+fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
+    (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
+        format!(
+            "the peak of {:.1} MPa is beyond the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
+             as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
+            solution.p_max / 1e6
+        )
+    })
+}
+
+/// What stated errors of a runner's own hexahedra rest on.
+fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
+    loaded.case.runner.mesh.is_some().then(|| {
+        "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
+         finer ones there lower them"
+            .into()
+    })
+}
+
+/// What stated errors do not hold: the noise of vertices or nodes.
+fn beyond_discretisation(
+    hull: &FittedHull,
+    solution: &Solution,
+    moved: Option<HullError>,
+) -> String {
+    let left = hull.underside.quality().residual_rms;
+    let moved = moved.map_or(String::new(), |moved| {
+        format!(
+            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
+             (approach_noise_m)",
+            100.0 * moved.p_max,
+            100.0 * moved.approach / solution.approach
+        )
+    });
+    format!(
+        "the stated errors do not hold what noise leaves in the hull: {:.3} µm taken and {:.3} µm found, {:.2} % of the approach{moved}",
+        1e6 * hull.noise.found,
+        1e6 * left,
+        100.0 * left / solution.approach
+    )
+}
+
+/// What noise moves that a hull may have and its vertices do not show.
+fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
+    let moved = moved?;
+    Some(format!(
+        "noise of up to {:.3} µm does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
+         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 says that there is none",
+        1e6 * hull.noise.unseen,
+        100.0 * moved.p_max,
+        100.0 * moved.approach / approach
+    ))
+}
+
+/// What the distances of vertices leave, where it is more than was asked.
+fn far_apart(between: HullError, approach: f64) -> String {
+    format!(
+        "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \
+         the approach (approach_hull_m); vertices closer together lower that",
+        100.0 * between.p_max,
+        100.0 * between.approach / approach
+    )
+}

@@ -1,0 +1,196 @@
+//! Recorded runs: read, chosen and prepared.
+
+use std::path::PathBuf;
+
+use kufe_sled::{
+    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, TakingPart, Vehicle,
+    gaps_line, outside_tables, prepare_all,
+};
+
+use serde_json::{Value, json};
+
+use crate::jobs::failure::Failure;
+use crate::jobs::watch::Watch;
+
+/// Which runs, and what they are used with.
+#[derive(Clone, Debug)]
+pub struct RunSelection {
+    /// Index of the runs.
+    pub runs: PathBuf,
+    /// Sled and friction.
+    pub model: PathBuf,
+    /// Only runs of these sessions; all where empty.
+    pub session: Vec<String>,
+    /// Only runs on these tracks; all where empty.
+    pub track: Vec<String>,
+    /// Leave runs with faulty files out instead of stopping at the first.
+    pub leave_out_bad_runs: bool,
+    /// Refuse runs with gaps instead of leaving out what stands beside them.
+    pub strict: bool,
+    /// Corner of the zero-phase low pass [Hz].
+    pub cutoff_hz: f64,
+}
+
+/// Runs ready for use, and what they are used with.
+pub struct Loaded {
+    /// Sled and friction.
+    pub model: Model,
+    /// The same with its tables opened.
+    pub vehicle: Vehicle,
+    /// The runs.
+    pub prepared: Vec<Prepared>,
+    /// Runs left out and why.
+    pub left_out: Vec<String>,
+    /// Runs with gaps: what is not there, and how much takes part.
+    pub gaps: Vec<TakingPart>,
+    /// Tables of the model that do not span every sample.
+    pub outside_tables: Vec<OutsideTable>,
+}
+
+/// The failure that a sled error is.
+pub fn failure(error: &Error) -> Failure {
+    match error {
+        Error::Friction(kufe_sled::friction::Error::NotConverged { .. }) => {
+            Failure::NotConverged(error.to_string())
+        }
+        _ => Failure::BadInput(error.to_string()),
+    }
+}
+
+impl Loaded {
+    /// States the runs with gaps as `gaps` in a result, where there are any.
+    pub fn state_gaps(&self, result: &mut Value) {
+        if !self.gaps.is_empty() {
+            result["gaps"] = json!(self.gaps);
+        }
+    }
+}
+
+/// The tracks that runs are on, each once.
+fn tracks(runs: &[Run]) -> Vec<&str> {
+    let mut tracks: Vec<&str> = runs.iter().map(|run| run.entry.track.as_str()).collect();
+    tracks.sort_unstable();
+    tracks.dedup();
+    tracks
+}
+
+impl RunSelection {
+    /// Every run of an index, with the model's file and a corner of 20 Hz.
+    pub fn all(runs: PathBuf, model: PathBuf) -> RunSelection {
+        RunSelection {
+            runs,
+            model,
+            session: Vec::new(),
+            track: Vec::new(),
+            leave_out_bad_runs: false,
+            strict: false,
+            cutoff_hz: 20.0,
+        }
+    }
+
+    /// Reads model and runs, keeps those selected that the laws were not fitted to, as `unseen` tells, and prepares them; remarks on runs are told as warnings.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
+    pub fn load(&self, watch: &Watch, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+        // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no period.
+        if !(0.1..=1e4).contains(&self.cutoff_hz) {
+            return Err(Failure::Usage(format!(
+                "--cutoff-hz {}: expected 0.1 to 10000 Hz",
+                self.cutoff_hz
+            )));
+        }
+        let model = Model::load(&self.model).map_err(|error| failure(&error))?;
+        let vehicle = Vehicle::with_effects(&model).map_err(|error| failure(&error))?;
+        watch.progress(&format!("reading {}", self.runs.display()));
+        let on_gaps = if self.strict {
+            OnGaps::Refuse
+        } else {
+            OnGaps::LeaveOut
+        };
+        let (mut runs, left_out) = if self.leave_out_bad_runs {
+            let (runs, bad) = kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps)
+                .map_err(|error| failure(&error))?;
+            (runs, bad.iter().map(ToString::to_string).collect())
+        } else {
+            let runs = kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps)
+                .map_err(|error| failure(&error))?;
+            (runs, Vec::new())
+        };
+        let tracks = tracks(&runs);
+        for text in vehicle.effects_elsewhere(&tracks) {
+            watch.warn(&format!("{}: {text}", self.model.display()));
+        }
+        self.known("session", &self.session, &runs, |run| &run.entry.session)?;
+        self.known("track", &self.track, &runs, |run| &run.entry.track)?;
+        let among = |names: &[String], name: &String| names.is_empty() || names.contains(name);
+        runs.retain(|run| {
+            among(&self.session, &run.entry.session) && among(&self.track, &run.entry.track)
+        });
+        let asked = runs.len();
+        runs.retain(unseen);
+        if runs.is_empty() {
+            let why = match asked {
+                0 => "none is of that session and track".to_owned(),
+                all => format!("the laws were fitted to all {all}; leave some out of the fit"),
+            };
+            return Err(Failure::BadInput(format!(
+                "{}: no run is left of those asked for: {why}",
+                self.runs.display()
+            )));
+        }
+        for text in runs.iter().flat_map(Run::noticed).chain(left_out.clone()) {
+            watch.warn(&text);
+        }
+        watch.progress(&format!("preparing {} runs", runs.len()));
+        let options = PrepareOptions {
+            cutoff_hz: self.cutoff_hz,
+            ..PrepareOptions::default()
+        };
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
+            .map_err(|error| failure(&error))?;
+        let gaps: Vec<TakingPart> = prepared
+            .iter()
+            .map(|run| run.taking_part.clone())
+            .filter(|run| !run.gaps.is_none())
+            .collect();
+        if !gaps.is_empty() {
+            watch.warn(&gaps_line(&gaps));
+        }
+        let states = prepared.iter().flat_map(|run| &run.states);
+        let outside_tables = outside_tables(&vehicle, states);
+        for outside in &outside_tables {
+            watch.warn(&outside.to_string());
+        }
+        Ok(Loaded {
+            model,
+            vehicle,
+            prepared,
+            left_out,
+            gaps,
+            outside_tables,
+        })
+    }
+
+    fn known(
+        &self,
+        option: &str,
+        asked: &[String],
+        runs: &[Run],
+        of: fn(&Run) -> &String,
+    ) -> Result<(), Failure> {
+        for name in asked {
+            if !runs.iter().any(|run| of(run) == name) {
+                let mut there: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+                there.sort_unstable();
+                there.dedup();
+                return Err(Failure::BadInput(format!(
+                    "--{option} {name}: {} has only {}",
+                    self.runs.display(),
+                    there.join(", ")
+                )));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,83 @@
+//! The melt film on a sliding contact's patch.
+
+use crate::case::SlidingTable;
+use kufe_contact::{Section, SlidingSolution};
+use kufe_sled::friction::film::{Film, FilmConditions, FilmOptions, Properties, Strip, film};
+
+use crate::jobs::case_file::LoadedCase;
+use crate::jobs::failure::Failure;
+
+/// The film along the patch, with the places of its stations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmAlong {
+    /// Front end of the patch along the runner, where the film begins [m].
+    pub front: f64,
+    /// The film by its distance from there.
+    pub film: Film,
+}
+
+impl FilmAlong {
+    /// Error of the film's friction: of its integration and of its stations.
+    pub fn friction_error(&self) -> f64 {
+        self.error(|totals| totals.friction)
+    }
+
+    /// Error of a total, of the integration and of the stations.
+    pub fn error(&self, of: impl Fn(&kufe_sled::friction::film::FilmTotals) -> f64) -> f64 {
+        of(&self.film.errors) + self.film.sampling.as_ref().map_or(0.0, of)
+    }
+}
+
+/// The film under these conditions on the patch of a solution, as a strip that bears the whole load: what stations leave out of it is made up by
+/// their widths, which are known to a part of a cell, for pressures are bounded by what the ice bears.
+///
+/// # Errors
+/// [`kufe_sled::friction::Error`] for conditions out of range, and for a patch that is no strip.
+pub fn film_along(
+    solution: &SlidingSolution,
+    conditions: &FilmConditions,
+) -> Result<FilmAlong, kufe_sled::friction::Error> {
+    let sections = &solution.groove.sections;
+    let front = sections.first().map_or(0.0, |s| s.x);
+    let share = solution.contact.fz / load(sections);
+    let strip = Strip::new(
+        sections.iter().map(|s| front - s.x).collect(),
+        sections.iter().map(|s| share * s.width).collect(),
+        sections.iter().map(|s| s.pressure).collect(),
+    )?;
+    let film = film(
+        &strip,
+        conditions,
+        &Properties::WATER_AND_ICE,
+        &FilmOptions::default(),
+    )?;
+    Ok(FilmAlong { front, film })
+}
+
+/// What the stations bear, with pressure and squared width linear in between, by Simpson's rule [N].
+fn load(sections: &[Section]) -> f64 {
+    let between = |pair: &[Section]| {
+        let [a, b] = [pair[0], pair[1]];
+        let width = (0.5 * (a.width.powi(2) + b.width.powi(2))).sqrt();
+        let middle = width * 0.5 * (a.pressure + b.pressure);
+        (a.x - b.x) / 6.0 * (a.width * a.pressure + 4.0 * middle + b.width * b.pressure)
+    };
+    sections.windows(2).map(between).sum()
+}
+
+/// Speed, temperature and viscosity of a case.
+pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
+    FilmConditions {
+        viscosity_factor: sliding.viscosity_factor.unwrap_or(1.0),
+        ..FilmConditions::new(sliding.v_mps, sliding.ice_c)
+    }
+}
+
+/// The film's error as the job's.
+pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_sled::friction::Error) -> Failure {
+    let text = format!("{}: the melt film: {error}", loaded.name);
+    match error {
+        kufe_sled::friction::Error::NotConverged { .. } => Failure::NotConverged(text),
+        _ => Failure::BadInput(text),
+    }
+}

@@ -1,0 +1,178 @@
+//! A case's groove, with the hardness that it comes from.
+
+use crate::case::SlidingTable;
+use kufe_contact::{Error, GrooveProfile, Measure, Options, Problem, SlidingSolution, slide};
+
+use crate::jobs::case_file::LoadedCase;
+use crate::jobs::failure::Failure;
+use crate::jobs::slide::film::film_failure;
+use crate::jobs::slide::groove_file::groove_left;
+use crate::jobs::slide::hardness::{HardnessFrom, HardnessLaw};
+
+/// A groove and the hardness of the ice that it was ploughed in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grooved {
+    /// The groove and its contact.
+    pub solution: SlidingSolution,
+    /// Pressure at which the ice yields.
+    pub hardness: Hardness,
+}
+
+/// The pressure at which the ice yields.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hardness {
+    /// The pressure [Pa].
+    pub value: f64,
+    /// What says so.
+    pub from: HardnessFrom,
+    /// Time that the ice is under the runner: the patch's length over the speed [s].
+    pub contact_time: Measure,
+}
+
+/// A case whose runner ploughs.
+pub(crate) struct Ploughing<'a> {
+    pub loaded: &'a LoadedCase,
+    pub sliding: &'a SlidingTable,
+    problem: &'a Problem,
+    before: Option<GrooveProfile>,
+    pub law: HardnessLaw,
+}
+
+/// Most grooves until hardness and contact time agree.
+const ROUNDS: usize = 8;
+/// What they may differ by, the hardness over itself: of coarse grooves, and of the last ones over the accuracy asked, for
+/// lengths on two meshes scatter by about that and a third of it is the hardness's.
+const COARSELY: f64 = 1e-2;
+const CLOSELY: f64 = 0.25;
+/// Share of a change of the hardness that its contact time gives back, where H ~ t^(-1/3) and the length l ~ H^(-1/2).
+const GIVEN_BACK: f64 = 1.0 / 6.0;
+/// Cells over half the patch of a coarse groove.
+const COARSE: usize = 6;
+/// The patch of a bob runner, from which the search begins [m].
+const USUAL_LENGTH: f64 = 0.05;
+
+impl<'a> Ploughing<'a> {
+    /// The case's, with the groove that it meets.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for that groove and for an anchor of the law of creep.
+    pub fn new(
+        loaded: &'a LoadedCase,
+        sliding: &'a SlidingTable,
+        problem: &'a Problem,
+    ) -> Result<Self, Failure> {
+        let left = |folder: &std::path::PathBuf| groove_left(&loaded.base.join(folder));
+        let before = sliding.previous.as_ref().map(left).transpose();
+        Ok(Ploughing {
+            loaded,
+            sliding,
+            problem,
+            before: before.map_err(|failure| failure.within(&loaded.name))?,
+            law: HardnessLaw::of(loaded, sliding)?,
+        })
+    }
+
+    /// The groove, and where the law asks for it the hardness that goes with its contact time.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for the case and a contact in parts, [`Failure::NotConverged`] where the solver stops short.
+    pub fn groove(&self, options: &Options) -> Result<Grooved, Failure> {
+        let mut value = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
+        if self.law.of_time() {
+            let coarse = Options {
+                cells: Some(COARSE),
+                ..options.clone()
+            };
+            value = self.hardness(USUAL_LENGTH / self.sliding.v_mps)?.0;
+            value = self.agreed(value, &coarse, COARSELY)?.hardness.value;
+            return self.agreed(value, options, CLOSELY * options.p_max_tolerance);
+        }
+        let solution = self.at(value, options)?;
+        let contact_time = self.contact_time(&solution);
+        let (_, from) = self.hardness(contact_time.value)?;
+        Ok(Grooved {
+            solution,
+            hardness: Hardness {
+                value,
+                from,
+                contact_time,
+            },
+        })
+    }
+
+    /// Groove after groove, each at the hardness that the contact time of the last one asks for.
+    fn agreed(&self, first: f64, options: &Options, within: f64) -> Result<Grooved, Failure> {
+        let (mut value, mut apart) = (first, f64::INFINITY);
+        for _ in 0..ROUNDS {
+            let solution = self.at(value, options)?;
+            let contact_time = self.contact_time(&solution);
+            let (asked, from) = self.hardness(contact_time.value)?;
+            let change = (asked / value).ln();
+            apart = change.abs();
+            if apart <= within {
+                return Ok(Grooved {
+                    solution,
+                    hardness: Hardness {
+                        value,
+                        from,
+                        contact_time,
+                    },
+                });
+            }
+            value = match from {
+                HardnessFrom::Melting => asked,
+                _ => value * (change / (1.0 - GIVEN_BACK)).exp(),
+            };
+        }
+        Err(Failure::NotConverged(format!(
+            "{}: sliding.hardness: hardness and contact time still differ by {apart:.1e} of the hardness after {ROUNDS} grooves, asked {within:.1e}",
+            self.loaded.name
+        )))
+    }
+
+    /// The groove in ice of another hardness [Pa].
+    ///
+    /// # Errors
+    /// As [`groove`](Self::groove).
+    pub fn at(&self, hardness: f64, options: &Options) -> Result<SlidingSolution, Failure> {
+        let mut problem = self.problem.clone();
+        problem.ice.hardness = Some(hardness);
+        let name = &self.loaded.name;
+        let solution =
+            slide(&problem, self.before.as_ref(), options).map_err(|error| match error {
+                Error::NotSliding { .. } => {
+                    Failure::BadInput(format!("{name}: [sliding]: {error}"))
+                }
+                error => self.loaded.failure(&error),
+            })?;
+        match parts(&solution) {
+            1 => Ok(solution),
+            parts => Err(Failure::BadInput(format!(
+                "{name}: [sliding]: the contact lies in {parts} parts, one behind the other: expected one, for the film begins at its front"
+            ))),
+        }
+    }
+
+    fn contact_time(&self, solution: &SlidingSolution) -> Measure {
+        let [front, back] = [solution.groove.front, solution.groove.back];
+        Measure {
+            value: (front.value - back.value) / self.sliding.v_mps,
+            error: (front.error + back.error) / self.sliding.v_mps,
+        }
+    }
+
+    fn hardness(&self, contact_time: f64) -> Result<(f64, HardnessFrom), Failure> {
+        let found = self.law.at(self.sliding.ice_c, contact_time);
+        found.map_err(|error| film_failure(self.loaded, &error))
+    }
+}
+
+/// Stretches along x that touch.
+fn parts(solution: &SlidingSolution) -> usize {
+    let field = &solution.contact.surface;
+    let nx = field.x.len();
+    let touches = |i: usize| field.pressure.iter().skip(i).step_by(nx).any(|p| *p > 0.0);
+    (0..nx)
+        .filter(|&i| touches(i) && (i == 0 || !touches(i - 1)))
+        .count()
+}

@@ -1,0 +1,298 @@
+//! `table.toml`: which table is wanted.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use kufe_files::text_of_regular;
+use kufe_lut::{Error, Mode, Plan, Spacing};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Deserialize;
+
+use crate::jobs::failure::Failure;
+
+/// A table file is a page of text; what is longer than this is something else [bytes].
+const LONGEST: u64 = 1 << 20;
+
+/// Relative errors of the interpolation that can be asked: finer ones would chase the solver's own error.
+const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
+
+/// A table file, key by key.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "table.toml")]
+struct TableToml {
+    /// The case's file; its load and track, and its speed and temperature of the ice, are replaced by the axes.
+    case: PathBuf,
+    /// The axes.
+    axes: AxesToml,
+    /// The accuracy.
+    #[serde(default)]
+    accuracy: AccuracyToml,
+}
+
+/// Normal force, and the track as a curvature or as a radius; further axes as the runner has them.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct AxesToml {
+    /// Normal force [N].
+    fz_n: AxisToml,
+    /// Track curvature, positive in a valley, 0 on a straight [1/m].
+    curvature_1pm: Option<CurvatureToml>,
+    /// Track radius instead, positive in a valley, inf on a straight [m].
+    radius_m: Option<AxisToml>,
+    /// Rocker radius of a parametric runner [m].
+    rocker_radius_m: Option<AxisToml>,
+    /// Speed of a case with `[sliding]` [m/s].
+    v_mps: Option<AxisToml>,
+    /// Temperature of the ice of a case with `[sliding]` [C].
+    ice_c: Option<AxisToml>,
+}
+
+/// Given values, or a range that the sweep fills.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct AxisToml {
+    /// The values, and no others.
+    values: Option<Vec<f64>>,
+    /// Where the range begins.
+    from: Option<f64>,
+    /// Where it ends.
+    to: Option<f64>,
+}
+
+/// An axis of curvatures, perhaps seen from where the runner lies flush.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct CurvatureToml {
+    /// The values, and no others.
+    values: Option<Vec<f64>>,
+    /// Where the range begins.
+    from: Option<f64>,
+    /// Where it ends.
+    to: Option<f64>,
+    /// Where the runner lies flush on the track: the table is made over reduced curvatures.
+    flush: Option<FlushToml>,
+}
+
+/// What reduced curvatures are made of.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FlushToml {
+    /// The rocker's curvature [1/m].
+    curvature_1pm: f64,
+    /// Width of the peak pressure's minimum over the load, about 10 / (E* L^3) for a half-length L [1/(m N)].
+    scale_1pm_per_n: f64,
+}
+
+/// How accurate the table must be.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct AccuracyToml {
+    /// Relative error asked of the peak pressure, or of the friction of a case that slides, between nodes of axes given as ranges.
+    interpolation: Option<f64>,
+    /// Which modes must be that good; both where absent.
+    evaluation: Option<Evaluation>,
+    /// Tolerance of the solver; the case's, and at most half of `interpolation`, where absent.
+    p_max: Option<f64>,
+    /// Solves spread over the table that measure the interpolation.
+    checks: Option<usize>,
+    /// Where refinement gives up.
+    max_nodes: Option<usize>,
+    /// Part of an axis below which nothing is halved.
+    smallest_interval: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+enum Evaluation {
+    Both,
+    Smooth,
+    Bilinear,
+}
+
+/// The table file as a JSON schema.
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    generator.root_schema_for::<TableToml>()
+}
+
+/// What a table file asks for.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// The file.
+    pub path: PathBuf,
+    /// The case's file.
+    pub case: PathBuf,
+    /// The points and their accuracy.
+    pub plan: Plan,
+    /// Solver tolerance of the peak pressure, where the file states one.
+    pub p_max: Option<f64>,
+}
+
+impl Wanted {
+    /// Reads a table file.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
+    pub fn read(path: &Path) -> Result<Wanted, Failure> {
+        let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+        let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
+        let text = text_of_regular(path, LONGEST).map_err(unreadable)?;
+        let file: TableToml = toml::from_str(&text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start.min(text.len()));
+            let line = text[..start].matches('\n').count() + 1;
+            told(format!("line {line}: {}", error.message()))
+        })?;
+        let plan = plan(&file).map_err(told)?;
+        plan.check().map_err(|error| {
+            told(match line_of(&text, &error) {
+                Some(line) => format!("line {line}: {error}"),
+                None => error.to_string(),
+            })
+        })?;
+        if let Some(p_max) = file.accuracy.p_max
+            && !(1e-5..=0.5).contains(&p_max)
+        {
+            return Err(told(format!(
+                "accuracy.p_max = {p_max}: expected a relative error between 1e-5 and 0.5"
+            )));
+        }
+        let base = path.parent().unwrap_or(Path::new(""));
+        Ok(Wanted {
+            path: path.to_path_buf(),
+            case: base.join(&file.case),
+            plan,
+            p_max: file.accuracy.p_max,
+        })
+    }
+}
+
+/// The line of the axis that an error is about.
+fn line_of(text: &str, error: &Error) -> Option<usize> {
+    let (Error::AxisLength { axis, .. } | Error::AxisValue { axis, .. }) = error else {
+        return None;
+    };
+    // Curvatures may be given as radii.
+    let keys = match *axis {
+        "curvature_1pm" => ["curvature_1pm", "radius_m"],
+        axis => [axis; 2],
+    };
+    let starts = |line: &str| keys.iter().any(|key| line.trim_start().starts_with(key));
+    text.lines().position(starts).map(|index| index + 1)
+}
+
+fn plan(file: &TableToml) -> Result<Plan, String> {
+    let curvature = match (&file.axes.curvature_1pm, &file.axes.radius_m) {
+        (Some(axis), None) => spacing("axes.curvature_1pm", &axis.spacing())?,
+        (None, Some(axis)) => as_curvature(spacing("axes.radius_m", axis)?)?,
+        _ => return Err("axes: expected either curvature_1pm or radius_m".into()),
+    };
+    let mut plan = Plan::new(spacing("axes.fz_n", &file.axes.fz_n)?, curvature);
+    let flush = file.axes.curvature_1pm.as_ref().and_then(|axis| axis.flush);
+    plan.flush = flush.map(|flush| [flush.curvature_1pm, flush.scale_1pm_per_n]);
+    let further = |key: &str, axis: &Option<AxisToml>| {
+        axis.as_ref().map(|axis| spacing(key, axis)).transpose()
+    };
+    plan.rocker_radius = further("axes.rocker_radius_m", &file.axes.rocker_radius_m)?;
+    plan.speed = further("axes.v_mps", &file.axes.v_mps)?;
+    plan.ice_c = further("axes.ice_c", &file.axes.ice_c)?;
+    let accuracy = &file.accuracy;
+    if let Some(asked) = accuracy.interpolation {
+        if !INTERPOLATIONS.contains(&asked) {
+            return Err(format!(
+                "accuracy.interpolation = {asked}: expected a relative error between {} and {}: contacts are solved to half of it",
+                INTERPOLATIONS.start(),
+                INTERPOLATIONS.end()
+            ));
+        }
+        plan.interpolation = asked;
+    }
+    plan.modes = match accuracy.evaluation.unwrap_or(Evaluation::Both) {
+        Evaluation::Both => Mode::ALL.to_vec(),
+        Evaluation::Smooth => vec![Mode::Smooth],
+        Evaluation::Bilinear => vec![Mode::Bilinear],
+    };
+    if plan.is_sliding() && plan.is_fixed() {
+        // An eighth of the grooves, as of the nodes of a table of contacts at rest.
+        let grooves = [Some(&plan.fz), Some(&plan.curvature), plan.ice_c.as_ref()];
+        let count = |spacing: &Spacing| match spacing {
+            Spacing::Values(values) => values.len(),
+            Spacing::Range { .. } => 1,
+        };
+        let grooves: usize = grooves.into_iter().flatten().map(count).product();
+        plan.checks = grooves.div_ceil(8).max(4);
+    }
+    plan.checks = within("accuracy.checks", accuracy.checks, plan.checks, 100_000)?;
+    plan.max_nodes = within(
+        "accuracy.max_nodes",
+        accuracy.max_nodes,
+        plan.max_nodes,
+        kufe_lut::MAX_NODES,
+    )?;
+    if let Some(smallest) = accuracy.smallest_interval {
+        if !(1e-6..=0.25).contains(&smallest) {
+            return Err(format!(
+                "accuracy.smallest_interval = {smallest}: expected a part of an axis between 1e-6 and 0.25"
+            ));
+        }
+        plan.smallest_interval = smallest;
+    }
+    Ok(plan)
+}
+
+impl CurvatureToml {
+    fn spacing(&self) -> AxisToml {
+        AxisToml {
+            values: self.values.clone(),
+            from: self.from,
+            to: self.to,
+        }
+    }
+}
+
+fn within(key: &str, found: Option<usize>, default: usize, most: usize) -> Result<usize, String> {
+    match found {
+        Some(found) if found > most => Err(format!("{key} = {found}: expected at most {most}")),
+        Some(found) => Ok(found),
+        None => Ok(default),
+    }
+}
+
+fn spacing(key: &str, axis: &AxisToml) -> Result<Spacing, String> {
+    match (&axis.values, axis.from, axis.to) {
+        (Some(values), None, None) => Ok(Spacing::Values(values.clone())),
+        (None, Some(from), Some(to)) => Ok(Spacing::Range { from, to }),
+        _ => Err(format!(
+            "{key}: expected either values = [...], or from and to"
+        )),
+    }
+}
+
+/// Radii as curvatures, increasing: `inf` is 0, a straight, and a range from a crest to a valley passes it.
+fn as_curvature(radii: Spacing) -> Result<Spacing, String> {
+    let invert = |radius: f64| {
+        if radius == 0.0 || radius.is_nan() {
+            return Err(format!(
+                "axes.radius_m: found {radius}, expected a radius other than 0, or inf"
+            ));
+        }
+        // Adding 0 makes the curvature of -inf a plain 0.
+        Ok(1.0 / radius + 0.0)
+    };
+    Ok(match radii {
+        Spacing::Values(radii) => {
+            let mut curvatures = radii
+                .into_iter()
+                .map(invert)
+                .collect::<Result<Vec<_>, _>>()?;
+            curvatures.sort_by(f64::total_cmp);
+            Spacing::Values(curvatures)
+        }
+        Spacing::Range { from, to } => {
+            let (a, b) = (invert(from)?, invert(to)?);
+            Spacing::Range {
+                from: a.min(b),
+                to: a.max(b),
+            }
+        }
+    })
+}

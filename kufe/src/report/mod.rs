@@ -1,0 +1,38 @@
+//! Results as one self-contained page.
+//!
+//! A page is one HTML file that needs no network: its data, style, scripts and, where it turns bodies in space,
+//! the library three.js are all in it. This crate knows how to put a page together; what stands on it arrives as
+//! JSON, so it knows no solver and no file format.
+//!
+//! | item | purpose |
+//! |---|---|
+//! | [`page`] | the whole page of one [`Kind`] from its title and data |
+//! | [`discovery_page`] | what a search for missing effects has found: tables and diagrams without scripts |
+//! | [`results_page`] | what any other command has written: its pictures, and its figures as tables |
+//! | [`record_page`] | what is wrong and odd in recorded runs, worst first, without scripts |
+//! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
+//! | [`pack`] | numbers as the page's scripts read them |
+//! | [`POLICY`] | the content security policy that every page carries |
+//!
+//! ```
+//! use kufe::report::{Kind, page};
+//! let data = serde_json::json!({ "runs": [], "groups": [] });
+//! let html = page(Kind::Evaluation, "Drivers <1>", &data);
+//! assert!(html.starts_with("<!DOCTYPE html>") && html.contains("Drivers &lt;1&gt;"));
+//! assert!(!html.contains("src=\"http") && !html.contains("href=\"http"));
+//! ```
+
+mod discovery;
+mod grid;
+mod pack;
+mod page;
+mod record;
+mod results;
+mod sign;
+
+pub use discovery::discovery_page;
+pub use grid::Grid;
+pub use pack::pack;
+pub use page::{Kind, POLICY, page};
+pub use record::record_page;
+pub use results::{Picture, picture_url, results_page};

@@ -1,0 +1,68 @@
+//! Numbers as the page's scripts read them.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+/// Largest code of a finite value; the next one stands for infinity.
+const TOP: f64 = 65534.0;
+/// The code of a value that is not finite.
+const NONE: u16 = 65535;
+
+/// Values in 16 bits each: `value = low + code * step`, code 65535 being infinite.
+///
+/// Steps are 1/65534 of the range of the finite values. The codes are little-endian, in base64.
+///
+/// ```
+/// let packed = kufe::report::pack([0.0, 65534.0, f64::INFINITY]);
+/// assert_eq!((packed["low"].as_f64(), packed["step"].as_f64()), (Some(0.0), Some(1.0)));
+/// assert_eq!(packed["codes"], "AAD+////");
+/// ```
+pub fn pack(values: impl IntoIterator<Item = f64>) -> Value {
+    let values: Vec<f64> = values.into_iter().collect();
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let low = finite().fold(f64::INFINITY, f64::min);
+    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    let low = if low.is_finite() { low } else { 0.0 };
+    let step = if high > low { (high - low) / TOP } else { 0.0 };
+    let code = |value: &f64| match (value.is_finite(), step > 0.0) {
+        (false, _) => NONE,
+        (true, false) => 0,
+        (true, true) => ((value - low) / step).round().clamp(0.0, TOP) as u16,
+    };
+    let bytes: Vec<u8> = values
+        .iter()
+        .flat_map(|value| code(value).to_le_bytes())
+        .collect();
+    json!({ "low": low, "step": step, "codes": STANDARD.encode(bytes) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_values_come_back_within_half_a_step() {
+        let values: Vec<f64> = (0..1000)
+            .map(|k| 1e8 * (0.01 * f64::from(k)).sin())
+            .collect();
+        let packed = pack(values.iter().copied());
+        let bytes = STANDARD
+            .decode(packed["codes"].as_str().unwrap_or_default())
+            .expect("base64");
+        let [low, step] = ["low", "step"].map(|key| packed[key].as_f64().expect("a number"));
+        assert_eq!(bytes.len(), 2000);
+        for (pair, value) in bytes.chunks(2).zip(&values) {
+            let back = low + step * f64::from(u16::from_le_bytes([pair[0], pair[1]]));
+            assert!((back - value).abs() <= 0.501 * step, "{back} {value}");
+        }
+    }
+
+    #[test]
+    fn equal_values_and_none_at_all_are_packed_too() {
+        assert_eq!(pack([3.0, 3.0])["codes"], "AAAAAA==");
+        assert_eq!(pack([3.0])["low"], 3.0);
+        assert_eq!(pack([f64::NAN])["codes"], "//8=");
+        assert_eq!(pack([])["codes"], "");
+    }
+}

@@ -1,0 +1,173 @@
+//! What the keys of documents are called, and what their numbers are counted in.
+
+use std::borrow::Cow;
+
+/// What friction is counted in; nobody reads four zeros.
+const THOUSANDTHS: &str = "1e-3";
+
+/// Keys of what is counted in them.
+const COUNTED: [&str; 5] = [
+    "mu",
+    "mu_ploughing",
+    "mu_viscous",
+    "mu_se_lines",
+    "mu_se_scatter",
+];
+
+/// Keys that say most, with their proper names.
+const NAMES: [(&str, &str); 64] = [
+    ("p_max_pa", "peak pressure"),
+    ("p_mean_pa", "mean pressure"),
+    ("fz_n", "normal force"),
+    ("v_mps", "speed"),
+    ("v_mean_mps", "mean speed"),
+    ("start_speed_mps", "speed at the start"),
+    ("mu", "friction"),
+    ("mu_ploughing", "friction of ploughing"),
+    ("mu_viscous", "friction of the melt film"),
+    ("mu_se_lines", "friction, standard error of the lines"),
+    ("mu_se_scatter", "friction, standard error by scatter"),
+    ("groove_depth_m", "depth of the groove"),
+    ("film_mean_m", "melt film, mean"),
+    ("hardness_pa", "hardness"),
+    ("ice_c", "temperature of the ice"),
+    ("air_c", "temperature of the air"),
+    ("air_pa", "air pressure"),
+    ("mu_zeta", "largest grip, mu zeta"),
+    ("c", "shape factor C"),
+    ("e", "curvature factor E"),
+    ("k_n_per_rad", "stiffness over slip, K"),
+    ("mu_zeta_c", "mu zeta C"),
+    ("slip_sd_rad", "noise of the slip angle"),
+    ("residual_rms_n", "left of the lateral force, r.m.s."),
+    ("rmse_n", "error of the lateral force, r.m.s."),
+    ("rmse_braghin_n", "the same of Braghin's law"),
+    ("along_n", "along"),
+    ("side_n", "sideways"),
+    ("yaw_nm", "yaw"),
+    ("balances_left_rms", "what is left of the balances, r.m.s."),
+    ("left_rms", "left, r.m.s."),
+    ("times_rmse", "times the r.m.s."),
+    ("times_rms", "times the usual"),
+    ("t_s", "time"),
+    ("s_m", "distance"),
+    ("alpha_rad", "slip angle"),
+    ("delta_rad", "steering"),
+    ("gamma_rad", "roll split"),
+    ("run", "run"),
+    ("track", "track"),
+    ("driver", "driver"),
+    ("driver_class", "class"),
+    ("class", "class"),
+    ("session", "session"),
+    ("measured", "measured run"),
+    ("time_s", "run time"),
+    ("seconds", "length"),
+    ("finished", "came to the finish"),
+    ("stopped", "stopped"),
+    ("gravity_j", "gained from gravity"),
+    ("ice_j", "lost to the ice"),
+    ("air_j", "lost to the air"),
+    ("mean_force_n", "force that the model lacks, mean"),
+    ("slope_rad", "slope"),
+    ("specimen", "specimen"),
+    ("index", "index of the runs"),
+    ("replay", "replay"),
+    ("from_m", "from"),
+    ("to_m", "to"),
+    ("column", "what"),
+    ("key", "what"),
+    ("file", "file"),
+    ("air_density_kgpm3", "density of the air"),
+    ("line_gain_rad_per_m", "gain on the line"),
+];
+
+/// Words of keys that are no words.
+const WORDS: [(&str, &str); 5] = [
+    ("sd", "standard deviation"),
+    ("se", "standard error"),
+    ("rms", "r.m.s."),
+    ("rmse", "r.m.s. error"),
+    ("max", "largest"),
+];
+
+fn named(key: &str) -> Option<&'static str> {
+    let known = NAMES.iter().find(|(known, _)| *known == key);
+    known.map(|(_, name)| *name)
+}
+
+/// Whether a key is one of those that say most.
+pub fn is_named(key: &str) -> bool {
+    named(key).is_some()
+}
+
+/// The unit of a key's numbers, as its ending says; empty for pure numbers.
+pub fn unit_of(key: &str) -> Cow<'static, str> {
+    match COUNTED.contains(&key) {
+        true => Cow::Borrowed(THOUSANDTHS),
+        false => crate::plot::unit_of(key),
+    }
+}
+
+/// A key as people call it: its proper name, or its words without the unit.
+pub fn name_of(key: &str) -> String {
+    if let Some(name) = named(key) {
+        return name.to_owned();
+    }
+    let words = stem(key).0.split('_').map(|word| {
+        let known = WORDS.iter().find(|(short, _)| *short == word);
+        known.map_or(word, |(_, long)| long)
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A key without the ending that is its unit, and that ending.
+fn stem(key: &str) -> (&str, &str) {
+    let above = key.rfind("_per_").map_or(key, |at| &key[..at]);
+    let at = match crate::plot::unit_of(above).is_empty() {
+        true => above.len(),
+        false => above.rfind('_').unwrap_or(key.len()),
+    };
+    key.split_at(at)
+}
+
+/// Keys under which the error of a key's number may stand.
+pub fn error_keys(key: &str) -> [String; 3] {
+    let (stem, ending) = stem(key);
+    ["error", "se", "sd"].map(|word| format!("{stem}_{word}{ending}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_is_called_by_its_words_and_its_ending_is_its_unit() {
+        for (key, name, unit) in [
+            ("p_max_pa", "peak pressure", "Pa"),
+            ("mu_zeta_c", "mu zeta C", ""),
+            ("largest_at_m", "largest at", "m"),
+            ("slope_sd_rad", "slope standard deviation", "rad"),
+            ("left_out", "left out", ""),
+            ("mu_viscous", "friction of the melt film", "1e-3"),
+            ("k_n_per_rad", "stiffness over slip, K", "N/rad"),
+            ("slope_per_k", "slope", "1/K"),
+            ("side_n_per_rad", "side", "N/rad"),
+        ] {
+            assert_eq!(
+                (name_of(key).as_str(), &*unit_of(key)),
+                (name, unit),
+                "{key}"
+            );
+        }
+        assert!(error_keys("groove_depth_m").contains(&"groove_depth_error_m".to_owned()));
+        assert!(error_keys("mu").contains(&"mu_se".to_owned()));
+    }
+
+    #[test]
+    fn no_key_has_two_names() {
+        for (k, (key, ..)) in NAMES.iter().enumerate() {
+            assert!(NAMES[..k].iter().all(|(other, ..)| other != key), "{key}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The page itself.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+
+use crate::report::page::{escape, plain_page};
+use crate::report::results::sections::{capital, document};
+
+/// A picture of a page.
+pub struct Picture {
+    /// What it shows.
+    pub name: String,
+    /// Its PNG file.
+    pub png: Vec<u8>,
+}
+
+/// A PNG file as the address of a picture that stands in the page itself.
+pub fn picture_url(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
+}
+
+/// Pictures that stand before the figures; more are folded behind them.
+const FIRST_PICTURES: usize = 3;
+
+/// The page of documents, each with what it is.
+pub fn results_page(title: &str, pictures: &[Picture], documents: &[(String, Value)]) -> String {
+    let mut out = format!("<h1>{}</h1>\n", escape(title));
+    let (first, further) = pictures.split_at(pictures.len().min(FIRST_PICTURES));
+    first.iter().for_each(|picture| shown(&mut out, picture));
+    for (kind, value) in documents {
+        let _ = writeln!(out, "<h2>{}</h2>", escape(&capital(kind)));
+        document(&mut out, value);
+    }
+    if !further.is_empty() {
+        let _ = writeln!(
+            out,
+            "<details><summary>{} more pictures</summary>",
+            further.len()
+        );
+        further.iter().for_each(|picture| shown(&mut out, picture));
+        out.push_str("</details>\n");
+    }
+    let version = documents
+        .iter()
+        .find_map(|(_, value)| value["version"].as_str());
+    if let Some(version) = version {
+        let _ = writeln!(out, "<p><small>kufe {}</small></p>", escape(version));
+    }
+    plain_page(title, &out)
+}
+
+/// A picture in its frame; a box that a click ticks shows it at its own size, without a script.
+fn shown(out: &mut String, Picture { name, png }: &Picture) {
+    let _ = writeln!(
+        out,
+        "<label class=\"picture\" title=\"a click shows it at full size\"><input type=\"checkbox\"><img alt=\"{}\" src=\"{}\"></label>",
+        escape(name),
+        picture_url(png)
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn page(document: Value) -> String {
+        results_page("a <b>", &[], &[("friction".into(), document)])
+    }
+
+    #[test]
+    fn figures_have_names_and_units_and_errors_stand_beside_them() {
+        let page = page(json!({
+            "p_max_pa": 1.395e8, "p_max_error_pa": 1.1e6, "mu": 0.00412345, "left_out": [], "left_out_as_fitted": [], "solver_rounds": 12, "cells": 7, "faces": 8, "stopped": null,
+            "points": [{ "v_mps": 5.0, "mu": 4.1e-3, "mu_error": 2e-5 }, { "v_mps": 10.0, "note": "x & <y>" }],
+        }));
+        assert!(page.contains("<title>a &lt;b&gt;</title>"));
+        let at = |text: &str| {
+            page.find(text)
+                .unwrap_or_else(|| panic!("{text} in {page}"))
+        };
+        let peak =
+            at("<tr><td>peak pressure<td>139.5 ± 1.1 MPa\n<tr><td>friction<td>4.123 · 10⁻³\n");
+        let table = at("<tr><th class=n>speed [m/s]<th class=n>friction [10⁻³]<th>note\n");
+        at(
+            "<tr><td class=n>5<td class=n>4.100 ± 0.020<td>\n<tr><td class=n>10<td class=n><td>x &amp; &lt;y&gt;\n",
+        );
+        let rest = at("<details><summary>Further figures</summary>");
+        assert!(peak < table && table < rest && rest < at("<td>solver rounds<td>12"));
+        at("<p>left out: none; left out as fitted: none</p>");
+        assert!(!page.contains("_pa") && !page.contains("stopped"));
+    }
+
+    #[test]
+    fn what_is_nested_is_a_table_of_its_own_and_never_a_cell() {
+        let page = page(json!({
+            "front": { "k_n_per_rad": { "value": 10538.0, "low": 10497.0, "high": 10581.0 }, "rank": 2 },
+            "rear": { "k_n_per_rad": { "value": 49832.0, "low": 49742.0, "high": 49922.0 }, "rank": 2 },
+            "tracks": [{ "track": "east", "left_rms": { "along_n": 21.0 }, "missing": {}, "runs": [{ "run": "A1", "sd_m": 1.2 }] }],
+            "differences": [{ "column": "t_s", "largest": 0.0014, "largest_at_m": 880.0 }, { "column": "alpha_rad", "largest": 0.0078, "largest_at_m": 497.0 }],
+            "case": { "ice": { "youngs_modulus_pa": 9e9 } },
+        }));
+        for part in [
+            "<tr><th><th>front<th>rear\n<tr><td>stiffness over slip, K<td>10.54 (10.50 to 10.58) kN/rad<td>49.83 (49.74 to 49.92) kN/rad\n",
+            "<tr><th>track<th class=n>left, r.m.s.: along [N]\n<tr><td>east<td class=n>21\n",
+            "<tr><th>track<th>run<th class=n>standard deviation [m]\n<tr><td>east<td>A1<td class=n>1.200\n",
+            "<tr><td>time<td class=n>1.400 ms<td class=n>880\n<tr><td>slip angle<td class=n>7.800 mrad<td class=n>497\n",
+            "<details><summary>Case, as stated</summary>\n<div class=\"wide\"><table>\n<tr><td>ice.youngs_modulus_pa<td>9e9\n",
+        ] {
+            assert!(page.contains(part), "{part} in {page}");
+        }
+        assert!(!page.contains("missing"));
+    }
+
+    #[test]
+    fn a_stretch_has_both_ends_in_one_unit_and_few_figures_no_fold() {
+        let page =
+            page(json!({ "track": "east", "from_m": -2e-4, "to_m": 1249.7, "stretches": 1 }));
+        let rows = "<tr><td>from<td>0 m\n<tr><td>to<td>1250 m\n";
+        assert!(
+            page.contains(rows)
+                && page.contains("<td>stretches<td>1")
+                && !page.contains("<details"),
+            "{page}"
+        );
+    }
+
+    #[test]
+    fn many_pictures_do_not_push_the_figures_away() {
+        let picture = |k: usize| Picture {
+            name: format!("picture {k}"),
+            png: vec![0; k],
+        };
+        let pictures: Vec<Picture> = (0..5).map(picture).collect();
+        let page = results_page(
+            "a",
+            &pictures,
+            &[("figures".into(), json!({ "mu": 0.004 }))],
+        );
+        let at = |text: &str| {
+            page.find(text)
+                .unwrap_or_else(|| panic!("{text} in {page}"))
+        };
+        assert!(
+            at("picture 2") < at("<h2>Figures")
+                && at("<h2>Figures") < at("<summary>2 more pictures")
+                && at("more pictures") < at("picture 3")
+        );
+    }
+}

@@ -1,0 +1,42 @@
+//! What can be missing from a model of a sled on ice: effects, each with a switch.
+//!
+//! An effect is one file of the catalogue: law, formula, source, an example with the number that it must give, and how data
+//! speak of it. The same code acts in the driving simulation and in the inverse model: an effect changes the friction
+//! coefficient or the forces of the base law, stands between the truth and a sensor, changes a constant of the sled or
+//! the track's slope. At default parameters it changes nothing.
+//!
+//! Pressure effects change a contact problem, which this crate does not know; they stand in the crate `kufe`, with the same [`Info`].
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Effect`], [`Info`], [`CATALOGUE`] | one effect, what is known of it, all of them |
+//! | [`Conditions`], [`State`], [`Signals`] | what an effect sees: of a runner, of a sled, of the sensors |
+//! | [`Forces`], [`Constants`] | what it may change beside signals |
+//! | [`Effects`], [`Active`], [`Custom`] | the effects that a model switches on, a person's own among them |
+//!
+//! ```
+//! use kufe_sled::effects::{Sensor, Signals, find};
+//! let fault = find("slip-scale").unwrap();
+//! let mut signals = Signals::default();
+//! signals[Sensor::Slip] = 0.40;
+//! fault.disturb(&[0.05], &mut signals);
+//! assert!((signals[Sensor::Slip] - 0.42).abs() < 1e-12);
+//! ```
+
+mod catalogue;
+mod expression;
+mod known;
+mod law;
+mod motion;
+pub mod page;
+mod switched;
+
+pub use catalogue::{CATALOGUE, find};
+pub use expression::{Expression, ExpressionError};
+pub use known::{ActsOn, Column, Edge, Experiments, Form, Info, Judged, Level, Parameter};
+pub use law::{Effect, Example, Fault, Reading};
+pub use motion::{Conditions, Constants, Forces, Relaxed, SENSORS, Sensor, Signals, State, ahead};
+pub use switched::{
+    Active, Channel, Custom, EffectError, Effects, Kind, columns_of_forces, columns_of_sensors,
+    is_column, schema,
+};

@@ -1,0 +1,45 @@
+//! The melt film under a sliding runner: its thickness, temperature and drag from friction heat, heat conduction and squeeze-out.
+//!
+//! | item | purpose |
+//! |---|---|
+//! | [`Strip`], [`FilmConditions`], [`Properties`] | what the film is under, and of |
+//! | [`film`] | thickness, melt rate, shear, heat and drag along the strip |
+//! | [`PressureMap`], [`reynolds_film`] | the same with the two-dimensional Reynolds equation |
+//! | [`IceHardness`] | the pressure that the ice bears |
+//! | [`melt_and_squeeze_friction`] and its neighbours | closed forms of the limits |
+//!
+//! ```
+//! use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
+//! let strip = Strip::uniform(0.06, 1.0e-3, 17.7e6)?; // 60 mm long, 1 mm wide, ice that yields at 17.7 MPa
+//! let conditions = FilmConditions::new(30.0, -5.0);
+//! let film = film(&strip, &conditions, &Properties::WATER_AND_ICE, &FilmOptions::default())?;
+//! assert!((3e-3..6e-3).contains(&film.totals.friction));
+//! # Ok::<(), kufe_sled::friction::Error>(())
+//! ```
+
+mod closed_form;
+mod conditions;
+mod hardness;
+mod heat;
+mod march;
+mod pressure_map;
+mod properties;
+mod radau;
+mod reynolds;
+mod solution;
+mod strip;
+mod track;
+
+pub use closed_form::{
+    cold_friction, film_pressure, melt_and_squeeze_friction, melt_and_squeeze_thickness,
+    self_similar_start, squeeze_out_rate,
+};
+pub use conditions::{FilmConditions, FilmOptions};
+pub use hardness::{HARDNESS_EXPONENT, IceHardness, pressure_melting_bound};
+pub use heat::HeatIntoIce;
+pub use march::film;
+pub use pressure_map::PressureMap;
+pub use properties::Properties;
+pub use reynolds::{ReynoldsFilm, reynolds_film};
+pub use solution::{Film, FilmStation, FilmTotals};
+pub use strip::Strip;

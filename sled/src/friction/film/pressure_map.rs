@@ -1,0 +1,130 @@
+//! A contact patch as a map of pressures, and the strip that it is.
+
+use super::strip::Strip;
+use crate::friction::error::{Error, in_range};
+
+/// Pressures of a contact patch on even cells; a cell is in contact where its pressure is above 0.
+///
+/// Rows follow the sliding direction, the leading edge first; the cells of a row lie across it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureMap {
+    dx: f64,
+    dy: f64,
+    columns: usize,
+    pressure: Vec<f64>,
+    first: usize,
+    rows: usize,
+}
+
+impl PressureMap {
+    /// A map of cells `dx` long and `dy` wide [m], with `columns` cells a row, `pressure` row by row [Pa].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a cell or a pressure that is not what it must be, [`Error::TooFew`] where the pressures do not fill
+    /// the rows, where fewer than two rows are in contact, or where a row within the patch is not.
+    pub fn new(dx: f64, dy: f64, columns: usize, pressure: Vec<f64>) -> Result<Self, Error> {
+        in_range("dx", dx, dx > 0.0, "a positive number")?;
+        in_range("dy", dy, dy > 0.0, "a positive number")?;
+        let missing = |what: &str, have: usize, need: usize| Error::TooFew {
+            what: what.into(),
+            have,
+            need,
+        };
+        if columns == 0 || !pressure.len().is_multiple_of(columns) {
+            let need = columns.max(1) * pressure.len().div_ceil(columns.max(1)).max(1);
+            return Err(missing("cells of a pressure map", pressure.len(), need));
+        }
+        for &p in &pressure {
+            in_range("pressure", p, p >= 0.0, "0 or more")?;
+        }
+        let touches = |row: &[f64]| row.iter().any(|p| *p > 0.0);
+        let in_contact: Vec<bool> = pressure.chunks_exact(columns).map(touches).collect();
+        let first = in_contact.iter().position(|row| *row).unwrap_or(0);
+        let last = in_contact.iter().rposition(|row| *row).unwrap_or(0);
+        let rows = in_contact.iter().filter(|row| **row).count();
+        if rows < 2 {
+            return Err(missing("rows in contact", rows, 2));
+        }
+        if rows != last + 1 - first {
+            return Err(missing(
+                "rows in contact without a gap",
+                rows,
+                last + 1 - first,
+            ));
+        }
+        Ok(PressureMap {
+            dx,
+            dy,
+            columns,
+            pressure,
+            first,
+            rows,
+        })
+    }
+
+    /// Length of a cell along the sliding direction [m].
+    pub fn dx(&self) -> f64 {
+        self.dx
+    }
+
+    /// Width of a cell [m].
+    pub fn dy(&self) -> f64 {
+        self.dy
+    }
+
+    /// Cells of a row.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Rows in contact, counted from the leading edge.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Pressures of all rows, one after the other [Pa].
+    pub fn pressure(&self) -> &[f64] {
+        &self.pressure
+    }
+
+    /// Rows before the first in contact.
+    pub fn rows_before(&self) -> usize {
+        self.first
+    }
+
+    /// Pressures of row `row` of those in contact [Pa].
+    ///
+    /// # Panics
+    /// Where there is no such row.
+    pub fn row(&self, row: usize) -> &[f64] {
+        assert!(row < self.rows, "row {row} of {}", self.rows);
+        let at = (self.first + row) * self.columns;
+        &self.pressure[at..at + self.columns]
+    }
+
+    /// The strip: a station in the middle of each row, the leading edge before and the trailing edge behind them.
+    ///
+    /// A row's width is that of its cells in contact, whether or not they lie together; its pressure is averaged over them, so
+    /// that every row's load is kept. At the two edges pressure and squared width follow the line through the two nearest rows, not
+    /// below 0.
+    ///
+    /// # Errors
+    /// As [`Strip::new`], which a map that is in contact without a gap does not meet.
+    pub fn strip(&self) -> Result<Strip, Error> {
+        let (mut xi, mut squared, mut pressure) = (vec![0.0], vec![0.0], vec![0.0]);
+        for row in 0..self.rows {
+            let cells = self.row(row);
+            let touching = cells.iter().filter(|p| **p > 0.0).count() as f64;
+            xi.push((row as f64 + 0.5) * self.dx);
+            squared.push((touching * self.dy).powi(2));
+            pressure.push(cells.iter().sum::<f64>() / touching);
+        }
+        xi.push(self.rows as f64 * self.dx);
+        for values in [&mut squared, &mut pressure] {
+            let n = self.rows;
+            values[0] = (1.5 * values[1] - 0.5 * values[2]).max(0.0);
+            values.push((1.5 * values[n] - 0.5 * values[n - 1]).max(0.0));
+        }
+        Strip::new(xi, squared.into_iter().map(f64::sqrt).collect(), pressure)
+    }
+}

@@ -1,0 +1,232 @@
+//! The film on a patch by the Reynolds equation in both directions, which checks the strip's closure.
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{Mat, Side};
+
+use super::conditions::{FilmConditions, FilmOptions};
+use super::march::along;
+use super::pressure_map::PressureMap;
+use super::properties::Properties;
+use super::solution::Film;
+use super::strip::Strip;
+use super::track::Track;
+use crate::friction::error::Error;
+
+/// Most passes between film and Reynolds equation.
+const MOST_PASSES: usize = 100;
+
+/// The film on a pressure map, its own pressure from the Reynolds equation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReynoldsFilm {
+    /// The film along the rows of the map.
+    pub film: Film,
+    /// The strip that the map is.
+    pub strip: Strip,
+    /// Pressure of the film on the cells of the map, all rows [Pa].
+    pub pressure: Vec<f64>,
+    /// Water that each row loses, over what the closure of a long strip says.
+    pub outflow_factor: Vec<f64>,
+    /// Passes between film and Reynolds equation.
+    pub passes: usize,
+}
+
+/// The melt film on `map` with the two-dimensional Reynolds equation in place of the closure of a long strip.
+///
+/// Thickness `h(xi)` is even across each row, melts and freezes as in [`film`](super::film), and carries each row's load:
+///
+/// ```text
+/// div( h^3/(12 mu) grad p_f ) = (V/2) dh/dxi - (rho_i/rho_w) v_m,   p_f = 0 at the rim,   mean of p_f = mean of p in each row
+/// ```
+///
+/// Finite volumes on the map's cells. For given `h` the water that each row has to lose follows from the loads by a linear system;
+/// with it the film is integrated anew, until it stays. Memory and time grow with cells times rows; meant for checks, on
+/// patches at least as many cells long as wide.
+///
+/// # Errors
+/// As [`film`](super::film); [`Error::NotConverged`] also where film and pressure do not settle.
+pub fn reynolds_film(
+    map: &PressureMap,
+    conditions: &FilmConditions,
+    properties: &Properties,
+    options: &FilmOptions,
+) -> Result<ReynoldsFilm, Error> {
+    conditions.check()?;
+    properties.check()?;
+    options.check()?;
+    let strip = map.strip()?;
+    let rows = map.rows();
+    let mut outflow = strip.pressure().to_vec();
+    let mut before: Option<Vec<f64>> = None;
+    let mut change = f64::INFINITY;
+    for passes in 1..=MOST_PASSES {
+        let track = Track::new(&strip, conditions, properties, outflow.clone());
+        let film = along(&track, options)?;
+        let h: Vec<f64> = film.stations[..rows].iter().map(|s| s.thickness).collect();
+        let losses = Losses::of(map, &h, &strip.pressure()[1..=rows])?;
+        if let Some(before) = &before {
+            let changes = h.iter().zip(before).map(|(h, old)| (h / old - 1.0).abs());
+            change = changes.fold(0.0, f64::max);
+        }
+        for row in 0..rows {
+            // What a long strip would need to lose as much: s = p h^3/(mu w^2), the viscosity being left out of `losses`.
+            outflow[row + 1] = losses.rate[row] * strip.width()[row + 1].powi(2) / h[row].powi(3);
+        }
+        for (end, row) in [(0, 1), (rows + 1, rows)] {
+            outflow[end] = strip.pressure()[end] * outflow[row] / strip.pressure()[row];
+        }
+        if change <= options.accuracy {
+            let pressures = strip.pressure()[1..=rows].iter();
+            return Ok(ReynoldsFilm {
+                film,
+                outflow_factor: pressures
+                    .zip(&outflow[1..])
+                    .map(|(p, out)| out / p)
+                    .collect(),
+                pressure: losses.pressure,
+                passes,
+                strip,
+            });
+        }
+        before = Some(h);
+    }
+    Err(Error::NotConverged {
+        what: "film and Reynolds equation",
+        iterations: MOST_PASSES,
+        residual: change,
+        tolerance: options.accuracy,
+    })
+}
+
+/// What each row loses so that the film carries its load.
+struct Losses {
+    /// Volume a unit area and time of each row, times the viscosity [Pa m].
+    rate: Vec<f64>,
+    /// The film's pressure on all cells of the map [Pa].
+    pressure: Vec<f64>,
+}
+
+impl Losses {
+    /// For the thickness `h` [m] and the mean pressure [Pa] of each row in contact.
+    fn of(map: &PressureMap, h: &[f64], mean: &[f64]) -> Result<Self, Error> {
+        let cells = Cells::of(map);
+        let (n, rows) = (cells.row.len(), h.len());
+        // Thickness and areas enter as shares, so that the matrix has entries near 1.
+        let scale = h.iter().copied().fold(0.0, f64::max);
+        let share: Vec<f64> = h.iter().map(|h| h / scale).collect();
+        let matrix = cells.matrix(map, &share)?;
+        let undetermined = |_| Error::Undetermined {
+            what: "pressure of the film",
+            ratio: 0.0,
+        };
+        let factor = matrix.sp_cholesky(Side::Lower).map_err(undetermined)?;
+        let mut responses = Mat::from_fn(n, rows, |cell, row| {
+            f64::from(u8::from(cells.row[cell] == row))
+        });
+        factor.solve_in_place(responses.as_mut());
+        let mut means = Mat::<f64>::zeros(rows, rows);
+        for (cell, &row) in cells.row.iter().enumerate() {
+            for source in 0..rows {
+                means[(row, source)] += responses[(cell, source)] / cells.count[row] as f64;
+            }
+        }
+        let loads = Mat::from_fn(rows, 1, |row, _| mean[row]);
+        let sources = means.partial_piv_lu().solve(&loads);
+        let solved = &responses * &sources;
+        let mut pressure = vec![0.0; map.pressure().len()];
+        for (cell, &place) in cells.place.iter().enumerate() {
+            pressure[place] = solved[(cell, 0)];
+        }
+        // Matrix: 12 mu times the outflow of a cell over its dy/dx and scale^3; source: the same over the cell's area.
+        let unit = scale.powi(3) / (12.0 * map.dx() * map.dx());
+        Ok(Losses {
+            rate: (0..rows).map(|row| sources[(row, 0)] * unit).collect(),
+            pressure,
+        })
+    }
+}
+
+/// The cells in contact.
+struct Cells {
+    /// Row of each cell among those in contact.
+    row: Vec<usize>,
+    /// Place of each cell in the map.
+    place: Vec<usize>,
+    /// Cell at each place of the rows in contact.
+    number: Vec<Option<usize>>,
+    /// Cells of each row.
+    count: Vec<usize>,
+}
+
+impl Cells {
+    fn of(map: &PressureMap) -> Self {
+        let mut cells = Cells {
+            row: Vec::new(),
+            place: Vec::new(),
+            number: Vec::new(),
+            count: vec![0; map.rows()],
+        };
+        for row in 0..map.rows() {
+            for (column, p) in map.row(row).iter().enumerate() {
+                cells.number.push((*p > 0.0).then_some(cells.row.len()));
+                if *p > 0.0 {
+                    cells.row.push(row);
+                    cells.count[row] += 1;
+                    cells
+                        .place
+                        .push((map.rows_before() + row) * map.columns() + column);
+                }
+            }
+        }
+        cells
+    }
+
+    /// Outflow of each cell by the pressures, for thicknesses `h` of the rows; lower triangle. Halfway to a cell without contact the
+    /// pressure is 0; through the leading edge, where the film begins, nothing flows.
+    fn matrix(&self, map: &PressureMap, h: &[f64]) -> Result<SparseColMat<usize, f64>, Error> {
+        let columns = map.columns();
+        let stretch = (map.dx() / map.dy()).powi(2);
+        let mut entries = Vec::with_capacity(4 * self.row.len());
+        for (at, number) in self.number.iter().enumerate() {
+            let Some(cell) = *number else { continue };
+            let (row, column) = (at / columns, at % columns);
+            let across = h[row].powi(3) * stretch;
+            let along = |other: usize| (0.5 * (h[row] + h[other])).powi(3);
+            let left = column.checked_sub(1).map(|_| at - 1);
+            let right = (column + 1 < columns).then_some(at + 1);
+            let ahead = row.checked_sub(1).map(|_| at - columns);
+            let behind = (row + 1 < map.rows()).then_some(at + columns);
+            let mut diagonal = 0.0;
+            for (neighbour, conductance, rim) in [
+                (left, across, 2.0 * across),
+                (right, across, 2.0 * across),
+                (
+                    ahead,
+                    along(row.saturating_sub(1)),
+                    if row == 0 { 0.0 } else { 2.0 * h[row].powi(3) },
+                ),
+                (
+                    behind,
+                    along((row + 1).min(map.rows() - 1)),
+                    2.0 * h[row].powi(3),
+                ),
+            ] {
+                match neighbour.and_then(|place| self.number[place]) {
+                    Some(other) => {
+                        diagonal += conductance;
+                        if other < cell {
+                            entries.push(Triplet::new(cell, other, -conductance));
+                        }
+                    }
+                    None => diagonal += rim,
+                }
+            }
+            entries.push(Triplet::new(cell, cell, diagonal));
+        }
+        let n = self.row.len();
+        SparseColMat::try_new_from_triplets(n, n, &entries).map_err(|_| Error::Undetermined {
+            what: "pressure of the film",
+            ratio: 0.0,
+        })
+    }
+}

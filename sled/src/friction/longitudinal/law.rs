@@ -1,0 +1,288 @@
+//! Longitudinal friction: a fixed coefficient, or a quadratic in the contact pressure.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::friction::error::{Error, in_range};
+
+/// Which quantity the asperity factor zeta multiplies.
+///
+/// The paper's text says that asperities raise the pressure, its formula scales the coefficient;
+/// both readings are kept, the formula is the default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ZetaActsOn {
+    /// `mu = 1e-3 zeta (b p^2 - c p + d)`, the paper's formula.
+    #[default]
+    Mu,
+    /// `mu = 1e-3 (b (zeta p)^2 - c zeta p + d)`, the paper's text.
+    Pressure,
+}
+
+/// Friction coefficient as a quadratic in the peak contact pressure, capped.
+///
+/// ```text
+/// mu = min( 1e-3 zeta (b p^2 - c p + d), mu_cap ),   p in MPa
+/// ```
+///
+/// Source: J. von Schleinitz et al., "Modeling Ice Friction for Vehicle Dynamics of a Bobsled",
+/// longitudinal friction equation. The cap is dimensionless: the paper's table gives 0.007, which
+/// its formula would multiply by 1e-3 once more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureLaw {
+    /// Quadratic coefficient [1e-3/MPa2].
+    pub b: f64,
+    /// Linear coefficient, entering with a minus sign [1e-3/MPa].
+    pub c: f64,
+    /// Constant [1e-3].
+    pub d: f64,
+    /// Largest coefficient of friction, dimensionless.
+    pub mu_cap: f64,
+    /// Asperity factor, 1 on smooth ice.
+    pub zeta: f64,
+    /// What the asperity factor multiplies.
+    pub zeta_acts_on: ZetaActsOn,
+}
+
+impl PressureLaw {
+    /// The published parameters: 0.088, 2.01, 14.66, cap 0.007, zeta 1.
+    pub const PUBLISHED: PressureLaw = PressureLaw {
+        b: 0.088,
+        c: 2.01,
+        d: 14.66,
+        mu_cap: 0.007,
+        zeta: 1.0,
+        zeta_acts_on: ZetaActsOn::Mu,
+    };
+
+    /// Coefficient of friction at the peak pressure `p_pa` [Pa]; NaN gives NaN.
+    ///
+    /// Never negative: a parabola that dips below zero is cut off there.
+    ///
+    /// ```
+    /// let law = kufe_sled::friction::PressureLaw::PUBLISHED;
+    /// assert!((law.mu(11.42e6) - 3.18e-3).abs() < 0.01e-3);
+    /// assert_eq!(law.mu(30e6), 0.007);
+    /// ```
+    pub fn mu(&self, p_pa: f64) -> f64 {
+        let mu = self.uncapped(p_pa);
+        if mu > self.mu_cap {
+            self.mu_cap
+        } else if mu < 0.0 {
+            0.0
+        } else {
+            mu
+        }
+    }
+
+    /// The quadratic before the cap; NaN gives NaN.
+    pub fn uncapped(&self, p_pa: f64) -> f64 {
+        let (on_mu, on_pressure) = self.factors();
+        let p = on_pressure * p_pa * 1e-6;
+        1e-3 * on_mu * ((self.b * p - self.c) * p + self.d)
+    }
+
+    /// Slope dmu/dp [1/Pa], 0 where the cap or the floor at zero holds.
+    pub fn slope(&self, p_pa: f64) -> f64 {
+        let mu = self.uncapped(p_pa);
+        if mu > self.mu_cap || mu < 0.0 {
+            return 0.0;
+        }
+        let (on_mu, on_pressure) = self.factors();
+        let p = on_pressure * p_pa * 1e-6;
+        1e-9 * on_mu * on_pressure * (2.0 * self.b * p - self.c)
+    }
+
+    /// Pressure of least friction [Pa], where the parabola opens upwards.
+    pub fn best_pressure(&self) -> Option<f64> {
+        let (_, on_pressure) = self.factors();
+        (self.b > 0.0).then(|| 1e6 * self.c / (2.0 * self.b) / on_pressure)
+    }
+
+    /// Checks that every number is finite, cap and zeta positive and the parabola not open downwards.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the key.
+    pub fn check(&self) -> Result<(), Error> {
+        in_range("b", self.b, self.b >= 0.0, "a finite number, 0 or more")?;
+        in_range("c", self.c, true, "a finite number")?;
+        in_range("d", self.d, true, "a finite number")?;
+        let cap = self.mu_cap > 0.0 && self.mu_cap <= 1.0;
+        in_range("mu_cap", self.mu_cap, cap, "above 0, up to 1 (0.007)")?;
+        in_range("zeta", self.zeta, self.zeta > 0.0, "a positive number")
+    }
+
+    fn factors(&self) -> (f64, f64) {
+        match self.zeta_acts_on {
+            ZetaActsOn::Mu => (self.zeta, 1.0),
+            ZetaActsOn::Pressure => (1.0, self.zeta),
+        }
+    }
+}
+
+/// Longitudinal friction of one runner; `[friction.longitudinal]` of a model file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LongitudinalKeys", into = "LongitudinalKeys")]
+pub enum Longitudinal {
+    /// The same coefficient everywhere, dimensionless.
+    Fixed(f64),
+    /// A quadratic in the peak pressure.
+    Pressure(PressureLaw),
+}
+
+impl Longitudinal {
+    /// The paper's stand-in for runners whose pressures are not published: mu = 0.004.
+    pub const PUBLISHED_FIXED: Longitudinal = Longitudinal::Fixed(0.004);
+    /// The paper's quadratic in the pressure.
+    pub const PUBLISHED: Longitudinal = Longitudinal::Pressure(PressureLaw::PUBLISHED);
+
+    /// Coefficient of friction at the peak pressure `p_pa` [Pa]; a fixed one ignores the pressure.
+    pub fn mu(&self, p_pa: f64) -> f64 {
+        match self {
+            Longitudinal::Fixed(mu) => *mu,
+            Longitudinal::Pressure(law) => law.mu(p_pa),
+        }
+    }
+
+    /// Whether the coefficient depends on the pressure, so that a table or a solve is needed.
+    pub fn needs_pressure(&self) -> bool {
+        matches!(self, Longitudinal::Pressure(_))
+    }
+}
+
+/// Longitudinal force on a runner [N]: `F_x = -mu F_z cos(alpha)`.
+///
+/// `fz` is the normal force [N], `alpha` the slip angle [rad]. Negative: it acts against the motion.
+///
+/// ```
+/// assert!((crate::friction::longitudinal_force(1000.0, 0.0, 0.004) + 4.0).abs() < 1e-12);
+/// ```
+pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
+    -mu * fz * alpha.cos()
+}
+
+/// The keys of `[friction.longitudinal]` as they stand in a model file.
+///
+/// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`, or tables of mu alone with optionally
+/// `zeta`. The paths of the tables are carried along and left to who opens them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LongitudinalKeys {
+    /// Fixed coefficient, dimensionless.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu: Option<f64>,
+    /// Quadratic coefficient [1e-3/MPa2].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub b: Option<f64>,
+    /// Linear coefficient [1e-3/MPa].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub c: Option<f64>,
+    /// Constant [1e-3].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub d: Option<f64>,
+    /// Largest coefficient of friction, dimensionless; 0.007 where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_cap: Option<f64>,
+    /// Asperity factor, of tables of mu too; 1 where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zeta: Option<f64>,
+    /// What the asperity factor multiplies; the coefficient where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zeta_acts_on: Option<ZetaActsOn>,
+    /// Lookup table of the front runner's pressure or, without `mu` and the quadratic, of its mu, a path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub front_table: Option<String>,
+    /// As `front_table`, of the rear runner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rear_table: Option<String>,
+}
+
+impl LongitudinalKeys {
+    /// The factor on mu where that is looked up in the tables: no other key states a law.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a factor that is not positive.
+    pub fn tabled(&self) -> Result<Option<f64>, Error> {
+        let stated = [self.mu, self.b, self.c, self.d, self.mu_cap];
+        let law = stated.iter().any(Option::is_some) || self.zeta_acts_on.is_some();
+        if law || (self.front_table.is_none() && self.rear_table.is_none()) {
+            return Ok(None);
+        }
+        let zeta = self.zeta.unwrap_or(1.0);
+        in_range("zeta", zeta, zeta > 0.0, "a positive number")?;
+        Ok(Some(zeta))
+    }
+
+    /// The model the keys state, where it is not [tabled](Self::tabled).
+    ///
+    /// # Errors
+    /// [`Error::KeysExclude`] where `mu` stands beside a key of the quadratic, [`Error::MissingKey`] where the
+    /// quadratic is incomplete, [`Error::OutOfRange`] for numbers no friction has.
+    pub fn model(&self) -> Result<Longitudinal, Error> {
+        const EITHER: &str =
+            "either mu, or b, c, d and mu_cap, or front_table and rear_table of mu";
+        let quadratic = [
+            ("b", self.b.is_some()),
+            ("c", self.c.is_some()),
+            ("d", self.d.is_some()),
+            ("mu_cap", self.mu_cap.is_some()),
+            ("zeta", self.zeta.is_some()),
+            ("zeta_acts_on", self.zeta_acts_on.is_some()),
+        ];
+        if let Some(mu) = self.mu {
+            if let Some((other, _)) = quadratic.iter().find(|(_, there)| *there) {
+                return Err(Error::KeysExclude {
+                    key: "mu",
+                    other,
+                    expected: EITHER,
+                });
+            }
+            in_range("mu", mu, (0.0..=1.0).contains(&mu), "0 to 1 (0.004)")?;
+            return Ok(Longitudinal::Fixed(mu));
+        }
+        let need = |key: &'static str, value: Option<f64>| {
+            value.ok_or(Error::MissingKey {
+                key,
+                expected: EITHER,
+            })
+        };
+        let law = PressureLaw {
+            b: need("b", self.b)?,
+            c: need("c", self.c)?,
+            d: need("d", self.d)?,
+            mu_cap: self.mu_cap.unwrap_or(PressureLaw::PUBLISHED.mu_cap),
+            zeta: self.zeta.unwrap_or(1.0),
+            zeta_acts_on: self.zeta_acts_on.unwrap_or_default(),
+        };
+        law.check()?;
+        Ok(Longitudinal::Pressure(law))
+    }
+}
+
+impl TryFrom<LongitudinalKeys> for Longitudinal {
+    type Error = Error;
+
+    fn try_from(keys: LongitudinalKeys) -> Result<Self, Error> {
+        keys.model()
+    }
+}
+
+impl From<Longitudinal> for LongitudinalKeys {
+    fn from(model: Longitudinal) -> Self {
+        match model {
+            Longitudinal::Fixed(mu) => LongitudinalKeys {
+                mu: Some(mu),
+                ..Default::default()
+            },
+            Longitudinal::Pressure(law) => LongitudinalKeys {
+                b: Some(law.b),
+                c: Some(law.c),
+                d: Some(law.d),
+                mu_cap: Some(law.mu_cap),
+                zeta: Some(law.zeta),
+                zeta_acts_on: Some(law.zeta_acts_on),
+                ..Default::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Ice friction: longitudinal over pressure, lateral over slip, and the fits of both.
+//!
+//! | item | purpose |
+//! |---|---|
+//! | [`Longitudinal`], [`PressureLaw`] | mu fixed or over peak pressure; [`longitudinal_force`] |
+//! | [`MagicFormula`], [`Braghin`] | lateral force over slip and load |
+//! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
+//! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
+//! | [`evaluate_glide`], [`evaluate_ice_house`] | mu by specimen from gliding runs |
+//! | [`Response`] | the least of what is computed point by point, with an error |
+//! | [`film`] | the melt film under a runner, from heat and water balance |
+//!
+//! ```
+//! use kufe_sled::friction::{Longitudinal, MagicFormula, longitudinal_force};
+//! let mu = Longitudinal::PUBLISHED.mu(11.42e6);
+//! let fx = longitudinal_force(2000.0, 0.01, mu);
+//! let fy = MagicFormula::PUBLISHED_REAR.force(0.01, 2000.0);
+//! assert!(fx < 0.0 && fy > 20.0 * fx.abs());
+//! ```
+
+mod error;
+mod estimate;
+pub mod film;
+mod icehouse;
+mod lateral;
+mod longitudinal;
+mod response;
+mod tables;
+
+pub use error::Error;
+pub use estimate::Estimate;
+pub use icehouse::glide_run::{
+    GAS_CONSTANT_OF_AIR, GRAVITY, GlideRun, SHARE_LEFT_OUT, air_density, evaluate_glide,
+};
+pub use icehouse::glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
+pub use icehouse::line_fit::{LineFit, fit_line};
+pub use icehouse::specimens::{GlidePair, IceHouse, SpecimenFriction, evaluate_ice_house};
+pub use lateral::fit::{LateralFit, fit_lateral};
+pub use lateral::law::{Braghin, LateralAngles, LateralDerivatives, MagicFormula};
+pub use lateral::nearby::{atan_near, sin_cos_near};
+pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
+pub use longitudinal::law::{
+    Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,
+};
+pub use longitudinal::{LeastFriction, MuFit, Weighting, fit_mu};
+pub use response::{Response, Span};
+pub use tables::experiments::{Experiment, read_experiments, write_experiments};

@@ -1,0 +1,63 @@
+//! Effects of one's own, as expressions of columns.
+
+use kufe_sled::effects::{Channel, Conditions, Custom, Expression};
+
+use crate::state::{conditions, forces, state};
+use crate::tables::effects;
+
+#[test]
+fn effects_of_ones_own_are_expressions_of_columns() {
+    let text = "[effects.mine]\nexpression = \"v_mps^2 * abs(delta_rad)\"\nchannel = \"longitudinal\"\nvalue = -2.0";
+    let mut f = forces();
+    effects(text).unwrap().act("a", &state(), &mut f);
+    let expected = -80.0 - 2.0 * 21.0 * 21.0 * 0.01;
+    assert!((f.body_along - expected).abs() < 1e-12);
+}
+
+#[test]
+fn every_channel_of_forces_is_reached() {
+    let act = |channel: &str| {
+        let custom = Custom::new(Channel::named(channel).unwrap(), "pitch_rate_radps", None);
+        let mut f = forces();
+        custom.unwrap().act(0.5, &state(), &mut f);
+        f
+    };
+    assert_eq!(act("longitudinal").body_along, -80.1);
+    assert_eq!(act("lateral").body_across, -0.1);
+    assert_eq!(act("yaw").body_yaw, -0.1);
+    assert_eq!(act("friction").along, [-7.0 + 180.0, -10.0 + 250.0]);
+    assert_eq!(act("grip").across, [81.0, -279.0]);
+    assert_eq!(act("sensor:v_mps"), forces());
+}
+
+#[test]
+fn a_column_that_the_model_does_not_know_is_carried_under_its_own_name() {
+    assert!(Custom::new(Channel::Lateral, "runner_c", None).is_none());
+    let name = "runner (left)";
+    let text = format!("2 * {}", Expression::quoted(name));
+    let custom = Custom::new(Channel::Lateral, &text, Some(name)).unwrap();
+    let mut at = state();
+    at.carried = -3.0;
+    let mut f = forces();
+    custom.act(1.0, &at, &mut f);
+    assert_eq!(f.body_across, -6.0);
+    assert_eq!(custom.names(), [name]);
+}
+
+#[test]
+fn a_specimen_has_conditions_alone() {
+    let on_ice = |text| Custom::new(Channel::Friction, text, None).unwrap();
+    let at = Conditions {
+        fz: 2000.0,
+        ..conditions()
+    };
+    assert_eq!(on_ice("fz_n / 1000").coefficient(1e-3, &at), 2e-3);
+    assert!(on_ice("delta_rad").coefficient(1e-3, &at).is_nan());
+}
+
+#[test]
+fn a_formula_deeper_than_the_small_stack_is_evaluated_alike() {
+    let deep = format!("{}1{}", "(1 + ".repeat(40), ")".repeat(40));
+    let formula = Expression::parse(&deep).unwrap();
+    assert_eq!(formula.evaluate(|_| f64::NAN), 41.0);
+}

@@ -1,0 +1,94 @@
+//! Between what is true and what is read there is a way back.
+
+use kufe_sled::effects::{Active, CATALOGUE, Channel, Constants, Custom, Kind, Sensor, Signals};
+
+use crate::state::{conditions, signals};
+
+fn largest_error(a: &Signals, b: &Signals) -> f64 {
+    let values = a.value.iter().zip(&b.value);
+    let rates = a.rate.iter().zip(&b.rate);
+    values
+        .chain(rates)
+        .fold(0.0, |m, (x, y)| m.max((x - y).abs()))
+}
+
+#[test]
+fn what_disturb_does_correct_undoes() {
+    for effect in CATALOGUE {
+        let info = effect.info();
+        let on: Vec<f64> = info
+            .parameters
+            .iter()
+            .map(|p| p.default + p.typical)
+            .collect();
+        let mut there_and_back = signals();
+        effect.disturb(&on, &mut there_and_back);
+        assert_eq!(
+            there_and_back != signals(),
+            !effect.on_sensors.is_empty(),
+            "{}",
+            info.name
+        );
+        effect.correct(&on, &mut there_and_back);
+        let error = largest_error(&there_and_back, &signals());
+        assert!(error < 1e-12, "{}: {error}", info.name);
+    }
+}
+
+#[test]
+fn a_sensor_of_ones_own_formula_is_undone_too() {
+    for (column, formula, value) in [
+        ("yaw_rate_radps", "0.3", 0.1),
+        ("yaw_rate_radps", "yaw_rate_radps", 0.05),
+        (
+            "yaw_rate_radps",
+            "yaw_rate_radps^2 + 0.01 * roll_rate_radps",
+            0.2,
+        ),
+        ("v_mps", "v_mps * sin(s_m / 7)", 0.02),
+        ("ax_mps2", "az_mps2 * (ice_c + 5)", -0.001),
+        ("gamma_rad", "sqrt(abs(delta_rad)) + t_s", 0.003),
+    ] {
+        let channel = Channel::named(&format!("sensor:{column}")).unwrap();
+        let own = Active {
+            name: "mine".to_owned(),
+            kind: Kind::Custom(Custom::new(channel, formula, None).unwrap()),
+            values: vec![value],
+            track: None,
+        };
+        let mut read = signals();
+        own.disturb(&conditions(), &mut read);
+        let sensor = Sensor::named(column).unwrap();
+        assert_ne!(read[sensor], signals()[sensor], "{column}: {formula}");
+        own.correct(&conditions(), &mut read);
+        // The rate is that of a difference over a millisecond.
+        let error = largest_error(&read, &signals());
+        assert!(error < 1e-8, "{column}: {formula}: {error}");
+        let value_error = (read[sensor] - signals()[sensor]).abs();
+        assert!(value_error < 1e-12, "{column}: {formula}: {value_error}");
+    }
+}
+
+#[test]
+fn a_formula_equal_to_a_fault_of_the_catalogue_is_that_fault() {
+    let scale = kufe_sled::effects::find("yaw-rate-scale").unwrap();
+    let own = Custom::new(Channel::Sensor(Sensor::YawRate), "yaw_rate_radps", None).unwrap();
+    let (mut known, mut formula) = (signals(), signals());
+    scale.correct(&[0.07], &mut known);
+    own.correct(0.07, &conditions(), &mut formula);
+    assert!(largest_error(&known, &formula) < 1e-9);
+}
+
+#[test]
+fn constants_of_the_sled_change_once() {
+    let inertia = kufe_sled::effects::find("yaw-inertia").unwrap();
+    let mut read = signals();
+    inertia.disturb(&[0.1], &mut read);
+    assert_eq!(read, signals(), "a sensor does not feel a constant");
+    inertia.correct(&[0.1], &mut read);
+    let expected = Constants {
+        yaw_inertia: 150.0 * (1.0 + 0.1),
+        ..signals().sled
+    };
+    assert_eq!(read.sled, expected);
+}

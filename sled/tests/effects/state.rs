@@ -1,0 +1,71 @@
+//! A sled in a curve, for effects to act on.
+
+use kufe_sled::effects::{Conditions, Constants, Forces, Sensor, Signals, State};
+
+pub fn conditions() -> Conditions {
+    Conditions {
+        t: 3.0,
+        s: 20.0,
+        v: 21.0,
+        fz: 1300.0,
+        ice_c: -9.0,
+        air_c: 2.0,
+        air_pa: 94_000.0,
+        humidity_pct: 60.0,
+        distance: 900.0,
+        air_density: 1.2,
+        drag_area: 0.28,
+        film: 1.2,
+    }
+}
+
+pub fn state() -> State {
+    State {
+        conditions: conditions(),
+        slip: [0.01, -0.008],
+        slip_rate: [0.1, 0.2],
+        load: [1800.0, 2500.0],
+        film: [1.2, 0.9],
+        chassis_slip: 0.003,
+        steering: 0.01,
+        roll_split: -0.02,
+        roll_rate: 0.3,
+        roll_acceleration: 1.5,
+        pitch_rate: -0.2,
+        yaw_rate: 0.4,
+        acceleration: [-0.3, 4.0, 15.0],
+        mass: 390.0,
+        carried: f64::NAN,
+    }
+}
+
+pub fn forces() -> Forces {
+    Forces {
+        along: [-7.0, -10.0],
+        across: [90.0, -310.0],
+        stiffness: [9000.0, 35_000.0],
+        body_along: -80.0,
+        body_across: 0.0,
+        body_yaw: 0.0,
+    }
+}
+
+pub fn signals() -> Signals {
+    let mut signals = Signals {
+        sled: Constants {
+            mass: 390.0,
+            pitch_inertia: 145.0,
+            yaw_inertia: 150.0,
+            axles: [0.82, 0.88],
+            accelerometer: [-0.35, 0.0, 0.12],
+            slip_sensor: -0.6,
+        },
+        ..Signals::default()
+    };
+    let values = [-0.3, 4.0, 15.0, 0.3, -0.2, 0.4, 21.0, 0.01, 0.02, -0.02];
+    let rates = [0.5, 3.0, -2.0, 1.5, 0.1, -0.8, 0.7, 0.2, 0.3, -0.1];
+    for (sensor, (value, rate)) in Sensor::ALL.into_iter().zip(values.into_iter().zip(rates)) {
+        signals.set(sensor, value, rate);
+    }
+    signals
+}

@@ -1,0 +1,192 @@
+//! Input that is not what it must be is answered with an error that names it.
+
+use super::patches::{WATER, strip};
+use kufe_sled::friction::Error;
+use kufe_sled::friction::film::{
+    FilmConditions, FilmOptions, PressureMap, Properties, Strip, film, reynolds_film,
+};
+
+fn named<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
+    match result {
+        Err(Error::OutOfRange { name, .. }) => name,
+        Err(Error::TooFew { .. }) => "too few",
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn strips_that_are_none_are_refused() {
+    let of = |xi: &[f64], w: &[f64], p: &[f64]| Strip::new(xi.to_vec(), w.to_vec(), p.to_vec());
+    assert_eq!(named(of(&[0.0], &[1.0], &[1.0])), "too few");
+    assert_eq!(named(of(&[0.0, 1.0], &[1.0], &[1.0, 1.0])), "too few");
+    assert_eq!(
+        named(of(&[0.0, 1.0], &[1.0, 1.0], &[1.0, 1.0, 1.0])),
+        "too few"
+    );
+    assert_eq!(named(of(&[0.1, 1.0], &[1.0; 2], &[1.0; 2])), "xi");
+    assert_eq!(named(of(&[0.0, 1.0, 1.0], &[1.0; 3], &[1.0; 3])), "xi");
+    assert_eq!(named(of(&[0.0, f64::NAN], &[1.0; 2], &[1.0; 2])), "xi");
+    assert_eq!(
+        named(of(&[0.0, 1.0, 2.0], &[1.0, 0.0, 1.0], &[1.0; 3])),
+        "width"
+    );
+    assert_eq!(named(of(&[0.0, 1.0], &[1.0, -1.0], &[1.0; 2])), "width");
+    assert_eq!(
+        named(of(&[0.0, 1.0], &[1.0; 2], &[1.0, f64::INFINITY])),
+        "pressure"
+    );
+    assert_eq!(named(of(&[0.0, 1.0], &[1.0; 2], &[-1.0, 1.0])), "pressure");
+    assert_eq!(named(of(&[0.0, 1.0], &[1.0; 2], &[0.0; 2])), "pressure");
+    assert!(of(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0], &[0.0, 1.0, 0.0]).is_ok());
+}
+
+#[test]
+fn conditions_properties_and_accuracy_out_of_range_are_named() {
+    let patch = Strip::uniform(0.05, 1.0e-3, 1.0e7).expect("a strip");
+    let base = FilmConditions::new(20.0, -5.0);
+    let on = |conditions: FilmConditions, properties: Properties, accuracy: f64| {
+        named(film(
+            &patch,
+            &conditions,
+            &properties,
+            &FilmOptions { accuracy },
+        ))
+    };
+    assert_eq!(on(FilmConditions { v: 0.0, ..base }, WATER, 1e-6), "v");
+    assert_eq!(
+        on(
+            FilmConditions {
+                v: f64::NAN,
+                ..base
+            },
+            WATER,
+            1e-6
+        ),
+        "v"
+    );
+    assert_eq!(
+        on(
+            FilmConditions {
+                ice_temperature: 0.1,
+                ..base
+            },
+            WATER,
+            1e-6
+        ),
+        "ice_temperature"
+    );
+    assert_eq!(
+        on(
+            FilmConditions {
+                steel_temperature: 101.0,
+                ..base
+            },
+            WATER,
+            1e-6
+        ),
+        "steel_temperature"
+    );
+    assert_eq!(
+        on(
+            FilmConditions {
+                sliding_time: 0.0,
+                ..base
+            },
+            WATER,
+            1e-6
+        ),
+        "sliding_time"
+    );
+    assert_eq!(
+        on(
+            FilmConditions {
+                viscosity_factor: -1.0,
+                ..base
+            },
+            WATER,
+            1e-6
+        ),
+        "viscosity_factor"
+    );
+    assert_eq!(
+        on(
+            base,
+            Properties {
+                latent_heat: 0.0,
+                ..WATER
+            },
+            1e-6
+        ),
+        "latent_heat"
+    );
+    assert_eq!(
+        on(
+            base,
+            Properties {
+                melting_slope: f64::NAN,
+                ..WATER
+            },
+            1e-6
+        ),
+        "melting_slope"
+    );
+    assert_eq!(on(base, WATER, 0.0), "accuracy");
+}
+
+#[test]
+fn maps_become_strips_that_carry_the_same_load() {
+    let row = [0.0, 2.0e6, 4.0e6, 0.0];
+    let mut cells = vec![0.0; 4];
+    cells.extend(row);
+    cells.extend([1.0e6, 3.0e6, 3.0e6, 1.0e6]);
+    cells.extend(row);
+    cells.extend([0.0; 4]);
+    let map = PressureMap::new(1.0e-3, 0.1e-3, 4, cells).expect("a map");
+    assert_eq!((map.rows(), map.rows_before()), (3, 1));
+    let strip = map.strip().expect("a strip");
+    let expected = [0.0, 0.5e-3, 1.5e-3, 2.5e-3, 3.0e-3];
+    assert!(
+        strip
+            .xi()
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).abs() < 1e-15)
+    );
+    assert_eq!(&strip.pressure()[1..4], &[3.0e6, 2.0e6, 3.0e6]);
+    assert!((strip.width()[2] / 0.4e-3 - 1.0).abs() < 1e-12);
+    assert_eq!(strip.width()[0], 0.0);
+    assert!((strip.length() - 3.0e-3).abs() < 1e-15 && strip.aspect() > 7.0);
+}
+
+#[test]
+fn maps_that_are_none_are_refused() {
+    let of = |columns: usize, cells: &[f64]| PressureMap::new(1.0, 1.0, columns, cells.to_vec());
+    assert_eq!(named(of(0, &[1.0])), "too few");
+    assert_eq!(named(of(2, &[1.0, 1.0, 1.0])), "too few");
+    assert_eq!(named(of(1, &[0.0, 0.0])), "too few");
+    assert_eq!(named(of(1, &[])), "too few");
+    assert_eq!(named(of(1, &[1.0, 0.0, 1.0])), "too few");
+    assert_eq!(named(of(1, &[1.0, f64::NAN])), "pressure");
+    assert_eq!(named(PressureMap::new(0.0, 1.0, 1, vec![1.0, 1.0])), "dx");
+    assert_eq!(named(PressureMap::new(1.0, -1.0, 1, vec![1.0, 1.0])), "dy");
+    let map = PressureMap::new(1.0e-3, 1.0e-4, 2, vec![1.0e6; 40]).expect("a map");
+    let still = FilmConditions::new(0.0, -5.0);
+    assert_eq!(
+        named(reynolds_film(&map, &still, &WATER, &FilmOptions::default())),
+        "v"
+    );
+}
+
+#[test]
+fn coarser_strip_keeps_its_ends() {
+    let fine = strip(0.05, 11, |_| 1.0e-3, |at| 1.0e7 * (1.0 + at));
+    let coarse = fine.every_second().expect("stations enough");
+    assert_eq!(coarse.xi().len(), 7);
+    assert_eq!((coarse.xi()[0], coarse.length()), (0.0, fine.length()));
+    assert!(
+        Strip::uniform(0.05, 1.0e-3, 1.0e7)
+            .expect("a strip")
+            .every_second()
+            .is_none()
+    );
+}
