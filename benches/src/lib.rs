@@ -9,7 +9,6 @@
 //! | `real_time` | the driving simulation against the clock, the height of a fitted hull |
 //! | `lookup` | one evaluation of a table |
 //! | `growth` | cost against size, with exponents and a picture |
-//! | `gpu` | the solver on a graphics processor beside this one, where built with the feature `gpu` |
 //! | `guard` | four fixed small cases whose instructions are counted |
 //!
 //! ```

@@ -298,19 +298,6 @@ pub enum Error {
         /// Memory that the bodies before it left [bytes].
         limit: u64,
     },
-    /// The graphics processor does not solve problems of this kind.
-    #[cfg(feature = "gpu")]
-    #[error(
-        "a graphics processor solves for rigid runners on compressible ice by the accelerated method alone; found {found}"
-    )]
-    NotOnDevice {
-        /// What it does not take.
-        found: &'static str,
-    },
-    /// The graphics processor failed, or the mesh is too large for it.
-    #[cfg(feature = "gpu")]
-    #[error(transparent)]
-    Device(#[from] kufe_fem::Error),
 }
 
 /// A length of four digits, without zeros at its end [m].

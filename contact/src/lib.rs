@@ -21,8 +21,7 @@
 //! 4. `active_set`: accelerated projective SOR (after L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi
 //!    10.1007/s40314-024-03066-x). Sweeps over the contact forces find which nodes touch (`plane_problem`, with the Green's
 //!    matrix of the preconditioner); an acceleration solves on that set (`constrained_cg`: conjugate gradients that keep the
-//!    nodes closed and the load balanced). With the feature `gpu` the corrections within a set may come from a graphics
-//!    processor (`device_cg`).
+//!    nodes closed and the load balanced).
 //! 5. `accuracy`: `scout` finds the patch with contact problems on the contact plane alone, whose matrix is the Green's
 //!    matrix of the preconditioner (`plane_basis`); `order` and `extrapolation` make three similar meshes into figures
 //!    with errors.

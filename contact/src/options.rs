@@ -70,9 +70,6 @@ pub struct Options {
     pub max_stiffness_bytes: u64,
     /// Whether the shear under the peak pressure is followed over the meshes: [`Solution::under_peak`](crate::Solution::under_peak).
     pub subsurface: bool,
-    /// Where given, the equations of a rigid runner's contact are solved on this graphics processor, to the same residual.
-    #[cfg(feature = "gpu")]
-    pub device: Option<Arc<kufe_fem::gpu::Device>>,
     /// Called after every update of the contact set, as it happens and in order, with the values of that moment.
     pub progress: Option<Watcher>,
     /// Called before each mesh is solved, which may take longer than all before it.
@@ -103,8 +100,6 @@ impl Default for Options {
             stiffness: StiffnessForm::MatrixFree,
             max_stiffness_bytes: 4_000_000_000,
             subsurface: false,
-            #[cfg(feature = "gpu")]
-            device: None,
             progress: None,
             next_mesh: None,
             stop: None,

@@ -137,28 +137,4 @@ pub enum Error {
         /// The energy p . K p or r . P^-1 r.
         energy: f64,
     },
-    /// No graphics processor, nor software that stands in for one.
-    #[cfg(feature = "gpu")]
-    #[error(
-        "no Vulkan, Metal or Direct3D 12 adapter; expected a graphics processor and its driver (on Linux also libvulkan1)"
-    )]
-    NoAdapter,
-    /// The problem is too large for the graphics processor.
-    #[cfg(feature = "gpu")]
-    #[error("{what}: {needed} needed, the device takes at most {limit}")]
-    DeviceLimit {
-        /// What it is too large for: a buffer's bytes or a kernel's groups.
-        what: &'static str,
-        /// Bytes or groups.
-        needed: u64,
-        /// Most of them.
-        limit: u64,
-    },
-    /// The graphics processor failed.
-    #[cfg(feature = "gpu")]
-    #[error("the graphics processor failed: {reason}")]
-    Device {
-        /// The driver's own words.
-        reason: String,
-    },
 }

@@ -13,7 +13,6 @@
 //! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
 //! | [`TensorOperator`], [`PlanewiseDiagonal`] | stiffness and preconditioner on a tensor grid ([`FastDiagonal`]: the plain one) |
 //! | [`MappedPreconditioner`], [`BeamModes`] | the same for bent grids and slender bodies |
-//! | `gpu`, with the feature of that name | the kernels of tensor grids and conjugate gradients on a graphics processor |
 //! | [`boussinesq`], [`love_rectangle`], [`ThickCylinder`], [`Beam`] | closed forms |
 //!
 //! Vectors of a [`Body`] hold three numbers a node, node by node; those of a [`TensorOperator`] component by component.
@@ -41,8 +40,6 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod cg;
-#[cfg(feature = "gpu")]
-pub mod gpu;
 
 mod body;
 mod closed_form;

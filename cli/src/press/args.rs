@@ -20,10 +20,6 @@ pub struct Args {
     /// Figures, errors and maps for MATLAB too: result.mat
     #[arg(long)]
     pub mat: bool,
-    /// Solve on a graphics processor (Vulkan, Metal, Direct3D 12), to the same residual; rigid runners only, in a kufe built
-    /// with `--features gpu`
-    #[arg(long)]
-    pub gpu: bool,
     #[command(flatten)]
     pub lists: Lists,
 }

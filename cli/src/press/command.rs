@@ -9,13 +9,12 @@ use crate::output::say::say;
 use crate::output::staging::Staging;
 use crate::press::args::Args;
 use crate::press::held::no_series;
-use crate::press::{device, files, series, summary};
+use crate::press::{files, series, summary};
 
 /// Solves the case and writes its files, all or none.
 ///
 /// # Errors
-/// [`Failure::Usage`] for `--gpu` where there is no graphics processor, [`Failure::BadInput`] for the case and for an output
-/// that cannot be written, [`Failure::NotConverged`] where the solver stops short of the accuracy asked.
+/// [`Failure::BadInput`] for the case and for an output that cannot be written, [`Failure::NotConverged`] where the solver stops short of the accuracy asked.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = match &args.case {
         Some(path) => LoadedCase::read(path)?,
@@ -23,7 +22,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let options = Options {
         subsurface: args.subsurface,
-        ..device::options(args.gpu, global)?
+        ..Options::default()
     };
     if args.lists.is_series() {
         return series::run(args, &loaded, global, &options);

@@ -2,7 +2,6 @@
 
 mod args;
 mod command;
-mod device;
 mod files;
 mod held;
 mod mat;

@@ -192,10 +192,6 @@ impl MeshSolve<'_> {
             tell: self.tell,
         };
         let contact = &self.mesh.contact;
-        #[cfg(feature = "gpu")]
-        if let Some(device) = &options.device {
-            return contact.solve_on_device(device, state, greens, begun, &control);
-        }
         Ok(match options.method {
             Method::Accelerated => contact.solve(state, greens, begun, &control),
             Method::CholeskyActiveSet => {

@@ -3,8 +3,6 @@
 pub(crate) mod balance;
 pub(crate) mod constrained_cg;
 pub(crate) mod contact_set;
-#[cfg(feature = "gpu")]
-pub(crate) mod device_cg;
 pub(crate) mod energy;
 pub(crate) mod motion;
 pub(crate) mod plane_problem;

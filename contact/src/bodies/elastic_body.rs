@@ -166,19 +166,6 @@ impl ElasticBody {
             .filter(|&entry| ones[entry] == 0.0)
             .collect()
     }
-
-    /// The operator and the preconditioner of a body on its tensor grid that nothing but faces hold and no forces load.
-    #[cfg(feature = "gpu")]
-    pub fn plain(&self) -> Option<(&TensorOperator, &PlanewiseInverse)> {
-        match (&self.stiffness, &self.inverse) {
-            (Stiffness::Tensor(grid), Inverse::Planewise(inverse))
-                if self.held.is_empty() && self.load.is_empty() =>
-            {
-                Some((grid, inverse))
-            }
-            _ => None,
-        }
-    }
 }
 
 /// The vertical displacements of a grid's highest nodes for a body below, of its lowest for one above.

@@ -22,7 +22,7 @@ use crate::{Error, Method, Options, Problem};
 /// own moment is not in the balance. What the runner's sides push up is not in it either.
 ///
 /// # Errors
-/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method, a graphics processor; those of
+/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those of
 /// [`solve`](crate::solve()) for problems without an answer and answers that are none: [`Error::BeyondHardness`] too where the hull
 /// bears the load at rest but not sliding; [`Error::NotConverged`], [`Error::NoPatch`], and
 /// [`Error::SlidingAccuracyNotReached`] where the largest mesh allowed does not do.
@@ -76,12 +76,6 @@ fn refuse(problem: &Problem, options: &Options) -> Result<(), Error> {
     if options.method != Method::Accelerated {
         return Err(Error::NotSliding {
             reason: "a checking method",
-        });
-    }
-    #[cfg(feature = "gpu")]
-    if options.device.is_some() {
-        return Err(Error::NotSliding {
-            reason: "a graphics processor",
         });
     }
     Ok(())

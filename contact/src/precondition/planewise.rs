@@ -96,22 +96,6 @@ impl PlanewiseInverse {
         gathered -= faer::Scale(self.sign) * load;
     }
 
-    /// `residual` -= B^T m on the nodes of the contact plane, x fastest.
-    #[cfg(feature = "gpu")]
-    pub fn take_nodal(&self, multipliers: &[(usize, f64)], residual: &mut [f64]) {
-        for &(node, m) in multipliers {
-            if let Some([i, j]) = self.columns.local(node) {
-                residual[j * self.columns.count[0] + i] -= self.sign * m;
-            }
-        }
-    }
-
-    /// Modes of x and of y on the contact plane.
-    #[cfg(feature = "gpu")]
-    pub fn mode_shape(&self) -> [usize; 2] {
-        self.basis.mode_shape()
-    }
-
     /// See [`crate::precondition::inverse::Inverse::green`]; the second one is scaled to elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let n = nodes.len();

@@ -2,8 +2,6 @@
 
 use kufe_fem::Material;
 
-#[cfg(feature = "gpu")]
-use crate::StiffnessForm;
 use crate::{
     Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Method, Mount, Options, Problem,
     Tilt,
@@ -158,7 +156,7 @@ fn check_bed(bed: Bed) -> Result<(), Error> {
     )
 }
 
-/// The checking methods and a graphics processor take some runners only.
+/// The checking methods take some runners only.
 fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
     let elastic = problem.runner.elastic.as_ref();
     let taken = match (options.method, elastic) {
@@ -173,21 +171,6 @@ fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
     if let (Method::PlainSor, Some(hardness)) = (options.method, problem.ice.hardness) {
         let expected = "none with plain SOR, whose forces have no upper bound";
         within(false, "ice hardness", hardness, expected)?;
-    }
-    #[cfg(feature = "gpu")]
-    if options.device.is_some() {
-        let found = match (elastic, options.method) {
-            _ if options.stiffness == StiffnessForm::Assembled => Some("an assembled stiffness"),
-            (Some(_), _) => Some("an elastic runner"),
-            _ if problem.ice.element_kind() != kufe_fem::ElementKind::Hex8 => {
-                Some("nearly incompressible ice")
-            }
-            (None, Method::Accelerated) => None,
-            (None, _) => Some("a checking method"),
-        };
-        if let Some(found) = found {
-            return Err(Error::NotOnDevice { found });
-        }
     }
     Ok(())
 }

@@ -27,21 +27,6 @@ fn changed(from: &str, to: &str) -> String {
     CASE.replacen(from, to, 1)
 }
 
-/// A kufe for machines without a graphics processor says how to get one with.
-#[cfg(not(feature = "gpu"))]
-#[test]
-fn a_graphics_processor_asked_of_a_kufe_without_its_kernels_is_a_wrong_argument() {
-    let bench = Bench::new();
-    let output = bench.kufe(&["press", "--gpu"]);
-    let said = errors(&output);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(
-        said.contains("--gpu") && said.contains("--features gpu"),
-        "{said}"
-    );
-    assert!(bench.names().is_empty());
-}
-
 #[test]
 fn a_case_that_does_not_exist_is_named() {
     let bench = Bench::new();
