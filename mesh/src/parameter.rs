@@ -1,4 +1,4 @@
-//! Numbers that must be positive.
+//! Checks of single numbers, and evenly spaced ones.
 
 use crate::error::MeshError;
 
@@ -26,4 +26,15 @@ pub(crate) fn positive_finite(name: &'static str, value: f64) -> Result<f64, Mes
             expected: "a positive, finite number",
         })
     }
+}
+
+/// `count` equal intervals from `from` to `to`; the last value is exactly `to`, which rounding of the formula may exceed.
+pub(crate) fn linspace(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
+    (0..=count).map(move |i| {
+        if i == count {
+            to
+        } else {
+            from + (to - from) * i as f64 / count as f64
+        }
+    })
 }

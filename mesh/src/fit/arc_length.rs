@@ -1,6 +1,7 @@
 //! Arc length along the mean section of a tessellated hull.
 
 use crate::fit::downward::Downward;
+use crate::parameter::linspace;
 use crate::shapes::profile::Profile;
 
 /// Arc length along the mean section over y: facets' slopes averaged between columns of vertices, summed up.
@@ -78,12 +79,7 @@ pub(crate) fn arc_length(part: &Downward, [y0, y1]: [f64; 2], mirrored: bool) ->
         .collect();
     let plain = || Profile::new("section", &[[y0, y0], [y1, y1]]).expect("two finite points");
     match Profile::new("section", &points) {
-        Ok(map)
-            if (0..=2000)
-                .all(|i| map.evaluate(y0 + (y1 - y0) * f64::from(i) / 2000.0)[1] > 0.3) =>
-        {
-            map
-        }
+        Ok(map) if linspace(y0, y1, 2000).all(|y| map.evaluate(y)[1] > 0.3) => map,
         _ => plain(),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::fit::bicubic::{Bicubic, Sample};
 use crate::fit::surface::Surface;
+use crate::parameter::linspace;
 use crate::shapes::underside::Underside;
 
 /// Heights over the keel within which the fit is judged [m].
@@ -76,9 +77,7 @@ impl Judgement {
             resolution_error: 0.0,
             intervals: [0, 1].map(|axis| surface.spline.axes[axis].breaks().len() - 1),
         };
-        let mut ys: Vec<f64> = (0..=STATIONS)
-            .map(|i| y0 + (y1 - y0) * i as f64 / STATIONS as f64)
-            .collect();
+        let mut ys: Vec<f64> = linspace(y0, y1, STATIONS).collect();
         // Four places in each interval across as well; intervals may be short.
         let breaks = surface.spline.axes[1].breaks().to_vec();
         ys.extend(
@@ -100,16 +99,15 @@ impl Judgement {
         );
         ys.sort_by(f64::total_cmp);
         let mut keel = vec![f64::INFINITY; STATIONS + 1];
-        let station = |i: usize| x0 + (x1 - x0) * i as f64 / STATIONS as f64;
-        for (i, keel) in keel.iter_mut().enumerate() {
+        let stations: Vec<f64> = linspace(x0, x1, STATIONS).collect();
+        for (&x, keel) in stations.iter().zip(&mut keel) {
             *keel = ys
                 .iter()
-                .map(|&y| surface.height(station(i), y))
+                .map(|&y| surface.height(x, y))
                 .fold(f64::INFINITY, f64::min);
         }
         surface.level = keel.iter().copied().fold(f64::INFINITY, f64::min);
-        for (i, keel) in keel.iter().enumerate() {
-            let x = station(i);
+        for (&x, keel) in stations.iter().zip(&keel) {
             for &y in &ys {
                 let height = surface.height(x, y);
                 if height.is_finite() && height + surface.level <= keel + JUDGED_HEIGHT {

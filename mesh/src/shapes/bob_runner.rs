@@ -98,4 +98,26 @@ mod tests {
             "{message}"
         );
     }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..Default::default() })]
+
+        /// The highest point lies on the ends and sides, whose coordinates must not be exceeded by rounding.
+        #[test]
+        fn every_runner_below_its_top_is_built(
+            length in 0.3..1.0f64,
+            rocker_radius in 10.0..80.0f64,
+            section_radius in 0.002..0.02f64,
+            narrowing in 0.0..0.9f64,
+        ) {
+            let width = 2.0 * section_radius * (1.0 - narrowing);
+            let height = 0.06;
+            let runner = BobRunner { length, rocker_radius, section_radius, width, height, ..Default::default() };
+            let hull = runner.swept().unwrap();
+            let [_, x1, _, y1] = hull.extent();
+            let highest = hull.highest();
+            proptest::prop_assert_eq!(highest, hull.keel(x1) + hull.section().height(y1));
+            proptest::prop_assert!(highest < height);
+        }
+    }
 }

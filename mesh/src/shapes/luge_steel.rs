@@ -64,6 +64,7 @@ impl LugeSteel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameter::linspace;
     use crate::shapes::underside::Underside;
 
     #[test]
@@ -73,10 +74,7 @@ mod tests {
         assert_eq!([x0, x1], [-0.3, 0.3]);
         assert!((y1 - y0 - 0.020).abs() < 1e-15);
         assert_eq!(hull.height(0.0, 0.0), 0.0);
-        for i in 0..=100 {
-            let y = y0 + (y1 - y0) * f64::from(i) / 100.0;
-            assert!(hull.height(0.0, y.min(y1)) >= 0.0);
-        }
+        assert!(linspace(y0, y1, 100).all(|y| hull.height(0.0, y) >= 0.0));
         assert_eq!(hull.mirror_symmetric(), [true, false]);
     }
 }

@@ -1,7 +1,7 @@
 //! A section swept along a rocker, with ends that turn up.
 
 use crate::error::MeshError;
-use crate::parameter::positive_finite;
+use crate::parameter::{linspace, positive_finite};
 use crate::shapes::lows::lows;
 use crate::shapes::rocker::Rocker;
 use crate::shapes::section::Section;
@@ -114,9 +114,8 @@ impl Swept {
         }
         let [x0, x1, y0, y1] = self.extent();
         let lines = [(0, x0, x1), (1, y0, y1)].map(|(axis, from, to)| -> Vec<f64> {
-            let even = |k: usize| from + (to - from) * k as f64 / EVEN[axis] as f64;
             match measured[axis] {
-                [] => (0..=EVEN[axis]).map(even).collect(),
+                [] => linspace(from, to, EVEN[axis]).collect(),
                 breaks => {
                     let inside = breaks.iter().filter(|b| (from..=to).contains(*b));
                     inside.copied().collect()
@@ -210,9 +209,7 @@ impl Swept {
     pub fn highest(&self) -> f64 {
         let [y0, y1] = self.section.extent();
         let over = |f: &dyn Fn(f64) -> f64, from: f64, to: f64| {
-            (0..=200)
-                .map(|i| f(from + (to - from) * f64::from(i) / 200.0))
-                .fold(0.0, f64::max)
+            linspace(from, to, 200).map(f).fold(0.0, f64::max)
         };
         let half = 0.5 * self.length;
         over(&|x| self.keel(x), -half, half) + over(&|y| self.section.height(y), y0, y1)
