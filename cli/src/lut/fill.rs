@@ -17,7 +17,7 @@ use crate::output::watched::watched;
 /// Arguments of `kufe lut` without a subcommand.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// The table file (docs/lut-format.md)
+    /// The table file (docs/tables.md)
     #[arg(required = true)]
     table: Option<PathBuf>,
     /// Where the table goes [default: the table file's name with .lut]

@@ -1,4 +1,4 @@
-//! `.lut` files (docs/lut-format.md): written, and read with every number checked.
+//! `.lut` files (docs/tables.md): written, and read with every number checked.
 
 pub(crate) mod format;
 pub(crate) mod json;

@@ -1,4 +1,4 @@
-//! Reading a `.lut` file (docs/lut-format.md).
+//! Reading a `.lut` file (docs/tables.md).
 
 use std::io::Read;
 

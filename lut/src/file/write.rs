@@ -1,4 +1,4 @@
-//! Writing a `.lut` file (docs/lut-format.md).
+//! Writing a `.lut` file (docs/tables.md).
 
 use std::io::Write;
 

@@ -83,22 +83,22 @@ fn looked_up(bench: &Bench, fz: &str, curvature: &str, mode: &str) -> f64 {
 fn the_table_of_the_book_is_made_in_shards_read_by_pandas_and_used_by_simulators() {
     let bench = Bench::new();
     bench.write("bob.toml", CASE);
-    bench.write("table.toml", &blocks("lut-format.md", "toml")[0]);
-    for block in blocks("sweeps.md", "sh") {
+    bench.write("table.toml", &blocks("tables.md", "toml")[0]);
+    for block in blocks("tables.md", "sh") {
         if shell(&bench, &block).is_none() {
             return;
         }
     }
     let ours = looked_up(&bench, "500", "0.02", "bilinear");
 
-    let block = &blocks("lut-format.md", "python")[0];
+    let block = &blocks("tables.md", "python")[0];
     let ask = format!("{block}\nprint(p_max.loc[500.0, 0.02])\nassert len(checks) > 0");
     if let Some(theirs) = python(&bench, "pandas", &ask) {
         assert_eq!(number(&theirs), ours);
     }
 
     bench.succeeds(&["lut", "export", "front.lut", "--header"]);
-    let fragment = &blocks("simulator.md", "c")[0];
+    let fragment = &blocks("tables.md", "c")[0];
     let (include, body) = fragment.split_once('\n').expect("two lines");
     let code = format!(
         "#include <stdio.h>\n{include}\nint main(void) {{\ndouble v = 30.0, pitch_rate = -0.6;\n{body}\n\
@@ -121,7 +121,7 @@ fn the_table_of_the_book_is_made_in_shards_read_by_pandas_and_used_by_simulators
         missing("this kufe was built without a C compiler");
         return;
     }
-    let block = &blocks("simulator.md", "python")[0];
+    let block = &blocks("tables.md", "python")[1];
     let ask = format!("{block}\nprint(result[result.dtype.names[1]][0])");
     if let Some(theirs) = python(&bench, "fmpy, numpy", &ask) {
         let ours = looked_up(&bench, "1500", "0", "smooth");
@@ -132,23 +132,10 @@ fn the_table_of_the_book_is_made_in_shards_read_by_pandas_and_used_by_simulators
 }
 
 #[test]
-fn pages_are_made_as_the_book_says() {
-    let bench = Bench::new();
-    bench.write("case.toml", CASE);
-    for block in blocks("report.md", "sh") {
-        if shell(&bench, &block).is_none() {
-            return;
-        }
-    }
-    let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
-    assert!(page.contains("</html>"));
-}
-
-#[test]
 fn the_books_elastic_runner_is_solved() {
     let bench = Bench::new();
     let ice = CASE.split_once("[ice]").expect("a table [ice]").1;
-    let block = &blocks("elastic.md", "toml")[0];
+    let block = &blocks("theory.md", "toml")[0];
     bench.write(
         "case.toml",
         format!("{block}\n[ice]{ice}").replace("p_max = 0.02", "p_max = 0.1"),

@@ -1,6 +1,6 @@
 //! From where on relations between channels prove that one is not what its name says.
 
-/// Thresholds of the proofs; what each does at half and at twice stands in `docs/verification.md`.
+/// Thresholds of the relations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelationRules {
     /// By how much the disagreement must fall, a factor of e in the mean square that one relation leaves. In clean runs nothing
