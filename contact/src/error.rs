@@ -1,7 +1,7 @@
 //! What can go wrong in a contact solve.
 
-use crate::accuracy::watched::BESIDE;
 use crate::grid::patch::COARSE;
+use crate::options::AREA_WEIGHT;
 use crate::{Method, Solution};
 
 /// A number in no more digits than it needs.
@@ -34,9 +34,10 @@ fn percent(share: f64) -> String {
 /// The figure whose error a solve is judged by, and how much larger than the peak's that error may be.
 fn watched(best: &Solution) -> (&'static str, f64) {
     match best.hardness {
-        Some(hardness) if best.p_max >= hardness => {
-            ("the area (the peak is the ice's hardness)", 1.0 / BESIDE)
-        }
+        Some(hardness) if best.p_max >= hardness => (
+            "the area (the peak is the ice's hardness)",
+            1.0 / AREA_WEIGHT,
+        ),
         _ => ("the peak pressure", 1.0),
     }
 }

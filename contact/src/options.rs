@@ -9,6 +9,11 @@ use crate::Iterate;
 /// by an older version are not taken for this one's.
 pub const NUMERICS: u32 = 16;
 
+/// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is what is refined.
+///
+/// The area's error is of first order and scatters with the place of the rim between nodes.
+pub(crate) const AREA_WEIGHT: f64 = 0.25;
+
 /// The way to the solution of one mesh's equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {

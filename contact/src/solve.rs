@@ -1,8 +1,8 @@
 //! From a problem to a pressure field of the accuracy asked.
 
-use crate::accuracy::judge::{Estimate, Verdict};
+use crate::accuracy::find_patch::capacity;
 use crate::accuracy::meshes::Meshes;
-use crate::accuracy::scout::capacity;
+use crate::accuracy::meshes::{Estimate, Verdict};
 use crate::problem::check::{MOST_TILT, check};
 use crate::problem::gap::Gap;
 use crate::{Error, Load, Options, Problem, Solution};

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use kufe_mesh::Paraboloid;
 
-use crate::accuracy::judge::Verdict;
-use crate::accuracy::meshes::Meshes;
+use crate::accuracy::meshes::{Meshes, Verdict};
 use crate::accuracy::order::{HIGHEST, Limit, Raw};
 use crate::{Error, Ice, Load, Options, Problem, Runner, Tilt};
 

@@ -3,14 +3,14 @@
 use kufe_fem::{Material, TensorOperator};
 use kufe_mesh::TensorGrid;
 
+use crate::active_set::contact_set::{Control, Counts, Progress, SetUpdate};
 use crate::active_set::plane_problem::PlaneState;
-use crate::active_set::progress::{Control, Counts, Progress, SetUpdate};
-use crate::bodies::columns::Side;
 use crate::bodies::far_field::{lumps, prescribe};
 use crate::green::matrix::{Green, Stored};
-use crate::grid::contact_mesh::State;
-use crate::grid::discretise::Discretisation;
-use crate::reference::plain::{active_set, projected_sor};
+use crate::mesh::contact_mesh::State;
+use crate::mesh::discretise::Discretisation;
+use crate::plain_methods::{active_set, projected_sor};
+use crate::precondition::planewise::Side;
 use crate::{Error, Foundation, Load, Method, Options, Problem};
 
 /// Contact forces as they are known so far, on the plane they were found on.

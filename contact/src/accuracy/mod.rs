@@ -1,17 +1,16 @@
-//! Finer and finer meshes, until the pressure is as exact as was asked.
+//! Finer and finer meshes, until the pressure has the requested accuracy.
 
-pub(crate) mod extrapolation;
+pub(crate) mod answer;
+pub(crate) mod find_patch;
 #[cfg(test)]
-mod highest_tests;
-pub(crate) mod judge;
+pub(crate) mod highest_tests;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 #[cfg(test)]
 pub(crate) mod one_mesh;
 pub(crate) mod order;
 pub(crate) mod own_cells;
+pub(crate) mod penetration_check;
 #[cfg(test)]
-mod rejection_tests;
-pub(crate) mod scout;
-pub(crate) mod under_peak;
+pub(crate) mod rejection_tests;
 pub(crate) mod watched;

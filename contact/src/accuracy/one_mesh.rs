@@ -2,14 +2,14 @@
 
 use kufe_fem::Material;
 
+use crate::accuracy::find_patch::scout;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
-use crate::accuracy::scout::scout;
-use crate::active_set::progress::Progress;
+use crate::active_set::contact_set::Progress;
 use crate::green::matrix::Stored;
-use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
-use crate::grid::zones::Resolution;
+use crate::mesh::contact_mesh::State;
+use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
 use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::{Error, Options, Problem};

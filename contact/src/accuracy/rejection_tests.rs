@@ -7,11 +7,10 @@ use kufe_mesh::Paraboloid;
 
 use crate::accuracy::one_mesh::OneMesh;
 use crate::active_set::constrained_cg::OneSet;
+use crate::active_set::contact_set::{Control, Counts, SetUpdate};
 use crate::active_set::plane_problem::PlaneState;
-use crate::active_set::progress::{Control, Counts, SetUpdate};
-use crate::active_set::sets::Sets;
 use crate::green::matrix::Stored;
-use crate::grid::contact_mesh::State;
+use crate::mesh::contact_mesh::{Sets, State};
 use crate::{Foundation, Ice, Load, Options, Problem, Runner, Tilt};
 
 /// Share of the touching nodes that the bad acceleration keeps.

@@ -1,8 +1,7 @@
 //! The figures that accuracy watches, mesh by mesh.
 
-use crate::accuracy::extrapolation::Sequence;
-use crate::accuracy::order::{Limit, Raw};
-use crate::accuracy::under_peak::ShearHistory;
+use crate::accuracy::order::{Limit, Raw, Sequence};
+use crate::options::AREA_WEIGHT;
 use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
 
@@ -35,10 +34,6 @@ pub(crate) struct Left {
     pub approach: f64,
 }
 
-/// How much smaller than its own the area's error counts where it is watched instead of a peak: it is of first order and scatters
-/// with the place of the rim between nodes.
-pub(crate) const BESIDE: f64 = 0.25;
-
 /// Limits of fine meshes, and what is not known of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
@@ -50,7 +45,7 @@ pub(crate) struct Limits {
     pub area_error: f64,
     /// Error of the last mesh's length [m].
     pub length_error: f64,
-    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that, [`BESIDE`] times the area's.
+    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that, [`AREA_WEIGHT`] times the area's.
     pub relative: f64,
 }
 
@@ -215,7 +210,7 @@ impl Watched {
         let area_error = with(area_error, self.left.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
-            (self.hardness, 0.0, BESIDE * area_error / last.area)
+            (self.hardness, 0.0, AREA_WEIGHT * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
             // Of one sign on all meshes, and seen by none: it is added.
@@ -242,6 +237,52 @@ fn with(error: f64, left: f64) -> f64 {
 fn rims_error(figure: &Sequence, off: f64) -> f64 {
     let by_limit = figure.last().error_of(figure.value());
     by_limit.max(figure.range()).max(off)
+}
+
+// What meshes say of the largest shear under the peak pressure.
+
+/// The largest shear and its depth, mesh by mesh.
+pub(crate) struct ShearHistory {
+    shear: Sequence,
+    depth: Sequence,
+}
+
+impl ShearHistory {
+    pub fn new() -> Self {
+        ShearHistory {
+            shear: Sequence::alternating(),
+            depth: Sequence::alternating(),
+        }
+    }
+
+    /// Adds a mesh: finer and similar to the last one, or `graded_anew`. One whose shear is largest at an end of the line says nothing, and those
+    /// before it nothing of what follows.
+    pub fn push(&mut self, largest: Option<LargestShear>, cells: f64, graded_anew: bool) {
+        let Some(LargestShear { value, depth }) = largest else {
+            *self = ShearHistory::new();
+            return;
+        };
+        self.shear.push(Raw { cells, value }, graded_anew);
+        let value = depth;
+        self.depth.push(Raw { cells, value }, graded_anew);
+    }
+
+    /// The limit of the shear, and the last mesh's depth, with their errors; both have besides what stays of these relative errors on all meshes,
+    /// independent of theirs and of one sign. `None` where the last mesh says nothing.
+    pub fn under_peak(&self, left: f64, missed: f64) -> Option<UnderPeak> {
+        let depth = self.depth.value();
+        if depth.is_nan() {
+            return None;
+        }
+        let shear = self.shear.last();
+        let with = |error: f64, value: f64| error.hypot(left * value) + missed * value;
+        Some(UnderPeak {
+            shear: shear.value,
+            shear_error: with(shear.error, shear.value),
+            depth,
+            depth_error: with(self.depth.last().error_of(depth), depth),
+        })
+    }
 }
 
 #[cfg(test)]
@@ -281,7 +322,7 @@ mod tests {
         let (area, length) = (limits.area_error, limits.length_error / 0.1);
         assert!(length > 1.0 / 36.0 && length < 0.15, "{limits:?}");
         assert!(area > 0.5 / 36.0 && area < 0.07, "{limits:?}");
-        assert!((limits.relative / (BESIDE * area) - 1.0).abs() < 0.02);
+        assert!((limits.relative / (AREA_WEIGHT * area) - 1.0).abs() < 0.02);
     }
 
     #[test]

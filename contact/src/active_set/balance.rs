@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::active_set::motion::{Motion, dot, solve_semidefinite};
+use crate::motion::{Motion, dot, solve_semidefinite};
 
 /// The motion under which nodes, each on its own, carry the load.
 ///

@@ -2,16 +2,14 @@
 
 use faer::Mat;
 
-use crate::active_set::motion::dot;
-use crate::active_set::motion::solve_motion;
-use crate::active_set::progress::{Control, Progress};
-use crate::active_set::sets::Sets;
-use crate::active_set::vector;
+use crate::active_set::contact_set::{Control, Progress};
 use crate::bodies::elastic_body::BodyWork;
 use crate::green::closed_set::ClosedSet;
 use crate::green::matrix::Green;
-use crate::grid::contact_mesh::{ContactMesh, State};
-use crate::precondition::dense_cholesky::DenseCholesky;
+use crate::mesh::contact_mesh::{ContactMesh, Sets, State};
+use crate::motion::{dot, solve_motion};
+use crate::precondition::dense::DenseCholesky;
+use crate::vector;
 
 /// The constraint of one contact set.
 pub(crate) struct Constraint<'a> {

@@ -3,12 +3,12 @@
 use faer::Mat;
 
 use crate::active_set::balance::{Answer, Balance};
-use crate::active_set::motion::{Motion, dot, solve_motion};
-use crate::active_set::progress::Counts;
-use crate::active_set::sets::{Sets, clip};
+use crate::active_set::contact_set::Counts;
 use crate::green::closed_set::ClosedSet;
 use crate::green::matrix::Green;
-use crate::precondition::dense_cholesky::DenseCholesky;
+use crate::mesh::contact_mesh::{Sets, clip};
+use crate::motion::{Motion, dot, solve_motion};
+use crate::precondition::dense::DenseCholesky;
 
 /// The contact problem on the contact plane alone.
 ///

@@ -3,15 +3,17 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use kufe_fem::{Body as Hexahedra, End, Material, MatrixFree, SparseStiffness, TensorOperator};
+use kufe_fem::{
+    Body, Body as Hexahedra, End, Error, Material, MatrixFree, Section, SparseStiffness,
+    TensorOperator, to_components, to_nodes,
+};
+use kufe_mesh::TensorGrid;
 
-use crate::bodies::columns::{Columns, Side};
-use crate::bodies::stiffness::{Stiffness, StiffnessWork};
-use crate::bodies::trace::Trace;
+use crate::RunnerSolid;
+use crate::precondition::factored::Mortar;
 use crate::precondition::inverse::Inverse;
 use crate::precondition::mounted::MountedInverse;
-use crate::precondition::planewise::PlanewiseInverse;
-use crate::precondition::work::InverseWork;
+use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Side};
 
 /// A body with its stiffness K, a preconditioner M of it, and the trace B with which it meets the contact plane.
 ///
@@ -180,4 +182,186 @@ fn trace_on_grid(operator: &TensorOperator, side: Side, columns: Columns) -> Tra
         start: (2 * nz + plane) * nx * ny,
         sign: side.sign(),
     }
+}
+
+// The stiffness of a body as an operator.
+
+/// K of a body; displacements and forces stand component after component.
+pub(crate) enum Stiffness {
+    /// Hexahedra of a tensor grid.
+    Tensor(TensorOperator),
+    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid says what its faces hold.
+    Mapped {
+        grid: TensorOperator,
+        hexahedra: MatrixFree,
+    },
+    /// Hexahedra in no order.
+    Solid(Arc<RunnerSolid>),
+}
+
+/// Vectors that products with a stiffness reuse: two node by node, and the forces of cells on their corners.
+#[derive(Default)]
+pub(crate) struct StiffnessWork {
+    displacement: Vec<f64>,
+    force: Vec<f64>,
+    corners: Vec<f64>,
+}
+
+impl Stiffness {
+    /// Length of a displacement vector.
+    pub fn len(&self) -> usize {
+        match self {
+            Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => 3 * grid.node_count(),
+            Stiffness::Solid(solid) => 3 * solid.mesh().points.len(),
+        }
+    }
+
+    /// Unknowns that neither faces nor a solid's own clamps hold.
+    pub fn free_dofs(&self) -> usize {
+        match self {
+            Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.free_dofs(),
+            Stiffness::Solid(solid) => solid.map.free_count(),
+        }
+    }
+
+    /// The tensor grid of the body, or the one whose columns and layers it has.
+    pub fn grid(&self) -> Option<&TensorOperator> {
+        match self {
+            Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => Some(grid),
+            Stiffness::Solid(_) => None,
+        }
+    }
+
+    /// Vectors for [`Stiffness::apply`].
+    pub fn work(&self) -> StiffnessWork {
+        let length = match self {
+            Stiffness::Tensor(_) => 0,
+            Stiffness::Mapped { .. } | Stiffness::Solid(_) => self.len(),
+        };
+        StiffnessWork {
+            displacement: vec![0.0; length],
+            force: vec![0.0; length],
+            corners: Vec::new(),
+        }
+    }
+
+    /// Sets the entries that faces or a solid's own clamps hold to 0.
+    pub fn mask(&self, u: &mut [f64]) {
+        match self {
+            Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.mask(u),
+            Stiffness::Solid(solid) => {
+                let nodes = solid.mesh().points.len();
+                for (entry, u) in u.iter_mut().enumerate() {
+                    if solid
+                        .map
+                        .index(3 * (entry % nodes) + entry / nodes)
+                        .is_none()
+                    {
+                        *u = 0.0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps hold.
+    pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut StiffnessWork) {
+        match self {
+            Stiffness::Tensor(grid) => grid.apply(u, out),
+            Stiffness::Mapped { grid, hexahedra } => {
+                to_nodes(u, &mut work.displacement);
+                hexahedra.apply_with(&work.displacement, &mut work.force, &mut work.corners);
+                to_components(&work.force, out);
+                grid.mask(out);
+            }
+            Stiffness::Solid(solid) => {
+                to_nodes(u, &mut work.displacement);
+                solid.stiffness.apply(&work.displacement, &mut work.force);
+                let free = solid.map.restrict(&work.force);
+                work.force.fill(0.0);
+                solid.map.extend(&free, &mut work.force);
+                to_components(&work.force, out);
+            }
+        }
+    }
+}
+
+// How a body's displacements close the gap over the nodes of the contact plane.
+
+/// B: from displacements, component after component, to the closing of the gap on the plane's nodes, x fastest. It has the
+/// vertical displacements with the sign of the body's side.
+pub(crate) enum Trace {
+    /// Nodes of the body that are nodes of the plane.
+    Nodes {
+        columns: Columns,
+        /// Where their vertical displacements begin in the body's vector, x fastest.
+        start: usize,
+        /// +1 for a body below, -1 for one above.
+        sign: f64,
+    },
+    /// Means over nodes of a body above that has its own.
+    Means(Arc<Mortar>),
+}
+
+impl Trace {
+    /// `closing` += B `u`.
+    pub fn add_closing(&self, u: &[f64], closing: &mut [f64]) {
+        match self {
+            Trace::Nodes {
+                columns,
+                start,
+                sign,
+            } => {
+                let [nx, ny] = columns.count;
+                for j in 0..ny {
+                    for i in 0..nx {
+                        closing[columns.node([i, j])] += sign * u[start + j * nx + i];
+                    }
+                }
+            }
+            Trace::Means(mortar) => mortar.add_closing(u, closing),
+        }
+    }
+
+    /// `out` += B^T f for the forces (node, value).
+    pub fn add_forces(&self, forces: &[(usize, f64)], out: &mut [f64]) {
+        match self {
+            Trace::Nodes {
+                columns,
+                start,
+                sign,
+            } => {
+                for &(node, force) in forces {
+                    if let Some([i, j]) = columns.local(node) {
+                        out[start + j * columns.count[0] + i] += sign * force;
+                    }
+                }
+            }
+            Trace::Means(mortar) => mortar.add_forces(forces, 1.0, out),
+        }
+    }
+}
+
+// The hexahedra of a body on a tensor grid, as they are assembled.
+
+/// The body that a tensor operator stands for; `material` is that of its cells, but of its lower layer's.
+///
+/// # Errors
+/// Those of [`Body::new`] and [`Material::new`].
+pub(crate) fn hexahedra(operator: &TensorOperator, material: Material) -> Result<Body, Error> {
+    let [x, y, z] = operator.axes.each_ref().map(|axis| axis.nodes.clone());
+    let mesh = TensorGrid { x, y, z }.hex_mesh();
+    let of = |material| Section {
+        material,
+        kind: operator.element_kind(),
+    };
+    let mut sections = vec![of(material); mesh.cells.len()];
+    if let Some(layer) = operator.lower_layer() {
+        let (lambda, mu) = (layer.lambda, layer.mu);
+        let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+        let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu))?;
+        let [nx, ny, _] = operator.shape().map(|nodes| nodes - 1);
+        sections[..nx * ny * layer.cells].fill(of(bed));
+    }
+    Body::new(mesh, sections)
 }

@@ -4,7 +4,7 @@ use kufe_fem::{Material, boussinesq};
 use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
-use crate::bodies::columns::Side;
+use crate::precondition::planewise::Side;
 
 /// A vertical force on the surface.
 #[derive(Clone, Copy, Debug)]

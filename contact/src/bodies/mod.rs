@@ -1,12 +1,6 @@
-//! What bends: the ice and the runner as elastic bodies that meet on the contact plane.
+//! Elastic bodies: the ice and the runner.
 
-pub(crate) mod columns;
 pub(crate) mod elastic_body;
 pub(crate) mod far_field;
-pub(crate) mod hexahedra;
-pub(crate) mod mortar;
-pub(crate) mod mounting;
 pub(crate) mod runner_body;
 pub(crate) mod solid_body;
-pub(crate) mod stiffness;
-pub(crate) mod trace;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::active_set::motion::{dot, solve_semidefinite};
 use crate::green::modal::ModalGreen;
+use crate::motion::{dot, solve_semidefinite};
 
 /// Relative error of the forces, in their own energy, at which the iteration ends.
 const PRECISION: f64 = 1e-11;

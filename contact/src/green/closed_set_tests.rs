@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::*;
 use kufe_mesh::Paraboloid;
 
-use super::*;
 use crate::accuracy::one_mesh::OneMesh;
 use crate::green::matrix::{Green, Stored};
 use crate::{Ice, Load, Problem, Runner, Tilt};

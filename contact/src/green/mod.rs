@@ -1,7 +1,5 @@
-//! What forces on the contact plane move there, dense or through the modes of the plane, and the equations of a closed set on it.
+//! The displacements that contact forces make on the contact plane.
 
 pub(crate) mod closed_set;
-pub(crate) mod line_sweep;
 pub(crate) mod matrix;
 pub(crate) mod modal;
-pub(crate) mod window;

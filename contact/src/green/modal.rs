@@ -5,10 +5,8 @@ use std::cell::RefCell;
 use faer::{Mat, MatRef};
 use kufe_fem::Tridiagonal;
 
-use crate::bodies::elastic_body::{BodyWork, ElasticBody};
-use crate::bodies::stiffness::Stiffness;
-use crate::green::line_sweep::LineSweep;
-use crate::green::window::{Form, Window};
+use crate::bodies::elastic_body::{BodyWork, ElasticBody, Stiffness};
+use crate::green::matrix::{Form, LineSweep, Window};
 use crate::precondition::inverse::Inverse;
 
 /// G = B M^-1 B^T of all bodies, as a product.

@@ -1,7 +1,6 @@
 //! Graded axes: fine over the contact, growing away from it.
 
 use crate::Error;
-use crate::grid::limits::{MOST_ON_A_LINE, increasing};
 use crate::grid::stretch::Stretch;
 
 /// A stretch of an axis that is to be resolved.
@@ -162,6 +161,150 @@ pub(crate) fn even_steps(
         .collect())
 }
 
+// What a mesh may be: lines of nodes that increase, and no more than memory takes.
+
+/// Most nodes of a line.
+pub(crate) const MOST_ON_A_LINE: usize = 100_000;
+/// Most nodes of the ice: 12 million unknowns, some 4 GB.
+const MOST_NODES: usize = 4_000_000;
+/// Least distance of neighbours over the sum of their places.
+const APART: f64 = 1e-12;
+
+/// Passes a line on whose nodes increase, each by more than rounding.
+pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
+    let least = |w: &[f64]| APART * (w[0].abs() + w[1].abs());
+    let apart = |w: &&[f64]| w[1] - w[0] > least(w);
+    match nodes.windows(2).find(|w| !apart(w)) {
+        None if nodes.len() > 1 => Ok(nodes),
+        found => Err(Error::TooFine {
+            from: nodes.first().copied().unwrap_or(f64::NAN),
+            to: nodes.last().copied().unwrap_or(f64::NAN),
+            spacing: found.map_or(0.0, least),
+        }),
+    }
+}
+
+/// Checks that a grid of this many nodes along each axis can be had.
+pub(crate) fn storable(shape: [usize; 3]) -> Result<(), Error> {
+    let nodes = shape.iter().fold(1usize, |n, &k| n.saturating_mul(k));
+    if nodes > MOST_NODES {
+        return Err(Error::MeshTooLarge {
+            shape,
+            limit: MOST_NODES,
+        });
+    }
+    Ok(())
+}
+
+// Zones of even or graded cells under a patch, and nodes where they must be.
+
+/// How fine a mesh is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Resolution {
+    /// Cells over half the patch, along and across.
+    pub cells: f64,
+    /// Growth of the spacing with the distance from the patch.
+    pub growth: f64,
+}
+
+impl Resolution {
+    /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see [`widened`].
+    pub fn real_cells(self, symmetry: [bool; 2]) -> f64 {
+        self.cells
+            + symmetry
+                .iter()
+                .map(|&s| if s { 0.25 } else { 0.0 })
+                .sum::<f64>()
+    }
+}
+
+/// Nodes under those of `z`, down to `thickness` below them, growing on from the cells above.
+pub(crate) fn below(z: &[f64], thickness: f64, growth: f64) -> Result<Vec<f64>, Error> {
+    let cell = (z[1] - z[0]).min(0.25 * thickness);
+    let zone = Zone {
+        stretch: Stretch::even(-cell, 0.0),
+        spacing: cell,
+    };
+    let mut nodes = graded_axis(Start::Beyond(-thickness), 0.0, &[zone], growth)?;
+    nodes.pop();
+    let scale = thickness / -nodes[0];
+    Ok(nodes.iter().map(|n| z[0] + n * scale).collect())
+}
+
+/// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the axis.
+pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
+    let next = nodes.partition_point(|&v| v < place);
+    if next == 0 || next == nodes.len() {
+        return;
+    }
+    let cell = nodes[next] - nodes[next - 1];
+    if next + 1 < nodes.len() && nodes[next] - place < 0.35 * cell {
+        nodes[next] = place;
+    } else if next > 1 && place - nodes[next - 1] < 0.35 * cell {
+        nodes[next - 1] = place;
+    } else {
+        nodes.insert(next, place);
+    }
+}
+
+/// The zone of a stretch: half a cell longer at its rims, so that all meshes cut them in the middle of a cell,
+/// and only its upper half where a mirror plane cuts it. Nothing of a stretch below a mirror plane.
+///
+/// Half an even stretch, from a node on the mirror plane to the middle of a cell, is an odd number of half cells: half a
+/// cell more than asked. A zone of no whole number of cells would leave their number to rounding errors.
+pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
+    let halved = symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0;
+    let spacing = stretch.half() / (resolution.cells + if halved { 0.5 } else { 0.0 });
+    let margin = |x: f64| 0.5 * spacing * stretch.size(x);
+    let low = stretch.low - margin(stretch.low);
+    let high = stretch.high + margin(stretch.high);
+    if symmetric && high <= 0.0 {
+        return None;
+    }
+    let cut = symmetric && low <= 0.0;
+    let (from, length) = (if cut { 0.0 } else { low }, stretch.high - stretch.low);
+    // Places are relative to the stretch: carry them over to the zone.
+    let place = |t: f64| (stretch.low + t * length - from) / (high - from);
+    let sizes = stretch.sizes.iter().map(|s| [place(s[0]), s[1]]).collect();
+    Some(Zone {
+        stretch: Stretch {
+            low: from,
+            high,
+            sizes,
+        },
+        spacing,
+    })
+}
+
+/// Lets zones that their margins made overlap meet half-way.
+///
+/// One that lies within another's half is taken into it.
+pub(crate) fn part(zones: &mut Vec<Zone>) {
+    let mut i = 1;
+    while i < zones.len() {
+        let (before, this) = (&zones[i - 1].stretch, &zones[i].stretch);
+        let middle = 0.5 * (this.low + before.high);
+        if this.low < before.high && (middle >= this.high || middle <= before.low) {
+            let [low, high] = [before.low.min(this.low), before.high.max(this.high)];
+            let finer = zones.remove(i);
+            let whole = &mut zones[i - 1];
+            whole.spacing = whole.spacing.min(finer.spacing);
+            whole.stretch = Stretch::even(low, high);
+            i = i.max(2) - 1;
+        } else {
+            i += 1;
+        }
+    }
+    for i in 1..zones.len() {
+        let (low, high) = (zones[i].stretch.low, zones[i - 1].stretch.high);
+        if low < high {
+            let middle = 0.5 * (low + high);
+            zones[i - 1].stretch.high = middle;
+            zones[i].stretch.low = middle;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,5 +375,44 @@ mod tests {
             let line = graded_axis(Start::At(0.0), 3.0, &zones, 0.3);
             assert!(matches!(line, Err(Error::TooFine { .. })), "{zones:?}");
         }
+    }
+}
+
+#[cfg(test)]
+mod limits_tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_do_not_increase_are_refused() {
+        assert!(increasing(vec![-1.0, 0.0, 1e-9]).is_ok());
+        for nodes in [
+            vec![0.0, 1.0, 1.0],
+            vec![0.0, f64::NAN, 1.0],
+            vec![1.0],
+            vec![1.0, 1.0 + 1e-15],
+        ] {
+            assert!(increasing(nodes).is_err());
+        }
+    }
+
+    #[test]
+    fn what_is_refused_says_the_size_that_rounding_still_tells()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let told = |nodes| increasing(nodes).map_err(|error| error.to_string());
+        let Err(text) = told(vec![0.0, 1.0, 1.0]) else {
+            return Err("equal nodes pass".into());
+        };
+        assert!(text.contains("cells of 2.000e-12 m or less"), "{text}");
+        let Err(text) = told(vec![0.0, 0.0]) else {
+            return Err("nodes at one place pass".into());
+        };
+        assert!(text.contains("cells of no size"), "{text}");
+        Ok(())
+    }
+
+    #[test]
+    fn sizes_are_bounded_without_overflow() {
+        assert!(storable([100, 100, 100]).is_ok());
+        assert!(storable([usize::MAX, 3, 1]).is_err());
     }
 }

@@ -1,13 +1,12 @@
 //! What a sliding contact's mesh says: groove, ploughing, and the patch from its front to its back.
 
-use crate::groove::on_mesh::OnMesh;
-use crate::groove::profile::GrooveProfile;
-use crate::groove::rims::Rims;
-use crate::groove::slid::Slid;
-use crate::groove::solution::Section;
+use crate::groove::on_mesh::{OnMesh, Slid};
+use crate::groove::plastic_contact::Kind;
+use crate::groove::solution::{GrooveProfile, Section};
+use crate::mesh::discretise::Discretisation;
 use crate::problem::gap::Gap;
-use crate::result::chords::By;
 use crate::result::measure::PressureField;
+use crate::result::rim::{By, rim_by_overlap};
 
 /// The figures that errors are stated of, as one mesh has them.
 #[derive(Clone, Copy, Debug)]
@@ -150,7 +149,7 @@ impl<'a> Reading<'a> {
         let height = |i: usize| {
             let heights = (0..ny).map(|j| {
                 let n = j * nx + i;
-                contact.gap[n] - crate::active_set::motion::dot(contact.rows[n], motion)
+                contact.gap[n] - crate::motion::dot(contact.rows[n], motion)
             });
             heights.fold(f64::INFINITY, f64::min)
         };
@@ -212,4 +211,287 @@ fn with_ends(mut sections: Vec<Section>, [back, front]: [f64; 2]) -> Vec<Section
         sections.push(ends[1]);
     }
     sections
+}
+
+// Where the patch ends, below the cell.
+
+/// A solution on its mesh, with the nodes' states on the whole plane.
+pub(crate) struct Rims<'a> {
+    mesh: &'a Discretisation,
+    slid: &'a Slid,
+    full: Vec<bool>,
+    gaps: Vec<f64>,
+}
+
+impl<'a> Rims<'a> {
+    pub fn new(mesh: &'a Discretisation, slid: &'a Slid) -> Self {
+        let contact = &mesh.contact;
+        let mut full = vec![false; contact.gap.len()];
+        let mut gaps = vec![f64::INFINITY; contact.gap.len()];
+        for (k, &node) in contact.candidates.iter().enumerate() {
+            full[node] = slid.grooved.kinds[k] == Kind::Full;
+            gaps[node] = slid.grooved.gap[k];
+        }
+        Rims {
+            mesh,
+            slid,
+            full,
+            gaps,
+        }
+    }
+
+    /// Whether the ice yields somewhere.
+    pub fn yields(&self) -> bool {
+        self.full.contains(&true)
+    }
+
+    /// The patch's rims, below the cell: [x low, x high, y low, y high] [m].
+    pub fn rims(&self, field: &PressureField) -> [f64; 4] {
+        let pressure = field.pressures();
+        let [back, front] = self.ends(&field.chords_along(&pressure, By::Shape));
+        let sides = self.sides(&field.chords_across(&pressure, By::Shape));
+        let touched = sides.iter().flatten();
+        let left = touched
+            .clone()
+            .fold(f64::NEG_INFINITY, |left, s| left.max(s[1]));
+        let right = touched.fold(f64::INFINITY, |right, s| right.min(s[0]));
+        let right = if self.mesh.symmetry[1] { -left } else { right };
+        [back, front, right, left]
+    }
+
+    /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of the plane: 1 where none is full.
+    ///
+    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes. Between columns, and from the last one to
+    /// the front, the squared width is taken to be linear: it is where a round runner's patch ends, and a sum over columns would leave a part
+    /// of it open that depends on where the front lies between nodes.
+    pub fn full_area(&self) -> f64 {
+        let [nx, ny] = self.shape();
+        let [along, across] = &self.mesh.contact.lumped;
+        let (mut nodes, mut missing) = (0.0, 0.0);
+        let mut before = None;
+        for (i, length) in along.iter().enumerate() {
+            let part: f64 = (0..ny)
+                .filter(|j| self.full[j * nx + i])
+                .map(|j| across[j])
+                .sum();
+            let sides = [false, true].map(|upper| self.beyond(i, upper));
+            let beyond: f64 = sides.iter().flatten().sum();
+            nodes += length * part;
+            missing += length * beyond;
+            // On a mirrored plane the lower side is the mirror.
+            let [lower, upper] = sides.map(|side| side.is_some());
+            let width = (upper && (lower || self.mesh.symmetry[1])).then_some(part + beyond);
+            if let (Some(before), Some(width)) = (before, width) {
+                missing += self.between_columns(i, [before, width]);
+            }
+            before = width;
+        }
+        if nodes > 0.0 {
+            (1.0 + missing / nodes).clamp(0.9, 1.1)
+        } else {
+            1.0
+        }
+    }
+
+    /// How far the ice yields beyond the outermost node's part of the plane at a side of column `i`, negative where it ends within [m].
+    fn beyond(&self, i: usize, upper: bool) -> Option<f64> {
+        let y = &self.mesh.grid.y;
+        let ([j, k], side) = self.yielding_side(i, upper)?;
+        Some((side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum())
+    }
+
+    /// Mean pressure over the `width` of column `i`, `hardness` where all of it yields [Pa].
+    ///
+    /// Forces stand for the nodes' parts of the plane, and the width ends below the cell: a full node bears the hardness on its part, whatever its
+    /// force is fitted to, and so does what lies between there and the rim.
+    pub fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
+        let [nx, ny] = self.shape();
+        let [along, across] = &self.mesh.contact.lumped;
+        let borne = (0..ny).map(|j| match self.full[j * nx + i] {
+            true => hardness * across[j],
+            false => self.slid.state.force[j * nx + i] / along[i],
+        });
+        let beyond = [false, true].into_iter();
+        let beyond = beyond.filter_map(|upper| self.beyond(i, upper));
+        let beyond: f64 = beyond.map(|length| hardness * length).sum();
+        ((borne.sum::<f64>() + beyond) / width).min(hardness)
+    }
+
+    /// What a sum over columns of these widths of column `i` and the one behind it leaves out of the area under squared widths that are
+    /// linear between them, and on to the front where nothing touches ahead.
+    fn between_columns(&self, i: usize, [before, width]: [f64; 2]) -> f64 {
+        let x = &self.mesh.grid.x;
+        // 2/3 (a^2 + a b + b^2) / (a + b), the mean of sqrt(linear from a^2 to b^2).
+        let mean = |a: f64, b: f64| 2.0 / 3.0 * (a * a + a * b + b * b) / (a + b);
+        let step = x[i] - x[i - 1];
+        let mut missing = step * (mean(before, width) - 0.5 * (before + width));
+        if i + 1 < x.len()
+            && self.open(i + 1)
+            && let Some(front) = self.foremost(i)
+        {
+            let slope = (width * width - before * before) / step;
+            let tip = (width * width + slope * (front - x[i])).max(0.0).sqrt();
+            missing += (front - x[i]) * mean(width, tip) - 0.5 * (x[i + 1] - x[i]) * width;
+        }
+        missing
+    }
+
+    /// Whether nothing touches in column `i`.
+    fn open(&self, i: usize) -> bool {
+        let [nx, ny] = self.shape();
+        (0..ny).all(|j| self.slid.state.force[j * nx + i] <= 0.0)
+    }
+
+    /// The foremost place where the ice begins to yield in the rows that touch in column `i`, before the open one ahead [m].
+    fn foremost(&self, i: usize) -> Option<f64> {
+        let [nx, ny] = self.shape();
+        let rows = (0..ny).filter(|j| self.full[j * nx + i]);
+        rows.filter_map(|j| self.front(j)).reduce(f64::max)
+    }
+
+    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is full, and the open one beyond it: where
+    /// the parabola of growth and gap through these and the next node within is zero.
+    fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
+        let [nx, _] = self.shape();
+        let [j, k] = self.outermost(i, upper)?;
+        let outside = self.gaps[k * nx + i] - self.grown(i, k);
+        let y = &self.mesh.grid.y;
+        let inside = self.grown(i, j);
+        if !self.full[j * nx + i] || outside <= 0.0 || !outside.is_finite() {
+            return None;
+        }
+        let within = match (upper, j) {
+            // Beyond the mirror plane lies the open node's image.
+            (true, 0) => self.mesh.symmetry[1].then_some((-y[k], -outside)),
+            (true, _) => Some((y[j - 1], self.grown(i, j - 1))),
+            (false, _) => (j + 1 < y.len()).then(|| (y[j + 1], self.grown(i, j + 1))),
+        };
+        let side = rim_by_overlap(within, (y[j], inside), (y[k], -outside))?;
+        Some(([j, k], side))
+    }
+
+    /// The outermost node in contact at a side of column `i` and the one beyond it.
+    fn outermost(&self, i: usize, upper: bool) -> Option<[usize; 2]> {
+        let [nx, ny] = self.shape();
+        let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
+        if upper {
+            let j = (0..ny).rfind(touching)?;
+            (j + 1 < ny).then_some([j, j + 1])
+        } else {
+            let j = (0..ny).find(touching)?;
+            Some([j, j.checked_sub(1)?])
+        }
+    }
+
+    /// Depth at a node beyond that in which the ice came [m].
+    fn grown(&self, i: usize, j: usize) -> f64 {
+        let [nx, _] = self.shape();
+        self.slid.depth[j * nx + i] - self.slid.depth[j * nx + nx - 1]
+    }
+
+    /// Both sides of the contact at every column; none where it is open.
+    pub fn sides(&self, chords: &[Vec<[f64; 2]>]) -> Vec<Option<[f64; 2]>> {
+        let [nx, _] = self.shape();
+        let mut sides = vec![None; nx];
+        let mut ahead = [0.0; 2];
+        for i in (0..nx).rev() {
+            if let (Some(first), Some(last)) = (chords[i].first(), chords[i].last()) {
+                ahead = [
+                    self.side(i, [first[0], ahead[0]], false),
+                    self.side(i, [last[1], ahead[1]], true),
+                ];
+                sides[i] = Some(ahead);
+            }
+        }
+        sides
+    }
+
+    /// The contact's side at column `i`: where the groove begins if the outermost node yields, where it began before if that lies in
+    /// it, and else that of the pressure. `known` holds the last and what it was ahead.
+    fn side(&self, i: usize, known: [f64; 2], upper: bool) -> f64 {
+        let [nx, _] = self.shape();
+        let Some([j, k]) = self.outermost(i, upper) else {
+            return known[0];
+        };
+        let y = &self.mesh.grid.y;
+        let inside = self.grown(i, j);
+        if let Some((_, side)) = self.yielding_side(i, upper) {
+            return side;
+        }
+        let within = if upper { j.checked_sub(1) } else { Some(j + 1) };
+        if inside <= 0.0 && within.is_some_and(|w| self.full[w * nx + i]) {
+            return self.partly(j * nx + i, y[j], [y[within.unwrap_or(j)], y[k]]);
+        }
+        let [by_pressure, ahead] = known;
+        let between = (y[j].min(y[k])..=y[j].max(y[k])).contains(&ahead);
+        if inside > 0.0 && self.grown(i, k) <= 0.0 && between {
+            ahead
+        } else {
+            by_pressure
+        }
+    }
+
+    /// The rim by the share of a node's part of the plane that yields, where it is the last one and the next one within yields.
+    fn partly(&self, node: usize, at: f64, [within, beyond]: [f64; 2]) -> f64 {
+        let share = self.slid.state.force[node] / self.mesh.contact.bound[node];
+        let (from, to) = (0.5 * (at + within), 0.5 * (at + beyond));
+        from + share * (to - from)
+    }
+
+    /// Back and front ends of the patch [m]; the front where the ice begins to yield, below the cell.
+    pub fn ends(&self, chords: &[Vec<[f64; 2]>]) -> [f64; 2] {
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        for (j, chords) in chords.iter().enumerate() {
+            let (Some(first), Some(last)) = (chords.first(), chords.last()) else {
+                continue;
+            };
+            let front = self.front(j).unwrap_or(last[1]);
+            let back = self.back(j).unwrap_or(first[0]);
+            ends = [ends[0].min(back), ends[1].max(front)];
+        }
+        ends
+    }
+
+    /// The front of row `j` where the ice yields there.
+    fn front(&self, j: usize) -> Option<f64> {
+        let [nx, _] = self.shape();
+        let x = &self.mesh.grid.x;
+        let node = |i: usize| j * nx + i;
+        let i = (1..nx - 1).rfind(|&i| self.slid.state.force[node(i)] > 0.0)?;
+        let outside = self.gaps[node(i + 1)];
+        if self.full[node(i)] && outside.is_finite() {
+            let inside = self.slid.depth[node(i)] - self.slid.depth[node(i + 1)];
+            return Some(x[i] + inside / (inside + outside) * (x[i + 1] - x[i]));
+        }
+        self.full[node(i - 1)].then(|| self.partly(node(i), x[i], [x[i - 1], x[i + 1]]))
+    }
+
+    /// The back of row `j` where the ice yields up to there: where the groove no longer deepens, which it does ever less towards
+    /// the runner's lowest point.
+    fn back(&self, j: usize) -> Option<f64> {
+        let [nx, _] = self.shape();
+        let x = &self.mesh.grid.x;
+        let node = |i: usize| j * nx + i;
+        let i = (1..nx - 2).find(|&i| self.slid.state.force[node(i)] > 0.0)?;
+        if !self.full[node(i + 1)] {
+            return None;
+        }
+        if !self.full[node(i)] {
+            return Some(self.partly(node(i), x[i], [x[i + 1], x[i - 1]]));
+        }
+        let depth = |i: usize| self.slid.depth[node(i)];
+        let slope = |i: usize| (depth(i) - depth(i + 1)) / (x[i + 1] - x[i]);
+        let middle = |i: usize| 0.5 * (x[i] + x[i + 1]);
+        let bend = (slope(i + 1) - slope(i)) / (middle(i + 1) - middle(i));
+        let end = middle(i) - slope(i) / bend;
+        Some(if end.is_finite() {
+            end.clamp(x[i - 1], x[i + 1])
+        } else {
+            middle(i - 1)
+        })
+    }
+
+    fn shape(&self) -> [usize; 2] {
+        [self.mesh.grid.x.len(), self.mesh.grid.y.len()]
+    }
 }

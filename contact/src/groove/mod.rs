@@ -8,19 +8,13 @@
 //! u_p never falls towards the back, and p = H where it grows
 //! ```
 //!
-//! `memory` solves that on the contact plane for a given response of the bodies and a given motion, `load_balance` finds the
-//! motion that carries the load, `elastic_response` lets the bodies on their mesh correct the response, `on_mesh` brings these
-//! together, `rims` finds where the patch ends below the cell, `measures` reads the groove, `sequence` goes from mesh to mesh.
+//! `plastic_contact` solves that on the contact plane for a given response of the bodies and a given
+//! motion, and lets the bodies on their mesh correct the response. `on_mesh` finds the motion that
+//! carries the load. `measures` finds where the patch ends below the cell and reads the groove.
+//! `sequence` goes from mesh to mesh.
 
-pub(crate) mod elastic_response;
-pub(crate) mod errors;
-pub(crate) mod load_balance;
 pub(crate) mod measures;
-pub(crate) mod memory;
 pub(crate) mod on_mesh;
-pub(crate) mod profile;
-pub(crate) mod rims;
+pub(crate) mod plastic_contact;
 pub(crate) mod sequence;
-pub(crate) mod slid;
-pub(crate) mod slide;
 pub(crate) mod solution;

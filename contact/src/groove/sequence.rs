@@ -2,28 +2,26 @@
 
 use kufe_fem::Material;
 
+use crate::accuracy::answer::Answer;
+use crate::accuracy::find_patch::capacity;
 use crate::accuracy::mesh_solve::Forces;
 use crate::accuracy::order::Limit;
-use crate::accuracy::under_peak::ShearHistory;
-use crate::accuracy::watched::Limits;
-use crate::active_set::progress::Progress;
+use crate::accuracy::watched::{Limits, ShearHistory};
+use crate::active_set::contact_set::Progress;
 use crate::bodies::elastic_body::ElasticBody;
-use crate::grid::discretise::{Discretisation, MeshPlan, Reach};
+use crate::grid::first_guess::{fitted, sliding_guess};
+use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
-use crate::grid::sliding_patch::{fitted, sliding_guess};
-use crate::grid::zones::Resolution;
-use crate::groove::errors::Errors;
-use crate::groove::measures::{Measures, Reading};
-use crate::groove::memory::Kind;
-use crate::groove::on_mesh::OnMesh;
-use crate::groove::profile::GrooveProfile;
-use crate::groove::rims::Rims;
-use crate::groove::slid::{Known, Slid, Start};
-use crate::groove::solution::{Groove, Measure, SlidingMesh, SlidingSolution};
+use crate::groove::measures::{Measures, Reading, Rims};
+use crate::groove::on_mesh::{Known, OnMesh, Slid, Start};
+use crate::groove::plastic_contact::Kind;
+use crate::groove::solution::{Groove, GrooveProfile, Measure, SlidingMesh, SlidingSolution};
+use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
+use crate::problem::check::check;
 use crate::problem::gap::Gap;
-use crate::result::answer::Answer;
 use crate::result::pressure::{Field, Pressure};
-use crate::{Error, Options, Problem};
+use crate::solve::answered;
+use crate::{Error, Method, Options, Problem};
 
 /// Cells over half the patch while it is being found.
 const SCOUTING: Resolution = Resolution {
@@ -322,4 +320,143 @@ fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 
 fn dofs(mesh: &Discretisation) -> usize {
     mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
+}
+
+// From a problem to steady sliding.
+
+/// Solves the steady sliding of a runner towards +x, on ice that yields at `problem.ice.hardness` H and keeps its plastic depth.
+///
+/// ```text
+/// 0 <= p <= H,   gap = h - N q + u_e(p) + u_p >= 0,   p gap = 0,   sum of p dA = F_z
+/// u_p never falls towards the back, and p = H where it grows;   ploughing force = H times the section that is added
+/// ```
+///
+/// `before` is the groove in which the ice comes, one that an earlier runner left. Meshes are refined until the estimated errors of
+/// peak pressure, groove depth and ploughing force are below `options.p_max_tolerance`; `options.progress` is told nothing. The
+/// load's line of action stays where it is: a runner that is free to tilt turns until the pressure stands under it, and the drag's
+/// own moment is not in the balance. What the runner's sides push up is not in it either.
+///
+/// # Errors
+/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those of
+/// [`solve`](crate::solve()) for problems without an answer and answers that are none: [`Error::BeyondHardness`] too where the hull
+/// bears the load at rest but not sliding; [`Error::NotConverged`], [`Error::NoPatch`], and
+/// [`Error::SlidingAccuracyNotReached`] where the largest mesh allowed does not do.
+///
+/// ```
+/// use std::sync::Arc;
+/// use kufe_contact::{Ice, Load, Options, Problem, Runner, Tilt, slide};
+/// use kufe_mesh::Paraboloid;
+///
+/// let mut ice = Ice::half_space(9.0e9, 0.33);
+/// ice.hardness = Some(17.7e6);
+/// let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.004)?));
+/// let problem = Problem::new(runner, ice, Load::central(950.0, Tilt::LEVEL));
+/// let solution = slide(&problem, None, &Options { cells: Some(8), ..Options::default() })?;
+/// // A groove of 36 µm; ploughing it is some 5e-4 of the load.
+/// assert!((solution.groove.deepest.value / 35.6e-6 - 1.0).abs() < 0.03);
+/// assert!((solution.groove.ploughing.value / 950.0 / 4.77e-4 - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn slide(
+    problem: &Problem,
+    before: Option<&GrooveProfile>,
+    options: &Options,
+) -> Result<SlidingSolution, Error> {
+    rayon::scope(|_| {
+        let material = check(problem, options)?;
+        refuse(problem, options)?;
+        capacity(problem)?;
+        let mirrored = before.is_none_or(GrooveProfile::mirror_symmetric);
+        let gap = Gap::new(problem)?.mirrored_at_most([false, mirrored]);
+        let solution = SlidingMeshes::scout(problem, gap, material, before, options)?.solve()?;
+        Ok(SlidingSolution {
+            contact: answered(problem, solution.contact)?,
+            ..solution
+        })
+    })
+}
+
+/// What steady sliding does not take.
+fn refuse(problem: &Problem, options: &Options) -> Result<(), Error> {
+    if problem.ice.hardness.is_none() {
+        return Err(Error::NotSliding {
+            reason: "ice without a hardness",
+        });
+    }
+    if problem.ice_surface.is_some() {
+        return Err(Error::NotSliding {
+            reason: "ice of varying height, on which no sliding is steady",
+        });
+    }
+    if options.method != Method::Accelerated {
+        return Err(Error::NotSliding {
+            reason: "a checking method",
+        });
+    }
+    Ok(())
+}
+
+// How far the last mesh's figures are from those of fine meshes.
+
+/// Estimated errors, in the figures' own units.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Errors {
+    pub p_max: f64,
+    pub depth: f64,
+    pub ploughing: f64,
+    pub front: f64,
+    pub back: f64,
+    pub load_ahead: f64,
+}
+
+/// Order with which rims between nodes and trilinear cells both settle.
+const ORDER: i32 = 2;
+/// Factor of safety of the grid convergence index (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997).
+const SAFETY: f64 = 1.25;
+/// Ploughing force over the load below which its error is measured by this [1].
+const LEAST_PLOUGHING: f64 = 1e-4;
+/// Depth of the groove over the approach below which its error is measured by this.
+const LEAST_DEPTH: f64 = 0.05;
+
+impl Errors {
+    /// The grid convergence index of the last two meshes, the last one `refined` times as fine as the one before, and what the area between
+    /// nodes and rims changes on the last one: `plain` is that mesh's answer without it. The two add up as independent errors do. Infinite
+    /// for one mesh.
+    ///
+    /// The index alone does not do: where nodes lie beside rims is chance, and two meshes may agree by it.
+    pub fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
+        let [.., before, last] = measures else {
+            let none = f64::INFINITY;
+            return Errors {
+                p_max: none,
+                depth: none,
+                ploughing: none,
+                front: none,
+                back: none,
+                load_ahead: none,
+            };
+        };
+        let index = SAFETY / (refined.powi(ORDER) - 1.0);
+        let error = |of: fn(&Measures) -> f64| {
+            (index * (of(before) - of(last))).hypot(of(plain) - of(last))
+        };
+        Errors {
+            p_max: error(|m| m.p_max),
+            depth: error(|m| m.depth),
+            ploughing: error(|m| m.ploughing),
+            front: error(|m| m.front),
+            back: error(|m| m.back),
+            load_ahead: error(|m| m.load_ahead),
+        }
+    }
+
+    /// Largest of the errors of peak pressure, groove and ploughing, over their values.
+    pub fn largest(&self, of: &Measures) -> f64 {
+        let shares = [
+            self.p_max / of.p_max,
+            self.depth / of.depth.max(LEAST_DEPTH * of.approach),
+            self.ploughing / of.ploughing.max(LEAST_PLOUGHING * of.fz),
+        ];
+        shares.into_iter().fold(0.0, f64::max)
+    }
 }

@@ -1,8 +1,6 @@
-//! The pressure map: a solved contact's fields on a regular grid of pixels, its rim finer than a cell.
+//! The pressure map: the fields of a solved contact on a regular grid of pixels.
 
-mod hermite;
 #[cfg(test)]
-mod hertz_field;
-pub mod patches;
-pub mod pressure_map;
-pub mod rim;
+pub(crate) mod hertz_field;
+pub(crate) mod pressure_map;
+pub(crate) mod rim;

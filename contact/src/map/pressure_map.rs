@@ -1,11 +1,11 @@
 //! The contact's fields on a regular grid of pixels.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use crate::result::solution::{Solution, SurfaceField};
-
-use crate::map::hermite::Hermite;
 use crate::map::rim::squared_pressure;
+use crate::result::solution::{Solution, SurfaceField};
 
 /// Pixels across the whole window, along each axis.
 const FEWEST: usize = 384;
@@ -263,6 +263,200 @@ fn carry(pressure: &mut [f64], sum: f64) {
     }
 }
 
+// Interpolation along a line with gaps.
+
+/// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
+///
+/// Slopes come from the parabola through a node and its neighbours (one-sided beside a gap), so parabolas are
+/// reproduced exactly. Cells that lack an end are gaps. Between two values that are not positive nothing is; between two
+/// positive ones nothing is lower than both, and from a positive one to the other kind it falls all the way, however steep
+/// the cells beside are.
+pub struct Hermite<'a> {
+    nodes: &'a [f64],
+    values: &'a [f64],
+    slopes: Vec<f64>,
+}
+
+impl<'a> Hermite<'a> {
+    /// Prepares the slopes of `values` at `nodes`.
+    pub fn new(nodes: &'a [f64], values: &'a [f64]) -> Hermite<'a> {
+        let slopes = (0..nodes.len()).map(|k| slope(nodes, values, k)).collect();
+        Hermite {
+            nodes,
+            values,
+            slopes,
+        }
+    }
+
+    /// The value at `x`; NaN in a gap and beyond the ends.
+    pub fn at(&self, x: f64) -> f64 {
+        let above = self.nodes.partition_point(|&node| node <= x);
+        if above == 0 || above == self.nodes.len() {
+            return f64::NAN;
+        }
+        let (left, right) = (above - 1, above);
+        let width = self.nodes[right] - self.nodes[left];
+        let t = (x - self.nodes[left]) / width;
+        let rise = self.values[right] - self.values[left];
+        let (mut from, mut to) = (self.slopes[left] * width, self.slopes[right] * width);
+        let [low, high] = [self.values[left], self.values[right]];
+        if low.is_nan() || high.is_nan() {
+            return f64::NAN;
+        }
+        if (low > 0.0) != (high > 0.0) {
+            [from, to] =
+                [from, to].map(|slope| slope.clamp(rise.min(0.0) * 3.0, rise.max(0.0) * 3.0));
+        }
+        // h(t) = v + t (m0 + t (3 d - 2 m0 - m1 + t (m0 + m1 - 2 d))), d the rise, m the slopes over the cell
+        let value = self.values[left]
+            + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)));
+        // A cubic may swing over zero between two values that are not positive: no contact is there.
+        match (low > 0.0, high > 0.0) {
+            (false, false) => value.min(0.0),
+            (true, true) => value.max(low.min(high)),
+            _ => value,
+        }
+    }
+}
+
+fn slope(nodes: &[f64], values: &[f64], k: usize) -> f64 {
+    let known = |k: usize| values.get(k).is_some_and(|v| !v.is_nan());
+    let difference = |a: usize, b: usize| (values[b] - values[a]) / (nodes[b] - nodes[a]);
+    if !known(k) {
+        return f64::NAN;
+    }
+    match (k > 0 && known(k - 1), known(k + 1)) {
+        (true, true) => {
+            let (before, after) = (nodes[k] - nodes[k - 1], nodes[k + 1] - nodes[k]);
+            (difference(k - 1, k) * after + difference(k, k + 1) * before) / (before + after)
+        }
+        (false, true) if known(k + 2) => {
+            let bend = difference(k + 1, k + 2) - difference(k, k + 1);
+            let share = (nodes[k + 1] - nodes[k]) / (nodes[k + 2] - nodes[k]);
+            difference(k, k + 1) - bend * share
+        }
+        (true, false) if k > 1 && known(k - 2) => {
+            let bend = difference(k - 1, k) - difference(k - 2, k - 1);
+            let share = (nodes[k] - nodes[k - 1]) / (nodes[k] - nodes[k - 2]);
+            difference(k - 1, k) + bend * share
+        }
+        (false, true) => difference(k, k + 1),
+        (true, false) => difference(k - 1, k),
+        (false, false) => 0.0,
+    }
+}
+
+// Maps of contacts that are far apart along the runner, as those of a runner that rests on its two ends.
+
+/// Contacts are shown apart where the empty stretch between them is this many times as long as they are.
+const APART: f64 = 5.0;
+
+/// One map for the whole contact, or two where it consists of two parts that are far apart along the runner.
+pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
+    let field = &solution.surface;
+    let Some(parts) = split(field) else {
+        return vec![PressureMap::of(solution)];
+    };
+    let parts = parts.map(|columns| cropped(field, columns));
+    let forces = parts.each_ref().map(force);
+    let part = |k: usize| {
+        let fz = solution.fz * forces[k] / (forces[0] + forces[1]);
+        PressureMap::new(&parts[k], fz, solution.bound())
+    };
+    vec![part(0), part(1)]
+}
+
+/// A map cut in two where it shows two parts that are far apart, each with a margin around its contact.
+pub fn parted(map: PressureMap) -> Vec<PressureMap> {
+    let x: Vec<f64> = (0..map.nx).map(|i| map.x0 + i as f64 * map.dx).collect();
+    match split_columns(&x, &map.pressure) {
+        None => vec![map],
+        Some(parts) => parts.map(|columns| part(&map, columns)).into(),
+    }
+}
+
+/// The columns of a part that touch, and half as many again around them.
+fn part(map: &PressureMap, columns: Range<usize>) -> PressureMap {
+    let touches = |&i: &usize| map.pressure.chunks(map.nx).any(|row| row[i] > 0.0);
+    let first = columns.clone().find(touches).unwrap_or(columns.start);
+    let last = columns.clone().rfind(touches).unwrap_or(columns.end - 1);
+    let margin = (last - first).div_ceil(4).max(2);
+    let from = first.saturating_sub(margin).max(columns.start);
+    let to = (last + 1 + margin).min(columns.end);
+    let crop = |values: &[f64]| -> Vec<f64> {
+        let rows = values.chunks(map.nx);
+        rows.flat_map(|row| row[from..to].iter().copied()).collect()
+    };
+    PressureMap {
+        x0: map.x0 + from as f64 * map.dx,
+        nx: to - from,
+        pressure: crop(&map.pressure),
+        gap: crop(&map.gap),
+        uz: crop(&map.uz),
+        ..*map
+    }
+}
+
+/// The columns on both sides of the middle of the longest empty stretch, where that is long.
+fn split(field: &SurfaceField) -> Option<[Range<usize>; 2]> {
+    split_columns(&field.x, &field.pressure)
+}
+
+/// As [`split`], of rows of pressures over columns at `x`.
+fn split_columns(x: &[f64], pressure: &[f64]) -> Option<[Range<usize>; 2]> {
+    let columns = x.len();
+    let touched: Vec<usize> = (0..columns)
+        .filter(|&i| pressure.chunks(columns).any(|row| row[i] > 0.0))
+        .collect();
+    let length = |pair: &[usize]| x[pair[1]] - x[pair[0]];
+    let widest = touched
+        .windows(2)
+        .max_by(|a, b| length(a).total_cmp(&length(b)))?;
+    let whole = x[*touched.last()?] - x[touched[0]];
+    let empty = length(widest);
+    if empty < APART * (whole - empty) {
+        return None;
+    }
+    let middle = 0.5 * (x[widest[0]] + x[widest[1]]);
+    let at = x.partition_point(|&x| x < middle);
+    // Each part keeps an empty column on the inside.
+    (widest[1] > widest[0] + 2 && at > widest[0] + 1).then_some([0..at, at..columns])
+}
+
+fn cropped(field: &SurfaceField, columns: Range<usize>) -> SurfaceField {
+    let crop = |values: &[f64]| {
+        values
+            .chunks(field.x.len())
+            .flat_map(|row| row[columns.clone()].iter().copied())
+            .collect()
+    };
+    SurfaceField {
+        x: field.x[columns.clone()].to_vec(),
+        y: field.y.clone(),
+        pressure: crop(&field.pressure),
+        gap: crop(&field.gap),
+        yielded: crop(&field.yielded),
+        uz: crop(&field.uz),
+    }
+}
+
+/// Integral of the pressure by the trapezoidal rule [N]; its share matters, not its value.
+fn force(field: &SurfaceField) -> f64 {
+    let half_widths = |nodes: &[f64]| -> Vec<f64> {
+        let last = nodes.len() - 1;
+        (0..=last)
+            .map(|k| 0.5 * (nodes[(k + 1).min(last)] - nodes[k.saturating_sub(1)]))
+            .collect()
+    };
+    let (along, across) = (half_widths(&field.x), half_widths(&field.y));
+    field
+        .pressure
+        .iter()
+        .enumerate()
+        .map(|(k, p)| p * along[k % along.len()] * across[k / along.len()])
+        .sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -337,5 +531,100 @@ mod tests {
         );
         let (cut, many) = highest(100e6);
         assert!(cut == 100e6 && many > 1000, "{cut} {many}");
+    }
+}
+
+#[cfg(test)]
+mod hermite_tests {
+    use super::*;
+
+    #[test]
+    fn between_values_that_are_not_positive_nothing_is() {
+        let (nodes, values) = ([0.0, 1.0, 2.0, 3.0], [-9.0, -0.1, -0.1, -9.0]);
+        let line = Hermite::new(&nodes, &values);
+        assert!((0..=300).all(|k| line.at(0.01 * f64::from(k)).max(0.0) == 0.0));
+    }
+
+    #[test]
+    fn beside_steep_cells_nothing_is_lower_than_its_neighbours_and_rims_are_crossed_once() {
+        let nodes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let values = [1.0, 1.0, 1.0, 40.0, 3.0, -90.0];
+        let line = Hermite::new(&nodes, &values);
+        let at: Vec<f64> = (0..500).map(|k| line.at(0.01 * f64::from(k))).collect();
+        assert!(at[..400].iter().all(|v| *v >= 1.0));
+        assert!(at[400..].is_sorted_by(|a, b| a >= b));
+    }
+
+    #[test]
+    fn parabolas_are_reproduced_up_to_the_gap_and_not_beyond() {
+        let nodes = [-1.0, -0.4, 0.1, 0.3, 1.0, 1.7, 2.0];
+        let parabola = |x: f64| 2.0 - 3.0 * x + 0.7 * x * x;
+        let mut values: Vec<f64> = nodes.iter().map(|&x| parabola(x)).collect();
+        values[6] = f64::NAN;
+        let line = Hermite::new(&nodes, &values);
+        for k in 0..100 {
+            let x = -1.0 + 2.7 * f64::from(k) / 100.0;
+            assert!((line.at(x) - parabola(x)).abs() < 1e-12, "{x}");
+        }
+        assert!(line.at(1.8).is_nan() && line.at(-1.1).is_nan() && line.at(2.5).is_nan());
+    }
+}
+
+#[cfg(test)]
+mod patches_tests {
+    use super::*;
+
+    /// Pressure 1 Pa where `touches`, on nodes 0..=40 by 0..=2 m.
+    fn field(touches: impl Fn(usize) -> bool) -> SurfaceField {
+        let x: Vec<f64> = (0..=40).map(f64::from).collect();
+        let row: Vec<f64> = (0..=40).map(|i| f64::from(u8::from(touches(i)))).collect();
+        let pressure = [vec![0.0; 41], row, vec![0.0; 41]].concat();
+        SurfaceField {
+            x,
+            y: vec![0.0, 1.0, 2.0],
+            gap: vec![0.0; pressure.len()],
+            yielded: vec![0.0; pressure.len()],
+            uz: vec![0.0; pressure.len()],
+            pressure,
+        }
+    }
+
+    #[test]
+    fn a_contact_on_two_ends_is_parted_in_the_middle_and_its_force_kept() {
+        let two = field(|i| (2..=3).contains(&i) || (36..=38).contains(&i));
+        let [left, right] = split(&two)
+            .expect("two parts")
+            .map(|part| cropped(&two, part));
+        assert_eq!((left.x[0], right.x[right.x.len() - 1]), (0.0, 40.0));
+        assert_eq!((force(&left), force(&right)), (2.0, 3.0));
+    }
+
+    #[test]
+    fn a_map_of_two_ends_is_cut_into_two_maps_that_keep_their_places() {
+        let two = field(|i| (2..=3).contains(&i) || (36..=38).contains(&i));
+        let map = PressureMap {
+            x0: 0.0,
+            y0: 0.0,
+            dx: 1.0,
+            dy: 1.0,
+            nx: 41,
+            ny: 3,
+            pressure: two.pressure,
+            gap: two.gap,
+            uz: two.uz,
+        };
+        let [left, right]: [PressureMap; 2] = parted(map).try_into().expect("two parts");
+        assert_eq!((left.x0, left.nx, right.x0, right.nx), (0.0, 6, 34.0, 7));
+        assert_eq!(left.pressure[6..12], [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]);
+        assert_eq!(right.pressure[7..14], [0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_single_contact_and_two_near_ones_stay_whole() {
+        assert_eq!(split(&field(|i| (10..=30).contains(&i))), None);
+        assert_eq!(
+            split(&field(|i| (5..=15).contains(&i) || (25..=35).contains(&i))),
+            None
+        );
     }
 }

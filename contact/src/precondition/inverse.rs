@@ -4,8 +4,7 @@ use faer::Mat;
 
 use crate::precondition::factored::FactoredInverse;
 use crate::precondition::mounted::MountedInverse;
-use crate::precondition::planewise::PlanewiseInverse;
-use crate::precondition::work::InverseWork;
+use crate::precondition::planewise::{InverseWork, PlanewiseInverse};
 
 /// M^-1, spectrally equivalent to the inverse of the stiffness.
 ///

@@ -1,12 +1,9 @@
 //! The preconditioner of a body that nothing but faces holds.
 
-use faer::{Mat, MatMut, MatRef};
-use kufe_fem::{End, Material, PlanewiseDiagonal, TensorOperator};
-
-use crate::bodies::columns::Columns;
-use crate::precondition::plane_basis::PlaneBasis;
-use crate::precondition::response::surface_response;
-use crate::precondition::work::InverseWork;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use kufe_fem::{AxisModes, End, Material, PlanewiseDiagonal, TensorOperator};
+use rayon::prelude::*;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
 pub(crate) struct PlanewiseInverse {
@@ -107,5 +104,285 @@ impl PlanewiseInverse {
         let green = self.basis.green(self.preconditioner.end_response(), &local);
         let scaled = faer::Scale(self.response) * &green;
         [green, scaled]
+    }
+}
+
+// The modes of x and y on a horizontal plane, and Green's matrices between its nodes.
+
+/// The modes of x and of y on a plane of nodes, each a matrix of nodes by modes.
+///
+/// With a response T_ab of each pair of modes, the Green's matrix between nodes i and j is
+/// G_ij = sum over a, b of Qx[i,a] Qx[j,a] Qy[i,b] Qy[j,b] T_ab.
+pub(crate) struct PlaneBasis {
+    x: Mat<f64>,
+    y: Mat<f64>,
+}
+
+impl PlaneBasis {
+    pub fn new(x: &AxisModes, y: &AxisModes) -> Self {
+        PlaneBasis {
+            x: x.vectors.clone(),
+            y: y.vectors.clone(),
+        }
+    }
+
+    /// The modes of one axis.
+    pub fn along(&self, axis: usize) -> MatRef<'_, f64> {
+        [&self.x, &self.y][axis].as_ref()
+    }
+
+    /// Modes of x and of y.
+    pub fn mode_shape(&self) -> [usize; 2] {
+        [self.x.ncols(), self.y.ncols()]
+    }
+
+    /// Values at the nodes from those of the modes.
+    pub fn to_nodes(&self, modal: MatRef<'_, f64>) -> Mat<f64> {
+        let half = product(self.x.as_ref(), modal);
+        product(half.as_ref(), self.y.transpose())
+    }
+
+    /// Modal form of nodal forces.
+    pub fn to_modes(&self, nodal: MatRef<'_, f64>) -> Mat<f64> {
+        let half = product(self.x.transpose(), nodal);
+        product(half.as_ref(), self.y.as_ref())
+    }
+
+    /// G between the nodes (i, j) of `from` and of `to`.
+    ///
+    /// The sum over the modes of y is done once for each pair of rows of nodes, the sum over the modes of x as one product for
+    /// that pair: X_p diag(sum over b of Qy[p,b] Qy[q,b] T_ab) X_q^T. Nodes that share their y should follow each other.
+    pub fn green_between(
+        &self,
+        table: MatRef<'_, f64>,
+        from: &[[usize; 2]],
+        to: &[[usize; 2]],
+    ) -> Mat<f64> {
+        let (from_rows, to_rows) = (rows(from), rows(to));
+        let blocks = self.blocks(table, &to_rows, |_| &from_rows[..]);
+        let mut green = Mat::zeros(from.len(), to.len());
+        for (to, blocks) in to_rows.iter().zip(&blocks) {
+            for (from, block) in from_rows.iter().zip(blocks) {
+                let (height, width) = (block.nrows(), block.ncols());
+                let part = green.as_mut();
+                part.submatrix_mut(from.first, to.first, height, width)
+                    .copy_from(block);
+            }
+        }
+        green
+    }
+
+    /// G between nodes (i, j), symmetric to the last bit.
+    pub fn green(&self, table: MatRef<'_, f64>, nodes: &[[usize; 2]]) -> Mat<f64> {
+        let rows = rows(nodes);
+        let mut green = Mat::zeros(nodes.len(), nodes.len());
+        let blocks = self.blocks(table, &rows, |to| &rows[..=to]);
+        for (q, (to, blocks)) in rows.iter().zip(&blocks).enumerate() {
+            for (p, (from, block)) in rows.iter().zip(blocks).enumerate() {
+                for (j, column) in block.col_iter().enumerate() {
+                    for (i, &value) in column.iter().enumerate() {
+                        let (a, b) = (from.first + i, to.first + j);
+                        let value = if p == q {
+                            0.5 * (value + block[(j, i)])
+                        } else {
+                            value
+                        };
+                        green[(a, b)] = value;
+                        green[(b, a)] = value;
+                    }
+                }
+            }
+        }
+        green
+    }
+
+    /// G between each row of `to` and those that `from` says for it.
+    fn blocks<'a>(
+        &self,
+        table: MatRef<'_, f64>,
+        to: &[Row],
+        from: impl Fn(usize) -> &'a [Row] + Sync,
+    ) -> Vec<Vec<Mat<f64>>> {
+        to.par_iter()
+            .enumerate()
+            .map(|(q, to)| {
+                let right = self.rows_of_x(&to.columns);
+                let blocks = from(q).iter();
+                blocks
+                    .map(|from| self.block(table, from, to, &right))
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// G between two rows of nodes; `right` holds the modes of x at the second's.
+    fn block(&self, table: MatRef<'_, f64>, from: &Row, to: &Row, right: &Mat<f64>) -> Mat<f64> {
+        let [mx, my] = self.mode_shape();
+        let mut weights = vec![0.0; mx];
+        for b in 0..my {
+            let factor = self.y[(from.j, b)] * self.y[(to.j, b)];
+            for (weight, t) in weights.iter_mut().zip(table.col(b).iter()) {
+                *weight += factor * t;
+            }
+        }
+        let mut left = self.rows_of_x(&from.columns);
+        for (a, weight) in weights.iter().enumerate() {
+            left.col_mut(a).iter_mut().for_each(|v| *v *= weight);
+        }
+        product(left.as_ref(), right.transpose())
+    }
+
+    fn rows_of_x(&self, columns: &[usize]) -> Mat<f64> {
+        Mat::from_fn(columns.len(), self.x.ncols(), |i, a| {
+            self.x[(columns[i], a)]
+        })
+    }
+}
+
+/// Nodes that share their y, and the place of the first of them.
+struct Row {
+    j: usize,
+    first: usize,
+    columns: Vec<usize>,
+}
+
+/// Nodes (i, j) by rows of one j.
+fn rows(nodes: &[[usize; 2]]) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for (place, &[i, j]) in nodes.iter().enumerate() {
+        match rows.last_mut().filter(|row| row.j == j) {
+            Some(row) => row.columns.push(i),
+            None => rows.push(Row {
+                j,
+                first: place,
+                columns: vec![i],
+            }),
+        }
+    }
+    rows
+}
+
+fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(left.nrows(), right.ncols());
+    matmul(out.as_mut(), Accum::Replace, left, right, 1.0, Par::Seq);
+    out
+}
+
+// How much softer a surface is than its preconditioner takes it for.
+
+/// Factor by which the true surface response exceeds that of P on a half-space.
+///
+/// Both are 1 / |k| in the wave number: (1 - nu) / mu for elasticity, 1 / sqrt(mu (lambda + 2 mu)) for P.
+pub(crate) fn surface_response(operator: &TensorOperator, material: Material) -> f64 {
+    let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
+    (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt()
+}
+
+// What applications of a preconditioner write to.
+
+/// Vectors that applications reuse.
+#[derive(Default)]
+pub(crate) struct InverseWork {
+    /// What a beginning leaves for its finish: modal values, or the residual itself.
+    pub kept: Vec<f64>,
+    /// What a beginning leaves for its finish of the motions of a beam.
+    pub motion: Vec<f64>,
+    pub scratch: Vec<f64>,
+    /// A vector node by node.
+    pub by_node: Vec<f64>,
+    /// Sums of a projection's tasks.
+    pub sums: Vec<f64>,
+}
+
+// The columns of the contact plane that a body stands on, and its side of the plane.
+
+/// A rectangle of columns of the contact plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Columns {
+    /// First column along x and along y.
+    pub first: [usize; 2],
+    /// Number of columns along x and along y.
+    pub count: [usize; 2],
+    /// Number of the plane's nodes along x.
+    pub plane_width: usize,
+}
+
+impl Columns {
+    /// A plane node's column along x and y in this rectangle.
+    pub fn local(&self, node: usize) -> Option<[usize; 2]> {
+        let i = (node % self.plane_width).checked_sub(self.first[0])?;
+        let j = (node / self.plane_width).checked_sub(self.first[1])?;
+        (i < self.count[0] && j < self.count[1]).then_some([i, j])
+    }
+
+    /// The plane node of a column of this rectangle.
+    pub fn node(&self, [i, j]: [usize; 2]) -> usize {
+        (self.first[1] + j) * self.plane_width + self.first[0] + i
+    }
+}
+
+/// Which way the gap moves with a body's vertical displacement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The body below, the ice: rising closes the gap.
+    Below,
+    /// The body above, the runner: rising opens it.
+    Above,
+}
+
+impl Side {
+    /// The gap shrinks by this times the vertical displacement.
+    pub fn sign(self) -> f64 {
+        match self {
+            Side::Below => 1.0,
+            Side::Above => -1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kufe_fem::Axis;
+
+    /// Beside the sum as it is written, for nodes in rows, alone, and twice in one row.
+    #[test]
+    fn green_is_the_sum_over_both_axes_modes() {
+        let [x, y] = [7, 5].map(|n: usize| {
+            let nodes: Vec<f64> = (0..n).map(|i| 1.2f64.powi(i as i32)).collect();
+            Axis::new(&nodes).modes([false, true])
+        });
+        let basis = PlaneBasis::new(&x, &y);
+        let [mx, my] = basis.mode_shape();
+        let table = Mat::from_fn(mx, my, |a, b| 1.0 / (1.0 + a as f64 + 0.5 * b as f64));
+        let from = [[0, 0], [2, 0], [3, 0], [1, 2], [1, 3], [4, 3], [0, 0]];
+        let to = [[1, 1], [2, 0], [3, 0]];
+        let expected = |[i, j]: [usize; 2], [k, l]: [usize; 2]| -> f64 {
+            let mut sum = 0.0;
+            for a in 0..mx {
+                for b in 0..my {
+                    sum += x.vectors[(i, a)]
+                        * x.vectors[(k, a)]
+                        * y.vectors[(j, b)]
+                        * y.vectors[(l, b)]
+                        * table[(a, b)];
+                }
+            }
+            sum
+        };
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-13;
+        let between = basis.green_between(table.as_ref(), &from, &to);
+        for (i, &node) in from.iter().enumerate() {
+            for (j, &other) in to.iter().enumerate() {
+                assert!(near(between[(i, j)], expected(node, other)));
+            }
+        }
+        let green = basis.green(table.as_ref(), &from);
+        for (i, &node) in from.iter().enumerate() {
+            for (j, &other) in from.iter().enumerate() {
+                assert!(near(green[(i, j)], expected(node, other)));
+                assert_eq!(green[(i, j)], green[(j, i)]);
+            }
+        }
     }
 }

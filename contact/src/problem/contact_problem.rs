@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use kufe_mesh::IceSurface;
+use kufe_fem::ElementKind;
+use kufe_mesh::{IceSurface, Underside};
 
-use crate::{ElasticRunner, Ice, Load, Runner};
+use crate::{Ice, Mount, RunnerSolid};
 
 /// A runner on ice under a load.
 #[derive(Clone)]
@@ -37,5 +38,142 @@ impl Problem {
     pub fn compliance(&self) -> f64 {
         let runner = self.runner.elastic.as_ref();
         self.ice.compliance() + runner.map_or(0.0, ElasticRunner::compliance)
+    }
+}
+
+// The load and what may tilt under it.
+
+/// The load on the runner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load {
+    /// The normal force is given.
+    Force {
+        /// Normal force [N].
+        fz: f64,
+        /// Line of action along the runner, from the origin [m].
+        offset_x: f64,
+        /// Line of action across the runner, from the origin [m].
+        offset_y: f64,
+        /// Whether pitch and roll follow from moment balance.
+        tilt: Tilt,
+    },
+    /// The approach is given and the force follows.
+    Approach {
+        /// Rigid approach of runner and far ice, measured at the origin from first touch [m].
+        approach: f64,
+        /// Fixed pitch about y, positive lowers the nose [rad].
+        pitch: f64,
+        /// Fixed roll about x [rad].
+        roll: f64,
+    },
+}
+
+impl Load {
+    /// A normal force [N] through the origin.
+    pub fn central(fz: f64, tilt: Tilt) -> Self {
+        Load::Force {
+            fz,
+            offset_x: 0.0,
+            offset_y: 0.0,
+            tilt,
+        }
+    }
+}
+
+/// Whether the runner may turn about its line of action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tilt {
+    /// Pitch and roll settle where the moments balance.
+    Free,
+    /// Pitch and roll are held.
+    Fixed {
+        /// Pitch about y, positive lowers the nose [rad].
+        pitch: f64,
+        /// Roll about x [rad].
+        roll: f64,
+    },
+}
+
+impl Tilt {
+    /// Held as the hull is drawn.
+    pub const LEVEL: Tilt = Tilt::Fixed {
+        pitch: 0.0,
+        roll: 0.0,
+    };
+}
+
+// The pressing body.
+
+/// The pressing body.
+#[derive(Clone)]
+pub struct Runner {
+    /// Its lower surface.
+    pub underside: Arc<dyn Underside>,
+    /// Its elasticity; rigid where absent.
+    pub elastic: Option<ElasticRunner>,
+}
+
+impl Runner {
+    /// A rigid runner.
+    pub fn rigid(underside: Arc<dyn Underside>) -> Self {
+        Runner {
+            underside,
+            elastic: None,
+        }
+    }
+}
+
+/// The elasticity of a runner, its solid and what holds it.
+///
+/// A bounded hull is meshed between its underside and its flat top on the ice's columns, unless it brings a `solid`. An
+/// unbounded one (the paraboloid) is a half-space above the contact plane.
+#[derive(Clone, Debug)]
+pub struct ElasticRunner {
+    /// Young's modulus [Pa].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Height of the flat top over the contact plane [m]; not used by an unbounded hull, nor by a solid.
+    pub top: f64,
+    /// What holds the meshed runner.
+    pub mount: Mount,
+    /// Steepest slope of the meshed solid's underside, where its mount's own ([`Mount::flank`]) is not to be taken.
+    ///
+    /// Where the hull is steeper the solid goes on straight at this slope: it gains steel beside the contact, the gap does
+    /// not change.
+    pub flank: Option<f64>,
+    /// The element of the hexahedra on the ice's columns, where its mount's own ([`Mount::element`]) is not to be taken.
+    pub element: Option<ElementKind>,
+    /// A runner on hexahedra of its own.
+    pub solid: Option<Arc<RunnerSolid>>,
+}
+
+impl ElasticRunner {
+    /// How it gives as a half-space, (1 - nu^2) / E [1/Pa].
+    pub fn compliance(&self) -> f64 {
+        (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
+    }
+
+    /// A runner held at its flat top.
+    pub fn held_at_top(youngs_modulus: f64, poissons_ratio: f64, top: f64) -> Self {
+        ElasticRunner {
+            youngs_modulus,
+            poissons_ratio,
+            top,
+            mount: Mount::Top,
+            flank: None,
+            element: None,
+            solid: None,
+        }
+    }
+
+    /// The element of its hexahedra.
+    pub fn element_kind(&self) -> ElementKind {
+        match self.solid {
+            Some(_) => ElementKind::Hex8Incompatible,
+            None => self
+                .element
+                .unwrap_or(self.mount.element(self.poissons_ratio)),
+        }
     }
 }

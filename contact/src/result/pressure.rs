@@ -3,12 +3,12 @@
 use kufe_fem::love_depth;
 
 use crate::Problem;
-use crate::grid::contact_mesh::State;
-use crate::grid::discretise::Discretisation;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
-use crate::result::chords::By;
+use crate::mesh::contact_mesh::State;
+use crate::mesh::discretise::Discretisation;
 use crate::result::measure::{Figures, PressureField};
+use crate::result::rim::By;
 
 /// Pressures and figures of a state.
 pub(crate) struct Pressure {

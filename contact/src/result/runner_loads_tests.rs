@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::*;
 use kufe_mesh::{BobRunner, TensorGrid, Underside};
 
-use super::*;
 use crate::{Foundation, Ice, Load, LoadedPlace, Options, Place, Runner, RunnerSolid, Tilt, solve};
 
 const STEEL: (f64, f64) = (210e9, 0.3);

@@ -1,11 +1,9 @@
 //! What a solve returns.
 
-use std::sync::Arc;
-
-use kufe_fem::{ElementKind, SparseStiffness};
+use kufe_fem::ElementKind;
 use kufe_mesh::{HexMesh, TensorGrid};
 
-use crate::{Bed, UnderPeak};
+use crate::{AssembledBody, Bed, UnderPeak};
 
 /// The solved contact.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,17 +75,6 @@ impl Solution {
     pub fn bound(&self) -> f64 {
         self.hardness.unwrap_or(f64::INFINITY)
     }
-}
-
-/// The assembled stiffness of one body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AssembledBody {
-    /// `"ice"` or `"runner"`.
-    pub name: &'static str,
-    /// K of all displacements of the body, component after component, nodes as in [`VolumeField`] or [`RunnerField`] [N/m].
-    pub stiffness: Arc<SparseStiffness>,
-    /// Displacements that mirror planes, outer faces or a mount hold, ascending.
-    pub held: Vec<usize>,
 }
 
 /// One update of the contact set.

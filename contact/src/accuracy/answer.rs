@@ -1,10 +1,10 @@
 //! From the last mesh to what a solve returns.
 
 use crate::accuracy::watched::Limits;
-use crate::active_set::progress::Progress;
-use crate::grid::assembled::assembled_bodies;
-use crate::grid::contact_mesh::{ContactMesh, State};
-use crate::grid::discretise::Discretisation;
+use crate::active_set::contact_set::Progress;
+use crate::mesh::assembled::assembled_bodies;
+use crate::mesh::contact_mesh::{ContactMesh, State};
+use crate::mesh::discretise::Discretisation;
 use crate::problem::gap::Gap;
 use crate::result::measure::ROUNDED;
 use crate::result::pressure::Pressure;

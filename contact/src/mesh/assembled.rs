@@ -5,11 +5,20 @@ use std::sync::Arc;
 use kufe_fem::{Body, ElementKind, SparseStiffness};
 
 use crate::Error;
-use crate::bodies::hexahedra::hexahedra;
-use crate::bodies::stiffness::Stiffness;
-use crate::grid::contact_mesh::ContactMesh;
-use crate::grid::discretise::Discretisation;
-use crate::result::solution::AssembledBody;
+use crate::bodies::elastic_body::{Stiffness, hexahedra};
+use crate::mesh::contact_mesh::ContactMesh;
+use crate::mesh::discretise::Discretisation;
+
+/// The assembled stiffness of one body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssembledBody {
+    /// `"ice"` or `"runner"`.
+    pub name: &'static str,
+    /// K of all displacements of the body, component after component, nodes as in [`VolumeField`](crate::VolumeField) or [`RunnerField`](crate::RunnerField) [N/m].
+    pub stiffness: Arc<SparseStiffness>,
+    /// Displacements that mirror planes, outer faces or a mount hold, ascending.
+    pub held: Vec<usize>,
+}
 
 /// Assembles the stiffness of every body of a mesh, to be multiplied with from now on.
 ///

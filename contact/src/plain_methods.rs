@@ -2,15 +2,18 @@
 //! exact surface responses by sparse Cholesky. Both find motion and set by themselves; of the fast way they share the mesh.
 
 use faer::Mat;
-use kufe_fem::{BlockMatrix, Constraints, ElementKind, Factor, Material, assemble, to_components};
+use kufe_fem::{
+    BlockMatrix, Body as Solid, Constraints, DofMap, ElementKind, Factor, Material, assemble,
+    to_components, to_nodes,
+};
 use kufe_mesh::TensorGrid;
+use nalgebra::{Matrix3, Vector3};
 
-use crate::active_set::motion::dot;
-use crate::bodies::hexahedra::hexahedra;
-use crate::grid::contact_mesh::{ContactMesh, State};
-use crate::grid::discretise::Discretisation;
-use crate::reference::own_set::OwnSet;
-use crate::reference::plain_runner::PlainRunner;
+use crate::bodies::elastic_body::{ElasticBody, hexahedra};
+use crate::mesh::contact_mesh::{ContactMesh, State};
+use crate::mesh::discretise::Discretisation;
+use crate::motion::{Motion, dot};
+use crate::precondition::dense::DenseCholesky;
 
 const RELAXATION: f64 = 1.7;
 
@@ -252,4 +255,206 @@ pub(crate) fn projected_sor(
     }
     to_components(&u, &mut state.displacement);
     sweeps
+}
+
+// The elastic runner in the slow way to the answer: its exact surface response by sparse Cholesky.
+
+/// The factorised runner of a mesh, its held displacements and what loads it.
+pub(crate) struct PlainRunner<'a> {
+    body: &'a ElasticBody,
+    stiffness: BlockMatrix,
+    constraints: Constraints,
+    map: DofMap,
+    factor: Factor,
+    /// Forces from outside, node by node [N].
+    load: Vec<f64>,
+}
+
+impl<'a> PlainRunner<'a> {
+    /// The runner of `mesh`, held where `state` has its held displacements. None where it cannot be factorised.
+    pub fn new(mesh: &'a Discretisation, element: ElementKind, state: &State) -> Option<Self> {
+        let body = mesh.contact.bodies.get(1)?;
+        let solid = Solid::uniform(mesh.runner_mesh.clone()?, body.material, element).ok()?;
+        let nodes = solid.node_count();
+        let start = mesh.contact.bodies[0].len();
+        let held = &state.displacement[start..start + body.len()];
+        let free = body.free()?;
+        let mut constraints = Constraints::new(nodes);
+        for c in 0..3 {
+            for node in 0..nodes {
+                let at = c * nodes + node;
+                if !free[at] {
+                    constraints.prescribe(node, c, held[at]).ok()?;
+                }
+            }
+        }
+        let map = constraints.dof_map();
+        let stiffness = assemble(&solid);
+        let factor = Factor::of_body(&stiffness, &map, &solid.mesh().points).ok()?;
+        let mut load = vec![0.0; 3 * nodes];
+        if !body.load.is_empty() {
+            to_nodes(&body.load, &mut load);
+        }
+        Some(PlainRunner {
+            body,
+            stiffness,
+            constraints,
+            map,
+            factor,
+            load,
+        })
+    }
+
+    /// Displacements by components under forces (node of the plane, value), loads and held displacements.
+    pub fn displacement(&self, forces: &[(usize, f64)]) -> Vec<f64> {
+        let mut contact = vec![0.0; self.body.len()];
+        self.body.trace.add_forces(forces, &mut contact);
+        let mut loads = vec![0.0; contact.len()];
+        to_nodes(&contact, &mut loads);
+        for (load, own) in loads.iter_mut().zip(&self.load) {
+            *load = own - *load;
+        }
+        let u = self
+            .factor
+            .displacement(&self.stiffness, &self.constraints, &self.map, &loads);
+        let mut out = vec![0.0; u.len()];
+        to_components(&u, &mut out);
+        out
+    }
+
+    /// Closing of the plane's nodes by displacements.
+    pub fn closing(&self, displacement: &[f64], plane_nodes: usize) -> Vec<f64> {
+        let mut closing = vec![0.0; plane_nodes];
+        self.body.trace.add_closing(displacement, &mut closing);
+        closing
+    }
+
+    /// B K^-1 B^T between the plane's nodes `nodes`.
+    pub fn response(&self, nodes: &[usize], plane_nodes: usize) -> Mat<f64> {
+        let still = self.closing(&self.displacement(&[]), plane_nodes);
+        let columns: Vec<Vec<f64>> = nodes
+            .iter()
+            .map(|&node| self.closing(&self.displacement(&[(node, 1.0)]), plane_nodes))
+            .collect();
+        Mat::from_fn(nodes.len(), nodes.len(), |i, j| {
+            still[nodes[i]] - columns[j][nodes[i]]
+        })
+    }
+}
+
+// Contact on a plane whose response is known exactly, by a primal-dual active set of its own.
+
+/// The contact problem: gap = `gap` - N q + S f, 0 <= f_i <= bound_i, N^T f = balance for the motions that are free.
+pub(crate) struct OwnSet<'a> {
+    /// S, symmetric positive definite [m/N].
+    pub response: &'a Mat<f64>,
+    /// Gap without motion and forces [m].
+    pub gap: &'a [f64],
+    /// Rows N.
+    pub rows: &'a [[f64; 3]],
+    /// Largest force of each node [N].
+    pub bound: &'a [f64],
+    /// Which motions are free, and the balance that they answer to.
+    pub motion: &'a Motion,
+}
+
+/// What a node does.
+#[derive(Clone, Copy, PartialEq)]
+enum Node {
+    Open,
+    Closed,
+    Full,
+}
+
+/// Most sets; a primal-dual active set takes some ten.
+const SETS: usize = 100;
+/// Tension over the largest force, and penetration over the deepest one, that are rounding.
+const SLACK: f64 = 1e-11;
+
+impl OwnSet<'_> {
+    /// Forces and motion, from all nodes closed; the motions that are held are those of `held`. `None` where the sets go in circles.
+    ///
+    /// M. Hintermüller, K. Ito and K. Kunisch, SIAM J. Optim. 13 (2003) 865-888.
+    pub fn solve(&self, held: [f64; 3]) -> Option<(Vec<f64>, [f64; 3])> {
+        let n = self.gap.len();
+        let mut nodes = vec![Node::Closed; n];
+        for _ in 0..SETS {
+            let (force, motion) = self.on(&nodes, held)?;
+            let largest = force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+            let gaps: Vec<f64> = (0..n)
+                .map(|i| {
+                    let moved: f64 = (0..n).map(|j| self.response[(i, j)] * force[j]).sum();
+                    self.gap[i] - dot(self.rows[i], motion) + moved
+                })
+                .collect();
+            let deepest = (0..n).fold(0.0f64, |m, i| {
+                m.max((self.gap[i] - dot(self.rows[i], motion)).abs())
+            });
+            let next: Vec<Node> = (0..n)
+                .map(|i| match nodes[i] {
+                    Node::Closed if force[i] < -SLACK * largest => Node::Open,
+                    Node::Closed if force[i] > self.bound[i] + SLACK * largest => Node::Full,
+                    Node::Open if gaps[i] < -SLACK * deepest => Node::Closed,
+                    Node::Full if gaps[i] > SLACK * deepest => Node::Closed,
+                    stays => stays,
+                })
+                .collect();
+            if next == nodes {
+                return Some((force, motion));
+            }
+            nodes = next;
+        }
+        None
+    }
+
+    /// Forces and motion with the nodes as they are: S_cc f_c = N_c q - gap_c - S_cf bound_f, and the balance by its Schur complement.
+    fn on(&self, nodes: &[Node], held: [f64; 3]) -> Option<(Vec<f64>, [f64; 3])> {
+        let (s, n) = (self.response, nodes.len());
+        let mut force: Vec<f64> = (0..n)
+            .map(|i| match nodes[i] {
+                Node::Full => self.bound[i],
+                Node::Open | Node::Closed => 0.0,
+            })
+            .collect();
+        let closed: Vec<usize> = (0..n).filter(|&i| nodes[i] == Node::Closed).collect();
+        let m = closed.len();
+        if m == 0 {
+            return None;
+        }
+        let factor = DenseCholesky::new(&Mat::from_fn(m, m, |i, j| s[(closed[i], closed[j])]))?;
+        let solved = factor.solve(&Mat::from_fn(m, 4, |k, column| match column {
+            3 => {
+                let i = closed[k];
+                self.gap[i] + (0..n).map(|j| s[(i, j)] * force[j]).sum::<f64>()
+            }
+            a => self.rows[closed[k]][a],
+        }));
+        let along = |a: usize, column: usize| -> f64 {
+            let of = closed.iter().enumerate();
+            of.map(|(k, &i)| self.rows[i][a] * solved[(k, column)])
+                .sum()
+        };
+        let (mut matrix, mut side) = (Matrix3::identity(), Vector3::from(held));
+        for a in (0..3).filter(|&a| self.motion.free[a]) {
+            let full: f64 = (0..n).map(|i| self.rows[i][a] * force[i]).sum();
+            side[a] = self.motion.balance[a] - full + along(a, 3);
+            for b in 0..3 {
+                matrix[(a, b)] = along(a, b);
+            }
+        }
+        // A motion that no node feels (the roll on one row of nodes) has no line in the balance: the least motion is taken. Rows of
+        // units apart are brought to one size first.
+        let size = Vector3::from_fn(|a, _| match matrix[(a, a)] {
+            d if d > 0.0 => f64::sqrt(d),
+            _ => 1.0,
+        });
+        let scaled = Matrix3::from_fn(|a, b| matrix[(a, b)] / (size[a] * size[b]));
+        let found = scaled.svd(true, true);
+        let motion = found.solve(&side.component_div(&size), 1e-12).ok()?;
+        let motion: [f64; 3] = motion.component_div(&size).into();
+        for (k, &i) in closed.iter().enumerate() {
+            force[i] = (0..3).map(|a| solved[(k, a)] * motion[a]).sum::<f64>() - solved[(k, 3)];
+        }
+        Some((force, motion))
+    }
 }

@@ -3,17 +3,17 @@
 use kufe_fem::{ElementKind, HeldFaces, LowerLayer, Material, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
-use crate::active_set::motion::Motion;
-use crate::bodies::columns::{Columns, Side};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::bodies::runner_body::RunnerPlan;
 use crate::bodies::solid_body::solid_body;
-use crate::grid::contact_mesh::ContactMesh;
-use crate::grid::grading::{Start, Zone, graded_axis};
-use crate::grid::limits::{increasing, storable};
+use crate::grid::grading::{
+    Resolution, Start, Zone, below, graded_axis, increasing, part, put_node, storable, widened,
+};
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
-use crate::grid::zones::{Resolution, below, part, put_node, widened};
+use crate::mesh::contact_mesh::ContactMesh;
+use crate::motion::Motion;
+use crate::precondition::planewise::{Columns, Side};
 use crate::problem::gap::Gap;
 use crate::{Bed, Error, Foundation, Load, Problem};
 

@@ -3,12 +3,12 @@
 use kufe_fem::boussinesq;
 use rayon::prelude::*;
 
-use crate::active_set::motion::dot;
 use crate::bodies::far_field::{Lump, lumps};
-use crate::grid::contact_mesh::State;
-use crate::grid::discretise::{Discretisation, expected};
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
+use crate::mesh::contact_mesh::State;
+use crate::mesh::discretise::{Discretisation, expected};
+use crate::motion::dot;
 use crate::problem::gap::Gap;
 use crate::{Foundation, Problem};
 
