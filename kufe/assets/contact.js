@@ -1,7 +1,7 @@
 // One solved contact: view, map, cuts, convergence and case.
 //
-// Data: { title, name, result, history, case, warnings, maps: [grid], hull: { positions, triangles } or null }; `result` holds the
-// figures of result.json, `history` and `case` its lists, a grid the fields p, gap and uz packed over nx by ny points.
+// Data: the fields of ContactPage in kufe/src/report/contact.rs; `result` is result.json, a grid of `maps` holds the fields p, gap and uz
+// packed over nx by ny points.
 
 /** Below this part of the peak a place counts as outside the contact. */
 const EDGE = 0.01;
@@ -98,8 +98,8 @@ function contactPage(main, between = null) {
     data = next;
     document.title = data.title;
     head.replaceChildren(el("h1", {}, data.title), el("p", { class: "soft" }, data.name));
-    warnings.replaceChildren(...(data.warnings ?? []).map((text) => el("p", { class: "warning" }, text)));
-    headline.replaceChildren(...figures(headlineOf(data.result, data.maps.length)));
+    warnings.replaceChildren(...data.result.warnings.map((text) => el("p", { class: "warning" }, text)));
+    headline.replaceChildren(...figures(headlineOf(data)));
     partLabel.hidden = data.maps.length < 2;
     part.replaceChildren(...data.maps.map((grid, k) => el("option", { value: k }, `${k + 1}: x ${figure(1e3 * grid.x0, 3)} to ${figure(1e3 * (grid.x0 + grid.nx * grid.dx), 3)} mm`)));
     const highest = (grid) => grid.p.low + 65534 * grid.p.step;
@@ -107,7 +107,7 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(data.case, fitOf(data.result.hull_fit)));
+    caseTable.replaceChildren(caseOf(data.result.case, fitOf(data.result.hull_fit)));
     mountsPanel.hidden = !data.result.mounts?.length;
     if (!mountsPanel.hidden) mounts.replaceChildren(...mountsOf(data.result.mounts));
   }
@@ -146,11 +146,11 @@ function steelOf(result) {
   return [[`${figure(1e-6 * result.runner_von_mises_max_pa)} MPa`, `largest von Mises stress of the runner, at x = ${figure(1e3 * x, 3)} mm, ${metres(z)} above its lowest point`]];
 }
 
-function headlineOf(result, parts) {
-  const error = result.p_max_error_pa, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
+function headlineOf({ result, maps, peak_error_pa, peak_error_parts }) {
+  const parts = maps.length, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
+  const peak = `${figure(1e-6 * result.p_max_pa)} MPa`, error = within(1e-6 * peak_error_pa, "MPa");
   return [
-    [`${figure(1e-6 * result.p_max_pa)} MPa`, error === null ? "peak pressure, one mesh only" : `peak pressure, \u00b1 ${figure(1e-6 * error, 2)} MPa`],
-    ...hullOf(result),
+    [peak, `peak pressure${error || ", one mesh only"}${partsOf(peak_error_parts)}`],
     ...checkOf(result),
     [`${figure(1e-6 * result.p_mean_pa)} MPa`, `mean pressure${within(1e-6 * result.p_mean_error_pa, "MPa")}`],
     [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, ${parts > 1 ? "from end to end" : "length"}${within(1e3 * result.length_error_m, "mm").slice(1)} \u00d7 width${within(1e3 * result.width_error_m, "mm").slice(1)}`],
@@ -168,12 +168,8 @@ function headlineOf(result, parts) {
 /** A figure's error, where it has one. */
 const within = (error, unit) => (Number.isFinite(error) && error > 0 ? `, \u00b1 ${figure(error, 2)} ${unit}` : "");
 
-/** What a hull's vertices leave of the peak beside its error. */
-function hullOf(result) {
-  return [["distances", result.p_max_hull_pa], ["noise", result.p_max_noise_pa]]
-    .filter(([, moved]) => Number.isFinite(moved))
-    .map(([by, moved]) => [`\u00b1 ${figure(1e-6 * moved, 2)} MPa`, `more of the peak by the ${by} of the hull's vertices`]);
-}
+/** What the error of the peak consists of, where it has several parts. */
+const partsOf = (parts) => (parts.length < 2 ? "" : `: ${parts.map(({ source, error }) => `${source} ${figure(1e-6 * error, 2)}`).join(", ")}`);
 
 /** The second answer, where there is one. */
 function checkOf(result) {
@@ -226,7 +222,7 @@ function gradingsOf(levels) {
 function convergence(data, charts, history) {
   if (data.result.sliding_history?.length) { slidingMeshes(data, charts, history); return; }
   const last = [];
-  for (const state of data.history) last[state.level] = state;
+  for (const state of data.result.history) last[state.level] = state;
   const levels = last.filter(Boolean), result = data.result, error = result.p_max_error_pa ?? 0;
   charts.peak.draw({
     x: { title: "unknowns", log: true }, y: { title: "peak [MPa]" }, height: 190,
@@ -236,7 +232,7 @@ function convergence(data, charts, history) {
   history.replaceChildren(
     el("p", { class: "soft" }, "Peak pressure on each mesh; the band is the extrapolated peak with its estimated error. Below, what the solver did on each: nodes that touch, projected sweeps that find them, solves on the set that they found (accepted when the energy falls), and iterations of these."),
     table(["mesh", "unknowns", "touching", "sweeps", "solves", "iterations", "energy [mJ]", "peak [MPa]"],
-      data.history.map((s) => [String(s.level + 1), String(s.dofs), String(s.contact_nodes), String(s.sweeps ?? "-"), String(s.accelerations ?? "-"), String(s.iterations), figure(1e3 * s.energy_j), (1e-6 * s.p_max_pa).toFixed(2)])));
+      data.result.history.map((s) => [String(s.level + 1), String(s.dofs), String(s.contact_nodes), String(s.sweeps ?? "-"), String(s.accelerations ?? "-"), String(s.iterations), figure(1e3 * s.energy_j), (1e-6 * s.p_max_pa).toFixed(2)])));
 }
 
 /** The place of a plateau's middle: the point at or above `least` that is nearest to the mean of them all. */

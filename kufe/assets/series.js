@@ -1,20 +1,7 @@
 // The page of a series of contacts.
 //
-// Data: { name, keys: [what was varied], rows: [table.json's rows] }; a radius that is infinite is the text "inf".
-
-/** Key, what it is called, unit, times, key of its error. */
-const SERIES = [
-  ["p_max_pa", "peak pressure", "MPa", 1e-6, "p_max_error_pa"],
-  ["p_mean_pa", "mean pressure", "MPa", 1e-6, "p_mean_error_pa"],
-  ["area_m2", "contact area", "mm\u00b2", 1e6, "area_error_m2"],
-  ["length_m", "contact length", "mm", 1e3, "length_error_m"],
-  ["width_m", "contact width", "mm", 1e3, "width_error_m"],
-  ["approach_m", "approach", "\u00b5m", 1e6, "approach_error_m"],
-  ["mu", "coefficient of friction", "10\u207b\u00b3", 1e3, "mu_error"],
-  ["mu_ploughing", "friction of ploughing", "10\u207b\u00b3", 1e3, "mu_ploughing_error"],
-  ["mu_viscous", "friction of the melt film", "10\u207b\u00b3", 1e3, "mu_viscous_error"],
-  ["groove_depth_m", "depth of the groove", "\u00b5m", 1e6, "groove_depth_error_m"],
-];
+// Data: { name, keys: [what was varied], quantities: [{ key, error_key, label, unit, times }], rows: [table.json's rows] }; a radius that is
+// infinite is the text "inf", a row without a solution has no numbers.
 
 /** How a varied key is drawn: title, and its value on the axis; a radius is drawn as its curvature. */
 const VARIED = {
@@ -29,10 +16,10 @@ const VARIED = {
 const LINES = 9;
 
 function seriesPage(main, data) {
-  const solved = data.rows.filter((row) => row.p_max_pa !== null), failed = data.rows.filter((row) => row.error);
-  const there = SERIES.filter(([key]) => solved.some((row) => Number.isFinite(row[key])));
+  const solved = data.rows.filter((row) => Number.isFinite(row.p_max_pa)), failed = data.rows.filter((row) => row.error);
+  const there = data.quantities.filter(({ key }) => solved.some((row) => Number.isFinite(row[key])));
   const option = (text, value) => el("option", { value }, text);
-  const figureOf = el("select", { id: "figure", onchange: () => draw() }, there.map(([, title], k) => option(title, k)));
+  const figureOf = el("select", { id: "figure", onchange: () => draw() }, there.map(({ label }, k) => option(label, k)));
   const over = el("select", { id: "over", onchange: () => draw() }, data.keys.map((key) => option(VARIED[key]?.[0] ?? key, key)));
   const varied = (key) => new Set(solved.map((row) => row[key])).size;
   over.value = data.keys.reduce((most, key) => (varied(key) > varied(most) ? key : most));
@@ -53,7 +40,7 @@ function seriesPage(main, data) {
   );
 
   function draw() {
-    const [key, title, unit, times, error] = there[figureOf.value], along = over.value, [name, place] = VARIED[along] ?? [along, Number];
+    const { key, label: title, unit, times, error_key: error } = there[figureOf.value], along = over.value, [name, place] = VARIED[along] ?? [along, Number];
     const others = data.keys.filter((other) => other !== along), groups = new Map();
     for (const row of solved) {
       const label = others.map((other) => labelOf(other, row[other])).join(", ");
@@ -65,7 +52,7 @@ function seriesPage(main, data) {
       series: lines.map(([label, rows], k) => {
         const sorted = [...rows].sort((a, b) => place(a[along]) - place(b[along]));
         return {
-          x: sorted.map((row) => place(row[along])), y: sorted.map((row) => (row[key] === null ? NaN : times * row[key])),
+          x: sorted.map((row) => place(row[along])), y: sorted.map((row) => (Number.isFinite(row[key]) ? times * row[key] : NaN)),
           errors: sorted.map((row) => times * (row[error] ?? 0)), points: true, name: label,
           colour: lines.length === 1 ? "var(--accent)" : `rgb(${viridis(0.35 + 0.5 * k / (lines.length - 1)).join(" ")})`,
         };
@@ -89,13 +76,13 @@ function valuesOf(rows, key) {
 
 function everyContact(data, there) {
   // A step short of its accuracy has a map all the same.
-  const link = (row) => (row.p_max_pa === null ? String(row.step) : el("a", { href: `${encodeURIComponent(row.folder)}/pressure.png` }, String(row.step)));
-  const cell = (row, [key, , , times, error]) => {
+  const link = (row) => (!Number.isFinite(row.p_max_pa) ? String(row.step) : el("a", { href: `${encodeURIComponent(row.folder)}/pressure.png` }, String(row.step)));
+  const cell = (row, { key, times, error_key: error }) => {
     if (!Number.isFinite(row[key])) return "";
     const stated = Number.isFinite(row[error]) ? ` \u00b1 ${figure(times * row[error], 2)}` : "";
     return figure(times * row[key]) + stated;
   };
-  return table(["map", ...data.keys, ...there.map(([, title, unit]) => `${title} [${unit}]`)],
+  return table(["map", ...data.keys, ...there.map(({ label, unit }) => `${label} [${unit}]`)],
     data.rows.map((row) => [link(row), ...data.keys.map((key) => String(row[key])), ...there.map((one) => cell(row, one))]));
 }
 

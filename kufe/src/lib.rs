@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`case`] | `case.toml`: one contact problem, validated |
 //! | [`jobs`] | press a case, slide it, sweep it into a table, read runs |
+//! | [`results`] | results as typed documents |
 //! | [`charts`], [`plot`] | pictures of results, and the style they share |
 //! | [`report`] | results as one self-contained page |
 
@@ -12,3 +13,4 @@ pub mod charts;
 pub mod jobs;
 pub mod plot;
 pub mod report;
+pub mod results;

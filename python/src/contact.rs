@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Pressed, case_file::LoadedCase, with_progress};
+use kufe::jobs::{SolvedContact, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -109,7 +109,7 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
 /// A solved case.
 #[pyclass(frozen, module = "kufe")]
 pub struct Contact {
-    pressed: Pressed,
+    pressed: SolvedContact,
 }
 
 /// Solves one contact problem.
@@ -369,7 +369,7 @@ impl Contact {
     /// What the command writes to `result.json`, the case and the history included.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.pressed.document())
+        to_python(py, &self.pressed.result())
     }
 
     fn __repr__(&self) -> String {

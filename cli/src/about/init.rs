@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE, write_whole};
 use kufe_telemetry::MAPPING_EXAMPLE;
+use serde::Deserialize;
 
 use crate::about::schema::Kind;
 use crate::output::apart::apart;
@@ -91,6 +92,10 @@ const LONGEST: u64 = 1 << 22;
 
 /// Whether a file is a schema of this kind, of this version of the command or another.
 fn is_schema(path: &Path, kind: Kind) -> bool {
+    #[derive(Deserialize)]
+    struct Titled {
+        title: String,
+    }
     let title = format!("{}.toml", kind.name());
-    read_json(path, LONGEST).is_ok_and(|found| found["title"] == title.as_str())
+    read_json(path, LONGEST).is_ok_and(|found: Titled| found.title == title)
 }

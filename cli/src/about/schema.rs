@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use kufe::case::Case;
 use kufe::jobs::{Failure, write_whole};
+use kufe::results::{ContactResult, SeriesRow};
 use kufe_sled::Model;
 use kufe_telemetry::Mapping;
 use schemars::generate::SchemaSettings;
@@ -15,6 +16,7 @@ const EXAMPLES: &str = "\
 Examples:
   kufe schema case                          print it
   kufe schema model -o model.schema.json    write it
+  kufe schema result                        what kufe press writes to result.json
 
 An editor that knows JSON schemas for TOML (Even Better TOML, taplo) completes and checks a file whose first line is
   #:schema ./case.schema.json";
@@ -24,7 +26,7 @@ An editor that knows JSON schemas for TOML (Even Better TOML, taplo) completes a
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Which file's
-    pub kind: Kind,
+    pub document: Document,
     /// Write it here instead of printing it
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -43,6 +45,34 @@ pub enum Kind {
     Mapping,
 }
 
+/// The files that have a schema.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Document {
+    /// case.toml: one contact problem
+    Case,
+    /// table.toml: one lookup table
+    Table,
+    /// model.toml: the sled and its friction
+    Model,
+    /// mapping.toml: where runs are recorded, and how
+    Mapping,
+    /// result.json: one solved contact
+    Result,
+    /// table.json: the contacts of a series
+    Series,
+}
+
+impl From<Kind> for Document {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Case => Document::Case,
+            Kind::Table => Document::Table,
+            Kind::Model => Document::Model,
+            Kind::Mapping => Document::Mapping,
+        }
+    }
+}
+
 impl Kind {
     /// The word on the command line.
     pub fn name(self) -> &'static str {
@@ -54,14 +84,23 @@ impl Kind {
         }
     }
 
-    /// The schema, JSON Schema draft 7: what editors for TOML read.
+    /// The schema of the file.
     pub fn schema(self) -> String {
+        Document::from(self).schema()
+    }
+}
+
+impl Document {
+    /// The schema, JSON Schema draft 7: what editors for TOML read.
+    fn schema(self) -> String {
         let mut generator = SchemaSettings::draft07().into_generator();
         let schema = match self {
-            Kind::Case => generator.root_schema_for::<Case>(),
-            Kind::Table => kufe::jobs::table::schema(&mut generator),
-            Kind::Model => generator.root_schema_for::<Model>(),
-            Kind::Mapping => generator.root_schema_for::<Mapping>(),
+            Document::Case => generator.root_schema_for::<Case>(),
+            Document::Table => kufe::jobs::table::schema(&mut generator),
+            Document::Model => generator.root_schema_for::<Model>(),
+            Document::Mapping => generator.root_schema_for::<Mapping>(),
+            Document::Result => generator.root_schema_for::<ContactResult>(),
+            Document::Series => generator.root_schema_for::<Vec<SeriesRow>>(),
         };
         format!("{:#}\n", schema.to_value())
     }
@@ -72,7 +111,7 @@ impl Kind {
 /// # Errors
 /// [`Failure::BadInput`] where the file cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let text = args.kind.schema();
+    let text = args.document.schema();
     let Some(path) = &args.out else {
         say(&text);
         return Ok(());

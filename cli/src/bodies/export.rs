@@ -3,16 +3,32 @@
 use std::path::{Path, PathBuf};
 
 use kufe::case::StatedProblem;
-use kufe::jobs::{Failure, case_file::LoadedCase, runner_keys};
+use kufe::jobs::{Failure, case_file::LoadedCase};
+use kufe::results::RunnerResult;
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, runner_loads, solve};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::bodies::calculix::{Deck, write_deck};
 use crate::bodies::stiffness::write_stiffness;
 use crate::output::apart::{apart, case_inputs};
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
+use crate::output::staging::{Staging, pretty};
+
+/// What a deck holds, and the contact on its mesh.
+#[derive(Serialize)]
+struct DeckFacts {
+    deck: String,
+    p_max_pa: f64,
+    p_max_error_pa: f64,
+    fz_n: f64,
+    approach_m: f64,
+    symmetry: [bool; 2],
+    dofs: usize,
+    iterations: usize,
+    #[serde(flatten)]
+    runner: Option<RunnerResult>,
+}
 
 /// Arguments of `kufe export`.
 #[derive(clap::Args, Debug)]
@@ -105,22 +121,20 @@ fn write_calculix(
     staging.remove_on_interrupt();
     staging.write(&name.to_string_lossy(), |file| write_deck(&deck, file))?;
     staging.commit()?;
-    let mut facts = json!({
-        "deck": out.display().to_string(),
-        "p_max_pa": solution.p_max,
-        "p_max_error_pa": solution.p_max_error.is_finite().then_some(solution.p_max_error),
-        "fz_n": solution.fz,
-        "approach_m": solution.approach,
-        "symmetry": solution.symmetry,
-        "dofs": solution.dofs,
-        "iterations": solution.iterations,
-    });
     let loads = runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?;
-    if let (Some(loads), Value::Object(facts)) = (&loads, &mut facts) {
-        facts.extend(runner_keys(loads));
-    }
+    let facts = DeckFacts {
+        deck: out.display().to_string(),
+        p_max_pa: solution.p_max,
+        p_max_error_pa: solution.p_max_error,
+        fz_n: solution.fz,
+        approach_m: solution.approach,
+        symmetry: solution.symmetry,
+        dofs: solution.dofs,
+        iterations: solution.iterations,
+        runner: loads.as_ref().map(RunnerResult::from),
+    };
     if global.json {
-        say(&format!("{facts:#}\n"));
+        say(&pretty(&facts)?);
     } else if !global.quiet {
         say(&format!(
             "{}: {} unknowns; pressed in by {:.4} µm they bear {:.3} N at a peak of {:.4} MPa here\n",

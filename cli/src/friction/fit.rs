@@ -4,11 +4,11 @@ use std::io::BufReader;
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
+use kufe::results::PressureFit;
 use kufe_sled::friction::{
-    Experiment, Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu,
+    Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu,
     read_experiments,
 };
-use serde_json::{Value, json};
 
 use crate::friction::failure::failure;
 use crate::output::global::Global;
@@ -85,7 +85,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let law = fit.law(args.mu_cap, args.zeta, acts_on);
     law.check().map_err(|error| failure(&error).within(&name))?;
-    let mut document = document(&fit, &law, &experiments, args.confidence);
+    let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
     let staging = Staging::beside(
         std::slice::from_ref(&args.experiments),
         &args.out,
@@ -98,10 +98,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         kufe::charts::draw_mu_over_pressure(&root, &experiments, &fit, &law)
     })
     .map_err(|error| staging.failure("mu.png", &error))?;
-    staging.document("fit.json", &mut document)?;
+    let json = staging.result("fit.json", &result)?;
     staging.commit()?;
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         say(&summary(&fit, args));
     }
@@ -115,49 +115,6 @@ fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
         "[friction.longitudinal]\n{}",
         toml::to_string(&keys)?
     ))
-}
-
-fn document(fit: &MuFit, law: &PressureLaw, experiments: &[Experiment], confidence: f64) -> Value {
-    let rows: Vec<Vec<f64>> = (0..3)
-        .map(|i| (0..3).map(|j| fit.covariance[(i, j)]).collect())
-        .collect();
-    let with_interval = |name: &str, value: f64, k: usize| {
-        let half = fit.quantile * fit.covariance[(k, k)].sqrt();
-        (
-            name.to_string(),
-            json!({ "value": value, "low": value - half, "high": value + half }),
-        )
-    };
-    let parameters: serde_json::Map<String, Value> = [
-        with_interval("b", fit.b, 0),
-        with_interval("c", fit.c, 1),
-        with_interval("d", fit.d, 2),
-    ]
-    .into_iter()
-    .collect();
-    let residuals: Vec<Value> = experiments
-        .iter()
-        .map(|e| {
-            let fitted = fit.band(e.p_max_pa);
-            json!({ "specimen": e.specimen, "mu": e.mu, "fitted": fitted.value, "low": fitted.low, "high": fitted.high })
-        })
-        .collect();
-    json!({
-        "parameters": parameters,
-        "unit": "mu in 1e-3, p in MPa: mu = b p^2 - c p + d",
-        "covariance_bcd": rows,
-        "weighting": fit.weighting,
-        "confidence": confidence,
-        "chi2": fit.chi2,
-        "degrees_of_freedom": fit.freedom,
-        "p_value": fit.p_value,
-        "least_friction": fit.least_friction(),
-        "mu_cap": law.mu_cap,
-        "zeta": law.zeta,
-        "zeta_acts_on": law.zeta_acts_on,
-        "specimens": residuals,
-        "version": env!("CARGO_PKG_VERSION"),
-    })
 }
 
 fn summary(fit: &MuFit, args: &Args) -> String {

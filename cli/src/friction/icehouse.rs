@@ -5,11 +5,11 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
+use kufe::results::IceHouseResult;
 use kufe_sled::friction::{
     GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, evaluate_glide, evaluate_ice_house, read_glide,
     read_glide_index, write_experiments,
 };
-use serde_json::{Value, json};
 
 use crate::friction::failure::failure;
 use crate::output::global::Global;
@@ -46,7 +46,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .collect::<Result<Vec<GlideRun>, Failure>>()?;
     let house =
         evaluate_ice_house(runs).map_err(|error| Failure::BadInput(format!("{index}: {error}")))?;
-    let mut document = document(&house);
+    let result = IceHouseResult::new(&house, picture);
     let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
     inputs.push(args.glides.clone());
     let names = ["icehouse.json", "experiments.csv"];
@@ -62,10 +62,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         })
         .map_err(|error| staging.failure(&name, &error))?;
     }
-    staging.document("icehouse.json", &mut document)?;
+    let json = staging.result("icehouse.json", &result)?;
     staging.commit()?;
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         say(&summary(&house, &args.out));
     }
@@ -105,41 +105,6 @@ fn picture(number: usize, run: &str) -> String {
         })
         .collect();
     format!("energy_{:03}_{plain}.png", number + 1)
-}
-
-fn document(house: &IceHouse) -> Value {
-    let runs: Vec<Value> = house
-        .runs
-        .iter()
-        .enumerate()
-        .map(|(i, run)| {
-            json!({
-                "run": run.entry.run,
-                "specimen": run.entry.specimen,
-                "direction": run.entry.direction,
-                "resistance_n": -run.line.slope,
-                "resistance_se_n": run.line.slope_se,
-                "resistance_over_weight": run.resistance(),
-                "section_from_m": run.s[run.section.start],
-                "section_to_m": run.s[run.section.end - 1],
-                "samples": run.section.len(),
-                "v_mean_mps": run.v_mean,
-                "air_density_kgpm3": run.air_density,
-                "residual_rms_j": run.line.residual_rms,
-                "picture": picture(i, &run.entry.run),
-            })
-        })
-        .collect();
-    json!({
-        "specimens": house.specimens,
-        "slope_rad": house.slope_rad,
-        "uphill": house.directions[0],
-        "pairs": house.pairs,
-        "unpaired": house.unpaired,
-        "section_rule": format!("from the greatest speed on, the central {:.0} % of the distance glided", 100.0 - 200.0 * SHARE_LEFT_OUT),
-        "runs": runs,
-        "version": env!("CARGO_PKG_VERSION"),
-    })
 }
 
 /// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot be proved.

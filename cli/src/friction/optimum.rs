@@ -2,17 +2,18 @@
 
 use std::io::{self, Write};
 
+use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::slide::{Optimum, Parameter, optimise};
-use kufe::jobs::{Failure, case_json};
+use kufe::results::FrictionOptimum;
 use kufe_contact::Options;
 use kufe_sled::friction::Span;
-use serde_json::{Value, json};
 
 use crate::friction::asked::{Asked, begin};
 use crate::friction::optimum_picture;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::staging::pretty;
 use crate::output::watched::watched;
 
 /// Searches, prints and writes.
@@ -32,18 +33,19 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let found = watched(global, |watch| {
         optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options)
     })?;
-    let mut document = document(&found, &loaded);
+    let result = FrictionOptimum::new(&found, &loaded.case);
+    let mut json = pretty(&result)?;
     if let Some(staging) = staging {
         staging.write("friction.csv", |file| write_csv(file, &found))?;
         kufe::plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             optimum_picture::draw(&root, &found)
         })
         .map_err(|error| staging.failure("friction.png", &error))?;
-        staging.document("friction.json", &mut document)?;
+        json = staging.result("friction.json", &result)?;
         staging.commit()?;
     }
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         say(&text(&found));
     }
@@ -65,37 +67,6 @@ fn parameter(text: &str) -> Result<Parameter, Failure> {
     Ok(Parameter {
         key: key.trim().to_owned(),
         span,
-    })
-}
-
-fn document(found: &Optimum, loaded: &LoadedCase) -> Value {
-    let friction = &found.point.friction;
-    let flat = found.flat();
-    let parameters = found.parameters.iter().enumerate().map(|(k, parameter)| {
-        let [low, high] = parameter.span.bounds();
-        json!({
-            "key": parameter.key, "value": found.values[k], "low": low, "high": high,
-            "on_bound": found.on_bound(k).is_some(),
-            "flat_from": flat[k][0], "flat_to": flat[k][1],
-        })
-    });
-    let solved = found.solved.iter().map(|(values, point)| {
-        let mu = point.friction.mu;
-        json!({ "values": values, "mu": mu.value, "mu_error": mu.error })
-    });
-    json!({
-        "v_mps": found.point.v_mps,
-        "ice_c": found.point.ice_c,
-        "parameters": parameters.collect::<Vec<Value>>(),
-        "mu": friction.mu.value,
-        "mu_error": friction.mu.error,
-        "mu_ploughing": friction.ploughing.value,
-        "mu_viscous": friction.viscous.value,
-        "response_scatter": found.response.misfit(),
-        "response_miss": found.miss(),
-        "solved": solved.collect::<Vec<Value>>(),
-        "version": env!("CARGO_PKG_VERSION"),
-        "case": case_json(&loaded.case),
     })
 }
 

@@ -5,16 +5,17 @@ use std::time::Instant;
 
 use kufe::case::StatedProblem;
 use kufe::jobs::{Failure, case_file::LoadedCase};
+use kufe::results::{FrictionByLaw, Measured};
 use kufe_contact::solve;
 use kufe_sled::Model;
 use kufe_sled::effects::Conditions;
 use kufe_sled::effects::{Effects, Kind};
 use kufe_sled::friction::{Longitudinal, air_density, longitudinal_force};
-use serde_json::json;
 
 use crate::friction::asked::Asked;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::staging::pretty;
 
 /// Options of a law over the pressure, and of no groove.
 const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
@@ -177,28 +178,28 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Longitudinal::Fixed(_) => 0.0,
     };
     let fx = longitudinal_force(solution.fz, args.alpha_rad, mu);
-    let document = json!({
-        "p_max_pa": solution.p_max,
-        "p_max_error_pa": solution.p_max_error,
-        "fz_n": solution.fz,
-        "mu": mu,
-        "mu_base": base,
-        "mu_error": error,
-        "depends_on_pressure": law.needs_pressure(),
-        "capped": capped,
-        "alpha_rad": args.alpha_rad,
-        "fx_n": fx,
-        "v_mps": speed,
-        "power_w": fx * speed,
-        "effects": applied,
-        "effects_not_concerned": ignored,
-        "seconds": started.elapsed().as_secs_f64(),
-        "version": env!("CARGO_PKG_VERSION"),
-    });
+    let result = FrictionByLaw {
+        p_max: Measured::new(solution.p_max, solution.p_max_error),
+        fz_n: solution.fz,
+        mu,
+        mu_base: base,
+        mu_error: error,
+        depends_on_pressure: law.needs_pressure(),
+        capped,
+        alpha_rad: args.alpha_rad,
+        fx_n: fx,
+        v_mps: speed,
+        power_w: fx * speed,
+        effects: applied,
+        effects_not_concerned: ignored,
+        seconds: started.elapsed().as_secs_f64(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&pretty(&result)?);
         return Ok(());
     }
+    let (applied, ignored) = (&result.effects, &result.effects_not_concerned);
     let mut text = format!(
         "peak pressure  {:.3} MPa +- {:.3}\nnormal force   {:.1} N\nmu             {:.3}e-3 +- {:.3}e-3 (by the pressure's error)\nforce          {:.3} N along the runner, at a slip angle of {} rad\npower          {:.1} W lost at {} m/s\n",
         solution.p_max * 1e-6,

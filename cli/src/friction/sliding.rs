@@ -1,18 +1,18 @@
 //! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's friction over speed and temperature, runners side by side.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
-use kufe::jobs::{Failure, case_json};
+use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
-use serde_json::{Value, json};
 
 use crate::friction::asked::{Asked, Runner, begin};
 use crate::friction::sliding_picture;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::staging::pretty;
 use crate::output::watched::watched;
 
 /// Most points of a table, so that a slip of the hand does not run for days.
@@ -43,38 +43,38 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         });
         solved.collect::<Result<Vec<Runner>, Failure>>()
     })?;
-    let rows = runners
-        .iter()
-        .flat_map(|r| r.points.iter().map(|p| row(&r.name, p)));
-    let mut document = json!({
-        "points": rows.collect::<Vec<Value>>(),
-        "version": env!("CARGO_PKG_VERSION"),
-        "cases": cases.iter().map(|loaded| case_json(&loaded.case)).collect::<Vec<Value>>(),
+    let points = runners.iter().flat_map(|runner| {
+        let row = |point| FrictionRow::new(&runner.name, point);
+        runner.points.iter().map(row)
     });
     // A single runner is compared with none.
-    let verdicts = if runners.len() > 1 {
-        verdicts(&runners)
-    } else {
-        Vec::new()
+    let fastest = match runners.len() {
+        ..2 => Vec::new(),
+        _ => fastest_runners(&runners),
     };
-    if !verdicts.is_empty() {
-        document["fastest"] = verdicts.iter().map(Verdict::json).collect();
-    }
+    let result = FrictionTable {
+        points: points.collect(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        cases: cases
+            .iter()
+            .map(|loaded| CaseRecord::of(&loaded.case))
+            .collect(),
+        fastest,
+    };
+    let mut json = pretty(&result)?;
     if let Some(staging) = staging {
-        staging.write("friction.csv", |file| write_csv(file, &runners))?;
+        staging.write("friction.csv", |file| write_csv(file, &result.points))?;
         kufe::plot::png(&staging.path("friction.png"), 900, 620, &|root| {
             sliding_picture::draw(&root, &runners)
         })
         .map_err(|error| staging.failure("friction.png", &error))?;
-        staging.document("friction.json", &mut document)?;
+        json = staging.result("friction.json", &result)?;
         staging.commit()?;
     }
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
-        let mut text = table(&runners);
-        verdicts.iter().for_each(|v| text += &v.text());
-        say(&text);
+        say(&text(&result));
     }
     Ok(())
 }
@@ -98,116 +98,53 @@ fn names(cases: &[PathBuf]) -> Vec<String> {
     }
 }
 
-/// Which runners have the least friction at one speed and temperature.
-struct Verdict<'a> {
-    v_mps: f64,
-    ice_c: f64,
-    fastest: Vec<&'a str>,
-}
-
-fn verdicts(runners: &[Runner]) -> Vec<Verdict<'_>> {
+/// The runners with the least friction at each speed and temperature.
+fn fastest_runners(runners: &[Runner]) -> Vec<FastestRunners> {
     let count = runners.first().map_or(0, |runner| runner.points.len());
     let at = |k: usize| {
         let points: Vec<FrictionPoint> = runners.iter().map(|r| r.points[k]).collect();
-        Verdict {
+        let fastest = fastest(&points).into_iter();
+        FastestRunners {
             v_mps: points[0].v_mps,
             ice_c: points[0].ice_c,
-            fastest: fastest(&points)
-                .into_iter()
-                .map(|i| runners[i].name.as_str())
-                .collect(),
+            cases: fastest.map(|i| runners[i].name.clone()).collect(),
         }
     };
     (0..count).map(at).collect()
 }
 
-impl Verdict<'_> {
-    fn json(&self) -> Value {
-        json!({ "v_mps": self.v_mps, "ice_c": self.ice_c, "cases": self.fastest })
-    }
-
-    fn text(&self) -> String {
-        let told = match self.fastest[..] {
-            [one] => format!("{one} has the least friction"),
-            _ => format!(
-                "{} have the least friction and cannot be told apart within their errors",
-                self.fastest.join(", ")
-            ),
-        };
-        format!("at {} m/s and {} C {told}\n", self.v_mps, self.ice_c)
-    }
-}
-
-const HEADER: &str = "case,ice_c,v_mps,mu,mu_error,mu_ploughing,mu_ploughing_error,mu_viscous,mu_viscous_error,groove_depth_m,groove_depth_error_m,film_mean_m,hardness_pa";
-
-fn values(point: &FrictionPoint) -> [f64; 12] {
-    let friction = &point.friction;
-    [
-        point.ice_c,
-        point.v_mps,
-        friction.mu.value,
-        friction.mu.error,
-        friction.ploughing.value,
-        friction.ploughing.error,
-        friction.viscous.value,
-        friction.viscous.error,
-        point.groove_depth.value,
-        point.groove_depth.error,
-        point.film_mean,
-        point.hardness,
-    ]
-}
-
-fn row(name: &str, point: &FrictionPoint) -> Value {
-    let numbers = values(point).map(|value| json!(value));
-    let pairs = HEADER
-        .split(',')
-        .zip([json!(name)].into_iter().chain(numbers));
-    pairs
-        .map(|(key, value)| (key.to_owned(), value))
-        .collect::<serde_json::Map<_, _>>()
-        .into()
-}
-
-fn write_csv(file: impl Write, runners: &[Runner]) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(file);
-    csv.write_record(HEADER.split(','))?;
-    for runner in runners {
-        for point in &runner.points {
-            let cells = values(point).map(|value| value.to_string());
-            csv.write_record([runner.name.clone()].iter().chain(&cells))?;
-        }
-    }
-    csv.flush()
-}
-
-fn table(runners: &[Runner]) -> String {
-    let wide = runners
-        .iter()
-        .map(|r| r.name.chars().count())
-        .max()
-        .unwrap_or(0)
-        .max(6);
+fn text(result: &FrictionTable) -> String {
+    let names = result.points.iter().map(|row| row.case.chars().count());
+    let wide = names.max().unwrap_or(0).max(6);
     let mut text = format!(
         "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   groove [µm]  film [µm]\n",
         "runner"
     );
-    for (runner, point) in runners
-        .iter()
-        .flat_map(|r| r.points.iter().map(move |p| (r, p)))
-    {
-        let friction = &point.friction;
+    for row in &result.points {
         text += &format!(
             "{:wide$}  {:7.1}  {:11.1}  {:6.3} +- {:5.3}  {:9.3}  {:5.3}  {:11.2}  {:9.3}\n",
-            runner.name,
-            point.ice_c,
-            point.v_mps,
-            1e3 * friction.mu.value,
-            1e3 * friction.mu.error,
-            1e3 * friction.ploughing.value,
-            1e3 * friction.viscous.value,
-            1e6 * point.groove_depth.value,
-            1e6 * point.film_mean,
+            row.case,
+            row.ice_c,
+            row.v_mps,
+            1e3 * row.mu.value,
+            1e3 * row.mu.error,
+            1e3 * row.mu_ploughing.value,
+            1e3 * row.mu_viscous.value,
+            1e6 * row.groove_depth.value,
+            1e6 * row.film_mean_m,
+        );
+    }
+    for fastest in &result.fastest {
+        let verdict = match &fastest.cases[..] {
+            [one] => format!("{one} has the least friction"),
+            several => format!(
+                "{} have the least friction and cannot be told apart within their errors",
+                several.join(", ")
+            ),
+        };
+        text += &format!(
+            "at {} m/s and {} C {verdict}\n",
+            fastest.v_mps, fastest.ice_c
         );
     }
     text

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use kufe::jobs::Failure;
 use kufe_lut::{MatValue, write_mat_file};
-use serde_json::Value;
+use serde::Serialize;
 
 /// Writes every key of `document` and `more` as variables.
 ///
@@ -12,9 +12,10 @@ use serde_json::Value;
 /// Those of the writer.
 pub fn write(
     writer: &mut dyn Write,
-    document: &Value,
+    document: &impl Serialize,
     more: Vec<(String, MatValue)>,
 ) -> Result<(), Failure> {
+    let document = serde_json::to_value(document).map_err(Failure::bad_input)?;
     let keys = document.as_object().into_iter().flatten();
     let mut variables: Vec<(String, MatValue)> = keys
         .map(|(key, value)| (key.clone(), MatValue::of_json(value)))

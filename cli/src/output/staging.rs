@@ -1,10 +1,12 @@
 //! Output folders that receive all of their files or none.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe_files::clear_temporaries;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::output::apart::{apart, folder_apart};
@@ -140,15 +142,36 @@ impl Staging {
     /// # Errors
     /// As [`write`](Staging::write).
     pub fn document(&self, name: &str, document: &mut Value) -> Result<(), Failure> {
-        let mut lengths = Map::new();
-        for file in self.names().map_err(|error| self.failure(name, &error))? {
-            let file = file.to_string_lossy();
-            let found = std::fs::metadata(self.path(&file));
-            let length = found.map_err(|error| self.failure(name, &error))?.len();
-            lengths.insert(file.into_owned(), json!(length));
-        }
-        document[FILES] = Value::Object(lengths);
+        let lengths = self.lengths().map_err(|error| self.failure(name, &error))?;
+        document[FILES] = json!(lengths);
         self.text(name, &format!("{document:#}\n"))
+    }
+
+    /// As [`document`](Staging::document), of a typed result; returns the text that was written.
+    ///
+    /// # Errors
+    /// As [`write`](Staging::write).
+    pub fn result(&self, name: &str, result: &impl Serialize) -> Result<String, Failure> {
+        #[derive(Serialize)]
+        struct WithFiles<'a, T> {
+            #[serde(flatten)]
+            result: &'a T,
+            files: BTreeMap<String, u64>,
+        }
+        let files = self.lengths().map_err(|error| self.failure(name, &error))?;
+        let text = pretty(&WithFiles { result, files })?;
+        self.text(name, &text)?;
+        Ok(text)
+    }
+
+    /// The files that are written so far, with their lengths [bytes].
+    fn lengths(&self) -> std::io::Result<BTreeMap<String, u64>> {
+        let length = |file: PathBuf| {
+            let name = file.to_string_lossy().into_owned();
+            let length = std::fs::metadata(self.path(&name))?.len();
+            Ok((name, length))
+        };
+        self.names()?.into_iter().map(length).collect()
     }
 
     /// Names of what is written so far, sorted; an index of runs last.
@@ -202,6 +225,15 @@ impl Drop for Staging {
             let _ = std::fs::remove_dir(path);
         }
     }
+}
+
+/// A document as JSON that people can read.
+///
+/// # Errors
+/// [`Failure::BadInput`] where JSON cannot hold it.
+pub fn pretty(document: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(document).map_err(Failure::bad_input)?;
+    Ok(text + "\n")
 }
 
 /// Moves a file to its place; where that is a link, what it leads to is written.

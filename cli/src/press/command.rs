@@ -43,15 +43,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let pressed = press_with(loaded, &watch, options);
     bar.finish_and_clear();
     let pressed = pressed?;
-    let mut document = pressed.document();
-    files::write(&staging, &pressed, &mut document, args.mat)?;
+    let (result, json) = files::write(&staging, &pressed, args.mat)?;
     staging.commit()?;
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
-        let largest = ["p_max_map_pa", "stress_max_pa"].map(|key| document[key].as_f64());
-        let largest = largest.map(|value| value.unwrap_or(pressed.solution.p_max_mesh));
-        say(&summary::text(&pressed, largest, &args.out));
+        say(&summary::text(&pressed, &result, &args.out));
     }
     match &pressed.short {
         Some(short) => Err(short.clone()),

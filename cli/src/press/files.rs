@@ -6,10 +6,10 @@ use kufe::case::Case;
 use kufe::jobs::field::{
     contact_vtp, map_picture, stress_picture, subsurface, volume_vtu, write_exr,
 };
-use kufe::jobs::{Failure, Pressed};
+use kufe::jobs::{Failure, SolvedContact};
+use kufe::results::ContactResult;
 use kufe_contact::{PressureMap, pressure_maps};
 use kufe_mesh::HullFormat;
-use serde_json::{Value, json};
 
 use crate::bodies::placed_hull::placed_hull;
 use crate::output::staging::Staging;
@@ -55,23 +55,19 @@ pub fn surely(case: &Case, args: &Args) -> Vec<&'static str> {
 
 /// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it
 /// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files;
-/// with `mat` result.mat.
+/// with `mat` result.mat. Returns the document and its text.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
 pub fn write(
     staging: &Staging,
-    pressed: &Pressed,
-    document: &mut Value,
+    pressed: &SolvedContact,
     mat: bool,
-) -> Result<(), Failure> {
+) -> Result<(ContactResult, String), Failure> {
     let (p_max_map, stress_max) = fields(staging, pressed)?;
-    if let Value::Object(document) = document {
-        let place = document.keys().position(|key| key == "p_max_mesh_pa");
-        let place = place.map_or(0, |place| place + 1);
-        document.shift_insert(place, "p_max_map_pa".into(), json!(p_max_map));
-        document.shift_insert(place + 1, "stress_max_pa".into(), json!(stress_max));
-    }
+    let mut result = pressed.result();
+    result.p_max_map_pa = Some(p_max_map);
+    result.stress_max_pa = Some(stress_max);
     if let Some(line) = &pressed.line {
         staging.write("subsurface.csv", |mut file| {
             subsurface::write_csv(&mut file, line)
@@ -81,15 +77,16 @@ pub fn write(
     }
     if mat {
         staging.write("result.mat", |mut file| {
-            mat::write(&mut BufWriter::new(&mut file), document, &pressed.solution)
+            mat::write(&mut BufWriter::new(&mut file), &result, &pressed.solution)
         })?;
     }
-    staging.document("result.json", document)
+    let text = staging.result("result.json", &result)?;
+    Ok((result, text))
 }
 
 /// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and the largest compressive stress of the
 /// field [Pa].
-fn fields(staging: &Staging, pressed: &Pressed) -> Result<(f64, f64), Failure> {
+fn fields(staging: &Staging, pressed: &SolvedContact) -> Result<(f64, f64), Failure> {
     let bodies = || rayon::join(|| volumes(staging, pressed), || surfaces(staging, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(staging, pressed), bodies);
     surfaces?;
@@ -97,7 +94,7 @@ fn fields(staging: &Staging, pressed: &Pressed) -> Result<(f64, f64), Failure> {
 }
 
 /// Writes what is a picture of the contact plane; returns the largest pressure [Pa].
-fn maps(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
+fn maps(staging: &Staging, pressed: &SolvedContact) -> Result<f64, Failure> {
     let solution = &pressed.solution;
     let parts = pressure_maps(solution);
     let whole = (parts.len() > 1).then(|| PressureMap::of(solution));
@@ -130,7 +127,7 @@ fn maps(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
 }
 
 /// Writes the hexahedra of ice and runner; returns the largest compressive stress across the ice's surface [Pa].
-fn volumes(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
+fn volumes(staging: &Staging, pressed: &SolvedContact) -> Result<f64, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
     let mut stress_max = 0.0;
@@ -149,7 +146,7 @@ fn volumes(staging: &Staging, pressed: &Pressed) -> Result<f64, Failure> {
 }
 
 /// Writes the patch, the sections of a runner that deforms, and the hull where it stands.
-fn surfaces(staging: &Staging, pressed: &Pressed) -> Result<(), Failure> {
+fn surfaces(staging: &Staging, pressed: &SolvedContact) -> Result<(), Failure> {
     let solution = &pressed.solution;
     staging.write("contact.vtp", |mut file| {
         contact_vtp::write(&mut file, &solution.surface)

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use serde_json::Value;
+use serde::Deserialize;
 
 use crate::output::held::Held;
 use crate::report::read_json;
@@ -18,15 +18,19 @@ fn contact_files(folder: &Path) -> Vec<PathBuf> {
 
 /// The folders of the steps of the series in `folder`; `None` where it holds none.
 pub fn series_steps(folder: &Path) -> Option<Vec<String>> {
-    let table = read_json(&folder.join("table.json"), LONGEST_TABLE).ok()?;
-    let step = |row: &Value| -> Option<String> {
-        row["step"].as_u64()?;
-        let name = row["folder"].as_str()?;
-        let digits = name.strip_prefix("step-")?;
+    #[derive(Deserialize)]
+    struct Row {
+        #[serde(rename = "step")]
+        _step: u64,
+        folder: String,
+    }
+    let table: Vec<Row> = read_json(&folder.join("table.json"), LONGEST_TABLE).ok()?;
+    let step = |row: Row| {
+        let digits = row.folder.strip_prefix("step-")?;
         let plain = digits.bytes().all(|byte| byte.is_ascii_digit());
-        plain.then(|| name.to_owned())
+        plain.then_some(row.folder)
     };
-    table.as_array()?.iter().map(step).collect()
+    table.into_iter().map(step).collect()
 }
 
 /// Refuses a folder that holds a series for a single contact: its steps would stand beside another result.

@@ -3,9 +3,9 @@
 use std::io::Write;
 
 use kufe::jobs::Failure;
+use kufe::results::ContactResult;
 use kufe_contact::{PressureMap, Solution};
 use kufe_lut::MatValue;
-use serde_json::Value;
 
 use crate::output::mat;
 
@@ -14,7 +14,11 @@ use crate::output::mat;
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write(writer: &mut dyn Write, document: &Value, solution: &Solution) -> Result<(), Failure> {
+pub fn write(
+    writer: &mut dyn Write,
+    result: &ContactResult,
+    solution: &Solution,
+) -> Result<(), Failure> {
     let map = PressureMap::of(solution);
     let centres = |start: f64, step: f64, count: usize| {
         MatValue::row((0..count).map(|i| start + i as f64 * step).collect())
@@ -32,5 +36,5 @@ pub fn write(writer: &mut dyn Write, document: &Value, solution: &Solution) -> R
         ("map_uz_m", over_plane(&map.uz)),
     ];
     let fields = fields.map(|(name, value)| (name.to_owned(), value));
-    mat::write(writer, document, fields.into())
+    mat::write(writer, result, fields.into())
 }

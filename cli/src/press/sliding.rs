@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use kufe::jobs::field::{groove_map, groove_picture, write_exr};
-use kufe::jobs::slide::Slid;
-use kufe::jobs::{Failure, Pressed};
+use kufe::jobs::slide::SolvedSliding;
+use kufe::jobs::{Failure, SolvedContact};
 use kufe_contact::PressureMap;
 
 use crate::output::staging::Staging;
@@ -18,9 +18,9 @@ const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of 
 /// [`Failure::BadInput`] with the file that cannot be written.
 pub fn write(
     staging: &Staging,
-    pressed: &Pressed,
+    pressed: &SolvedContact,
     map: &PressureMap,
-    slid: &Slid,
+    slid: &SolvedSliding,
 ) -> Result<(), Failure> {
     let depths = groove_map::depths(map, &pressed.solution.surface, &slid.groove.depth);
     let numbers = [
@@ -36,7 +36,7 @@ pub fn write(
 }
 
 /// The film station by station, from the front.
-fn write_film(mut file: impl Write, slid: &Slid) -> io::Result<()> {
+fn write_film(mut file: impl Write, slid: &SolvedSliding) -> io::Result<()> {
     writeln!(
         file,
         "x_m,width_m,pressure_pa,film_m,temperature_c,melt_mps,shear_pa"

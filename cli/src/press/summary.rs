@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use kufe::jobs::slide::Slid;
-use kufe::jobs::{Pressed, percent};
-use kufe_contact::{Measure, RunnerLoads, Solution};
-
-use crate::press::series::table::Row;
+use kufe::jobs::slide::SolvedSliding;
+use kufe::jobs::{SolvedContact, percent};
+use kufe::results::{
+    ContactResult, Length, Measured, PeakPressure, Quantity, RunnerResult, SeriesRow,
+};
+use kufe_contact::{Measure, Solution};
 
 /// The picture's title.
 pub fn title(solution: &Solution) -> String {
@@ -20,141 +21,113 @@ pub fn title(solution: &Solution) -> String {
     )
 }
 
-/// The readable summary; the largest pressure of the maps and the largest stress of the field are `p_max_map` and `stress_max` [Pa].
-pub fn text(pressed: &Pressed, [p_max_map, stress_max]: [f64; 2], out: &Path) -> String {
-    let solution = &pressed.solution;
-    let yields = solution.p_max >= solution.bound();
-    let within = |value: f64, error: f64| {
-        let short = match pressed.short {
-            Some(_) => ": the accuracy asked was not reached",
-            None => "",
-        };
-        format!(" (estimated error {}){short}", percent(error / value))
+/// The readable summary: the peak with its whole error and the parts of that first, then all else.
+pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path) -> String {
+    let mut rows = peak(result, pressed.solution.bound());
+    let p_max_map = result.p_max_map_pa.unwrap_or(result.p_max_mesh_pa);
+    rows.push(("on this mesh", on_mesh(result.p_max_mesh_pa, p_max_map)));
+    let stress_max = result.stress_max_pa.unwrap_or(result.p_max_mesh_pa);
+    let in_field = in_field(result.p_max_mesh_pa, stress_max);
+    rows.extend(in_field.map(|said| ("in field.vtu", said)));
+    let of_area = match result.p_max.value >= pressed.solution.bound() {
+        true => within(result.area, result.accuracy_reached),
+        false => String::new(),
     };
-    let [of_peak, of_area] = match yields {
-        false => [within(solution.p_max, solution.p_max_error), String::new()],
-        true => [
-            ", all that the ice bears".to_owned(),
-            within(solution.area, solution.area_error),
-        ],
-    };
-    let mut rows = vec![
-        (
-            "peak pressure",
-            format!(
-                "{:.2} MPa +- {:.2}{of_peak}",
-                solution.p_max / 1e6,
-                solution.p_max_error / 1e6,
-            ),
-        ),
-        ("on this mesh", on_mesh(solution.p_max_mesh, p_max_map)),
-        (
-            "mean pressure",
-            format!(
-                "{:.2} MPa +- {:.2}",
-                solution.p_mean / 1e6,
-                solution.p_mean_error / 1e6
-            ),
-        ),
-        (
-            "contact length",
-            length_within(solution.length, solution.length_error),
-        ),
-        (
-            "contact width",
-            length_within(solution.width, solution.width_error),
-        ),
-        (
-            "contact area",
-            format!(
-                "{:.4} mm2 +- {:.4}{of_area}",
-                solution.area * 1e6,
-                solution.area_error * 1e6
-            ),
-        ),
-        (
-            "approach",
-            format!(
-                "{:.3} µm +- {:.3}",
-                solution.approach * 1e6,
-                solution.approach_error * 1e6
-            ),
-        ),
+    rows.extend([
+        ("mean pressure", result.p_mean.to_string()),
+        ("contact length", result.length.to_string()),
+        ("contact width", result.width.to_string()),
+        ("contact area", format!("{}{of_area}", result.area)),
+        ("approach", result.approach.to_string()),
         (
             "pitch, roll",
             format!(
                 "{} +- {}, {} +- {}",
-                angle(solution.pitch),
-                angle(solution.pitch_error),
-                angle(solution.roll),
-                angle(solution.roll_error)
+                angle(result.pitch.value),
+                angle(result.pitch.error),
+                angle(result.roll.value),
+                angle(result.roll.error)
             ),
         ),
-        ("normal force", force(solution.fz)),
-        (
-            "solved in",
-            format!(
-                "{:.3} s, {} unknowns, {} iterations",
-                pressed.seconds, solution.dofs, solution.iterations
-            ),
+        ("normal force", force(result.fz_n)),
+    ]);
+    if let Some(fit) = &result.hull_fit {
+        let said = format!(
+            "{:.4} µm from the hull's vertices ({:.2} % of the approach)",
+            1e6 * fit.residual_rms_m,
+            1e2 * fit.residual_over_approach
+        );
+        rows.push(("hull's fit", said));
+    }
+    let shear = result
+        .subsurface
+        .as_ref()
+        .and_then(|line| line.shear.as_ref());
+    rows.extend(shear.map(|found| {
+        let said = format!("{} at {}", found.shear, found.depth);
+        ("largest shear", said)
+    }));
+    rows.extend(result.runner.iter().flat_map(steel));
+    rows.extend(pressed.sliding.iter().flat_map(sliding));
+    rows.push((
+        "solved in",
+        format!(
+            "{:.3} s, {} unknowns, {} iterations",
+            result.seconds, result.dofs, result.iterations
         ),
-        ("written to", out.display().to_string()),
-    ];
-    if let Some(hull) = &pressed.hull {
-        let residual = hull.underside.quality().residual_rms;
-        let share = 1e2 * residual / solution.approach;
-        let fit = format!(
-            "{:.4} µm from the hull's vertices ({share:.2} % of the approach)",
-            1e6 * residual
-        );
-        rows.insert(rows.len() - 2, ("hull's fit", fit));
-    }
-    if let Some(under) = &solution.under_peak {
-        let shear = format!(
-            "{:.2} MPa +- {:.2} at {}",
-            under.shear / 1e6,
-            under.shear_error / 1e6,
-            length_within(under.depth, under.depth_error)
-        );
-        rows.insert(rows.len() - 2, ("largest shear", shear));
-    }
-    if let Some(loads) = &pressed.runner {
-        let place = rows.len() - 2;
-        rows.splice(place..place, steel(loads));
-    }
-    // Where the ice yields both have its hardness as their peak.
-    if let Some(check) = pressed.check.as_ref().filter(|_| !yields) {
-        let second = match &check.found {
-            Ok(found) => format!(
-                "{:.2} MPa +- {:.2} by boundary elements, {:.1} ms",
-                found.p_max / 1e6,
-                found.p_max_error / 1e6,
-                1e3 * check.seconds
-            ),
-            Err(reason) => format!("none by boundary elements: {reason}"),
-        };
-        rows.insert(1, ("second answer", second));
-    }
-    if let Some(slid) = &pressed.sliding {
-        let place = rows.len() - 2;
-        rows.splice(place..place, sliding(slid));
-    }
-    let place = rows.iter().position(|(name, _)| *name == "on this mesh");
-    if let (Some(place), Some(said)) = (place, in_field(solution.p_max_mesh, stress_max)) {
-        rows.insert(place + 1, ("in field.vtu", said));
-    }
-    for (by, error) in [("noise", pressed.moved), ("spacing", pressed.between)] {
-        let moved = error.map(|error| 1e-6 * error.p_max * solution.p_max);
-        if let Some(moved) = moved {
-            let said = format!("+- {moved:.2} MPa of the peak besides, by their {by}");
-            rows.insert(1, ("hull's vertices", said));
-        }
-    }
+    ));
+    rows.push(("written to", out.display().to_string()));
     let mut text = format!("{}\n", pressed.loaded.name);
     for (name, value) in rows {
-        text.push_str(&format!("  {name:<15} {value}\n"));
+        text.push_str(&format!("  {name:<18} {value}\n"));
     }
     text
+}
+
+/// The peak with its whole error, the parts of that, and the second answer; where the ice yields at `bound` [Pa] its hardness is the peak.
+fn peak(result: &ContactResult, bound: f64) -> Vec<(&'static str, String)> {
+    let total = result.peak();
+    if total.value >= bound {
+        return vec![("peak pressure", format!("{total}, all that the ice bears"))];
+    }
+    let of_peak = within(total, result.accuracy_reached);
+    let mut rows = vec![("peak pressure", format!("{total}{of_peak}"))];
+    let parts = result.peak_error_parts();
+    rows.extend(parts.iter().filter(|_| parts.len() > 1).map(|part| {
+        let name = match part.source {
+            "discretisation" => "  discretisation",
+            "scan noise" => "  scan noise",
+            _ => "  hull's fit",
+        };
+        (
+            name,
+            format!("+- {}", PeakPressure::DESCRIPTION.amount(part.error)),
+        )
+    }));
+    if let Some(check) = &result.check {
+        let time = 1e3 * check.check_seconds;
+        let said = format!("{} by boundary elements, {time:.1} ms", check.p_max);
+        rows.push(("second answer", said));
+    }
+    let absent = result.check_absent.as_ref();
+    rows.extend(absent.map(|reason| {
+        let said = format!("none by boundary elements: {reason}");
+        ("second answer", said)
+    }));
+    rows
+}
+
+/// A relative error, and whether it is what the case asks for.
+fn within<Q: Quantity>(measured: Measured<Q>, reached: bool) -> String {
+    let short = if reached {
+        ""
+    } else {
+        ": the accuracy asked was not reached"
+    };
+    format!(
+        " (estimated error {}){short}",
+        percent(measured.error / measured.value)
+    )
 }
 
 /// The mesh's peak, and the maps' where their pixels miss it by more than a hundredth.
@@ -182,26 +155,26 @@ fn in_field(p_max_mesh: f64, stress_max: f64) -> Option<String> {
 }
 
 /// What an elastic runner adds.
-fn steel(loads: &RunnerLoads) -> Vec<(&'static str, String)> {
+fn steel(runner: &RunnerResult) -> Vec<(&'static str, String)> {
     let at =
         |[x, y, z]: [f64; 3]| format!("x {:.1}, y {:.2}, z {:.2} mm", 1e3 * x, 1e3 * y, 1e3 * z);
     let stress = format!(
         "{:.1} MPa (von Mises) at most, at {}",
-        1e-6 * loads.von_mises,
-        at(loads.at)
+        1e-6 * runner.runner_von_mises_max_pa,
+        at(runner.runner_von_mises_at_m)
     );
     let mut rows = vec![("runner's stress", stress)];
-    for mount in &loads.mounts {
+    for mount in &runner.mounts {
         // A rounding error below 0 is 0.
         let shown = |value: f64, digits: i32| {
             let scale = 10_f64.powi(digits);
             (value * scale).round() / scale + 0.0
         };
-        let [fx, fy, fz] = mount.force.map(|force| shown(force, 1));
-        let [mx, my, mz] = mount.moment.map(|moment| shown(moment, 2));
+        let [fx, fy, fz] = mount.force_n.map(|force| shown(force, 1));
+        let [mx, my, mz] = mount.moment_nm.map(|moment| shown(moment, 2));
         let said = format!(
             "{fz:.1} N upwards, {fx:.1} and {fy:.1} along x and y, moments {mx:.2}, {my:.2}, {mz:.2} N m, at {}",
-            at(mount.at)
+            at(mount.at_m)
         );
         rows.push(("mount bears", said));
     }
@@ -209,7 +182,7 @@ fn steel(loads: &RunnerLoads) -> Vec<(&'static str, String)> {
 }
 
 /// What sliding adds.
-fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
+fn sliding(slid: &SolvedSliding) -> [(&'static str, String); 7] {
     let with = |m: Measure, factor: f64, digits: usize| {
         format!(
             "{:.digits$} +- {:.digits$}",
@@ -286,29 +259,24 @@ fn sliding(slid: &Slid) -> [(&'static str, String); 7] {
 }
 
 /// The steps of a series, a line each.
-pub fn series(rows: &[Row], kept: usize, out: &Path) -> String {
+pub fn series(rows: &[SeriesRow], kept: usize, out: &Path) -> String {
     let mut text = String::new();
     for row in rows {
-        let varied: Vec<String> = row
-            .values
-            .iter()
-            .map(|(k, v)| format!("{k} = {v}"))
+        let varied = row.varied.named().into_iter();
+        let varied: Vec<String> = varied
+            .map(|(key, value)| format!("{key} = {value}"))
             .collect();
-        let figure = |key: &str| row.result.as_ref().and_then(|r| r[key].as_f64());
-        let said = match (figure("p_max_pa"), figure("length_m"), figure("width_m")) {
-            (Some(p), Some(l), Some(w)) => {
-                let short = row
-                    .error
+        let said = match &row.result {
+            Some(found) => format!(
+                "p_max {}, contact {} x {}{}",
+                PeakPressure::DESCRIPTION.amount(found.p_max.value),
+                length(found.length.value),
+                length(found.width.value),
+                row.error
                     .as_ref()
-                    .map_or("", |_| ", short of the accuracy asked");
-                format!(
-                    "p_max {:.2} MPa, contact {} x {}{short}",
-                    p / 1e6,
-                    length(l),
-                    length(w)
-                )
-            }
-            _ => "short of the accuracy asked".to_owned(),
+                    .map_or("", |_| ", short of the accuracy asked")
+            ),
+            None => "short of the accuracy asked".to_owned(),
         };
         text.push_str(&format!(
             "  {}  {}: {said}\n",
@@ -335,17 +303,8 @@ fn angle(radians: f64) -> String {
     }
 }
 
-fn length_within(metres: f64, error: f64) -> String {
-    format!("{} +- {:.*}", length(metres), digits(metres), 1e3 * error)
-}
-
 fn length(metres: f64) -> String {
-    format!("{:.*} mm", digits(metres), metres * 1e3)
-}
-
-/// Digits of a length in millimetres.
-fn digits(metres: f64) -> usize {
-    if metres >= 1e-3 { 2 } else { 4 }
+    Length::DESCRIPTION.amount(metres)
 }
 
 fn force(newtons: f64) -> String {

@@ -116,7 +116,7 @@ fn begin(
     let mut inputs = vec![args.mapping.clone()];
     inputs.extend(table.map(|table| folder.join(table)));
     inputs.extend(runs.iter().flat_map(|run| run.files.values().cloned()));
-    let before = read_json(&args.out.join(LIST), LONGEST_LIST).ok();
+    let before: Option<Value> = read_json(&args.out.join(LIST), LONGEST_LIST).ok();
     let index = args.out.join("runs.csv");
     if index.exists() && before.is_none() {
         return Err(Failure::BadInput(format!(

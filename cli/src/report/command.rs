@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, write_whole};
-use serde_json::json;
+use serde::Serialize;
 
 use crate::output::apart::apart;
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::staging::pretty;
 use crate::report::{contact, evaluation, gathered, results, series, table};
 
 const EXAMPLES: &str = "\
@@ -33,6 +34,14 @@ pub struct Args {
     pub out: Option<PathBuf>,
 }
 
+/// A page that was written.
+#[derive(Serialize)]
+struct Written {
+    kind: &'static str,
+    written: [PathBuf; 1],
+    bytes: usize,
+}
+
 /// Writes the page.
 ///
 /// # Errors
@@ -43,8 +52,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     apart(&read(&args.result, &out), std::slice::from_ref(&out))?;
     write_whole(&out, |writer| writer.write_all(html.as_bytes()))?;
     if global.json {
-        let document = json!({ "kind": kind, "written": [out], "bytes": html.len() });
-        say(&format!("{document:#}\n"));
+        let bytes = html.len();
+        say(&pretty(&Written {
+            kind,
+            written: [out],
+            bytes,
+        })?);
     } else if !global.quiet {
         say(&format!(
             "{}: {kind}, {:.2} MB\n",

@@ -11,5 +11,4 @@ mod series;
 mod table;
 
 pub use command::{Args, run};
-pub use contact::contact;
 pub use read_json::read_json;

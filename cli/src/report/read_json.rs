@@ -4,10 +4,13 @@ use std::path::Path;
 
 use kufe::jobs::Failure;
 use kufe_files::text_of_regular;
-use serde_json::Value;
+use serde::de::DeserializeOwned;
 
-/// A JSON file of at most `longest` bytes.
-pub fn read_json(path: &Path, longest: u64) -> Result<Value, Failure> {
+/// The document in a JSON file of at most `longest` bytes.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file and the key.
+pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
     let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
     let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
     let text = text_of_regular(path, longest).map_err(unreadable)?;

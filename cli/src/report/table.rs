@@ -1,11 +1,12 @@
 //! The page of a lookup table.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use kufe::jobs::{Failure, table::read_table};
 use kufe::report::{Kind, page as html};
 use kufe_lut::{Axes, Flush, Method, Mode, Quantity, Table};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::output::documents::without_idle_steel;
 
@@ -21,51 +22,85 @@ pub fn page(path: &Path) -> Result<String, Failure> {
     Ok(html(Kind::Table, &format!("{name}, lookup table"), &data))
 }
 
-fn data(table: &Table, name: &str) -> Result<Value, kufe_lut::Error> {
+/// Data of the page of a table.
+#[derive(Serialize)]
+struct TablePage<'a> {
+    name: &'a str,
+    fz: Vec<f64>,
+    curvature: Vec<f64>,
+    flush: Option<[f64; 4]>,
+    /// Name of each layer.
+    layers: Option<Vec<String>>,
+    /// Names of the axes of the layers.
+    layered: Option<String>,
+    thinned: bool,
+    nodes: usize,
+    check_count: usize,
+    by_boundary_elements: usize,
+    quantities: Vec<QuantityData>,
+    solver_error: f64,
+    judged: &'static str,
+    interpolation_asked: Option<f64>,
+    case: serde_json::Value,
+    case_sha256: &'a str,
+    version: &'a str,
+}
+
+/// A quantity of a table.
+#[derive(Serialize)]
+struct QuantityData {
+    name: &'static str,
+    unit: &'static str,
+    /// Largest measured error by mode.
+    errors: BTreeMap<&'static str, Option<f64>>,
+    /// Values by layer, force and curvature.
+    values: Vec<Vec<Vec<Option<f64>>>>,
+}
+
+fn data<'a>(table: &'a Table, name: &'a str) -> Result<TablePage<'a>, kufe_lut::Error> {
     let axes = table.axes();
     let taken = [
         thinned(axes.fz().len(), MOST[0]),
         thinned(axes.curvature().len(), MOST[1]),
         thinned(axes.layers(), MOST[2]),
     ];
-    let pick =
-        |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
-    let layers = layers(axes, &taken[2]);
+    let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect();
+    let (layered, layers) = layers(axes, &taken[2]).unzip();
     let mut quantities = Vec::new();
     for &quantity in table.quantities() {
-        let mut errors = serde_json::Map::new();
+        let mut errors = BTreeMap::new();
         for mode in Mode::ALL {
             let measured = table.interpolation_error(quantity, mode)?;
-            errors.insert(mode.name().into(), json!(measured.map(|m| m.max)));
+            errors.insert(mode.name(), measured.map(|m| m.max));
         }
-        quantities.push(json!({
-            "name": quantity.name(),
-            "unit": quantity.unit(),
-            "errors": errors,
-            "values": values(table, axes, quantity, &taken),
-        }));
+        quantities.push(QuantityData {
+            name: quantity.name(),
+            unit: quantity.unit(),
+            errors,
+            values: values(table, axes, quantity, &taken),
+        });
     }
     let mut case = table.case.clone();
     without_idle_steel(&mut case);
-    Ok(json!({
-        "name": name,
-        "fz": pick(axes.fz(), &taken[0]),
-        "curvature": pick(axes.curvature(), &taken[1]),
-        "flush": axes.flush().map(Flush::numbers),
-        "layers": layers.as_ref().map(|(_, names)| names),
-        "layered": layers.as_ref().map(|(axes, _)| axes),
-        "thinned": table.nodes().len() > taken.iter().map(Vec::len).product(),
-        "nodes": table.nodes().len(),
-        "check_count": table.checks().len(),
-        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
-        "quantities": quantities,
-        "solver_error": table.solver_error(),
-        "judged": table.judged().name(),
-        "interpolation_asked": table.interpolation_asked,
-        "case": case,
-        "case_sha256": table.case_sha256,
-        "version": table.version,
-    }))
+    Ok(TablePage {
+        name,
+        fz: pick(axes.fz(), &taken[0]),
+        curvature: pick(axes.curvature(), &taken[1]),
+        flush: axes.flush().map(Flush::numbers),
+        layers,
+        layered,
+        thinned: table.nodes().len() > taken.iter().map(Vec::len).product(),
+        nodes: table.nodes().len(),
+        check_count: table.checks().len(),
+        by_boundary_elements: table.solved_by(Method::BoundaryElements),
+        quantities,
+        solver_error: table.solver_error(),
+        judged: table.judged().name(),
+        interpolation_asked: table.interpolation_asked,
+        case,
+        case_sha256: &table.case_sha256,
+        version: &table.version,
+    })
 }
 
 /// What the axes beyond force and curvature are called, and each of their combinations that is taken.
@@ -94,21 +129,17 @@ fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
     (!titles.is_empty()).then(|| (titles.join(", "), names))
 }
 
-/// Values by layer, force and curvature.
-fn values(table: &Table, axes: &Axes, quantity: Quantity, taken: &[Vec<usize>; 3]) -> Value {
+fn values(
+    table: &Table,
+    axes: &Axes,
+    quantity: Quantity,
+    taken: &[Vec<usize>; 3],
+) -> Vec<Vec<Vec<Option<f64>>>> {
     let [forces, curvatures, layers] = taken;
     let at = |i: usize, j: usize, k: usize| table.nodes()[axes.node(i, j, k)].get(quantity);
-    json!(
-        layers
-            .iter()
-            .map(|&k| {
-                forces
-                    .iter()
-                    .map(|&i| curvatures.iter().map(|&j| at(i, j, k)).collect())
-                    .collect()
-            })
-            .collect::<Vec<Vec<Vec<Option<f64>>>>>()
-    )
+    let row = |i: usize, k: usize| curvatures.iter().map(|&j| at(i, j, k)).collect();
+    let layer = |&k: &usize| forces.iter().map(|&i| row(i, k)).collect();
+    layers.iter().map(layer).collect()
 }
 
 /// At most `most` of `0..count`, spread evenly, both ends among them.

@@ -1,5 +1,6 @@
 //! `kufe view`: the page of a contact with a form that solves again, served to this machine alone.
 
+use std::collections::BTreeMap;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,12 +8,13 @@ use std::sync::atomic::AtomicBool;
 
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::report::{Kind, page};
-use serde_json::json;
+use serde::Serialize;
 
 use crate::output::global::Global;
 use crate::output::say::say;
+use crate::output::staging::pretty;
 use crate::view::form::Form;
-use crate::view::server::{Server, serve, solved};
+use crate::view::server::{Server, Solved, serve, solved};
 use crate::view::turn::Turn;
 
 const EXAMPLES: &str = "\
@@ -34,6 +36,21 @@ pub struct Args {
     pub port: u16,
 }
 
+/// Data of the page.
+#[derive(Serialize)]
+struct ViewPage {
+    #[serde(flatten)]
+    solved: Solved,
+    form: Form,
+    ranges: BTreeMap<&'static str, [f64; 2]>,
+}
+
+/// Where the page is served.
+#[derive(Serialize)]
+struct Listening {
+    address: String,
+}
+
 /// Serves the page until it is interrupted.
 ///
 /// # Errors
@@ -52,20 +69,23 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let port = listener.local_addr().map_err(Failure::bad_input)?.port();
     let bar = global.progress();
     bar.set_message("solving the first contact");
-    let mut data = solved(base.clone(), &Arc::new(AtomicBool::new(false)))?;
+    let solved = solved(base.clone(), &Arc::new(AtomicBool::new(false)))?;
     bar.finish_and_clear();
-    data["form"] = json!(Form::of(&base.case));
-    data["ranges"] = Form::ranges();
-    let title = data["title"].as_str().unwrap_or_default();
+    let title = solved.page.title.clone();
+    let data = ViewPage {
+        solved,
+        form: Form::of(&base.case),
+        ranges: Form::ranges(),
+    };
     let server = Server {
-        first: page(Kind::View, title, &data),
+        first: page(Kind::View, &title, &data),
         base,
         port,
         turn: Turn::default(),
     };
     let address = format!("http://127.0.0.1:{port}/");
     if global.json {
-        say(&format!("{:#}\n", json!({ "address": address })));
+        say(&pretty(&Listening { address })?);
     } else {
         say(&format!("{address}\n"));
     }

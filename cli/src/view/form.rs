@@ -1,9 +1,10 @@
 //! What the page's form asks for, and the case that it makes.
 
+use std::collections::BTreeMap;
+
 use kufe::case::{Case, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
 /// Each number's ends; what the sliders span and nothing beyond.
 const RANGES: [(&str, f64, f64); 6] = [
@@ -90,12 +91,9 @@ impl Form {
     }
 
     /// The sliders' ends by name.
-    pub fn ranges() -> Value {
-        RANGES
-            .iter()
-            .map(|(name, from, to)| (name.to_string(), json!([from, to])))
-            .collect::<serde_json::Map<_, _>>()
-            .into()
+    pub fn ranges() -> BTreeMap<&'static str, [f64; 2]> {
+        let named = |(name, from, to)| (name, [from, to]);
+        RANGES.into_iter().map(named).collect()
     }
 
     /// The case that the form asks for: `base` with the form's runner, track and load.

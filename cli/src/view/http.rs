@@ -184,7 +184,7 @@ pub fn respond(stream: &mut TcpStream, answer: &Answer) {
         answer.status,
         answer.kind,
         answer.body.len(),
-        kufe::report::POLICY,
+        kufe::report::Kind::View.policy(),
     );
     let _ = stream.set_write_timeout(Some(PATIENCE));
     let _ = stream

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use kufe::jobs::{Failure, Watch, case_file::LoadedCase, press_with};
+use kufe::report::ContactPage;
 use kufe_contact::{Options, pressure_maps};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::bodies::placed_hull::placed_hull;
-use crate::report;
 use crate::view::form::Form;
 use crate::view::guard;
 use crate::view::http::{Answer, Refusal, Request, read_request, respond};
@@ -55,7 +55,7 @@ pub fn serve(listener: &TcpListener, server: &Server) {
                     Err(refusal) => Err(refusal),
                 };
                 let answer = answer.unwrap_or_else(|Refusal(status, text)| {
-                    as_json(status, &json!({ "error": text }))
+                    as_json(status, &Refused { error: text })
                 });
                 respond(&mut stream, &answer);
                 answered.fetch_sub(1, Ordering::Relaxed);
@@ -78,11 +78,27 @@ fn answer(server: &Server, request: &Request) -> Result<Answer, Refusal> {
     }
 }
 
-fn as_json(status: u16, value: &Value) -> Answer {
+/// Why there is no contact.
+#[derive(Serialize)]
+struct Refused {
+    error: String,
+}
+
+/// A contact for the page, with its case as a file would state it.
+#[derive(Serialize)]
+pub struct Solved {
+    /// The contact.
+    #[serde(flatten)]
+    pub page: ContactPage,
+    /// `case.toml`.
+    pub case_text: String,
+}
+
+fn as_json(status: u16, value: &impl Serialize) -> Answer {
     Answer {
         status,
         kind: "application/json",
-        body: value.to_string().into_bytes(),
+        body: serde_json::to_vec(value).unwrap_or_default(),
     }
 }
 
@@ -105,7 +121,7 @@ fn solve_again(server: &Server, request: &Request) -> Result<Answer, Refusal> {
 }
 
 /// The data of a case's page, with the case as a file would state it.
-pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Value, Failure> {
+pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Failure> {
     let name = loaded.name.clone();
     let options = Options {
         stop: Some(stop.clone()),
@@ -118,8 +134,7 @@ pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Value, Failu
     }
     let maps = pressure_maps(&pressed.solution);
     let hull = placed_hull(&pressed.problem, &pressed.solution);
-    let document = pressed.document();
-    let mut data = report::contact(&document, &maps, hull.as_ref(), POINTS, &name);
-    data["case_text"] = json!(pressed.loaded.case.to_toml().map_err(Failure::bad_input)?);
-    Ok(data)
+    let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name);
+    let case_text = pressed.loaded.case.to_toml().map_err(Failure::bad_input)?;
+    Ok(Solved { page, case_text })
 }

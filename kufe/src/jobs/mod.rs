@@ -36,8 +36,7 @@ mod write_whole;
 pub use case_json::{case_json, json_number, toml_json};
 pub use failure::Failure;
 pub use press::{
-    Prepared, Pressed, percent, press, press_prepared, press_with, runner_keys, time_left,
-    with_progress,
+    Prepared, SolvedContact, percent, press, press_prepared, press_with, time_left, with_progress,
 };
 pub use watch::Watch;
 pub use write_whole::write_whole;

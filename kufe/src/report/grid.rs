@@ -1,8 +1,8 @@
 //! Fields on a regular grid, thinned and packed for a page.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use crate::report::pack::pack;
+use crate::report::pack::{Packed, pack};
 
 /// Contact fields on the pixels of a regular grid, `ny` rows of `nx`.
 ///
@@ -29,6 +29,29 @@ pub struct Grid<'a> {
     pub uz: &'a [f64],
 }
 
+/// Fields of a [`Grid`] as the page's scripts read them.
+#[derive(Clone, Debug, Serialize)]
+pub struct PackedGrid {
+    /// Columns.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+    /// First column [m].
+    pub x0: f64,
+    /// First row [m].
+    pub y0: f64,
+    /// Spacing of the columns [m].
+    pub dx: f64,
+    /// Spacing of the rows [m].
+    pub dy: f64,
+    /// Contact pressure [Pa].
+    pub p: Packed,
+    /// Gap [m].
+    pub gap: Packed,
+    /// Vertical displacement [m].
+    pub uz: Packed,
+}
+
 impl Grid<'_> {
     /// At most about `most` columns and rows, every k-th of them and the ones of the peak among them.
     ///
@@ -36,7 +59,7 @@ impl Grid<'_> {
     ///
     /// # Panics
     /// Where the fields do not have `nx * ny` values.
-    pub fn thinned(&self, most: [usize; 2]) -> Value {
+    pub fn thinned(&self, most: [usize; 2]) -> PackedGrid {
         let count = self.nx * self.ny;
         for (name, values) in [("p", self.pressure), ("gap", self.gap), ("uz", self.uz)] {
             assert_eq!(values.len(), count, "{name} on {} x {}", self.nx, self.ny);
@@ -46,7 +69,7 @@ impl Grid<'_> {
             .unwrap_or(0);
         let columns = every(self.nx, most[0], peak % self.nx.max(1));
         let rows = every(self.ny, most[1], peak / self.nx.max(1));
-        let taken = |values: &[f64]| -> Value {
+        let taken = |values: &[f64]| {
             pack(
                 rows.iter()
                     .flat_map(|&j| columns.iter().map(move |&i| values[j * self.nx + i])),
@@ -57,17 +80,17 @@ impl Grid<'_> {
             [a, b, ..] => (b - a) as f64,
             _ => 1.0,
         };
-        json!({
-            "nx": columns.len(),
-            "ny": rows.len(),
-            "x0": self.x0 + first(&columns) * self.dx,
-            "y0": self.y0 + first(&rows) * self.dy,
-            "dx": stride(&columns) * self.dx,
-            "dy": stride(&rows) * self.dy,
-            "p": taken(self.pressure),
-            "gap": taken(self.gap),
-            "uz": taken(self.uz),
-        })
+        PackedGrid {
+            nx: columns.len(),
+            ny: rows.len(),
+            x0: self.x0 + first(&columns) * self.dx,
+            y0: self.y0 + first(&rows) * self.dy,
+            dx: stride(&columns) * self.dx,
+            dy: stride(&rows) * self.dy,
+            p: taken(self.pressure),
+            gap: taken(self.gap),
+            uz: taken(self.uz),
+        }
     }
 }
 
@@ -100,14 +123,12 @@ mod tests {
             uz: &pressure,
         };
         let thin = grid.thinned([100, 20]);
-        let number = |key: &str| thin[key].as_f64().expect("a number");
-        assert!(number("nx") <= 100.0 && number("ny") <= 20.0, "{thin}");
-        assert_eq!((number("dx"), number("dy")), (11.0 * 1e-3, 2.0 * 1e-4));
+        assert!(thin.nx <= 100 && thin.ny <= 20, "{} {}", thin.nx, thin.ny);
+        assert_eq!((thin.dx, thin.dy), (11.0 * 1e-3, 2.0 * 1e-4));
         // 613 = 8 + 55 * 11, 11 = 1 + 5 * 2.
-        assert!((number("x0") + 0.5 - 8e-3).abs() < 1e-15);
-        assert!((number("y0") - 0.1 - 1e-4).abs() < 1e-15);
-        let p = &thin["p"];
-        let top = p["low"].as_f64().expect("low") + 65534.0 * p["step"].as_f64().expect("step");
+        assert!((thin.x0 + 0.5 - 8e-3).abs() < 1e-15);
+        assert!((thin.y0 - 0.1 - 1e-4).abs() < 1e-15);
+        let top = thin.p.low + 65534.0 * thin.p.step;
         assert!((top / 1e6 - 1.0).abs() < 1e-12, "{top}");
     }
 

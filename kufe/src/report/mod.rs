@@ -1,8 +1,9 @@
 //! Results as one self-contained page.
 //!
 //! A page is one HTML file that needs no network: its data, style, scripts and, where it turns bodies in space,
-//! the library three.js are all in it. This crate knows how to put a page together; what stands on it arrives as
-//! JSON, so it knows no solver and no file format.
+//! the library three.js are all in it. Text of users and files becomes text: in HTML, in SVG and
+//! within the script of the data it passes one escaping function. The content security policy allows
+//! the page's own script alone.
 //!
 //! | item | purpose |
 //! |---|---|
@@ -12,7 +13,7 @@
 //! | [`record_page`] | what is wrong and odd in recorded runs, worst first, without scripts |
 //! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
-//! | [`POLICY`] | the content security policy that every page carries |
+//! | [`ContactPage`], [`SeriesPage`] | the data of two kinds |
 //!
 //! ```
 //! use kufe::report::{Kind, page};
@@ -22,6 +23,7 @@
 //! assert!(!html.contains("src=\"http") && !html.contains("href=\"http"));
 //! ```
 
+mod contact;
 mod discovery;
 mod grid;
 mod pack;
@@ -30,9 +32,10 @@ mod record;
 mod results;
 mod sign;
 
+pub use contact::{ContactPage, PackedHull, SeriesPage};
 pub use discovery::discovery_page;
-pub use grid::Grid;
-pub use pack::pack;
-pub use page::{Kind, POLICY, page};
+pub use grid::{Grid, PackedGrid};
+pub use pack::{Packed, pack};
+pub use page::{Kind, page};
 pub use record::record_page;
 pub use results::{Picture, picture_url, results_page};

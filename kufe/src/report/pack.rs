@@ -2,12 +2,23 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// Largest code of a finite value; the next one stands for infinity.
 const TOP: f64 = 65534.0;
 /// The code of a value that is not finite.
 const NONE: u16 = 65535;
+
+/// Numbers packed into 16 bits each: `value = low + code * step`, code 65535 being infinite.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Packed {
+    /// The least finite value.
+    pub low: f64,
+    /// 1/65534 of the range of the finite values.
+    pub step: f64,
+    /// The codes, little-endian, in base64.
+    pub codes: String,
+}
 
 /// Values in 16 bits each: `value = low + code * step`, code 65535 being infinite.
 ///
@@ -15,10 +26,10 @@ const NONE: u16 = 65535;
 ///
 /// ```
 /// let packed = kufe::report::pack([0.0, 65534.0, f64::INFINITY]);
-/// assert_eq!((packed["low"].as_f64(), packed["step"].as_f64()), (Some(0.0), Some(1.0)));
-/// assert_eq!(packed["codes"], "AAD+////");
+/// assert_eq!((packed.low, packed.step), (0.0, 1.0));
+/// assert_eq!(packed.codes, "AAD+////");
 /// ```
-pub fn pack(values: impl IntoIterator<Item = f64>) -> Value {
+pub fn pack(values: impl IntoIterator<Item = f64>) -> Packed {
     let values: Vec<f64> = values.into_iter().collect();
     let finite = || values.iter().copied().filter(|value| value.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);
@@ -34,7 +45,8 @@ pub fn pack(values: impl IntoIterator<Item = f64>) -> Value {
         .iter()
         .flat_map(|value| code(value).to_le_bytes())
         .collect();
-    json!({ "low": low, "step": step, "codes": STANDARD.encode(bytes) })
+    let codes = STANDARD.encode(bytes);
+    Packed { low, step, codes }
 }
 
 #[cfg(test)]
@@ -47,10 +59,8 @@ mod tests {
             .map(|k| 1e8 * (0.01 * f64::from(k)).sin())
             .collect();
         let packed = pack(values.iter().copied());
-        let bytes = STANDARD
-            .decode(packed["codes"].as_str().unwrap_or_default())
-            .expect("base64");
-        let [low, step] = ["low", "step"].map(|key| packed[key].as_f64().expect("a number"));
+        let bytes = STANDARD.decode(&packed.codes).expect("base64");
+        let (low, step) = (packed.low, packed.step);
         assert_eq!(bytes.len(), 2000);
         for (pair, value) in bytes.chunks(2).zip(&values) {
             let back = low + step * f64::from(u16::from_le_bytes([pair[0], pair[1]]));
@@ -60,9 +70,9 @@ mod tests {
 
     #[test]
     fn equal_values_and_none_at_all_are_packed_too() {
-        assert_eq!(pack([3.0, 3.0])["codes"], "AAAAAA==");
-        assert_eq!(pack([3.0])["low"], 3.0);
-        assert_eq!(pack([f64::NAN])["codes"], "//8=");
-        assert_eq!(pack([])["codes"], "");
+        assert_eq!(pack([3.0, 3.0]).codes, "AAAAAA==");
+        assert_eq!(pack([3.0]).low, 3.0);
+        assert_eq!(pack([f64::NAN]).codes, "//8=");
+        assert_eq!(pack([]).codes, "");
     }
 }

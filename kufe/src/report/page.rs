@@ -1,6 +1,10 @@
 //! The page itself.
 
-use serde_json::Value;
+use std::sync::OnceLock;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
 
 /// What a page shows; each kind has its script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,9 +21,9 @@ pub enum Kind {
     View,
 }
 
-/// What the page may do: run what is in it, and speak to the server that it came from, if any.
-pub const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
-    img-src data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'";
+/// What a page without scripts may do: show what is in it.
+const PLAIN_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
+    base-uri 'none'; form-action 'none'";
 
 const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
@@ -50,22 +54,50 @@ impl Kind {
     }
 }
 
+impl Kind {
+    /// The text of the page's only script element.
+    fn script(self) -> String {
+        format!("\n{}", self.scripts().concat())
+    }
+
+    /// The content security policy of the page.
+    ///
+    /// It allows the page's own script by its digest, and no other: neither an inline event
+    /// handler nor a script that data bring in. The page may ask the server that it came from.
+    pub fn policy(self) -> String {
+        static DIGESTS: [OnceLock<String>; 5] = [const { OnceLock::new() }; 5];
+        let digest = DIGESTS[self as usize].get_or_init(|| {
+            let hexadecimal = kufe_lut::sha256(self.script().as_bytes());
+            let byte = |k: usize| u8::from_str_radix(&hexadecimal[2 * k..2 * k + 2], 16);
+            let bytes: Vec<u8> = (0..32).filter_map(|k| byte(k).ok()).collect();
+            STANDARD.encode(bytes)
+        });
+        format!(
+            "default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; \
+             img-src data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'"
+        )
+    }
+}
+
 /// What made a page, as its head says.
 const VERSION: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
 
 /// The whole page: one HTML file with its data, style and scripts.
 ///
 /// The data of each kind are documented at the head of its script in `assets`.
-pub fn page(kind: Kind, title: &str, data: &Value) -> String {
-    let scripts = kind.scripts().concat();
+///
+/// # Panics
+/// Where the data cannot be written as JSON.
+pub fn page(kind: Kind, title: &str, data: &impl Serialize) -> String {
+    let (script, policy) = (kind.script(), kind.policy());
     let style = [STYLE, PICTURE].concat();
     // The data come last: a text in them that looks like a slot is not filled.
     let slots = [
-        ("{{policy}}", POLICY),
+        ("{{policy}}", policy.as_str()),
         ("{{title}}", &escape(title)),
         ("{{version}}", VERSION),
         ("{{style}}", &style),
-        ("{{scripts}}", &scripts),
+        ("{{script}}", &script),
         ("{{data}}", &embedded(data)),
     ];
     let mut html = String::new();
@@ -85,23 +117,32 @@ pub fn page(kind: Kind, title: &str, data: &Value) -> String {
 /// A page of text, tables and pictures without scripts; `body` is HTML.
 pub fn plain_page(title: &str, body: &str) -> String {
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta http-equiv=\"Content-Security-Policy\" content=\"{PLAIN_POLICY}\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
 <meta name=\"generator\" content=\"{VERSION}\"><title>{}</title><style>{PLAIN}{PICTURE}</style></head><body>\n{body}</body></html>\n",
         escape(title)
     )
 }
 
-/// Text as text in HTML.
+/// Text as text in HTML and SVG, and as the value of a quoted attribute.
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            letter => escaped.push(letter),
+        }
+    }
+    escaped
 }
 
-/// JSON that cannot end the script element that it stands in.
-fn embedded(data: &Value) -> String {
-    data.to_string().replace('<', "\\u003c")
+/// JSON within a script element: no text in it ends the element or begins another.
+fn embedded(data: &impl Serialize) -> String {
+    let text = serde_json::to_string(data).expect("data of a page are plain structs");
+    text.replace('<', "\\u003c").replace('>', "\\u003e")
 }
 
 #[cfg(test)]
@@ -114,7 +155,7 @@ mod tests {
         let data = json!({ "name": "</script><b>{{title}}" });
         let html = page(Kind::Press, "a & b", &data);
         assert!(html.contains("<title>a &amp; b</title>"));
-        assert!(html.contains("\\u003c/script>\\u003cb>{{title}}"));
+        assert!(html.contains("\\u003c/script\\u003e\\u003cb\\u003e{{title}}"));
     }
 
     #[test]
@@ -130,7 +171,12 @@ mod tests {
             for word in ["src=\"http", "href=\"http", "@import", "import("] {
                 assert!(!html.contains(word), "{kind:?} has {word}");
             }
-            assert!(html.contains(POLICY) && html.ends_with("</html>\n"));
+            assert!(html.contains(&kind.policy()) && html.ends_with("</html>\n"));
+            assert_eq!(html.matches("<script>").count(), 1, "{kind:?}");
+            assert!(
+                !kind.policy().contains("script-src 'unsafe-inline'"),
+                "{kind:?}"
+            );
             assert!(html.len() < 700_000, "{kind:?}: {} bytes", html.len());
         }
     }

@@ -3,6 +3,5 @@
 mod first_step;
 pub mod lists;
 mod solve;
-pub mod table;
 
 pub use solve::run;

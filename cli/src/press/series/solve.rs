@@ -7,30 +7,29 @@ use std::time::Instant;
 
 use kufe::case::TiltWord;
 use kufe::jobs::{
-    Failure, Prepared, Pressed, Watch, case_file::LoadedCase, case_json, press_prepared, time_left,
+    Failure, Prepared, SolvedContact, Watch, case_file::LoadedCase, press_prepared, time_left,
     write_whole,
 };
+use kufe::results::{CaseRecord, ContactResult, SeriesRow, VariedKeys, write_csv};
 use kufe_contact::Options;
 use kufe_mesh::write_pvd;
-use serde_json::Value;
 
 use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
 use crate::output::held::Held;
 use crate::output::say::say;
-use crate::output::staging::Staging;
+use crate::output::staging::{Staging, pretty};
 use crate::output::watched::watched;
 use crate::press::args::Args;
 use crate::press::held::{clear_before_series, no_others};
 use crate::press::series::first_step::FirstStep;
 use crate::press::series::lists::Lists;
-use crate::press::series::table::{self, Row, write_table};
 use crate::press::{files, summary};
 use crate::report::read_json;
 
 /// One step of a series.
 struct Step {
-    values: Vec<(&'static str, f64)>,
+    varied: VariedKeys,
     folder: String,
     loaded: LoadedCase,
     runner: Arc<Prepared>,
@@ -88,9 +87,8 @@ pub fn run(
     });
     write_overview(&args.out, &rows, &args.lists, steps.len())?;
     let (kept, short) = solved?;
-    let document = table::document(&rows);
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&pretty(&rows)?);
     } else if !global.quiet {
         say(&summary::series(&rows, kept, &args.out));
     }
@@ -130,7 +128,7 @@ fn solve_steps(
     steps: &[Step],
     watch: &Watch,
     options: &Options,
-    rows: &mut Vec<Row>,
+    rows: &mut Vec<SeriesRow>,
 ) -> Result<(usize, Option<String>), Failure> {
     let (mut kept, mut short) = (0, None);
     let said = Mutex::new(BTreeMap::new());
@@ -150,20 +148,19 @@ fn solve_steps(
         let folder = asked.args.out.join(&step.folder);
         finished(&folder, step, asked)
     });
-    let held: Vec<Option<Value>> = held.collect();
+    let held: Vec<Option<ContactResult>> = held.collect();
     let mut took = Vec::new();
     for (k, step) in steps.iter().enumerate() {
-        let row = |result: Option<Value>, error: Option<String>| Row {
-            step: k + 1,
-            folder: step.folder.clone(),
-            values: step.values.clone(),
-            result,
-            error,
+        let row = |result: Option<&ContactResult>, error: Option<String>| {
+            let mut row = SeriesRow::new(k + 1, step.folder.clone(), step.varied.clone());
+            row.result = result.map(Into::into);
+            row.error = error;
+            row
         };
         let folder = asked.args.out.join(&step.folder);
         if let Some(result) = &held[k] {
             kept += 1;
-            rows.push(row(Some(result.clone()), None));
+            rows.push(row(Some(result), None));
             continue;
         }
         if watch.stopped() {
@@ -182,7 +179,7 @@ fn solve_steps(
                     watch.warn(text);
                     short.clone_from(&told);
                 }
-                rows.push(row(Some(written), told));
+                rows.push(row(Some(&written), told));
             }
             Err(Failure::NotConverged(text)) => {
                 let text = format!("{}: {text}", step.folder);
@@ -233,14 +230,29 @@ fn steps(lists: &Lists, loaded: &LoadedCase, options: &Options) -> Result<Vec<St
             let runner = first
                 .check(&loaded, options)
                 .map_err(|failure| failure.within(&folder))?;
+            let mut varied = VariedKeys::default();
+            values
+                .iter()
+                .for_each(|&(key, value)| record(&mut varied, key, value));
             Ok(Step {
-                values,
+                varied,
                 folder,
                 loaded,
                 runner,
             })
         })
         .collect()
+}
+
+/// Notes the value of a varied key.
+fn record(varied: &mut VariedKeys, key: &str, value: f64) {
+    match key {
+        "fz_n" => varied.fz_n = Some(value),
+        "radius_m" => varied.radius_m = Some(value.into()),
+        "pitch_rad" => varied.pitch_rad = Some(value),
+        "roll_rad" => varied.roll_rad = Some(value),
+        _ => varied.rocker_radius_m = Some(value),
+    }
 }
 
 fn set(loaded: &mut LoadedCase, key: &str, value: f64) -> Result<(), Failure> {
@@ -274,33 +286,45 @@ fn set(loaded: &mut LoadedCase, key: &str, value: f64) -> Result<(), Failure> {
 
 /// The result in a step's folder, where it is this step's: of this version and case, with the same content of the files that the
 /// case names, and with what is asked.
-fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<Value> {
+fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<ContactResult> {
     if asked.args.lists.fresh {
         return None;
     }
-    let result = read_json(&folder.join("result.json"), LONGEST).ok()?;
-    (result["version"] == env!("CARGO_PKG_VERSION")
-        && result["content_sha256"] == asked.content
-        && result["case"] == case_json(&step.loaded.case)
-        && result["accuracy_reached"] == true
+    let result: ContactResult = read_json(&folder.join("result.json"), LONGEST).ok()?;
+    (result.version == env!("CARGO_PKG_VERSION")
+        && result.content_sha256 == asked.content
+        && result.case == CaseRecord::of(&step.loaded.case)
+        && result.accuracy_reached
         && (!asked.args.mat || folder.join("result.mat").is_file())
-        && result.get("subsurface").is_some() == asked.args.subsurface)
+        && result.subsurface.is_some() == asked.args.subsurface)
         .then_some(result)
 }
 
 /// Writes one step's files, all or none.
-fn write_step(folder: &Path, pressed: &Pressed, asked: &Asked) -> Result<Value, Failure> {
+fn write_step(
+    folder: &Path,
+    pressed: &SolvedContact,
+    asked: &Asked,
+) -> Result<ContactResult, Failure> {
     let surely = files::surely(&pressed.loaded.case, asked.args);
     let staging = Staging::beside(&asked.inputs, folder, &surely)?;
-    let mut document = pressed.document();
-    files::write(&staging, pressed, &mut document, asked.args.mat)?;
+    let (result, _) = files::write(&staging, pressed, asked.args.mat)?;
     staging.commit()?;
-    Ok(document)
+    Ok(result)
 }
 
 /// Writes table.csv, table.json and series.pvd (runner.pvd where runners deform) over the steps that are solved.
-fn write_overview(out: &Path, rows: &[Row], lists: &Lists, count: usize) -> Result<(), Failure> {
-    write_table(out, rows)?;
+fn write_overview(
+    out: &Path,
+    rows: &[SeriesRow],
+    lists: &Lists,
+    count: usize,
+) -> Result<(), Failure> {
+    let text = pretty(&rows)?;
+    write_whole(&out.join("table.json"), |writer| {
+        writer.write_all(text.as_bytes())
+    })?;
+    write_whole(&out.join("table.csv"), |writer| write_csv(writer, rows))?;
     let times = lists.times(count);
     for (name, file) in [("series.pvd", "field.vtu"), ("runner.pvd", "runner.vtu")] {
         let entries: Vec<(f64, String)> = rows

@@ -55,6 +55,33 @@ fn schemas(bench: &Bench) -> impl Fn(&str) -> PathBuf {
     move |kind: &str| bench.path(&place(kind))
 }
 
+/// A result fits its schema, each quantity with its description.
+#[test]
+fn a_result_has_a_schema() {
+    let bench = Bench::new();
+    bench.succeeds(&["schema", "result", "-q", "-o", "result.schema.json"]);
+    let schema = std::fs::read_to_string(bench.path("result.schema.json")).expect("a schema");
+    assert!(schema.contains("\"peak pressure [Pa]\""), "{schema}");
+    bench.succeeds(&["press", "-q"]);
+    let Some(python) = kufe_outside::python("jsonschema") else {
+        return;
+    };
+    let script = "import json, jsonschema\n\
+        schema, result = [json.load(open(name)) for name in ('result.schema.json', 'out/result.json')]\n\
+        jsonschema.Draft7Validator.check_schema(schema)\n\
+        jsonschema.Draft7Validator(schema).validate(result)\n";
+    let output = Command::new(python)
+        .args(["-c", script])
+        .current_dir(bench.folder.path())
+        .output()
+        .expect("Python");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
 /// Every TOML file below the repository's own folders that states a case, a table or a model.
 fn shipped() -> Vec<(&'static str, PathBuf)> {
     fn walk(folder: &Path, found: &mut Vec<(&'static str, PathBuf)>) {

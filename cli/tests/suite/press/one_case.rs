@@ -1,5 +1,6 @@
 //! `kufe press` from a case to its files.
 
+use kufe::results::ContactResult;
 use serde_json::Value;
 
 use crate::kufe::{Bench, CASE, errors, names, octave};
@@ -178,6 +179,30 @@ fn json_on_standard_output_is_the_result_file() {
     let said = bench.succeeds(&["press", "case.toml", "--json"]);
     let printed: Value = serde_json::from_str(&said).expect("JSON");
     assert_eq!(printed, result(&bench, "out"));
+}
+
+/// Each part of a result is there once: a contact that slides and a runner that deforms have them all.
+#[test]
+fn a_result_reads_back_as_its_struct_and_names_what_its_peak_is_uncertain_by() {
+    let bench = Bench::new();
+    bench.write(
+        "slides.toml",
+        format!("{CASE}[sliding]\nv_mps = 25.0\nice_c = -5.0\n"),
+    );
+    bench.write("bends.toml", CASE.replace("[ice]", "elastic = true\n[ice]"));
+    for (case, more) in [("slides.toml", None), ("bends.toml", Some("--subsurface"))] {
+        let words = ["press", case, "-o", "out"];
+        bench.succeeds(&words.into_iter().chain(more).collect::<Vec<_>>());
+        let mut written = result(&bench, "out");
+        let read: ContactResult = serde_json::from_value(written.clone()).expect("a result");
+        written
+            .as_object_mut()
+            .map(|keys| keys.shift_remove("files"));
+        assert_eq!(serde_json::to_value(&read).expect("JSON"), written);
+        assert_eq!(read.sliding.is_some(), more.is_none());
+        assert_eq!(read.runner.is_some(), more.is_some());
+        assert!(read.peak().error >= read.p_max.error);
+    }
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::jobs::Pressed;
-use crate::jobs::slide::Slid;
+use crate::jobs::SolvedContact;
+use crate::jobs::slide::SolvedSliding;
 use crate::plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, png, tick_text};
 use kufe_sled::friction::film::FilmStation;
 use plotters::prelude::*;
@@ -17,7 +17,7 @@ const BETWEEN: u32 = 16;
 ///
 /// # Errors
 /// [`Error`] where the picture cannot be drawn or written.
-pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
+pub fn write(path: &Path, pressed: &SolvedContact, slid: &SolvedSliding) -> Result<(), Error> {
     png(path, WIDTH, HEIGHT, &|root| {
         let parts = root.split_evenly((3, 1));
         let across = slid
@@ -69,7 +69,7 @@ pub fn write(path: &Path, pressed: &Pressed, slid: &Slid) -> Result<(), Error> {
 }
 
 /// Plastic depth along the line on which the groove is deepest, as far as the patch reaches.
-fn deepest_line(pressed: &Pressed, slid: &Slid) -> Vec<(f64, f64)> {
+fn deepest_line(pressed: &SolvedContact, slid: &SolvedSliding) -> Vec<(f64, f64)> {
     let field = &pressed.solution.surface;
     let nx = field.x.len();
     let deepest = (0..field.y.len())
@@ -85,7 +85,7 @@ fn deepest_line(pressed: &Pressed, slid: &Slid) -> Vec<(f64, f64)> {
 }
 
 /// Film, pressure and width over the stations, as the film's strip takes them to be in between: the pressure linear, and the square of the width.
-fn along(slid: &Slid) -> Vec<Line> {
+fn along(slid: &SolvedSliding) -> Vec<Line> {
     let stations = &slid.film.film.stations;
     let dots = |value: fn(&FilmStation) -> f64| -> Vec<(f64, f64)> {
         let point = |s: &FilmStation| (1e3 * (slid.film.front - s.xi), value(s));

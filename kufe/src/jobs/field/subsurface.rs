@@ -1,32 +1,12 @@
-//! Stress on the line under the peak: figures, table and picture.
+//! Stress on the line under the peak: table and picture.
 
 use std::io::Write;
 use std::path::Path;
 
 use crate::plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, png, tick_text};
-use kufe_contact::{CentreLine, Solution, UnderPeak};
+use kufe_contact::CentreLine;
 use kufe_fem::{maximum_shear, von_mises};
 use plotters::prelude::*;
-use serde_json::{Value, json};
-
-/// The key `subsurface` of result.json.
-pub fn document(line: &CentreLine, solution: &Solution) -> Value {
-    let under = solution.under_peak;
-    let over = |under: UnderPeak| under.shear / solution.p_max;
-    let relative =
-        |under: UnderPeak| under.shear_error / under.shear + solution.p_max_error / solution.p_max;
-    json!({
-        "x_m": line.at[0],
-        "y_m": line.at[1],
-        "max_shear_pa": under.map(|u| u.shear),
-        "max_shear_error_pa": under.map(|u| u.shear_error),
-        "max_shear_mesh_pa": line.largest_shear().map(|l| l.value),
-        "max_shear_depth_m": under.map(|u| u.depth),
-        "max_shear_depth_error_m": under.map(|u| u.depth_error),
-        "max_shear_over_p_max": under.map(over),
-        "max_shear_over_p_max_error": under.map(|u| over(u) * relative(u)),
-    })
-}
 
 /// One row a depth: normal stresses, maximum shear and von Mises stress.
 pub fn write_csv(writer: &mut dyn Write, line: &CentreLine) -> std::io::Result<()> {

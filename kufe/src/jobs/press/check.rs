@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use kufe_contact::{BoundaryElements, NotChecked, Problem, Solution, boundary_elements};
-use serde_json::{Map, Value, json};
 
 /// What boundary elements say of a contact.
 pub struct Check {
@@ -21,24 +20,6 @@ impl Check {
         Check {
             found,
             seconds: started.elapsed().as_secs_f64(),
-        }
-    }
-
-    /// The keys of result.json.
-    pub(super) fn keys(&self) -> Map<String, Value> {
-        let keys = match &self.found {
-            Ok(found) => json!({
-                "check_p_max_pa": found.p_max,
-                "check_p_max_error_pa": found.p_max_error,
-                "check_approach_m": found.approach,
-                "check_approach_error_m": found.approach_error,
-                "check_seconds": self.seconds,
-            }),
-            Err(reason) => json!({ "check_absent": reason.to_string() }),
-        };
-        match keys {
-            Value::Object(keys) => keys,
-            _ => Map::new(),
         }
     }
 

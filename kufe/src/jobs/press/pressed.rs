@@ -11,14 +11,14 @@ use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
 use crate::jobs::press::hull_error::{HullError, between_vertices, moved};
 use crate::jobs::press::prepared::Prepared;
-use crate::jobs::slide::{Slid, solve_sliding};
+use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
 
 /// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
 const ICE_GIVES_WAY: f64 = 10e6;
 
 /// A solved case with what there is to say about it.
-pub struct Pressed {
+pub struct SolvedContact {
     /// The case.
     pub loaded: LoadedCase,
     /// The problem that it stated.
@@ -38,7 +38,7 @@ pub struct Pressed {
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
-    pub sliding: Option<Slid>,
+    pub sliding: Option<SolvedSliding>,
     /// Wall time of the solve [s].
     pub seconds: f64,
     /// Why the accuracy asked was not reached, where it was not: the solution is the best there is, with its error.
@@ -54,7 +54,11 @@ pub struct Pressed {
 /// # Errors
 /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load, [`Failure::NotConverged`] where the
 /// solver stops short of the accuracy asked.
-pub fn press(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+pub fn press(
+    loaded: LoadedCase,
+    watch: &Watch,
+    options: Options,
+) -> Result<SolvedContact, Failure> {
     let pressed = press_with(loaded, watch, options)?;
     match pressed.short {
         Some(failure) => Err(failure),
@@ -63,11 +67,15 @@ pub fn press(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pres
 }
 
 /// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's. Where that is not reached the best answer
-/// comes with [`Pressed::short`].
+/// comes with [`SolvedContact::short`].
 ///
 /// # Errors
 /// As [`press`] for all else; [`Failure::Partial`] where it was stopped.
-pub fn press_with(loaded: LoadedCase, watch: &Watch, options: Options) -> Result<Pressed, Failure> {
+pub fn press_with(
+    loaded: LoadedCase,
+    watch: &Watch,
+    options: Options,
+) -> Result<SolvedContact, Failure> {
     let prepared = Prepared::of(&loaded)?;
     press_prepared(loaded, &prepared, watch, options)
 }
@@ -81,7 +89,7 @@ pub fn press_prepared(
     prepared: &Prepared,
     watch: &Watch,
     options: Options,
-) -> Result<Pressed, Failure> {
+) -> Result<SolvedContact, Failure> {
     let problem = prepared.problem(&loaded)?;
     let hull = prepared.hull.clone();
     let mut warnings = loaded.hull_warnings(hull.as_ref());
@@ -150,12 +158,12 @@ pub fn press_prepared(
         watch.warn(&warning);
         warnings.push(warning);
     }
-    if let Some(warning) = sliding.as_ref().and_then(Slid::too_deep) {
+    if let Some(warning) = sliding.as_ref().and_then(SolvedSliding::too_deep) {
         watch.warn(&warning);
         warnings.push(warning);
     }
     let line = options.subsurface.then(|| centre_line(&solution));
-    Ok(Pressed {
+    Ok(SolvedContact {
         line: line.transpose().map_err(Failure::bad_input)?,
         runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
         loaded,

@@ -1,108 +1,99 @@
-//! `result.json`.
+//! From a solved contact to its document.
 
-use kufe_contact::Iterate;
-use serde_json::{Value, json};
+use kufe_contact::{Iterate, RunnerLoads};
 
-use crate::jobs::case_json::case_json;
-use crate::jobs::field::subsurface;
-use crate::jobs::press::pressed::Pressed;
-use crate::jobs::press::runner::runner_keys;
+use crate::jobs::press::pressed::SolvedContact;
+use crate::results::{
+    CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult, RunnerResult,
+    ShearResult, SubsurfaceResult,
+};
 
-impl Pressed {
-    /// The figures of a solve, the case that they belong to, and how they came about.
-    pub fn document(&self) -> Value {
+impl SolvedContact {
+    /// The document of the contact, without what is measured on exported files.
+    pub fn result(&self) -> ContactResult {
         let solution = &self.solution;
-        let history: Vec<Value> = meshes(&solution.history).iter().map(line).collect();
-        let fit = self.hull.as_ref().map(|hull| {
-            let quality = hull.underside.quality();
-            json!({
-                "residual_rms_m": quality.residual_rms,
-                "residual_max_m": quality.residual_max,
-                "resolution_error_m": quality.resolution_error,
-                "residual_over_approach": quality.residual_rms / solution.approach,
-                "vertices": quality.vertices,
-                "noise_m": hull.noise.found,
-                "unseen_noise_m": hull.noise.unseen,
-            })
-        });
-        let mut document = json!({
-            "p_max_pa": solution.p_max,
-            "p_max_error_pa": solution.p_max_error,
-            "p_max_mesh_pa": solution.p_max_mesh,
-            "accuracy_asked": self.loaded.case.accuracy.p_max,
-            "accuracy_reached": self.short.is_none(),
-            "p_mean_pa": solution.p_mean,
-            "p_mean_error_pa": solution.p_mean_error,
-            "area_m2": solution.area,
-            "area_error_m2": solution.area_error,
-            "length_m": solution.length,
-            "length_error_m": solution.length_error,
-            "width_m": solution.width,
-            "width_error_m": solution.width_error,
-            "approach_m": solution.approach,
-            "approach_error_m": solution.approach_error,
-            "pitch_rad": solution.pitch,
-            "pitch_error_rad": solution.pitch_error,
-            "roll_rad": solution.roll,
-            "roll_error_rad": solution.roll_error,
-            "fz_n": solution.fz,
-            "kkt_residual": solution.kkt_residual,
-            "stiffness": if solution.assembled.is_empty() { "matrix-free" } else { "assembled" },
-            "symmetry": solution.symmetry,
-            "dofs": solution.dofs,
-            "iterations": solution.iterations,
-            "seconds": self.seconds,
-            "peak_memory_bytes": peak_memory(),
-            "version": env!("CARGO_PKG_VERSION"),
-            "content_sha256": self.content,
-            "hull_fit": fit,
-            "warnings": self.warnings,
-            "history": history,
-            "case": case_json(&self.loaded.case),
-        });
-        if let (Some(check), Value::Object(document)) = (&self.check, &mut document) {
-            let place = document
-                .keys()
-                .position(|key| key == "p_mean_pa")
-                .unwrap_or(0);
-            for (shift, (key, value)) in check.keys().into_iter().enumerate() {
-                document.shift_insert(place + shift, key, value);
-            }
+        let check = self.check.as_ref();
+        let found = check.and_then(|check| Some((check.found.as_ref().ok()?, check.seconds)));
+        let reason = check.and_then(|check| check.found.as_ref().err());
+        let (noise, spacing) = (self.moved, self.between);
+        ContactResult {
+            p_max: Measured::new(solution.p_max, solution.p_max_error),
+            p_max_noise_pa: noise.map(|error| error.p_max * solution.p_max),
+            p_max_hull_pa: spacing.map(|error| error.p_max * solution.p_max),
+            p_max_mesh_pa: solution.p_max_mesh,
+            p_max_map_pa: None,
+            stress_max_pa: None,
+            accuracy_asked: self.loaded.case.accuracy.p_max,
+            accuracy_reached: self.short.is_none(),
+            check: found.map(|(bem, check_seconds)| CheckResult {
+                p_max: Measured::new(bem.p_max, bem.p_max_error),
+                approach: Measured::new(bem.approach, bem.approach_error),
+                check_seconds,
+            }),
+            check_absent: reason.map(ToString::to_string),
+            p_mean: Measured::new(solution.p_mean, solution.p_mean_error),
+            area: Measured::new(solution.area, solution.area_error),
+            length: Measured::new(solution.length, solution.length_error),
+            width: Measured::new(solution.width, solution.width_error),
+            approach: Measured::new(solution.approach, solution.approach_error),
+            approach_noise_m: noise.map(|error| error.approach),
+            approach_hull_m: spacing.map(|error| error.approach),
+            pitch: Measured::new(solution.pitch, solution.pitch_error),
+            roll: Measured::new(solution.roll, solution.roll_error),
+            fz_n: solution.fz,
+            runner: self.runner.as_ref().map(RunnerResult::from),
+            kkt_residual: solution.kkt_residual,
+            stiffness: match solution.assembled.is_empty() {
+                true => "matrix-free".into(),
+                false => "assembled".into(),
+            },
+            symmetry: solution.symmetry,
+            dofs: solution.dofs,
+            iterations: solution.iterations,
+            seconds: self.seconds,
+            peak_memory_bytes: peak_memory(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            content_sha256: self.content.clone(),
+            hull_fit: self.hull.as_ref().map(|hull| {
+                let quality = hull.underside.quality();
+                HullFit {
+                    residual_rms_m: quality.residual_rms,
+                    residual_max_m: quality.residual_max,
+                    resolution_error_m: quality.resolution_error,
+                    residual_over_approach: quality.residual_rms / solution.approach,
+                    vertices: quality.vertices,
+                    noise_m: hull.noise.found,
+                    unseen_noise_m: hull.noise.unseen,
+                }
+            }),
+            warnings: self.warnings.clone(),
+            history: meshes(&solution.history)
+                .iter()
+                .map(MeshResult::from)
+                .collect(),
+            case: CaseRecord::of(&self.loaded.case),
+            sliding: self.sliding.as_ref().map(|sliding| sliding.result()),
+            subsurface: self.line.as_ref().map(|line| SubsurfaceResult {
+                x_m: line.at[0],
+                y_m: line.at[1],
+                shear: ShearResult::of(solution),
+                max_shear_mesh_pa: line.largest_shear().map(|largest| largest.value),
+            }),
         }
-        if let (Some(loads), Value::Object(document)) = (&self.runner, &mut document) {
-            let place = document
-                .keys()
-                .position(|key| key == "fz_n")
-                .map_or(0, |place| place + 1);
-            for (shift, (key, value)) in runner_keys(loads).into_iter().enumerate() {
-                document.shift_insert(place + shift, key, value);
-            }
-        }
-        for (part, error) in [("hull", self.between), ("noise", self.moved)] {
-            let (Some(error), Value::Object(document)) = (error, &mut document) else {
-                continue;
-            };
-            for (figure, unit, value) in [
-                ("approach", "m", error.approach),
-                ("p_max", "pa", error.p_max * solution.p_max),
-            ] {
-                let beside = format!("{figure}_error_{unit}");
-                let place = document.keys().position(|key| *key == beside);
-                let place = place.map_or(0, |place| place + 1);
-                document.shift_insert(place, format!("{figure}_{part}_{unit}"), json!(value));
-            }
-        }
-        if let (Some(slid), Value::Object(document)) = (&self.sliding, &mut document) {
-            document.extend(slid.keys());
-        }
-        if let Some(line) = &self.line {
-            document["subsurface"] = subsurface::document(line, solution);
-        }
-        document
     }
 }
 
-/// What happened on each mesh: its last state, with the iterations, sweeps and accelerations of all its contact sets.
+impl From<&RunnerLoads> for RunnerResult {
+    fn from(loads: &RunnerLoads) -> Self {
+        RunnerResult {
+            runner_von_mises_max_pa: loads.von_mises,
+            runner_von_mises_at_m: loads.at,
+            mounts: loads.mounts.iter().map(Into::into).collect(),
+        }
+    }
+}
+
+/// The last state of each mesh, with the iterations, sweeps and accelerations of all its contact sets.
 fn meshes(history: &[Iterate]) -> Vec<Iterate> {
     history
         .chunk_by(|a, b| a.level == b.level)
@@ -118,21 +109,7 @@ fn meshes(history: &[Iterate]) -> Vec<Iterate> {
         .collect()
 }
 
-fn line(mesh: &Iterate) -> Value {
-    json!({
-        "level": mesh.level,
-        "dofs": mesh.dofs,
-        "contact_nodes": mesh.contact_nodes,
-        "iterations": mesh.iterations,
-        "residual": mesh.residual,
-        "p_max_pa": mesh.p_max,
-        "sweeps": mesh.sweeps,
-        "accelerations": mesh.accelerations,
-        "energy_j": mesh.energy,
-    })
-}
-
-/// Largest resident memory of this process so far, where the system tells [bytes].
+/// Largest resident memory of this process so far, where the system reports it [bytes].
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

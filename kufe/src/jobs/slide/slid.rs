@@ -2,6 +2,7 @@
 
 use crate::case::SlidingTable;
 use kufe_contact::{Groove, Options, Problem, Solution};
+use kufe_sled::friction::film::FilmTotals;
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
@@ -9,10 +10,11 @@ use crate::jobs::slide::film::{FilmAlong, conditions, film_along, film_failure};
 use crate::jobs::slide::friction::Friction;
 use crate::jobs::slide::groove::{Grooved, Hardness, Ploughing};
 use crate::jobs::slide::sensitivity::Sensitivity;
+use crate::results::{Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult};
 
 /// What sliding adds to a contact.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slid {
+pub struct SolvedSliding {
     /// The coefficient of friction.
     pub friction: Friction,
     /// The film.
@@ -28,7 +30,44 @@ pub struct Slid {
 /// Depth of a groove over its width beyond which its sides are steep.
 const STEEP: f64 = 0.2;
 
-impl Slid {
+impl SolvedSliding {
+    /// The document's part on sliding.
+    pub fn result(&self) -> SlidingResult {
+        let (friction, groove, by) = (&self.friction, &self.groove, &self.sensitivity);
+        let film = &self.film.film;
+        let (thickest, thickest_error) = film
+            .thickest()
+            .map_or((0.0, 0.0), |s| (s.thickness, s.thickness_error));
+        SlidingResult {
+            mu: friction.mu.into(),
+            mu_ploughing: friction.ploughing.into(),
+            mu_viscous: friction.viscous.into(),
+            groove_depth: groove.deepest.into(),
+            load_ahead: groove.load_ahead.into(),
+            front: groove.front.into(),
+            back: groove.back.into(),
+            film_mean: self.of_film(|totals| totals.mean_thickness),
+            film_max: Measured::new(thickest, thickest_error),
+            melt_rate: self.of_film(|totals| totals.melted),
+            contact_time: self.hardness.contact_time.into(),
+            hardness_pa: self.hardness.value,
+            hardness_from: self.hardness.from.name().into(),
+            mu_sensitivity: SensitivityResult {
+                hardness: by.hardness.into(),
+                speed: by.speed.into(),
+                viscosity: by.viscosity.into(),
+                temperature: by.temperature.into(),
+            },
+            groove_area_m2: groove.profile.area(),
+            sliding_history: groove.meshes.iter().map(SlidingMeshResult::from).collect(),
+        }
+    }
+
+    /// A total of the film with its error.
+    fn of_film<Q: Quantity>(&self, total: impl Fn(&FilmTotals) -> f64) -> Measured<Q> {
+        Measured::new(total(&self.film.film.totals), self.film.error(total))
+    }
+
     /// A warning where the groove is too deep for what the model takes a contact to be: a height over a plane.
     pub(crate) fn too_deep(&self) -> Option<String> {
         let widest = self
@@ -55,14 +94,14 @@ pub(crate) fn solve_sliding(
     sliding: &SlidingTable,
     problem: &Problem,
     options: &Options,
-) -> Result<(Solution, Slid), Failure> {
+) -> Result<(Solution, SolvedSliding), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
     let grooved = ploughing.groove(options)?;
     let told = |error: &_| film_failure(loaded, error);
     let film = film_along(&grooved.solution, &conditions(sliding)).map_err(|e| told(&e))?;
     let sensitivity = Sensitivity::of(&ploughing, &grooved, &film, options)?;
     let Grooved { solution, hardness } = grooved;
-    let slid = Slid {
+    let slid = SolvedSliding {
         friction: Friction::of(&solution, &film),
         sensitivity,
         film,

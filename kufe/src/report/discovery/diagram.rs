@@ -6,6 +6,7 @@ use crate::plot::{axis_ticks, unit_of};
 
 use super::data::Data;
 use super::parts::for_both;
+use crate::report::page::escape;
 use crate::report::sign::sign;
 
 /// Colours of what is before and after; told apart by colour-blind readers, on white and on black.
@@ -39,7 +40,7 @@ fn drawn(plot: Data, width: f64) -> String {
         "" => column.to_owned(),
         unit => format!("{column} [{unit}]"),
     };
-    frame.axes(&mut svg, &name, plot.text("y_name"));
+    frame.axes(&mut svg, &escape(&name), &escape(plot.text("y_name")));
     if plot.has("curve") {
         let curve = plot.part("curve");
         let points: Vec<(f64, f64)> = curve
@@ -98,8 +99,9 @@ impl Frame {
     /// The opening tag.
     fn open(&self, label: &str) -> String {
         format!(
-            "<svg viewBox=\"0 0 {0} 300\" width=\"{0}\" role=\"img\" aria-label=\"{label}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n",
-            self.width
+            "<svg viewBox=\"0 0 {0} 300\" width=\"{0}\" role=\"img\" aria-label=\"{1}\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"currentColor\">\n",
+            self.width,
+            escape(label)
         )
     }
 
@@ -207,9 +209,10 @@ impl Frame {
         let x = self.right() - 285.0 + 140.0 * colour as f64;
         let _ = writeln!(
             svg,
-            "<rect x=\"{x}\" y=\"6\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{}\" y=\"16\">{name}</text>",
+            "<rect x=\"{x}\" y=\"6\" width=\"12\" height=\"12\" fill=\"{}\"/><text x=\"{}\" y=\"16\">{}</text>",
             COLOURS[colour],
-            x + 17.0
+            x + 17.0,
+            escape(name)
         );
     }
 }

@@ -116,10 +116,10 @@ impl Entry<'_> {
             (false, _) | (_, "") => number,
             // A power of ten is a factor.
             (_, power) if power.starts_with("10") && number.contains(' ') => {
-                format!("({number}) · {power}")
+                format!("({number}) · {}", escape(power))
             }
-            (_, power) if power.starts_with("10") => format!("{number} · {power}"),
-            (_, unit) => format!("{number} {unit}"),
+            (_, power) if power.starts_with("10") => format!("{number} · {}", escape(power)),
+            (_, unit) => format!("{number} {}", escape(unit)),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use crate::results::QUANTITIES;
+
 /// What friction is counted in; nobody reads four zeros.
 const THOUSANDTHS: &str = "1e-3";
 
@@ -14,21 +16,14 @@ const COUNTED: [&str; 5] = [
     "mu_se_scatter",
 ];
 
-/// Keys that say most, with their proper names.
-const NAMES: [(&str, &str); 64] = [
-    ("p_max_pa", "peak pressure"),
-    ("p_mean_pa", "mean pressure"),
+/// Keys that say most, with their proper names, together with those of [`QUANTITIES`].
+const NAMES: [(&str, &str); 57] = [
     ("fz_n", "normal force"),
     ("v_mps", "speed"),
     ("v_mean_mps", "mean speed"),
     ("start_speed_mps", "speed at the start"),
-    ("mu", "friction"),
-    ("mu_ploughing", "friction of ploughing"),
-    ("mu_viscous", "friction of the melt film"),
     ("mu_se_lines", "friction, standard error of the lines"),
     ("mu_se_scatter", "friction, standard error by scatter"),
-    ("groove_depth_m", "depth of the groove"),
-    ("film_mean_m", "melt film, mean"),
     ("hardness_pa", "hardness"),
     ("ice_c", "temperature of the ice"),
     ("air_c", "temperature of the air"),
@@ -92,8 +87,11 @@ const WORDS: [(&str, &str); 5] = [
 ];
 
 fn named(key: &str) -> Option<&'static str> {
+    let quantity = QUANTITIES.iter().find(|quantity| quantity.key == key);
     let known = NAMES.iter().find(|(known, _)| *known == key);
-    known.map(|(_, name)| *name)
+    quantity
+        .map(|quantity| quantity.label)
+        .or(known.map(|(_, name)| *name))
 }
 
 /// Whether a key is one of those that say most.

@@ -83,9 +83,11 @@ mod tests {
             page.find(text)
                 .unwrap_or_else(|| panic!("{text} in {page}"))
         };
-        let peak =
-            at("<tr><td>peak pressure<td>139.5 ± 1.1 MPa\n<tr><td>friction<td>4.123 · 10⁻³\n");
-        let table = at("<tr><th class=n>speed [m/s]<th class=n>friction [10⁻³]<th>note\n");
+        let peak = at(
+            "<tr><td>peak pressure<td>139.5 ± 1.1 MPa\n<tr><td>coefficient of friction<td>4.123 · 10⁻³\n",
+        );
+        let table =
+            at("<tr><th class=n>speed [m/s]<th class=n>coefficient of friction [10⁻³]<th>note\n");
         at(
             "<tr><td class=n>5<td class=n>4.100 ± 0.020<td>\n<tr><td class=n>10<td class=n><td>x &amp; &lt;y&gt;\n",
         );
@@ -114,6 +116,24 @@ mod tests {
             assert!(page.contains(part), "{part} in {page}");
         }
         assert!(!page.contains("missing"));
+    }
+
+    #[test]
+    fn names_and_units_of_foreign_files_are_text() {
+        let image = "<img src=x onerror=alert(1)>";
+        let page = page(json!({
+            image: 1.0,
+            "k_n_per_<img src=x onerror=alert(1)>": 2.0,
+            "of": { "size_n_per_<img src=x onerror=alert(1)>": [1.0, 2.0], image: image },
+            "rows": [{ "column": image, "k_n_per_'<img src=x onerror=alert(1)>\"": 3.0, image: image }],
+            "front": { "from_n_per_<img src=x onerror=alert(1)>": 0.0 },
+            "case": { image: image },
+        }));
+        assert!(
+            page.matches("onerror").count() > 6 && !page.contains("<img"),
+            "{page}"
+        );
+        assert!(page.contains("default-src 'none'; style-src"));
     }
 
     #[test]

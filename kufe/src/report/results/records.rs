@@ -65,7 +65,7 @@ pub fn records(out: &mut String, rows: &[Value]) {
         let said = if scale.unit.is_empty() {
             String::new()
         } else {
-            format!(" [{}]", scale.unit)
+            format!(" [{}]", escape(&scale.unit))
         };
         let _ = write!(head, "<th{class}>{}{said}", escape(name));
         let texts: Vec<String> = column

@@ -171,7 +171,7 @@ fn pairs(out: &mut String, figures: &[Entry]) {
         let length = ends.fold(figure.largest(), f64::max);
         let scale = Scale::of(figure.unit(), length);
         let text = match figure.largest() < NOTHING * length {
-            true => format!("0 {}", scale.unit),
+            true => format!("0 {}", escape(&scale.unit)),
             false => figure.in_unit(&scale),
         };
         let _ = writeln!(out, "<tr><td>{}<td>{text}", escape(&figure.name));

@@ -1,0 +1,398 @@
+//! `result.json`: one solved contact, at rest or sliding.
+
+use kufe_contact::{Iterate, MountForce, SlidingMesh};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::results::quantity::*;
+use crate::results::record::CaseRecord;
+
+/// One solved contact: its numbers, the case, and how they came about.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "result.json")]
+#[non_exhaustive]
+pub struct ContactResult {
+    /// Peak pressure; the error is that of the discretisation.
+    #[serde(flatten)]
+    pub p_max: Measured<PeakPressure>,
+    /// Change of the peak pressure by noise of the hull's vertices, in 95 of 100 scans [Pa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_max_noise_pa: Option<f64>,
+    /// Error of the peak pressure by the distances between the hull's vertices [Pa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_max_hull_pa: Option<f64>,
+    /// Peak pressure on the finest mesh [Pa].
+    pub p_max_mesh_pa: f64,
+    /// Largest pressure of the exported map [Pa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_max_map_pa: Option<f64>,
+    /// Largest compressive stress across the surface in `field.vtu` [Pa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stress_max_pa: Option<f64>,
+    /// Relative error of the peak pressure that the case asks for.
+    pub accuracy_asked: f64,
+    /// Whether the error is within it.
+    pub accuracy_reached: bool,
+    /// The contact by boundary elements.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub check: Option<CheckResult>,
+    /// Why boundary elements do not apply.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub check_absent: Option<String>,
+    /// Force over contact area.
+    #[serde(flatten)]
+    pub p_mean: Measured<MeanPressure>,
+    /// Contact area.
+    #[serde(flatten)]
+    pub area: Measured<Area>,
+    /// Extent along the runner.
+    #[serde(flatten)]
+    pub length: Measured<Length>,
+    /// Extent across the runner.
+    #[serde(flatten)]
+    pub width: Measured<Width>,
+    /// Rigid approach from first touch.
+    #[serde(flatten)]
+    pub approach: Measured<Approach>,
+    /// Change of the approach by noise of the hull's vertices, in 95 of 100 scans [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub approach_noise_m: Option<f64>,
+    /// Error of the approach by the distances between the hull's vertices [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub approach_hull_m: Option<f64>,
+    /// Pitch about y, positive lowers the nose.
+    #[serde(flatten)]
+    pub pitch: Measured<Pitch>,
+    /// Roll about x.
+    #[serde(flatten)]
+    pub roll: Measured<Roll>,
+    /// Integrated normal force [N].
+    pub fz_n: f64,
+    /// Stress of a runner that deforms, and the load on its mount.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub runner: Option<RunnerResult>,
+    /// Residual of the complementarity conditions.
+    pub kkt_residual: f64,
+    /// How the stiffness is applied.
+    pub stiffness: String,
+    /// Mirror planes that were used: y = 0 and x = 0.
+    pub symmetry: [bool; 2],
+    /// Unknowns of the finest mesh.
+    pub dofs: usize,
+    /// Iterations on all meshes.
+    pub iterations: usize,
+    /// Wall time [s].
+    pub seconds: f64,
+    /// Largest resident memory of the process, where the system reports it [bytes].
+    pub peak_memory_bytes: Option<u64>,
+    /// Version of kufe.
+    pub version: String,
+    /// SHA-256 of the files that the case reads, and of the version of the numerics.
+    pub content_sha256: String,
+    /// The surface fitted through a hull's vertices.
+    pub hull_fit: Option<HullFit>,
+    /// What a reader of the result should know.
+    pub warnings: Vec<String>,
+    /// What happened on each mesh.
+    pub history: Vec<MeshResult>,
+    /// The case.
+    pub case: CaseRecord,
+    /// Friction, groove and melt film of a case that slides.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<SlidingResult>,
+    /// Stress on the line under the peak.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subsurface: Option<SubsurfaceResult>,
+}
+
+/// A part of an error, and where it comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorPart {
+    /// Where it comes from.
+    pub source: &'static str,
+    /// Its size, in SI units.
+    pub error: f64,
+}
+
+impl ContactResult {
+    /// The parts of the error of the peak pressure [Pa].
+    pub fn peak_error_parts(&self) -> Vec<ErrorPart> {
+        [
+            ("discretisation", Some(self.p_max.error)),
+            ("scan noise", self.p_max_noise_pa),
+            ("fit through the vertices", self.p_max_hull_pa),
+        ]
+        .into_iter()
+        .filter_map(|(source, error)| {
+            Some(ErrorPart {
+                source,
+                error: error?,
+            })
+        })
+        .collect()
+    }
+
+    /// The peak pressure with its total error: the sum of [its parts](Self::peak_error_parts).
+    pub fn peak(&self) -> Measured<PeakPressure> {
+        let total = self.peak_error_parts().iter().map(|part| part.error).sum();
+        Measured::new(self.p_max.value, total)
+    }
+}
+
+/// A contact by boundary elements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct CheckResult {
+    /// Peak pressure.
+    #[serde(flatten)]
+    pub p_max: Measured<CheckPeak>,
+    /// Approach.
+    #[serde(flatten)]
+    pub approach: Measured<CheckApproach>,
+    /// Wall time [s].
+    pub check_seconds: f64,
+}
+
+/// Stress of a runner that deforms, and the load on its mount.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct RunnerResult {
+    /// Largest von Mises stress [Pa].
+    pub runner_von_mises_max_pa: f64,
+    /// Its place [m].
+    pub runner_von_mises_at_m: [f64; 3],
+    /// The parts of the mount along the runner.
+    pub mounts: Vec<MountResult>,
+}
+
+/// The load on one part of the mount.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct MountResult {
+    /// Middle of the part [m].
+    pub at_m: [f64; 3],
+    /// Force on it [N].
+    pub force_n: [f64; 3],
+    /// Moment on it about its middle [N m].
+    pub moment_nm: [f64; 3],
+    /// Largest von Mises stress of the steel there [Pa].
+    pub von_mises_max_pa: f64,
+}
+
+impl From<&MountForce> for MountResult {
+    fn from(mount: &MountForce) -> Self {
+        MountResult {
+            at_m: mount.at,
+            force_n: mount.force,
+            moment_nm: mount.moment,
+            von_mises_max_pa: mount.von_mises,
+        }
+    }
+}
+
+/// The surface fitted through a hull's vertices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct HullFit {
+    /// Root mean square distance of the vertices [m].
+    pub residual_rms_m: f64,
+    /// Largest distance of a vertex [m].
+    pub residual_max_m: f64,
+    /// Error of the surface between the vertices [m].
+    pub resolution_error_m: f64,
+    /// Root mean square distance over the approach.
+    pub residual_over_approach: f64,
+    /// Vertices in the fit.
+    pub vertices: usize,
+    /// Standard deviation of the vertices' noise [m].
+    pub noise_m: f64,
+    /// Standard deviation of the noise that would not be detected [m].
+    pub unseen_noise_m: f64,
+}
+
+/// What happened on one mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct MeshResult {
+    /// Number of the mesh, from the coarsest.
+    pub level: usize,
+    /// Unknowns.
+    pub dofs: usize,
+    /// Nodes in contact.
+    pub contact_nodes: usize,
+    /// Iterations.
+    pub iterations: usize,
+    /// Relative residual.
+    pub residual: f64,
+    /// Peak pressure [Pa].
+    pub p_max_pa: f64,
+    /// Projected sweeps.
+    pub sweeps: usize,
+    /// Accelerations.
+    pub accelerations: usize,
+    /// Complementary energy [J].
+    pub energy_j: f64,
+}
+
+impl From<&Iterate> for MeshResult {
+    fn from(mesh: &Iterate) -> Self {
+        MeshResult {
+            level: mesh.level,
+            dofs: mesh.dofs,
+            contact_nodes: mesh.contact_nodes,
+            iterations: mesh.iterations,
+            residual: mesh.residual,
+            p_max_pa: mesh.p_max,
+            sweeps: mesh.sweeps,
+            accelerations: mesh.accelerations,
+            energy_j: mesh.energy,
+        }
+    }
+}
+
+/// Stress on the line under the peak.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct SubsurfaceResult {
+    /// Place of the line along the runner [m].
+    pub x_m: f64,
+    /// Place of the line across the runner [m].
+    pub y_m: f64,
+    /// The largest shear stress, where it lies under the surface.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub shear: Option<ShearResult>,
+    /// Largest shear stress on the finest mesh [Pa].
+    pub max_shear_mesh_pa: Option<f64>,
+}
+
+/// The largest shear stress under the surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct ShearResult {
+    /// The stress.
+    #[serde(flatten)]
+    pub shear: Measured<MaxShear>,
+    /// Its depth.
+    #[serde(flatten)]
+    pub depth: Measured<MaxShearDepth>,
+    /// The stress over the peak pressure.
+    #[serde(flatten)]
+    pub over_peak: Measured<ShearOverPeak>,
+}
+
+impl ShearResult {
+    pub(crate) fn of(solution: &kufe_contact::Solution) -> Option<Self> {
+        let under = solution.under_peak?;
+        let over = under.shear / solution.p_max;
+        let relative = under.shear_error / under.shear + solution.p_max_error / solution.p_max;
+        Some(ShearResult {
+            shear: Measured::new(under.shear, under.shear_error),
+            depth: Measured::new(under.depth, under.depth_error),
+            over_peak: Measured::new(over, over * relative),
+        })
+    }
+}
+
+/// Friction, groove and melt film of steady sliding.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct SlidingResult {
+    /// Coefficient of friction.
+    #[serde(flatten)]
+    pub mu: Measured<Mu>,
+    /// Its part of ploughing.
+    #[serde(flatten)]
+    pub mu_ploughing: Measured<MuPloughing>,
+    /// Its part of the melt film.
+    #[serde(flatten)]
+    pub mu_viscous: Measured<MuViscous>,
+    /// Depth of the groove.
+    #[serde(flatten)]
+    pub groove_depth: Measured<GrooveDepth>,
+    /// Centre of pressure ahead of the lowest point.
+    #[serde(flatten)]
+    pub load_ahead: Measured<LoadAhead>,
+    /// Front end of the patch from the lowest point, forward positive.
+    #[serde(flatten)]
+    pub front: Measured<Front>,
+    /// Back end of the patch from the lowest point, forward positive.
+    #[serde(flatten)]
+    pub back: Measured<Back>,
+    /// Mean thickness of the film.
+    #[serde(flatten)]
+    pub film_mean: Measured<FilmMean>,
+    /// Largest thickness of the film.
+    #[serde(flatten)]
+    pub film_max: Measured<FilmMax>,
+    /// Ice melted.
+    #[serde(flatten)]
+    pub melt_rate: Measured<MeltRate>,
+    /// Time of the ice under the runner.
+    #[serde(flatten)]
+    pub contact_time: Measured<ContactTime>,
+    /// Pressure at which the ice yields [Pa].
+    pub hardness_pa: f64,
+    /// The law that states it.
+    pub hardness_from: String,
+    /// Relative change of the coefficient of friction with what it depends on.
+    pub mu_sensitivity: SensitivityResult,
+    /// Cross section of the groove [m2].
+    pub groove_area_m2: f64,
+    /// What happened on each mesh.
+    pub sliding_history: Vec<SlidingMeshResult>,
+}
+
+/// Relative change of the coefficient of friction with what it depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct SensitivityResult {
+    /// With hardness.
+    #[serde(flatten)]
+    pub hardness: Measured<ByHardness>,
+    /// With speed.
+    #[serde(flatten)]
+    pub speed: Measured<BySpeed>,
+    /// With viscosity.
+    #[serde(flatten)]
+    pub viscosity: Measured<ByViscosity>,
+    /// With the temperature of the ice [1/K].
+    #[serde(flatten)]
+    pub temperature: Measured<ByTemperature>,
+}
+
+/// What happened on one mesh of a sliding contact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct SlidingMeshResult {
+    /// Unknowns.
+    pub dofs: usize,
+    /// Nodes in contact.
+    pub contact_nodes: usize,
+    /// Corrections of the contact plane's response by the bodies.
+    pub corrections: usize,
+    /// Iterations.
+    pub iterations: usize,
+    /// Change of the forces in the last correction, over the load.
+    pub residual: f64,
+    /// Depth of the groove [m].
+    pub groove_depth_m: f64,
+    /// Ploughing force from the plastic work [N].
+    pub ploughing_by_work_n: f64,
+    /// Ploughing force from pressures and slopes [N].
+    pub ploughing_by_slope_n: f64,
+}
+
+impl From<&SlidingMesh> for SlidingMeshResult {
+    fn from(mesh: &SlidingMesh) -> Self {
+        SlidingMeshResult {
+            dofs: mesh.dofs,
+            contact_nodes: mesh.contact_nodes,
+            corrections: mesh.corrections,
+            iterations: mesh.iterations,
+            residual: mesh.residual,
+            groove_depth_m: mesh.groove_depth,
+            ploughing_by_work_n: mesh.plastic_work,
+            ploughing_by_slope_n: mesh.ploughing_by_slope,
+        }
+    }
+}

@@ -1,0 +1,403 @@
+//! Documents of friction: over speed and temperature, the optimum, and fits to experiments.
+
+use kufe_sled::friction::{
+    Estimate, Experiment, GlidePair, IceHouse, LeastFriction, MuFit, PressureLaw, SHARE_LEFT_OUT,
+    SpecimenFriction, Weighting, ZetaActsOn,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::jobs::slide::{FrictionPoint, Optimum};
+use crate::results::quantity::*;
+use crate::results::record::CaseRecord;
+
+/// Friction of one runner at one speed and temperature.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrictionRow {
+    /// The runner.
+    pub case: String,
+    /// Temperature of the ice [C].
+    pub ice_c: f64,
+    /// Speed [m/s].
+    pub v_mps: f64,
+    /// Coefficient of friction.
+    #[serde(flatten)]
+    pub mu: Measured<Mu>,
+    /// Its part of ploughing.
+    #[serde(flatten)]
+    pub mu_ploughing: Measured<MuPloughing>,
+    /// Its part of the melt film.
+    #[serde(flatten)]
+    pub mu_viscous: Measured<MuViscous>,
+    /// Depth of the groove.
+    #[serde(flatten)]
+    pub groove_depth: Measured<GrooveDepth>,
+    /// Mean thickness of the film [m].
+    pub film_mean_m: f64,
+    /// Pressure at which the ice yields [Pa].
+    pub hardness_pa: f64,
+}
+
+impl FrictionRow {
+    /// The row of a runner's point.
+    pub fn new(case: &str, point: &FrictionPoint) -> Self {
+        FrictionRow {
+            case: case.to_owned(),
+            ice_c: point.ice_c,
+            v_mps: point.v_mps,
+            mu: point.friction.mu.into(),
+            mu_ploughing: point.friction.ploughing.into(),
+            mu_viscous: point.friction.viscous.into(),
+            groove_depth: point.groove_depth.into(),
+            film_mean_m: point.film_mean,
+            hardness_pa: point.hardness,
+        }
+    }
+}
+
+/// Runners that have the least friction at one speed and temperature, within their errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FastestRunners {
+    /// Speed [m/s].
+    pub v_mps: f64,
+    /// Temperature of the ice [C].
+    pub ice_c: f64,
+    /// The runners.
+    pub cases: Vec<String>,
+}
+
+/// Friction over speed and temperature.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrictionTable {
+    /// The points of all runners.
+    pub points: Vec<FrictionRow>,
+    /// Version of kufe.
+    pub version: String,
+    /// The cases.
+    pub cases: Vec<CaseRecord>,
+    /// The fastest of several runners.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fastest: Vec<FastestRunners>,
+}
+
+/// The runner with the least friction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrictionOptimum {
+    /// Speed [m/s].
+    pub v_mps: f64,
+    /// Temperature of the ice [C].
+    pub ice_c: f64,
+    /// What was varied.
+    pub parameters: Vec<OptimalParameter>,
+    /// Coefficient of friction.
+    #[serde(flatten)]
+    pub mu: Measured<Mu>,
+    /// Its part of ploughing.
+    pub mu_ploughing: f64,
+    /// Its part of the melt film.
+    pub mu_viscous: f64,
+    /// Relative scatter of the runners about the response.
+    pub response_scatter: f64,
+    /// Relative error of the response at the optimum.
+    pub response_miss: f64,
+    /// The runners that were solved.
+    pub solved: Vec<SolvedRunner>,
+    /// Version of kufe.
+    pub version: String,
+    /// The case.
+    pub case: CaseRecord,
+}
+
+/// A parameter at the optimum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OptimalParameter {
+    /// Its key.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+    /// Its lower bound.
+    pub low: f64,
+    /// Its upper bound.
+    pub high: f64,
+    /// Whether the value is a bound.
+    pub on_bound: bool,
+    /// Lower end of the values that are equal within the errors.
+    pub flat_from: f64,
+    /// Upper end of the values that are equal within the errors.
+    pub flat_to: f64,
+}
+
+/// A runner that was solved for a search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolvedRunner {
+    /// Values of the parameters.
+    pub values: Vec<f64>,
+    /// Coefficient of friction.
+    #[serde(flatten)]
+    pub mu: Measured<Mu>,
+}
+
+impl FrictionOptimum {
+    /// The document of a search.
+    pub fn new(found: &Optimum, case: &crate::case::Case) -> Self {
+        let flat = found.flat();
+        let parameters = found.parameters.iter().enumerate().map(|(k, parameter)| {
+            let [low, high] = parameter.span.bounds();
+            OptimalParameter {
+                key: parameter.key.clone(),
+                value: found.values[k],
+                low,
+                high,
+                on_bound: found.on_bound(k).is_some(),
+                flat_from: flat[k][0],
+                flat_to: flat[k][1],
+            }
+        });
+        let solved = found.solved.iter().map(|(values, point)| SolvedRunner {
+            values: values.clone(),
+            mu: point.friction.mu.into(),
+        });
+        FrictionOptimum {
+            v_mps: found.point.v_mps,
+            ice_c: found.point.ice_c,
+            parameters: parameters.collect(),
+            mu: found.point.friction.mu.into(),
+            mu_ploughing: found.point.friction.ploughing.value,
+            mu_viscous: found.point.friction.viscous.value,
+            response_scatter: found.response.misfit(),
+            response_miss: found.miss(),
+            solved: solved.collect(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            case: CaseRecord::of(case),
+        }
+    }
+}
+
+/// Friction of one runner under one load, by a law over the pressure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrictionByLaw {
+    /// Peak pressure.
+    #[serde(flatten)]
+    pub p_max: Measured<PeakPressure>,
+    /// Normal force [N].
+    pub fz_n: f64,
+    /// Coefficient of friction.
+    pub mu: f64,
+    /// Coefficient before the effects.
+    pub mu_base: f64,
+    /// Error of the coefficient by that of the pressure.
+    pub mu_error: f64,
+    /// Whether the law depends on the pressure.
+    pub depends_on_pressure: bool,
+    /// Whether the coefficient is the law's largest.
+    pub capped: bool,
+    /// Slip angle [rad].
+    pub alpha_rad: f64,
+    /// Force along the runner [N].
+    pub fx_n: f64,
+    /// Speed [m/s].
+    pub v_mps: f64,
+    /// Power [W].
+    pub power_w: f64,
+    /// Effects of the model that were applied.
+    pub effects: Vec<String>,
+    /// Effects of the model on other quantities.
+    pub effects_not_concerned: Vec<String>,
+    /// Wall time [s].
+    pub seconds: f64,
+    /// Version of kufe.
+    pub version: String,
+}
+
+/// A fit of friction over pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressureFit {
+    /// The coefficients with their intervals.
+    pub parameters: QuadraticLaw,
+    /// The law in words.
+    pub unit: &'static str,
+    /// Covariance of b, c and d.
+    pub covariance_bcd: [[f64; 3]; 3],
+    /// How the points were weighted.
+    pub weighting: Weighting,
+    /// Probability that the intervals cover.
+    pub confidence: f64,
+    /// Weighted sum of squares.
+    pub chi2: f64,
+    /// Points less parameters.
+    pub degrees_of_freedom: usize,
+    /// Probability of a larger sum of squares.
+    pub p_value: Option<f64>,
+    /// Place and height of the least friction.
+    pub least_friction: Option<LeastFriction>,
+    /// Largest coefficient of the law.
+    pub mu_cap: f64,
+    /// Asperity factor.
+    pub zeta: f64,
+    /// What the factor multiplies.
+    pub zeta_acts_on: ZetaActsOn,
+    /// The specimens and the fitted coefficient.
+    pub specimens: Vec<FittedSpecimen>,
+    /// Version of kufe.
+    pub version: &'static str,
+}
+
+/// Coefficients of a quadratic law with their intervals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct QuadraticLaw {
+    /// Quadratic coefficient.
+    pub b: Estimate,
+    /// Linear coefficient.
+    pub c: Estimate,
+    /// Constant.
+    pub d: Estimate,
+}
+
+/// A specimen and the fitted coefficient with its band.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedSpecimen {
+    /// The specimen.
+    pub specimen: String,
+    /// Measured coefficient.
+    pub mu: f64,
+    /// Fitted coefficient.
+    pub fitted: f64,
+    /// Lower end of the band.
+    pub low: f64,
+    /// Upper end of the band.
+    pub high: f64,
+}
+
+impl PressureFit {
+    /// The document of a fit.
+    pub fn new(
+        fit: &MuFit,
+        law: &PressureLaw,
+        experiments: &[Experiment],
+        confidence: f64,
+    ) -> Self {
+        let interval = |value: f64, k: usize| {
+            let half = fit.quantile * fit.covariance[(k, k)].sqrt();
+            Estimate {
+                value,
+                low: value - half,
+                high: value + half,
+            }
+        };
+        let specimens = experiments.iter().map(|experiment| {
+            let fitted = fit.band(experiment.p_max_pa);
+            FittedSpecimen {
+                specimen: experiment.specimen.clone(),
+                mu: experiment.mu,
+                fitted: fitted.value,
+                low: fitted.low,
+                high: fitted.high,
+            }
+        });
+        PressureFit {
+            parameters: QuadraticLaw {
+                b: interval(fit.b, 0),
+                c: interval(fit.c, 1),
+                d: interval(fit.d, 2),
+            },
+            unit: "mu in 1e-3, p in MPa: mu = b p^2 - c p + d",
+            covariance_bcd: [0, 1, 2].map(|i| [0, 1, 2].map(|j| fit.covariance[(i, j)])),
+            weighting: fit.weighting,
+            confidence,
+            chi2: fit.chi2,
+            degrees_of_freedom: fit.freedom,
+            p_value: fit.p_value,
+            least_friction: fit.least_friction(),
+            mu_cap: law.mu_cap,
+            zeta: law.zeta,
+            zeta_acts_on: law.zeta_acts_on,
+            specimens: specimens.collect(),
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}
+
+/// Gliding runs in an ice house.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IceHouseResult {
+    /// Friction by specimen.
+    pub specimens: Vec<SpecimenFriction>,
+    /// Slope of the rink [rad].
+    pub slope_rad: Estimate,
+    /// Direction that climbs where the slope is positive.
+    pub uphill: String,
+    /// Pairs of runs.
+    pub pairs: Vec<GlidePair>,
+    /// Runs without a partner.
+    pub unpaired: Vec<String>,
+    /// Which part of a run is used.
+    pub section_rule: String,
+    /// The runs.
+    pub runs: Vec<GlideResult>,
+    /// Version of kufe.
+    pub version: &'static str,
+}
+
+/// One gliding run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GlideResult {
+    /// The run.
+    pub run: String,
+    /// Its specimen.
+    pub specimen: String,
+    /// Its direction.
+    pub direction: String,
+    /// Resistance [N].
+    pub resistance_n: f64,
+    /// Standard error of the resistance [N].
+    pub resistance_se_n: f64,
+    /// Resistance over weight.
+    pub resistance_over_weight: f64,
+    /// Start of the used section [m].
+    pub section_from_m: f64,
+    /// End of the used section [m].
+    pub section_to_m: f64,
+    /// Samples in it.
+    pub samples: usize,
+    /// Mean speed [m/s].
+    pub v_mean_mps: f64,
+    /// Density of the air [kg/m3].
+    pub air_density_kgpm3: f64,
+    /// Root mean square residual of the energy [J].
+    pub residual_rms_j: f64,
+    /// Picture of the run.
+    pub picture: String,
+}
+
+impl IceHouseResult {
+    /// The document of an evaluation; `picture` names the picture of a run.
+    pub fn new(house: &IceHouse, picture: impl Fn(usize, &str) -> String) -> Self {
+        let runs = house.runs.iter().enumerate().map(|(i, run)| GlideResult {
+            run: run.entry.run.clone(),
+            specimen: run.entry.specimen.clone(),
+            direction: run.entry.direction.clone(),
+            resistance_n: -run.line.slope,
+            resistance_se_n: run.line.slope_se,
+            resistance_over_weight: run.resistance(),
+            section_from_m: run.s[run.section.start],
+            section_to_m: run.s[run.section.end - 1],
+            samples: run.section.len(),
+            v_mean_mps: run.v_mean,
+            air_density_kgpm3: run.air_density,
+            residual_rms_j: run.line.residual_rms,
+            picture: picture(i, &run.entry.run),
+        });
+        IceHouseResult {
+            specimens: house.specimens.clone(),
+            slope_rad: house.slope_rad,
+            uphill: house.directions[0].clone(),
+            pairs: house.pairs.clone(),
+            unpaired: house.unpaired.clone(),
+            section_rule: format!(
+                "from the greatest speed on, the central {:.0} % of the distance glided",
+                100.0 - 200.0 * SHARE_LEFT_OUT
+            ),
+            runs: runs.collect(),
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Results as typed documents.
+//!
+//! Each command writes one of these structs as JSON, and each command that reads it uses the same
+//! struct. The keys are those of the formats page. [`QUANTITIES`] states the key, the unit and
+//! the label of every number with an error once; text, tables and pages are made from it.
+//!
+//! | item | document |
+//! |---|---|
+//! | [`ContactResult`], [`SlidingResult`] | `result.json`: one solved contact |
+//! | [`SeriesRow`] | a row of `table.json`: one contact of a series |
+//! | [`FrictionTable`], [`FrictionOptimum`] | `friction.json` |
+//! | [`PressureFit`] | `fit.json` of friction over pressure |
+//! | [`IceHouseResult`] | `icehouse.json` |
+//! | [`CaseRecord`] | the case within a result |
+//!
+//! ```
+//! use kufe::results::{Measured, PeakPressure};
+//! let peak = Measured::<PeakPressure>::new(138.5e6, 0.4e6);
+//! assert_eq!(peak.to_string(), "138.50 MPa +- 0.40");
+//! assert_eq!(serde_json::to_string(&peak)?, r#"{"p_max_pa":138500000.0,"p_max_error_pa":400000.0}"#);
+//! # Ok::<(), serde_json::Error>(())
+//! ```
+
+mod contact;
+mod friction;
+mod quantity;
+mod record;
+mod series;
+
+pub use contact::*;
+pub use friction::*;
+pub use quantity::*;
+pub use record::{CaseRecord, write_csv};
+pub use series::*;

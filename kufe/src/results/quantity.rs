@@ -1,0 +1,279 @@
+//! Numbers with an error, and the table that states what each of them is.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::marker::PhantomData;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
+/// What a number is: its key in files, and how it is shown.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Description {
+    /// Key of the value; its ending is the SI unit.
+    pub key: &'static str,
+    /// Key of the error.
+    pub error_key: &'static str,
+    /// Name for readers.
+    pub label: &'static str,
+    /// Unit in which it is shown.
+    pub unit: &'static str,
+    /// Shown units in one SI unit.
+    pub times: f64,
+    /// Decimals of a shown value of 1 or more, and of a smaller one.
+    #[serde(skip)]
+    pub decimals: [usize; 2],
+}
+
+/// A kind of number that results hold, as a type.
+pub trait Quantity: Copy {
+    /// What it is.
+    const DESCRIPTION: Description;
+    /// The keys of value and error.
+    const KEYS: &'static [&'static str];
+}
+
+/// A value with its error, written as two keys of the object that holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured<Q> {
+    /// The value, in SI units.
+    pub value: f64,
+    /// Its error, in SI units; not a number where it is unknown.
+    pub error: f64,
+    quantity: PhantomData<Q>,
+}
+
+impl<Q: Quantity> Measured<Q> {
+    /// A value and its error, in SI units.
+    pub fn new(value: f64, error: f64) -> Self {
+        Measured {
+            value,
+            error,
+            quantity: PhantomData,
+        }
+    }
+}
+
+impl<Q: Quantity> From<kufe_contact::Measure> for Measured<Q> {
+    fn from(measure: kufe_contact::Measure) -> Self {
+        Measured::new(measure.value, measure.error)
+    }
+}
+
+impl Description {
+    /// A value [SI] in the shown unit, without the unit.
+    pub fn number(&self, value: f64) -> String {
+        format!("{:.*}", self.digits(value), self.times * value)
+    }
+
+    /// A value [SI] with the shown unit.
+    pub fn amount(&self, value: f64) -> String {
+        format!("{} {}", self.number(value), self.unit)
+    }
+
+    fn digits(&self, value: f64) -> usize {
+        self.decimals[usize::from(self.times * value.abs() < 1.0)]
+    }
+}
+
+impl<Q: Quantity> fmt::Display for Measured<Q> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = Q::DESCRIPTION;
+        let error = format!("{:.*}", shown.digits(self.value), shown.times * self.error);
+        write!(f, "{} +- {error}", shown.amount(self.value))
+    }
+}
+
+impl<Q: Quantity> Serialize for Measured<Q> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut keys = serializer.serialize_struct("Measured", 2)?;
+        keys.serialize_field(Q::DESCRIPTION.key, &self.value)?;
+        keys.serialize_field(Q::DESCRIPTION.error_key, &self.error)?;
+        keys.end()
+    }
+}
+
+impl<'de, Q: Quantity> Deserialize<'de> for Measured<Q> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_struct("Measured", Q::KEYS, Keys(PhantomData))
+    }
+}
+
+struct Keys<Q>(PhantomData<Q>);
+
+impl<'de, Q: Quantity> Visitor<'de> for Keys<Q> {
+    type Value = Measured<Q>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Description { key, error_key, .. } = Q::DESCRIPTION;
+        write!(f, "the keys {key} and {error_key}")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Measured<Q>, A::Error> {
+        let Description { key, error_key, .. } = Q::DESCRIPTION;
+        let (mut value, mut error) = (None, None);
+        while let Some(found) = map.next_key::<Cow<'de, str>>()? {
+            let place = match &*found {
+                found if found == key => &mut value,
+                found if found == error_key => &mut error,
+                _ => {
+                    map.next_value::<serde::de::IgnoredAny>()?;
+                    continue;
+                }
+            };
+            // JSON has null where a number is infinite or none.
+            let number = map.next_value::<Option<f64>>();
+            let number = number.map_err(|error| A::Error::custom(format!("{found}: {error}")))?;
+            *place = Some(number.unwrap_or(f64::NAN));
+        }
+        let missing = A::Error::missing_field;
+        Ok(Measured::new(
+            value.ok_or_else(|| missing(key))?,
+            error.ok_or_else(|| missing(error_key))?,
+        ))
+    }
+}
+
+impl<Q: Quantity> JsonSchema for Measured<Q> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        Q::DESCRIPTION.key.into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let Description {
+            key,
+            error_key,
+            label,
+            ..
+        } = Q::DESCRIPTION;
+        let unit = crate::plot::unit_of(key);
+        let unit = if unit.is_empty() { "1".into() } else { unit };
+        schemars::json_schema!({
+            "type": "object",
+            "properties": {
+                key: { "type": "number", "description": format!("{label} [{unit}]") },
+                error_key: { "type": ["number", "null"], "description": format!("error of the {label} [{unit}]") },
+            },
+            "required": [key, error_key],
+        })
+    }
+}
+
+/// Shown unit, shown units in one SI unit, decimals above and below 1.
+type Shown = (&'static str, f64, [usize; 2]);
+
+const MEGAPASCALS: Shown = ("MPa", 1e-6, [2, 2]);
+const MILLIMETRES: Shown = ("mm", 1e3, [2, 4]);
+const MICROMETRES: Shown = ("µm", 1e6, [3, 3]);
+const RADIANS: Shown = ("rad", 1.0, [6, 6]);
+const THOUSANDTHS: Shown = ("10⁻³", 1e3, [3, 3]);
+const PURE: Shown = ("", 1.0, [2, 2]);
+
+macro_rules! quantities {
+    ($($name:ident: $key:literal, $error:literal, $label:literal, $shown:expr;)*) => {
+        $(
+            #[doc = concat!("`", $key, "`: ", $label, ".")]
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            pub struct $name;
+
+            impl Quantity for $name {
+                const DESCRIPTION: Description = Description {
+                    key: $key,
+                    error_key: $error,
+                    label: $label,
+                    unit: $shown.0,
+                    times: $shown.1,
+                    decimals: $shown.2,
+                };
+                const KEYS: &'static [&'static str] = &[$key, $error];
+            }
+        )*
+
+        /// Every number with an error that results hold.
+        pub const QUANTITIES: &[Description] = &[$($name::DESCRIPTION),*];
+    };
+}
+
+quantities! {
+    PeakPressure: "p_max_pa", "p_max_error_pa", "peak pressure", MEGAPASCALS;
+    MeanPressure: "p_mean_pa", "p_mean_error_pa", "mean pressure", MEGAPASCALS;
+    Area: "area_m2", "area_error_m2", "contact area", ("mm²", 1e6, [4, 4]);
+    Length: "length_m", "length_error_m", "contact length", MILLIMETRES;
+    Width: "width_m", "width_error_m", "contact width", MILLIMETRES;
+    Approach: "approach_m", "approach_error_m", "approach", MICROMETRES;
+    Pitch: "pitch_rad", "pitch_error_rad", "pitch", RADIANS;
+    Roll: "roll_rad", "roll_error_rad", "roll", RADIANS;
+    CheckPeak: "check_p_max_pa", "check_p_max_error_pa", "peak pressure by boundary elements", MEGAPASCALS;
+    CheckApproach: "check_approach_m", "check_approach_error_m", "approach by boundary elements", MICROMETRES;
+    MaxShear: "max_shear_pa", "max_shear_error_pa", "largest shear stress", MEGAPASCALS;
+    MaxShearDepth: "max_shear_depth_m", "max_shear_depth_error_m", "depth of the largest shear stress", MILLIMETRES;
+    ShearOverPeak: "max_shear_over_p_max", "max_shear_over_p_max_error", "largest shear stress over peak pressure", PURE;
+    Mu: "mu", "mu_error", "coefficient of friction", THOUSANDTHS;
+    MuPloughing: "mu_ploughing", "mu_ploughing_error", "friction of ploughing", THOUSANDTHS;
+    MuViscous: "mu_viscous", "mu_viscous_error", "friction of the melt film", THOUSANDTHS;
+    GrooveDepth: "groove_depth_m", "groove_depth_error_m", "depth of the groove", ("µm", 1e6, [2, 2]);
+    LoadAhead: "load_ahead_m", "load_ahead_error_m", "load ahead of the lowest point", ("mm", 1e3, [2, 2]);
+    Front: "front_m", "front_error_m", "front end of the patch", ("mm", 1e3, [2, 2]);
+    Back: "back_m", "back_error_m", "back end of the patch", ("mm", 1e3, [2, 2]);
+    FilmMean: "film_mean_m", "film_mean_error_m", "melt film, mean", MICROMETRES;
+    FilmMax: "film_max_m", "film_max_error_m", "melt film, thickest", MICROMETRES;
+    MeltRate: "melt_rate_kgps", "melt_rate_error_kgps", "ice melted", ("kg/s", 1.0, [6, 6]);
+    ContactTime: "contact_time_s", "contact_time_error_s", "time of the ice under the runner", ("ms", 1e3, [2, 2]);
+    ByHardness: "dlnmu_dlnhardness", "dlnmu_dlnhardness_error", "d ln mu / d ln hardness", PURE;
+    BySpeed: "dlnmu_dlnv", "dlnmu_dlnv_error", "d ln mu / d ln speed", PURE;
+    ByViscosity: "dlnmu_dlnviscosity", "dlnmu_dlnviscosity_error", "d ln mu / d ln viscosity", PURE;
+    ByTemperature: "dlnmu_dice_c", "dlnmu_dice_c_error", "d ln mu / d temperature of the ice", PURE;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_measured_value_is_two_keys_that_read_back() {
+        let width = Measured::<Width>::new(2.78e-4, 1.5e-6);
+        let text = serde_json::to_string(&width).expect("JSON");
+        assert_eq!(text, r#"{"width_m":0.000278,"width_error_m":1.5e-6}"#);
+        assert_eq!(
+            serde_json::from_str::<Measured<Width>>(&text).expect("a width"),
+            width
+        );
+        assert_eq!(width.to_string(), "0.2780 mm +- 0.0015");
+        let unknown = Measured::<Width>::new(1.0, f64::INFINITY);
+        let text = serde_json::to_string(&unknown).expect("JSON");
+        let read: Measured<Width> = serde_json::from_str(&text).expect("a width");
+        assert!(read.value == 1.0 && read.error.is_nan());
+    }
+
+    #[test]
+    fn errors_name_the_key() {
+        let read = serde_json::from_str::<Measured<Width>>;
+        let of = |text| read(text).expect_err("broken").to_string();
+        assert!(of(r#"{"width_m":"wide"}"#).contains("width_m: invalid type: string \"wide\""));
+        assert!(of(r#"{"width_m":1.0}"#).contains("width_error_m"));
+    }
+
+    #[test]
+    fn keys_are_unique_and_errors_have_the_unit_of_the_value() {
+        let mut keys: Vec<&str> = QUANTITIES
+            .iter()
+            .flat_map(|q| [q.key, q.error_key])
+            .collect();
+        keys.sort_unstable();
+        assert!(keys.windows(2).all(|pair| pair[0] != pair[1]));
+        for quantity in QUANTITIES {
+            let unit = crate::plot::unit_of(quantity.key);
+            assert_eq!(
+                unit,
+                crate::plot::unit_of(quantity.error_key),
+                "{}",
+                quantity.key
+            );
+        }
+    }
+}

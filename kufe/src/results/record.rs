@@ -1,0 +1,173 @@
+//! A case within a result, and records as rows of a CSV file.
+
+use std::fmt;
+use std::io::Write;
+
+use schemars::JsonSchema;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
+
+use crate::case::Case;
+
+/// A case, key by key.
+///
+/// JSON has no infinity: the words `inf`, `-inf` and `nan` take its place.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct CaseRecord(#[schemars(with = "Case")] toml::Table);
+
+impl CaseRecord {
+    /// The record of a case; empty where a path in it is not valid Unicode.
+    pub fn of(case: &Case) -> Self {
+        let mut table = toml::Table::try_from(case).unwrap_or_default();
+        table
+            .iter_mut()
+            .for_each(|(_, value)| write_infinity(value));
+        CaseRecord(table)
+    }
+
+    /// The record without the elastic constants of a rigid runner, which have no effect.
+    #[must_use]
+    pub fn effective(mut self) -> Self {
+        if let Some(toml::Value::Table(runner)) = self.0.get_mut("runner")
+            && runner.get("elastic") == Some(&toml::Value::Boolean(false))
+        {
+            runner.remove("youngs_modulus_pa");
+            runner.remove("poissons_ratio");
+        }
+        self
+    }
+}
+
+fn write_infinity(value: &mut toml::Value) {
+    match value {
+        toml::Value::Float(number) if !number.is_finite() => {
+            let word = number.to_string().to_lowercase();
+            *value = toml::Value::String(word);
+        }
+        toml::Value::Table(table) => table
+            .iter_mut()
+            .for_each(|(_, value)| write_infinity(value)),
+        toml::Value::Array(values) => values.iter_mut().for_each(write_infinity),
+        _ => {}
+    }
+}
+
+/// One value of a record.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Cell {
+    Absent(()),
+    Flag(bool),
+    Whole(i64),
+    Number(f64),
+    Text(String),
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cell::Absent(()) => Ok(()),
+            Cell::Flag(flag) => flag.fmt(f),
+            Cell::Whole(number) => number.fmt(f),
+            // As JSON has it.
+            Cell::Number(number) => f.write_str(&serde_json::to_string(number).unwrap_or_default()),
+            Cell::Text(text) => text.fmt(f),
+        }
+    }
+}
+
+/// The keys and values of a document, in order.
+#[derive(Debug)]
+struct Cells(Vec<(String, Cell)>);
+
+impl<'de> Deserialize<'de> for Cells {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Cells;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object of single values")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Cells, A::Error> {
+                let mut cells = Vec::new();
+                while let Some(cell) = map.next_entry()? {
+                    cells.push(cell);
+                }
+                Ok(Cells(cells))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
+}
+
+/// Writes documents of single values as CSV: their keys are the columns.
+///
+/// The longest document names the columns; the others have empty cells where they have no such key.
+///
+/// # Errors
+/// Those of the writer, and of a document that holds lists or objects.
+pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Result<()> {
+    let mut records = Vec::new();
+    for row in rows {
+        let text = serde_json::to_string(row)?;
+        let Cells(cells) = serde_json::from_str(&text)?;
+        records.push(cells);
+    }
+    let Some(longest) = records.iter().max_by_key(|cells| cells.len()) else {
+        return Ok(());
+    };
+    let columns: Vec<&String> = longest.iter().map(|(key, _)| key).collect();
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(&columns)?;
+    for cells in &records {
+        csv.write_record(columns.iter().map(|column| {
+            let cell = cells.iter().find(|(key, _)| key == *column);
+            cell.map_or(String::new(), |(_, cell)| cell.to_string())
+        }))?;
+    }
+    csv.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::case_file::LoadedCase;
+
+    #[test]
+    fn a_case_record_reads_back_from_json_and_spells_infinity() {
+        let case = LoadedCase::example().expect("a case").case;
+        let record = CaseRecord::of(&case);
+        let text = serde_json::to_string(&record).expect("JSON");
+        assert!(text.contains("\"radius_m\":\"inf\""), "{text}");
+        assert_eq!(
+            serde_json::from_str::<CaseRecord>(&text).expect("a case"),
+            record
+        );
+        assert!(
+            text.contains("youngs_modulus_pa\":210000000000.0"),
+            "{text}"
+        );
+        let shown = serde_json::to_string(&record.effective()).expect("JSON");
+        assert!(!shown.contains("210000000000.0"), "{shown}");
+    }
+
+    #[test]
+    fn the_longest_record_names_the_columns() {
+        #[derive(Serialize)]
+        struct Row {
+            step: usize,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            mu: Option<f64>,
+            error: Option<&'static str>,
+        }
+        let row = |step, mu, error| Row { step, mu, error };
+        let mut text = Vec::new();
+        let rows = [row(1, None, Some("short, of it")), row(2, Some(4e-3), None)];
+        write_csv(&mut text, &rows).expect("CSV");
+        let expected = "step,mu,error\n1,,\"short, of it\"\n2,0.004,\n";
+        assert_eq!(String::from_utf8(text).expect("text"), expected);
+    }
+}
