@@ -1,6 +1,6 @@
 //! The table of docs/verification.md that says how often stated errors hold the true ones.
 //!
-//! `cargo run --release --example coverage -- all` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %, without `all` one in ten
+//! `cargo run --release -p kufe-tests --example coverage -- all` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %, without `all` one in ten
 //! to 2 %, with the names of classes only their rows, with numbers only these accuracies, with a .csv the rows of that one, drawn from
 //! another seed; what does not hold is listed after the table.
 

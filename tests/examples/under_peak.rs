@@ -1,6 +1,6 @@
 //! How often the stated errors of the largest shear under the peak, and of its depth, hold the true ones.
 //!
-//! `cargo run --release --example under_peak -- 20261127 40` draws 40 contacts from a seed, solves each to 2 and 0.5 % of the peak and
+//! `cargo run --release -p kufe-tests --example under_peak -- 20261127 40` draws 40 contacts from a seed, solves each to 2 and 0.5 % of the peak and
 //! compares with the integral of point loads over Hertz's ellipse; a line a contact, then one an accuracy.
 
 use kufe_tests::coverage::Miss;

@@ -1,6 +1,6 @@
 //! The solver's kernels beside what this machine can do: memory bandwidth and matrix products.
 //!
-//! `cargo run --release --bin limits`
+//! `cargo run --release -p kufe-benches --bin limits`
 //!
 //! | kernel | bound by | its limit here |
 //! |---|---|---|

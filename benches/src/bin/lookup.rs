@@ -1,6 +1,6 @@
 //! Time of one evaluation of a table, at random points, beside the crate `interpn`'s bilinear interpolation.
 //!
-//! `cargo run --release --bin lookup`
+//! `cargo run --release -p kufe-benches --bin lookup`
 
 use std::fs::File;
 use std::hint::black_box;

@@ -81,7 +81,7 @@ enum Task {
     Constants {
         #[command(flatten)]
         how: How,
-        /// The usual rules: what `cargo run --release --example rules` prints.
+        /// The usual rules: what `cargo run --release -p kufe-discover --example rules` prints.
         #[arg(long)]
         rules: PathBuf,
         /// Only constants whose key holds one of these words.
