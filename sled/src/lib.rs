@@ -24,6 +24,9 @@
 //! # Ok::<(), kufe_sled::Error>(())
 //! ```
 
+mod align;
+mod columns;
+mod contacts;
 pub mod effects;
 mod error;
 mod evaluate;
@@ -33,80 +36,82 @@ mod model;
 mod motion;
 mod record;
 mod replay;
+mod series;
 mod signals;
 mod simulate;
 mod track;
 
 pub use friction::GRAVITY;
 
-pub use error::Error;
-pub use evaluate::bootstrap::{Summary, quantile, summarise};
-pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
-pub use evaluate::groups::{Group, distinct, groups};
-pub use evaluate::residuals::{balances_left, residuals, root_mean_square};
-pub use evaluate::validate::{
-    Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
-};
-pub use fit::contacts::find_contacts;
-pub use fit::own_contacts::{
+pub use align::estimate::TrackEstimate;
+pub use align::signature::Warp;
+pub use align::{Aligned, AlignedRun, align, state_places};
+pub use columns::Columns;
+pub use columns::parquet::{read_parquet, write_parquet};
+pub use columns::read_columns;
+pub use columns::{read_csv, write_csv};
+pub use contacts::find_contacts;
+pub use contacts::{
     HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, half_waves, hits_of, likelier, push_within,
     scatter, stretch_of, with_own_contacts,
 };
-pub use fit::runners::{SledFit, fit};
-pub use fit::samples::{FitOptions, lateral_samples};
+pub use error::Error;
+pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
+pub use evaluate::groups::{Group, distinct, groups};
+pub use evaluate::groups::{Summary, quantile, summarise};
+pub use evaluate::validate::{
+    Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
+};
+pub use evaluate::validate::{balances_left, residuals, root_mean_square};
+pub use fit::{FitOptions, lateral_samples};
+pub use fit::{SledFit, fit};
+pub use model::conditions::Conditions;
+pub use model::conditions::refuse_effects;
 pub use model::model_toml::{Friction, Model};
-pub use model::refuse::refuse_effects;
-pub use model::runner::{RunnerFriction, RunnerLaw, RunnerTable};
 pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use model::vehicle::{BaseParameter, Vehicle};
+pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable};
+pub use motion::balance::LawForces;
 pub use motion::balance::{Balance, Left};
-pub use motion::law_forces::LawForces;
-pub use motion::left_by::LeftBy;
-pub use motion::measured::from_sensors;
 pub use motion::outside::{OutsideTable, outside_tables, table_samples, together};
+pub use motion::residual_jacobian::LeftBy;
+pub use motion::state::from_sensors;
 pub use motion::state::{AxleForces, Motion, State};
-pub use motion::transfer::{Slips, lever_acceleration, slips, to_centre_of_gravity};
+pub use motion::state::{Slips, lever_acceleration, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::check::examine::{Examination, Note, examine};
-pub use record::check::gaps::{Gaps, OnGaps, bridged};
-pub use record::check::needs::{Needs, refuse_unstated_air};
 pub use record::check::profile::{Octave, Profile};
 pub use record::check::relations::fault::{Fault, FaultKind};
 pub use record::check::relations::judge::{judge, judge_by, refuse_faults};
 pub use record::check::relations::rules::RelationRules;
-pub use record::check::saturation::Saturation;
-pub use record::check::taking_part::{TakingPart, gaps_line};
-pub use record::columns::Columns;
-pub use record::csv::{read_csv, write_csv};
+pub use record::files::{RunFormat, write_run};
+pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};
+pub use record::gaps::Saturation;
+pub use record::gaps::{Gaps, OnGaps};
+pub use record::gaps::{TakingPart, gaps_line};
 pub use record::index::{
-    Conditions, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
+    Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
 };
-pub use record::parquet::{read_parquet, write_parquet};
-pub use record::read::read_columns;
-pub use record::read_runs::{read_good_runs, read_needed, read_run, read_runs, state_distances};
+pub use record::needs::{Needs, refuse_unstated_air};
 pub use record::run::{COLUMNS, Run};
-pub use record::write::{RunFormat, write_run};
-pub use replay::again::{Replay, replay};
-pub use replay::beside::beside_measured;
+pub use replay::compared::Section;
 pub use replay::compared::{Compared, Difference};
+pub use replay::drive::beside_measured;
+pub use replay::drive::{Replay, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
-pub use replay::sections::Section;
-pub use signals::derivative::derivative;
-pub use signals::filter::{low_pass, noise_gain, resample};
-pub use signals::noise::{estimate_noise, slip_noise, white_noise_sd};
+pub use series::{bridged, derivative, white_noise_sd};
+pub use series::{low_pass, noise_gain, resample};
+pub use signals::prepare::PrepareOptions;
 pub use signals::prepare::{Prepared, prepare, prepare_all};
-pub use signals::resampling::PrepareOptions;
+pub use signals::sensed::{estimate_noise, slip_noise};
+pub use simulate::drive::SimulateOptions;
 pub use simulate::drive::{EnergyBalance, Simulated, simulate};
 pub use simulate::driver::Driver;
 pub use simulate::dynamics::{Instant, WallContact};
-pub use simulate::options::SimulateOptions;
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};
-pub use track::align::estimate::TrackEstimate;
-pub use track::align::runs::{Aligned, AlignedRun, align, state_places};
-pub use track::align::warp::Warp;
-pub use track::ice::IceAlong;
-pub use track::shape::TrackShape;
 pub use track::spline::Spline;
+pub use track::table::IceAlong;
 pub use track::table::Track;
+pub use track::table::TrackShape;

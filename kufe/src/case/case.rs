@@ -40,7 +40,7 @@ pub struct Case {
     pub solver: SolverTable,
     /// Effects that are switched on, by name ([`crate::case::effects`]); an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(schema_with = "crate::case::effects::schema::schema")]
+    #[schemars(schema_with = "crate::case::effects::schema")]
     pub effects: BTreeMap<String, toml::Table>,
 }
 

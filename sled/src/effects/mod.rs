@@ -1,6 +1,6 @@
 //! What can be missing from a model of a sled on ice: effects, each with a switch.
 //!
-//! An effect is one file of the catalogue: law, formula, source, an example with the number that it must give, and how data
+//! An effect is one entry of the catalogue: law, formula, source, an example with the number that it must give, and how data
 //! speak of it. The same code acts in the driving simulation and in the inverse model: an effect changes the friction
 //! coefficient or the forces of the base law, stands between the truth and a sensor, changes a constant of the sled or
 //! the track's slope. At default parameters it changes nothing.
@@ -24,19 +24,23 @@
 //! ```
 
 mod catalogue;
+mod custom;
+mod description;
+mod effect;
 mod expression;
-mod known;
-mod law;
-mod motion;
 pub mod page;
+mod prelude;
+mod series;
+mod state;
 mod switched;
 
 pub use catalogue::{CATALOGUE, find};
-pub use expression::{Expression, ExpressionError};
-pub use known::{ActsOn, Column, Edge, Experiments, Form, Info, Judged, Level, Parameter};
-pub use law::{Effect, Example, Fault, Reading};
-pub use motion::{Conditions, Constants, Forces, Relaxed, SENSORS, Sensor, Signals, State, ahead};
-pub use switched::{
-    Active, Channel, Custom, EffectError, Effects, Kind, columns_of_forces, columns_of_sensors,
-    is_column, schema,
+pub use custom::{Channel, Custom, columns_of_forces, columns_of_sensors, is_column};
+pub use description::{
+    ActsOn, Column, Edge, Example, Experiments, Form, Info, Judged, Level, Parameter, amplitude,
 };
+pub use effect::{Effect, Fault, Reading};
+pub use expression::{Expression, ExpressionError};
+pub use series::{Relaxed, ahead};
+pub use state::{Conditions, Constants, Forces, SENSORS, Sensor, Signals, State};
+pub use switched::{Active, EffectError, Effects, Kind, schema};

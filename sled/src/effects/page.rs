@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::effects::known::{ActsOn, Info};
+use crate::effects::{ActsOn, Info};
 
 /// Headings of the page by what effects act on first.
 const GROUPS: [(ActsOn, &str); 8] = [

@@ -6,8 +6,8 @@ use crate::effects::Forces;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::evaluate::residuals::{residuals, root_mean_square};
-use crate::fit::own_contacts::with_own_contacts;
+use crate::contacts::with_own_contacts;
+use crate::evaluate::validate::{residuals, root_mean_square};
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
 use crate::motion::balance::{Balance, Left};

@@ -1,6 +1,204 @@
-//! Estimates with intervals.
+//! Estimates with intervals, and the least of what is computed point by point.
 
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::friction::error::{Error, in_range};
+
+/// What a parameter may be; steps in it are ratios.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    low: f64,
+    high: f64,
+}
+
+impl Span {
+    /// From `low` to `high`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a lower bound that is not positive, and an upper one that is not above it.
+    pub fn new(low: f64, high: f64) -> Result<Self, Error> {
+        in_range("lower bound", low, low > 0.0, "a positive number")?;
+        in_range(
+            "upper bound",
+            high,
+            high > low,
+            "a number above the lower bound",
+        )?;
+        Ok(Span { low, high })
+    }
+
+    /// The bounds.
+    pub fn bounds(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
+    /// The value at `u`, -1 at the lower bound and 1 at the upper one.
+    fn value(&self, u: f64) -> f64 {
+        match u {
+            -1.0 => self.low,
+            1.0 => self.high,
+            u => self.low * (self.high / self.low).powf(0.5 * (1.0 + u)),
+        }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        2.0 * (value / self.low).ln() / (self.high / self.low).ln() - 1.0
+    }
+}
+
+/// A smooth surface through values that scatter.
+///
+/// The logarithm of the response is a polynomial of degree 4 in the logarithms of the parameters, fitted by least squares to 7 places of
+/// one parameter and to 25 of two (Chebyshev's, the bounds among them): five and fifteen coefficients. A mesh's scatter of some
+/// thousandths would lead a search astray that goes from point to point; the surface averages it, and what is left says how rough it is.
+#[derive(Clone, Debug)]
+pub struct Response {
+    spans: Vec<Span>,
+    coefficients: DVector<f64>,
+    misfit: f64,
+}
+
+const DEGREE: i32 = 4;
+/// Steps of a parameter's scan on the surface.
+const SCAN: usize = 400;
+
+impl Response {
+    /// Where the response is asked for, parameter by parameter: the first runs fastest.
+    ///
+    /// # Panics
+    /// Unless there are one or two spans.
+    pub fn places(spans: &[Span]) -> Vec<Vec<f64>> {
+        let chebyshev = |n: usize| {
+            let at = |k: usize| -(std::f64::consts::PI * k as f64 / (n - 1) as f64).cos();
+            (0..n).map(at).collect::<Vec<f64>>()
+        };
+        match spans {
+            [span] => chebyshev(7).iter().map(|&u| vec![span.value(u)]).collect(),
+            [first, second] => chebyshev(5)
+                .iter()
+                .flat_map(|&v| {
+                    let row = chebyshev(5);
+                    row.into_iter()
+                        .map(move |u| vec![first.value(u), second.value(v)])
+                })
+                .collect(),
+            _ => panic!("{} parameters, expected one or two", spans.len()),
+        }
+    }
+
+    /// The surface through `values` at [`places`](Self::places).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a value that is not positive, [`Error::TooFew`] where places and values do not go together.
+    pub fn fit(spans: &[Span], values: &[f64]) -> Result<Self, Error> {
+        let places = Self::places(spans);
+        if places.len() != values.len() {
+            return Err(Error::TooFew {
+                what: "values of a response".into(),
+                have: values.len(),
+                need: places.len(),
+            });
+        }
+        for &value in values {
+            in_range("response", value, value > 0.0, "a positive number")?;
+        }
+        let rows: Vec<Vec<f64>> = places
+            .iter()
+            .map(|place| terms(&scaled(spans, place)))
+            .collect();
+        let design = DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
+        let logarithms = DVector::from_fn(values.len(), |i, _| values[i].ln());
+        let solved = design.clone().svd(true, true).solve(&logarithms, 1e-12);
+        let coefficients = solved.map_err(|_| Error::Undetermined {
+            what: "response",
+            ratio: 0.0,
+        })?;
+        let left = (design * &coefficients - logarithms).norm_squared();
+        let freedom = (values.len() - coefficients.len()) as f64;
+        Ok(Response {
+            spans: spans.to_vec(),
+            coefficients,
+            misfit: (left / freedom).sqrt(),
+        })
+    }
+
+    /// Scatter of the values about the surface, over themselves.
+    pub fn misfit(&self) -> f64 {
+        self.misfit
+    }
+
+    /// The surface at a place.
+    pub fn at(&self, place: &[f64]) -> f64 {
+        self.logarithm(&scaled(&self.spans, place)).exp()
+    }
+
+    /// Where the surface is lowest within the bounds.
+    pub fn least(&self) -> Vec<f64> {
+        let lowest = self.scan().min_by(|a, b| a.1.total_cmp(&b.1));
+        self.values(&lowest.map_or_else(Vec::new, |(u, _)| u))
+    }
+
+    /// From where to where each parameter goes over all places at which the surface is within `share` of its least value: how flat it is.
+    pub fn flat(&self, share: f64) -> Vec<[f64; 2]> {
+        let least = self
+            .scan()
+            .map(|(_, value)| value)
+            .fold(f64::INFINITY, f64::min);
+        let mut flat = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.spans.len()];
+        for (u, _) in self.scan().filter(|(_, v)| *v <= least + share.ln_1p()) {
+            for (range, u) in flat.iter_mut().zip(u) {
+                *range = [range[0].min(u), range[1].max(u)];
+            }
+        }
+        let ranges = flat.iter().zip(&self.spans);
+        ranges
+            .map(|(range, span)| range.map(|u| span.value(u)))
+            .collect()
+    }
+
+    /// Places on an even grid with the surface's logarithm.
+    fn scan(&self) -> impl Iterator<Item = (Vec<f64>, f64)> + '_ {
+        let u = |k: usize| 2.0 * k as f64 / SCAN as f64 - 1.0;
+        let two = self.spans.len() == 2;
+        (0..=if two { SCAN } else { 0 }).flat_map(move |l| {
+            (0..=SCAN).map(move |k| {
+                let place = if two { vec![u(k), u(l)] } else { vec![u(k)] };
+                let value = self.logarithm(&place);
+                (place, value)
+            })
+        })
+    }
+
+    fn logarithm(&self, u: &[f64]) -> f64 {
+        let terms = terms(u);
+        terms
+            .iter()
+            .zip(&self.coefficients)
+            .map(|(t, c)| t * c)
+            .sum()
+    }
+
+    fn values(&self, u: &[f64]) -> Vec<f64> {
+        self.spans.iter().zip(u).map(|(s, &u)| s.value(u)).collect()
+    }
+}
+
+fn scaled(spans: &[Span], place: &[f64]) -> Vec<f64> {
+    let pairs = spans.iter().zip(place);
+    pairs.map(|(span, &value)| span.place(value)).collect()
+}
+
+/// Powers of one or products of two parameters up to the degree.
+fn terms(u: &[f64]) -> Vec<f64> {
+    match *u {
+        [u] => (0..=DEGREE).map(|k| u.powi(k)).collect(),
+        [u, v] => (0..=DEGREE)
+            .flat_map(|l| (0..=DEGREE - l).map(move |k| u.powi(k) * v.powi(l)))
+            .collect(),
+        _ => Vec::new(),
+    }
+}
 
 /// An estimate with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -34,5 +232,67 @@ pub(crate) fn student_quantile(confidence: f64, freedom: usize) -> f64 {
     match StudentsT::new(0.0, 1.0, freedom.max(1) as f64) {
         Ok(distribution) => distribution.inverse_cdf(0.5 + 0.5 * confidence),
         Err(_) => f64::INFINITY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// exp(k (ln x/x0)^2) is within a share s of its least value for |ln x/x0| up to sqrt(ln(1 + s)/k).
+    #[test]
+    fn a_valley_has_its_bottom_and_its_width() -> Result<(), Error> {
+        let spans = [Span::new(15.0, 60.0)?];
+        let valley = |place: &[f64]| 3e-3 * (0.2 * (place[0] / 25.0).ln().powi(2)).exp();
+        let values: Vec<f64> = Response::places(&spans).iter().map(|p| valley(p)).collect();
+        let response = Response::fit(&spans, &values)?;
+        let step = (60.0f64 / 15.0).ln() / SCAN as f64;
+        assert!((response.least()[0] / 25.0).ln().abs() <= step);
+        assert!(response.misfit() < 1e-12);
+        let half = ((0.01f64).ln_1p() / 0.2).sqrt();
+        for (found, exact) in response.flat(0.01)[0].iter().zip([-half, half]) {
+            assert!(((found / 25.0).ln() - exact).abs() < 1.5 * step, "{found}");
+        }
+        assert!((response.at(&[40.0]) / valley(&[40.0]) - 1.0).abs() < 1e-12);
+        Ok(())
+    }
+
+    #[test]
+    fn a_slope_is_lowest_on_its_bound_and_scatter_is_told() -> Result<(), Error> {
+        let spans = [Span::new(15.0, 60.0)?, Span::new(0.003, 0.008)?];
+        let places = Response::places(&spans);
+        let scatter = |k: usize| 1.0 + 3e-3 * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let slope = |(k, p): (usize, &Vec<f64>)| {
+            let valley = (p[0] / 30.0).ln().powi(2) + 0.1 * (p[0] / 30.0).ln() * p[1].ln();
+            scatter(k) * 1e-3 * valley.exp() * p[1].powf(-0.3)
+        };
+        let values: Vec<f64> = places.iter().enumerate().map(slope).collect();
+        let response = Response::fit(&spans, &values)?;
+        let [rocker, section] = response.least()[..] else {
+            panic!("two parameters");
+        };
+        assert_eq!(section, 0.008);
+        let exact = 30.0 * (-0.05 * (0.008f64).ln()).exp();
+        assert!((rocker / exact).ln().abs() < 0.02, "{rocker} {exact}");
+        assert!((2e-3..5e-3).contains(&response.misfit()));
+        Ok(())
+    }
+
+    #[test]
+    fn bounds_and_values_that_cannot_be_are_refused() {
+        for (low, high) in [
+            (0.0, 1.0),
+            (2.0, 1.0),
+            (1.0, f64::NAN),
+            (1.0, f64::INFINITY),
+        ] {
+            assert!(Span::new(low, high).is_err(), "{low} {high}");
+        }
+        let spans = [Span {
+            low: 1.0,
+            high: 2.0,
+        }];
+        assert!(Response::fit(&spans, &[1.0; 6]).is_err());
+        assert!(Response::fit(&spans, &[-1.0; 7]).is_err());
     }
 }

@@ -20,28 +20,30 @@
 
 mod error;
 mod estimate;
+mod experiments;
 pub mod film;
-mod icehouse;
+mod glide_run;
 mod lateral;
 mod longitudinal;
-mod response;
-mod tables;
+mod specimens;
 
 pub use error::Error;
-pub use estimate::Estimate;
-pub use icehouse::glide_run::{
-    GAS_CONSTANT_OF_AIR, GRAVITY, GlideRun, SHARE_LEFT_OUT, air_density, evaluate_glide,
+pub use estimate::{Estimate, Response, Span};
+pub use experiments::{Experiment, read_experiments, write_experiments};
+pub use glide_run::{
+    GAS_CONSTANT_OF_AIR, GRAVITY, GlideRun, LineFit, SHARE_LEFT_OUT, air_density, evaluate_glide,
+    fit_line,
 };
-pub use icehouse::glides::{GlideEntry, GlideTrace, read_glide, read_glide_index};
-pub use icehouse::line_fit::{LineFit, fit_line};
-pub use icehouse::specimens::{GlidePair, IceHouse, SpecimenFriction, evaluate_ice_house};
 pub use lateral::fit::{LateralFit, fit_lateral};
-pub use lateral::law::{Braghin, LateralAngles, LateralDerivatives, MagicFormula};
-pub use lateral::nearby::{atan_near, sin_cos_near};
+pub use lateral::law::{
+    Braghin, LateralAngles, LateralDerivatives, MagicFormula, atan_near, sin_cos_near,
+};
 pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
 pub use longitudinal::law::{
     Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,
 };
 pub use longitudinal::{LeastFriction, MuFit, Weighting, fit_mu};
-pub use response::{Response, Span};
-pub use tables::experiments::{Experiment, read_experiments, write_experiments};
+pub use specimens::{
+    GlideEntry, GlidePair, GlideTrace, IceHouse, SpecimenFriction, evaluate_ice_house, read_glide,
+    read_glide_index,
+};

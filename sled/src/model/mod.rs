@@ -1,7 +1,6 @@
 //! The sled and its friction: `model.toml`, and the same made ready to compute with.
 
+pub(crate) mod conditions;
 pub(crate) mod model_toml;
-pub(crate) mod refuse;
-pub(crate) mod runner;
 pub(crate) mod sled;
 pub(crate) mod vehicle;

@@ -19,8 +19,8 @@ use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 
-pub use crate::motion::axles::{body_to_front, front_to_body, normal_forces};
 pub use crate::motion::state::{AxleForces, Motion, Resultant, State};
+pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
 
 /// Aerodynamic force at the centre of gravity in the body frame (x, y) [N]: the drag against the driving direction.
 pub fn aero_force(sled: &Sled, state: &State) -> [f64; 2] {

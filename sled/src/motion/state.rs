@@ -1,6 +1,7 @@
-//! What is known of a sled at one instant, and the forces on it.
+//! Motion of the sled: from the accelerometer's place to the centre of gravity, slips and loads of the axles.
 
-use crate::effects::{Conditions, Relaxed};
+use crate::effects::{Conditions, Relaxed, Sensor, Signals};
+use crate::model::sled::Sled;
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -118,4 +119,169 @@ pub struct Resultant {
     pub fy_n: f64,
     /// Moment about z [N m].
     pub mz_nm: f64,
+}
+
+/// What the sensors of a sled tell of one instant, their faults taken out.
+///
+/// Accelerations are brought to the centre of gravity, slip angles to the axles; the normal forces follow from both.
+/// `at` states time, place and weather; the speed must be positive. Rates of the slip angles:
+///
+/// ```text
+/// dalpha_P/dt = dalpha/dt - (x_P - x_s) (dr/dt - r dv/dt / v) / v      (+ ddelta/dt at the front)
+/// ```
+#[inline]
+pub fn from_sensors(sled: &Sled, signals: &Signals, at: &Conditions) -> (State, Motion) {
+    let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
+    let (rates, angular) = (signals.rates(), signals.angular_acceleration());
+    let accel = to_centre_of_gravity(signals.acceleration(), rates, angular, place);
+    let [roll, pitch, yaw] = rates;
+    let [roll_accel, pitch_accel, yaw_accel] = angular;
+    let (v, delta) = (signals[Sensor::Speed], signals[Sensor::Steering]);
+    let slip = slips(sled, signals[Sensor::Slip], yaw, v, delta);
+    let (fz_f0_n, fz_r_n) = normal_forces(sled, accel[2], pitch_accel);
+    let turn = (yaw_accel - yaw * signals.rate(Sensor::Speed) / v) / v;
+    let slip_rate = |x: f64| signals.rate(Sensor::Slip) - turn * (x - sled.slip_x_m);
+    let state = State {
+        t_s: at.t,
+        s_m: at.s,
+        v_mps: v,
+        alpha_cog_rad: slip.cog,
+        alpha_f_rad: slip.front,
+        alpha_r_rad: slip.rear,
+        delta_rad: delta,
+        gamma_rad: signals[Sensor::RollSplit],
+        roll_rate_radps: roll,
+        pitch_rate_radps: pitch,
+        yaw_rate_radps: yaw,
+        roll_accel_radps2: roll_accel,
+        curvature_1pm: -pitch / v,
+        fz_f0_n,
+        fz_r_n,
+        air_density_kgpm3: at.air_density,
+        ice_c: at.ice_c,
+        air_c: at.air_c,
+        air_pa: at.air_pa,
+        humidity_pct: at.humidity_pct,
+        distance_before_m: at.distance,
+        slip_rate_radps: [
+            slip_rate(sled.l_f_m) + signals.rate(Sensor::Steering),
+            slip_rate(-sled.l_r_m),
+        ],
+        accel_mps2: accel,
+    };
+    let motion = Motion {
+        accel_mps2: accel,
+        pitch_accel_radps2: pitch_accel,
+        yaw_accel_radps2: yaw_accel,
+    };
+    (state, motion)
+}
+
+/// Specific force at the centre of gravity [m/s2] from that at the accelerometer.
+///
+/// ```text
+/// a_cog = a_sensor - dw/dt x r - w x (w x r)
+/// ```
+///
+/// `rates` w [rad/s] and `accelerations` dw/dt [rad/s2] are (roll, pitch, yaw) about x forward, y left, z up; `r` [m] is
+/// the accelerometer from the centre of gravity. Gravity enters both sides alike. The rigid-body matrix of the paper.
+#[inline]
+pub fn to_centre_of_gravity(
+    sensor: [f64; 3],
+    rates: [f64; 3],
+    accelerations: [f64; 3],
+    r: [f64; 3],
+) -> [f64; 3] {
+    let d = lever_acceleration(rates, accelerations, r);
+    [sensor[0] - d[0], sensor[1] - d[1], sensor[2] - d[2]]
+}
+
+/// Acceleration of a point at `r` [m] beyond that of the centre of gravity [m/s2]: `dw/dt x r + w x (w x r)`.
+#[inline]
+pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3]) -> [f64; 3] {
+    let inner = cross(rates, r);
+    let centripetal = cross(rates, inner);
+    let tangential = cross(accelerations, r);
+    [
+        tangential[0] + centripetal[0],
+        tangential[1] + centripetal[1],
+        tangential[2] + centripetal[2],
+    ]
+}
+
+#[inline]
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Slip angles [rad] at the places that matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slips {
+    /// At the centre of gravity; the chassis slip angle is `beta = -cog`.
+    pub cog: f64,
+    /// At the front runner, steering included.
+    pub front: f64,
+    /// At the rear runner.
+    pub rear: f64,
+}
+
+/// Slip angles at the centre of gravity and both runners from that at the slip sensor.
+///
+/// ```text
+/// alpha_P = alpha - yaw_rate (x_P - x_s) / v,   alpha_f = alpha_{l_f} + delta,   alpha_r = alpha_{-l_r}
+/// ```
+///
+/// `alpha` [rad], `yaw_rate` [rad/s], speed `v` [m/s] (positive), steering `delta` [rad].
+#[inline]
+pub fn slips(sled: &Sled, alpha: f64, yaw_rate: f64, v: f64, delta: f64) -> Slips {
+    let turn = yaw_rate / v;
+    let at = |x: f64| alpha - turn * (x - sled.slip_x_m);
+    Slips {
+        cog: at(0.0),
+        front: at(sled.l_f_m) + delta,
+        rear: at(-sled.l_r_m),
+    }
+}
+
+/// Normal forces at the axles in the body frame (front, rear) [N] from the vertical specific force at the centre of
+/// gravity [m/s2] and the pitch acceleration [rad/s2].
+///
+/// ```text
+/// F_z,f0 = (l_r m a_z - J_yy dpitch/dt) / L      F_z,r = (l_f m a_z + J_yy dpitch/dt) / L
+/// ```
+#[inline]
+pub fn normal_forces(sled: &Sled, az: f64, pitch_accel: f64) -> (f64, f64) {
+    let wheelbase = sled.wheelbase_m();
+    let total = sled.mass_kg * az;
+    let moment = sled.j_yy_kgm2 * pitch_accel;
+    (
+        (sled.l_r_m * total - moment) / wheelbase,
+        (sled.l_f_m * total + moment) / wheelbase,
+    )
+}
+
+/// `F_f0 = R_x(gamma) R_z(delta) F_f`: a force on the front runner, brought to the body frame.
+pub fn front_to_body(force: [f64; 3], delta: f64, gamma: f64) -> [f64; 3] {
+    turned(force, delta.sin_cos(), gamma.sin_cos())
+}
+
+/// [`front_to_body`] with sine and cosine of both angles known.
+#[inline]
+pub(crate) fn turned(force: [f64; 3], (sd, cd): (f64, f64), (sg, cg): (f64, f64)) -> [f64; 3] {
+    let (x, y) = (cd * force[0] - sd * force[1], sd * force[0] + cd * force[1]);
+    [x, cg * y - sg * force[2], sg * y + cg * force[2]]
+}
+
+/// `F_f = R^T F_f0`: the inverse of [`front_to_body`].
+pub fn body_to_front(force: [f64; 3], delta: f64, gamma: f64) -> [f64; 3] {
+    let ((sd, cd), (sg, cg)) = (delta.sin_cos(), gamma.sin_cos());
+    let (y, z) = (
+        cg * force[1] + sg * force[2],
+        -sg * force[1] + cg * force[2],
+    );
+    [cd * force[0] + sd * y, -sd * force[0] + cd * y, z]
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::record::check::gaps::Gaps;
-use crate::record::check::saturation::Saturation;
+use crate::record::gaps::Gaps;
+use crate::record::gaps::Saturation;
 use crate::record::index::Entry;
 
 /// Columns that runs have besides `t_s`; [`crate::Needs`] says which a computation cannot do without.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use crate::friction::GRAVITY;
 use crate::replay::inputs::{Inputs, READ};
 use crate::simulate::drive::Simulated;
 use crate::simulate::dynamics::Instant;
@@ -119,4 +120,166 @@ pub(crate) fn differences(compared: &[Compared], recorded: [bool; 4]) -> Vec<Dif
         all.push(of(sensor.name(), &|at| at.values[k][0] - at.values[k][1]));
     }
     all
+}
+
+/// A section of the track where run and model part.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Section {
+    /// The column; for `v_mps` the speeds part by a force.
+    pub column: &'static str,
+    /// Where it begins and ends [m].
+    pub from_m: f64,
+    /// See `from_m`.
+    pub to_m: f64,
+    /// The largest of its windows: for `v_mps` the force along the sled that the model lacks there [N], else the root mean
+    /// square difference in the column's unit.
+    pub size: f64,
+    /// Times the root mean square of all windows.
+    pub times_rms: f64,
+    /// What the run loses on it beside the model [s]; negative where it gains.
+    pub lost_s: f64,
+}
+
+/// Length of a window [m]: some three sleds, and long enough for a speed's noise to say a force.
+const WINDOW_M: usize = 20;
+/// What a window leaves off at either end when it is told [m]: a short event lies near the middles of the windows that show it.
+const EDGE_M: usize = 5;
+/// Times the root mean square of all windows from which a window stands out, as in the other comparisons with runs.
+const STANDS_OUT: f64 = 2.0;
+/// Standard deviations that noise does not reach: once in 10^4 windows.
+const BEYOND_NOISE: f64 = 4.0;
+/// Force over weight below which a window says nothing: a fiftieth of the friction on ice, still above what steps and filters err.
+const LEAST_MU: f64 = 1e-4;
+/// The same for other columns, relative to the column's own root mean square.
+const LEAST_SHARE: f64 = 1e-3;
+/// Most sections of a column.
+const MOST: usize = 5;
+
+/// Sections of up to [`MOST`] a column, the strongest first.
+///
+/// Windows of 20 m whose root mean square difference is twice the run's or more; of the speed, whose mean force
+///
+/// ```text
+/// F = ( E(s + 20 m) - E(s) ) / 20 m      E = m (v_run^2 - v_model^2) / 2
+/// ```
+///
+/// is. Both must be beyond four standard deviations of what the noise makes of them. Speeds that have parted stay apart, the
+/// force says where. Windows that overlap are one section; none reaches across a gap.
+pub(crate) fn sections(
+    compared: &[Compared],
+    pieces: &[Range<usize>],
+    inputs: &Inputs,
+    mass_kg: f64,
+) -> Vec<Section> {
+    let mut found = Vec::new();
+    for (k, sensor) in READ.iter().enumerate().filter(|(k, _)| inputs.recorded[*k]) {
+        let mut windows = Vec::new();
+        for piece in pieces {
+            windows_of(&compared[piece.clone()], k, mass_kg, &mut windows);
+        }
+        let squares = windows.iter().map(|w| w.size * w.size).sum::<f64>();
+        let rms = (squares / windows.len().max(1) as f64).sqrt();
+        let noise = inputs.noise_sd[k];
+        let own = compared
+            .iter()
+            .map(|at| at.values[k][0].powi(2))
+            .sum::<f64>();
+        let own = (own / compared.len().max(1) as f64).sqrt();
+        let floor = |window: &Window| match k {
+            0 => {
+                let force = 2.0_f64.sqrt() * mass_kg * window.v_mps * noise / WINDOW_M as f64;
+                (BEYOND_NOISE * force).max(LEAST_MU * mass_kg * GRAVITY)
+            }
+            _ => (BEYOND_NOISE * noise).max(LEAST_SHARE * own),
+        };
+        windows.retain(|window| window.size.abs() > (STANDS_OUT * rms).max(floor(window)));
+        let mut sections: Vec<Section> = Vec::new();
+        let mut late_before = 0.0;
+        for window in windows {
+            let times_rms = window.size.abs() / rms;
+            match sections.last_mut() {
+                Some(last)
+                    if window.from_m <= last.to_m && last.size.signum() == window.size.signum() =>
+                {
+                    last.to_m = window.to_m;
+                    last.lost_s = window.late_s[1] - late_before;
+                    if times_rms > last.times_rms {
+                        (last.times_rms, last.size) = (times_rms, window.size);
+                    }
+                }
+                _ => {
+                    late_before = window.late_s[0];
+                    sections.push(Section {
+                        column: sensor.name(),
+                        from_m: window.from_m,
+                        to_m: window.to_m,
+                        size: window.size,
+                        times_rms,
+                        lost_s: window.late_s[1] - late_before,
+                    });
+                }
+            }
+        }
+        sections.sort_by(|a, b| b.times_rms.total_cmp(&a.times_rms));
+        sections.truncate(MOST);
+        found.extend(sections);
+    }
+    found
+}
+
+/// One stretch of the track, the middle half of what it is judged by.
+struct Window {
+    from_m: f64,
+    to_m: f64,
+    /// Force [N], or root mean square difference.
+    size: f64,
+    /// By how much the run is behind the model at its beginning and end [s].
+    late_s: [f64; 2],
+    v_mps: f64,
+}
+
+/// Windows of column `k` a metre apart along one stretch without a gap.
+fn windows_of(compared: &[Compared], k: usize, mass_kg: f64, windows: &mut Vec<Window>) {
+    let (Some(first), Some(last)) = (compared.first(), compared.last()) else {
+        return;
+    };
+    let count = (last.s_m - first.s_m).max(0.0) as usize + 1;
+    let mut place = 0;
+    // Gap of the column, of the energy and of the time at every metre.
+    let metres: Vec<[f64; 4]> = (0..count)
+        .map(|metre| {
+            let s = first.s_m + metre as f64;
+            while place + 2 < compared.len() && compared[place + 1].s_m < s {
+                place += 1;
+            }
+            let (a, b) = (
+                &compared[place],
+                &compared[(place + 1).min(compared.len() - 1)],
+            );
+            let way = b.s_m - a.s_m;
+            let share = if way > 0.0 { (s - a.s_m) / way } else { 0.0 };
+            let between = |of: &dyn Fn(&Compared) -> f64| of(a) + share * (of(b) - of(a));
+            [
+                between(&|at| at.values[k][0] - at.values[k][1]),
+                between(&|at| at.energy_gap(mass_kg)),
+                between(&|at| at.t_s[0] - at.t_s[1]),
+                between(&|at| at.values[0][0]),
+            ]
+        })
+        .collect();
+    for (start, window) in metres.windows(WINDOW_M + 1).enumerate() {
+        let end = &window[WINDOW_M];
+        let squares: f64 = window.iter().map(|at| at[0] * at[0]).sum();
+        let from_m = first.s_m + (start + EDGE_M) as f64;
+        windows.push(Window {
+            from_m,
+            to_m: from_m + (WINDOW_M - 2 * EDGE_M) as f64,
+            size: match k {
+                0 => (end[1] - window[0][1]) / WINDOW_M as f64,
+                _ => (squares / window.len() as f64).sqrt(),
+            },
+            late_s: [window[EDGE_M][2], window[WINDOW_M - EDGE_M][2]],
+            v_mps: window[0][3],
+        });
+    }
 }

@@ -7,18 +7,18 @@ use crate::effects::Sensor;
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
 use crate::record::check::LEAST_SAMPLES;
-use crate::record::check::gaps::OnGaps;
-use crate::record::check::needs::Needs;
 use crate::record::check::relations::judge::refuse_faults;
-use crate::record::check::taking_part::TakingPart;
+use crate::record::files::{read_run, read_run_of};
+use crate::record::gaps::OnGaps;
+use crate::record::gaps::TakingPart;
 use crate::record::index::Entry;
-use crate::record::read_runs::{read_run, read_run_of};
+use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::signals::distance::Distance;
-use crate::signals::filter::{self, noise_gain};
-use crate::signals::further::Further;
-use crate::signals::noise::noise_sd_within;
-use crate::signals::resampling::{PrepareOptions, Resampling};
+use crate::series::noise_sd_within;
+use crate::series::{self, noise_gain};
+use crate::signals::prepare::Distance;
+use crate::signals::prepare::{PrepareOptions, Resampling};
+use crate::signals::sensed::Further;
 use crate::signals::sensed::Sensed;
 use crate::track::spline::Spline;
 
@@ -107,7 +107,7 @@ impl Inputs {
         };
         let (mut readings, mut pieces) = (Vec::new(), Vec::new());
         for (number, piece) in run.gaps.pieces.iter().enumerate() {
-            if base.samples(piece).len() < filter::LEAST_SAMPLES {
+            if base.samples(piece).len() < series::LEAST_SAMPLES {
                 continue;
             }
             let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance)?;

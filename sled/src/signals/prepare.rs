@@ -2,25 +2,22 @@
 
 use std::ops::Range;
 
-use crate::effects::{Active, Effects, Relaxed};
 use rayon::prelude::*;
 
+use crate::effects::{Active, Effects, Relaxed};
 use crate::error::Error;
 use crate::model::sled::Noise;
 use crate::model::vehicle::Vehicle;
-use crate::motion::measured::from_sensors;
 use crate::motion::one_track::{forward, inverse};
-use crate::motion::state::{AxleForces, Motion, State};
+use crate::motion::state::{AxleForces, Motion, State, from_sensors};
 use crate::record::check::LEAST_SAMPLES;
-use crate::record::check::taking_part::TakingPart;
+use crate::record::gaps::TakingPart;
 use crate::record::index::Entry;
+use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::signals::distance::Distance;
-use crate::signals::filter::{self, noise_gain};
-use crate::signals::further::Further;
-use crate::signals::noise::{estimate_noise, slip_noise};
-use crate::signals::resampling::{PrepareOptions, Resampling};
-use crate::signals::sensed::{Sensed, no_number};
+use crate::series::bridged;
+use crate::series::{self, HALF_WIDTH, noise_gain, ratio, resample_from};
+use crate::signals::sensed::{Further, Sensed, estimate_noise, no_number, slip_noise};
 
 /// A run as a series of states with the motion measured at each.
 #[derive(Clone, Debug)]
@@ -100,7 +97,7 @@ pub fn prepare(
     let along = run.columns.contains_key("ax_mps2");
     for (number, piece) in run.gaps.pieces.iter().enumerate() {
         let count = base.samples(piece).len();
-        if count < filter::LEAST_SAMPLES {
+        if count < series::LEAST_SAMPLES {
             continue;
         }
         let sensed = Sensed::of(run, piece, &base, effects, &further, &mut distance)?;
@@ -208,4 +205,169 @@ pub fn prepare_all(
         .collect::<Vec<_>>()
         .into_iter()
         .collect()
+}
+
+/// How a run is brought to the rate that everything else works at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrepareOptions {
+    /// Rate after down-sampling [Hz]; a slower recording stays as it is.
+    pub rate_hz: f64,
+    /// Corner of the zero-phase low pass after that [Hz].
+    pub cutoff_hz: f64,
+    /// What it is for.
+    pub needs: Needs,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        PrepareOptions {
+            rate_hz: 100.0,
+            cutoff_hz: 20.0,
+            needs: Needs::FORCES,
+        }
+    }
+}
+
+/// The even times at the lower rate, and what stands beside a gap.
+pub(crate) struct Resampling {
+    /// Rate of the recording [Hz].
+    pub(crate) from_hz: f64,
+    /// Rate of the states [Hz].
+    pub(crate) rate_hz: f64,
+    /// Samples of the recording a state.
+    pub(crate) ratio: f64,
+    /// Corner of the low pass at that rate [Hz].
+    pub(crate) cutoff_hz: f64,
+    /// Corner of the narrower of both low passes [Hz].
+    pub(crate) narrowest_hz: f64,
+    /// States beside a gap that take no part.
+    pub(crate) margin: usize,
+}
+
+impl Resampling {
+    pub(crate) fn of(run: &Run, options: &PrepareOptions) -> Resampling {
+        let from = run.rate_hz();
+        let lower = options.rate_hz < from * (1.0 - 1e-3);
+        let rate = if lower { options.rate_hz } else { from };
+        let narrowest_hz = options
+            .cutoff_hz
+            .min(if lower { 0.4 * rate } else { f64::INFINITY });
+        let periods = if narrowest_hz < 0.5 * from {
+            (2.0 * rate / narrowest_hz).ceil() as usize
+        } else {
+            0
+        };
+        Resampling {
+            from_hz: from,
+            rate_hz: rate,
+            ratio: if lower { ratio(from, rate) } else { 1.0 },
+            cutoff_hz: options.cutoff_hz,
+            narrowest_hz,
+            margin: periods + HALF_WIDTH,
+        }
+    }
+
+    /// The states, counted from the first sample of the run, that lie in a stretch of the recording.
+    pub(crate) fn samples(&self, piece: &Range<usize>) -> Range<usize> {
+        let first = (piece.start as f64 / self.ratio - 1e-9).ceil() as usize;
+        first..((piece.end - 1) as f64 / self.ratio + 1e-9).floor() as usize + 1
+    }
+
+    /// A stretch of a column at the rate of the states.
+    pub(crate) fn resampled(&self, column: &[f64], piece: &Range<usize>) -> Vec<f64> {
+        let first = self.samples(piece).start as f64 * self.ratio;
+        let offset = first - piece.start as f64;
+        resample_from(&column[piece.clone()], self.from_hz, self.rate_hz, offset)
+    }
+
+    /// Which of the `count` states of stretch `number` of `stretches` take part: those beside a gap do not.
+    pub(crate) fn kept(&self, number: usize, stretches: usize, count: usize) -> Range<usize> {
+        let from = if number == 0 { 0 } else { self.margin };
+        let beyond = if number + 1 == stretches {
+            0
+        } else {
+            self.margin
+        };
+        from..count.saturating_sub(beyond).max(from)
+    }
+}
+
+/// Where the sled is: as recorded, or from the speed.
+pub(crate) enum Distance {
+    Recorded(Vec<f64>),
+    FromSpeed {
+        /// Speed across gaps of it [m/s].
+        bridged: Vec<f64>,
+        /// The last state before the next stretch: its place in the recording, distance and speed.
+        before: Option<(f64, f64, f64)>,
+    },
+}
+
+impl Distance {
+    pub(crate) fn of(run: &Run) -> Result<Distance, Error> {
+        Ok(match run.columns.get("s_m") {
+            Some(s) if run.gaps.within(s).flatten().all(|s| s.is_finite()) => {
+                Distance::Recorded(s.clone())
+            }
+            _ => Distance::FromSpeed {
+                bridged: bridged(run.column("v_mps")?),
+                before: None,
+            },
+        })
+    }
+
+    /// Distances [m] of a stretch's states, `v` being their speeds.
+    pub(crate) fn of_piece(
+        &mut self,
+        base: &Resampling,
+        piece: &Range<usize>,
+        v: &[f64],
+    ) -> Vec<f64> {
+        match self {
+            Distance::Recorded(s) => base.resampled(s, piece),
+            Distance::FromSpeed { bridged, before } => {
+                let first = base.samples(piece).start as f64 * base.ratio;
+                let start = match *before {
+                    None => 0.0,
+                    Some((from, s, v_from)) => {
+                        s + across(bridged, (from, v_from), (first, v[0])) / base.from_hz
+                    }
+                };
+                let mut distance = integrate(v, 1.0 / base.rate_hz);
+                if start != 0.0 {
+                    distance.iter_mut().for_each(|s| *s += start);
+                }
+                let last = v.len() - 1;
+                *before = Some((first + last as f64 * base.ratio, distance[last], v[last]));
+                distance
+            }
+        }
+    }
+}
+
+/// Integral of the speed between two states, by the trapezoidal rule over the samples between; in samples times m/s.
+fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 {
+    let between = from.floor() as usize + 1..to.ceil() as usize;
+    let inner = between.map(|i| (i as f64, v[i]));
+    let points = std::iter::once((from, v_from))
+        .chain(inner)
+        .chain([(to, v_to)]);
+    let mut sum = 0.0;
+    let mut before = (from, v_from);
+    for point in points {
+        sum += 0.5 * (point.0 - before.0) * (point.1 + before.1);
+        before = point;
+    }
+    sum
+}
+
+/// Distance from speed by the trapezoidal rule.
+fn integrate(v: &[f64], dt: f64) -> Vec<f64> {
+    let mut s = 0.0;
+    let mut distance = vec![0.0; v.len()];
+    for i in 1..v.len() {
+        s += 0.5 * dt * (v[i - 1] + v[i]);
+        distance[i] = s;
+    }
+    distance
 }

@@ -3,16 +3,16 @@
 use crate::effects::Relaxed;
 use crate::friction::GRAVITY;
 
+use crate::model::conditions::Conditions;
 use crate::model::vehicle::Vehicle;
-use crate::motion::axles::normal_forces;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::forces_at;
+use crate::motion::state::normal_forces;
 use crate::motion::state::{AxleForces, Motion, State};
-use crate::motion::transfer::{Slips, slips};
-use crate::record::index::Conditions;
-use crate::simulate::steering::{Seen, Steering};
-use crate::track::ice::IceAlong;
-use crate::track::shape::TrackShape;
+use crate::motion::state::{Slips, slips};
+use crate::simulate::driver::{Seen, Steering};
+use crate::track::table::IceAlong;
+use crate::track::table::TrackShape;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///

@@ -3,7 +3,5 @@
 pub(crate) mod drive;
 pub(crate) mod driver;
 pub(crate) mod dynamics;
-pub(crate) mod options;
 pub mod sample_data;
 pub(crate) mod sensors;
-pub(crate) mod steering;

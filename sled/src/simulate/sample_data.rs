@@ -6,17 +6,17 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::model::conditions::Conditions;
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
-use crate::record::index::Conditions;
 use crate::record::run::Run;
+use crate::simulate::drive::SimulateOptions;
 use crate::simulate::drive::simulate;
 use crate::simulate::driver::Driver;
 use crate::simulate::dynamics::WallContact;
-use crate::simulate::options::SimulateOptions;
 use crate::simulate::sensors::{record, simulated_entry};
-use crate::track::shape::TrackShape;
 use crate::track::table::Track;
+use crate::track::table::TrackShape;
 
 /// The sample drivers with class and number of runs, as in the paper's table.
 pub const DRIVERS: [(&str, &str, usize); 5] = [
@@ -133,7 +133,7 @@ pub fn sample_track(name: &str) -> Track {
         speed_square += 2.0 * (GRAVITY * slope(s).sin() - drag);
     }
     Track {
-        ice: crate::track::ice::IceAlong::default(),
+        ice: crate::track::table::IceAlong::default(),
         name: if name == "west" { "west" } else { "east" }.to_string(),
         slope_rad: s_m.iter().map(|s| slope(*s)).collect(),
         bank_rad: s_m.iter().map(|s| bank(*s)).collect(),

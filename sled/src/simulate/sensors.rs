@@ -8,13 +8,14 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::model::conditions::Conditions;
 use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::Vehicle;
-use crate::motion::transfer::lever_acceleration;
-use crate::record::check::gaps::Gaps;
-use crate::record::index::{Conditions, Entry};
+use crate::motion::state::lever_acceleration;
+use crate::record::gaps::Gaps;
+use crate::record::index::Entry;
 use crate::record::run::Run;
-use crate::signals::derivative::{HALF_WIDTH, derivative};
+use crate::series::{HALF_WIDTH, derivative};
 use crate::simulate::drive::Simulated;
 use crate::simulate::dynamics::Instant;
 use crate::track::table::Track;
@@ -135,8 +136,8 @@ fn complete_rates(signals: &mut [Signals], dt_s: f64) {
 /// An index row for a simulated run.
 pub fn simulated_entry(run: &str, track: &Track, driver: &str, conditions: Conditions) -> Entry {
     Entry {
-        ice_along: crate::track::ice::IceAlong::default(),
-        ice_of_track: crate::track::ice::IceAlong::default(),
+        ice_along: crate::track::table::IceAlong::default(),
+        ice_of_track: crate::track::table::IceAlong::default(),
         run: run.to_string(),
         file: PathBuf::from(format!("{run}.csv")),
         track: track.name.clone(),

@@ -1,12 +1,78 @@
-//! Effects that can be hidden in a measured pressure map: parts of the problem, or of the sensor, with a switch and one parameter.
+//! Effects on pressures: parts of a contact problem, or of the sensor, with a switch and one parameter.
 
 mod catalogue;
 mod effect;
-pub(crate) mod schema;
-mod switch;
-mod underside;
+
+use std::collections::BTreeMap;
+
+use kufe_contact::Problem;
+use schemars::{Schema, SchemaGenerator, json_schema};
+use serde_json::{Map as JsonMap, Value, json};
+
+use crate::case::CaseError;
 
 pub use catalogue::{CATALOGUE, find};
 pub use effect::{Adds, Effect, Example, Growth, Map, Measure, Search};
 pub use kufe_sled::effects::{Form, Info, Parameter};
-pub(crate) use switch::switch_on;
+
+/// Changes a problem by the effects of a case's `[effects]` tables; those of the sensor leave it as it is.
+///
+/// # Errors
+/// [`CaseError::Effect`] with the effect, what was found and what was expected.
+pub(crate) fn switch_on(
+    tables: &BTreeMap<String, toml::Table>,
+    problem: &mut Problem,
+) -> Result<(), CaseError> {
+    for (name, table) in tables {
+        let told = |found: String, expected: String| CaseError::Effect {
+            name: name.clone(),
+            found,
+            expected,
+        };
+        let Some(effect) = find(name) else {
+            let known: Vec<&str> = CATALOGUE.iter().map(|e| e.info.name).collect();
+            return Err(told("an unknown effect".to_owned(), known.join(", ")));
+        };
+        let p = effect.parameter();
+        if let Some(key) = table.keys().find(|key| *key != p.name) {
+            return Err(told(format!("the key `{key}`"), format!("`{}`", p.name)));
+        }
+        let value = match table.get(p.name) {
+            None => 0.0,
+            Some(toml::Value::Float(value)) => *value,
+            Some(toml::Value::Integer(value)) => *value as f64,
+            Some(_) => f64::NAN,
+        };
+        if !(value >= p.low && value <= p.high) {
+            let found = table.get(p.name).map_or(String::new(), ToString::to_string);
+            return Err(told(
+                format!("`{}` = {found}", p.name),
+                format!("a number from {} to {} {}", p.low, p.high, p.unit),
+            ));
+        }
+        effect.alter(value, problem);
+    }
+    Ok(())
+}
+
+/// JSON schema of a case's `[effects]`: one table an effect with its one key and the key's bounds.
+pub(crate) fn schema(_: &mut SchemaGenerator) -> Schema {
+    let effects: JsonMap<String, Value> = CATALOGUE
+        .iter()
+        .map(|effect| {
+            let table = json!({
+                "description": effect.info.summary,
+                "type": "object",
+                "properties": effect.info.parameter_schemas(),
+                "additionalProperties": false,
+            });
+            (effect.info.name.to_owned(), table)
+        })
+        .collect();
+    json_schema!({
+        "description": "Effects that are switched on, by name; an absent one is off.",
+        "type": "object",
+        "properties": effects,
+        "additionalProperties": false,
+    })
+}

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::conditions::FilmConditions;
+use super::properties::FilmConditions;
 use super::properties::Properties;
 
 /// Thickness at which melting and squeeze-out are in balance, all friction heat melting [m].

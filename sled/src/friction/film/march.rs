@@ -1,12 +1,11 @@
 //! The film's equation integrated along the strip, with steps as short as the accuracy asks.
 
-use super::conditions::{FilmConditions, FilmOptions};
-use super::properties::Properties;
-use super::radau;
-use super::solution::{Film, FilmTotals};
-use super::strip::Strip;
-use super::track::Track;
+use nalgebra::{Matrix3, Vector3};
+
 use crate::friction::error::Error;
+use crate::friction::film::properties::{
+    FilmConditions, FilmOptions, HeatIntoIce, Properties, Strip, between, steel_transfer,
+};
 
 /// Most steps of one integration.
 const MOST_STEPS: usize = 20_000;
@@ -24,8 +23,8 @@ const ROUNDS: usize = 6;
 /// F_v = integral mu V/h w dxi                                        drag
 /// ```
 ///
-/// [`HeatIntoIce`](super::HeatIntoIce) states `q_i`, [`squeeze_out_rate`](super::squeeze_out_rate) the last term. The film starts at
-/// 0 as [`self_similar_start`](super::self_similar_start). It never ends: where the walls take more heat than friction gives
+/// [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`, [`squeeze_out_rate`](crate::friction::film::squeeze_out_rate) the last term. The film starts at
+/// 0 as [`self_similar_start`](crate::friction::film::self_similar_start). It never ends: where the walls take more heat than friction gives
 /// (`melt_rate` negative) it freezes and thins until `mu V^2/h` is as much, so that thickness goes to nanometres and below for a
 /// slow runner on cold ice, but not to 0. What the model then says is the heat that the ice can take, not that there is a film:
 /// [`Film::thinnest`] belongs beside roughness and the size of a molecule.
@@ -108,11 +107,11 @@ struct Step {
 impl Step {
     /// The thickness behind the step, and what it adds to the totals.
     fn take(&self, track: &Track<'_>, before: f64) -> Option<(f64, FilmTotals)> {
-        let at = radau::nodes().map(|node| self.from + node * self.length);
+        let at = nodes().map(|node| self.from + node * self.length);
         let rates = at.map(|s| track.rate(self.segment, s));
-        let h = radau::step(before, self.length, &rates)?;
+        let h = step(before, self.length, &rates)?;
         let mut added = FilmTotals::default();
-        for (i, weight) in radau::weights().into_iter().enumerate() {
+        for (i, weight) in weights().into_iter().enumerate() {
             let here = track.totals_rate(self.segment, at[i], h[i]);
             added = added.combined(&here, |sum, value| sum + weight * self.length * value);
         }
@@ -229,5 +228,369 @@ fn stopped(iterations: usize, residual: f64, tolerance: f64) -> Error {
         iterations,
         residual,
         tolerance,
+    }
+}
+
+/// Share of the largest width below which squeeze-out no longer grows as the strip narrows to a point.
+const NARROWEST: f64 = 1e-3;
+
+/// What the film's equation says along a strip.
+///
+/// With `s = sqrt(xi)` instead of `xi` the thickness starts as `h = a s` and every term stays finite:
+///
+/// ```text
+/// dh/ds = (4/V) [ mu V^2 s/(rho_w L h) - (q_i + q_s) s/(rho_w L) - s p h^3/(mu w^2) ]
+/// ```
+pub(crate) struct Track<'a> {
+    strip: &'a Strip,
+    /// At the stations, the pressure that a long strip would have to have for the squeeze-out that there is [Pa].
+    outflow_pressure: Vec<f64>,
+    width_squared: Vec<f64>,
+    narrowest_squared: f64,
+    heat_into_ice: HeatIntoIce,
+    steel_transfer: f64,
+    steel_temperature: f64,
+    viscosity: f64,
+    v: f64,
+    properties: &'a Properties,
+}
+
+impl<'a> Track<'a> {
+    pub(crate) fn new(
+        strip: &'a Strip,
+        conditions: &FilmConditions,
+        properties: &'a Properties,
+        outflow_pressure: Vec<f64>,
+    ) -> Self {
+        Track {
+            strip,
+            outflow_pressure,
+            width_squared: strip.width().iter().map(|w| w * w).collect(),
+            narrowest_squared: (NARROWEST * strip.largest_width()).powi(2),
+            heat_into_ice: HeatIntoIce::new(strip, conditions, properties),
+            steel_transfer: steel_transfer(conditions, properties),
+            steel_temperature: conditions.steel_temperature,
+            viscosity: conditions.viscosity(properties),
+            v: conditions.v,
+            properties,
+        }
+    }
+
+    /// Heat that melts a kilogram of ice [J/kg], and that makes a cubic metre of water [J/m3].
+    pub(crate) fn heats(&self) -> [f64; 2] {
+        [self.properties.latent_heat, self.properties.heat_of_water()]
+    }
+
+    /// Segments between stations.
+    pub(crate) fn segments(&self) -> usize {
+        self.strip.xi().len() - 1
+    }
+
+    /// Ends of segment `k` in `s = sqrt(xi)`.
+    pub(crate) fn segment(&self, k: usize) -> [f64; 2] {
+        [self.strip.xi()[k].sqrt(), self.strip.xi()[k + 1].sqrt()]
+    }
+
+    fn pressure(&self, k: usize, xi: f64) -> f64 {
+        between(self.strip.xi(), self.strip.pressure(), k, xi)
+    }
+
+    fn width_squared(&self, k: usize, xi: f64) -> f64 {
+        between(self.strip.xi(), &self.width_squared, k, xi).max(0.0)
+    }
+
+    /// Squeeze-out over `h^3` [1/(m2 s)].
+    fn squeeze(&self, k: usize, xi: f64) -> f64 {
+        let p = between(self.strip.xi(), &self.outflow_pressure, k, xi);
+        p / (self.viscosity * self.width_squared(k, xi).max(self.narrowest_squared))
+    }
+
+    fn heat_into_steel(&self, k: usize, xi: f64) -> f64 {
+        let melting = self.properties.melting_temperature(self.pressure(k, xi));
+        self.steel_transfer * (melting - self.steel_temperature)
+    }
+
+    /// The equation at `s` in segment `k`.
+    pub(crate) fn rate(&self, k: usize, s: f64) -> Rate {
+        let xi = s * s;
+        let heat = self.properties.heat_of_water();
+        let lost = self.heat_into_ice.scaled(xi) + s * self.heat_into_steel(k, xi);
+        Rate {
+            alpha: 4.0 * self.viscosity * self.v * s / heat,
+            beta: 4.0 / self.v * lost / heat,
+            gamma: 4.0 / self.v * s * self.squeeze(k, xi),
+        }
+    }
+
+    /// What one metre of `s` adds to the totals, where the film is `h` thick; `mean_thickness` is the volume.
+    pub(crate) fn totals_rate(&self, k: usize, s: f64, h: f64) -> FilmTotals {
+        let xi = s * s;
+        let width = self.width_squared(k, xi).sqrt();
+        let area = 2.0 * s * width;
+        let drag = self.viscosity * self.v / h * area;
+        let into_ice = 2.0 * width * self.heat_into_ice.scaled(xi);
+        let into_steel = self.heat_into_steel(k, xi) * area;
+        let melting = (drag * self.v - into_ice - into_steel) / self.properties.latent_heat;
+        FilmTotals {
+            load: self.pressure(k, xi) * area,
+            area,
+            viscous_drag: drag,
+            friction: 0.0,
+            dissipated: drag * self.v,
+            into_ice,
+            into_steel,
+            melted: melting.max(0.0),
+            refrozen: (-melting).max(0.0),
+            squeezed_out: self.squeeze(k, xi) * h.powi(3) * area,
+            mean_thickness: h * area,
+        }
+    }
+
+    /// The film at station `k`, not the first, where it is `h` thick.
+    pub(crate) fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
+        let xi = self.strip.xi()[k];
+        let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
+        let heat_into_steel = self.heat_into_steel(k - 1, xi);
+        let shear = self.viscosity * self.v / h;
+        let melting = shear * self.v - heat_into_ice - heat_into_steel;
+        FilmStation {
+            xi,
+            width: self.strip.width()[k],
+            pressure: self.strip.pressure()[k],
+            thickness: h,
+            thickness_error,
+            temperature: self
+                .properties
+                .melting_temperature(self.strip.pressure()[k]),
+            melt_rate: melting / (self.properties.ice_density * self.properties.latent_heat),
+            shear,
+            heat_into_ice,
+            heat_into_steel,
+        }
+    }
+}
+
+/// The film's equation at one place: `dh/ds = alpha/h - beta - gamma h^3`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rate {
+    /// Friction heat that melts.
+    pub alpha: f64,
+    /// Heat that is lost.
+    pub beta: f64,
+    /// Squeeze-out.
+    pub gamma: f64,
+}
+
+impl Rate {
+    fn value(&self, h: f64) -> f64 {
+        self.alpha / h - self.beta - self.gamma * h.powi(3)
+    }
+
+    fn slope(&self, h: f64) -> f64 {
+        -self.alpha / (h * h) - 3.0 * self.gamma * h * h
+    }
+
+    /// Root of one implicit Euler step, by bisection to a few per cent: where Newton's method may start.
+    fn implicit_euler(&self, before: f64, step: f64) -> f64 {
+        let mut low = 0.0;
+        let mut high = before + (step * self.alpha).sqrt() + step * (-self.beta).max(0.0);
+        for _ in 0..8 {
+            let middle = 0.5 * (low + high);
+            if middle - before - step * self.value(middle) < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// Where the stages stand in the step, the last at its end.
+pub(crate) fn nodes() -> [f64; 3] {
+    let root = 6.0_f64.sqrt();
+    [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0]
+}
+
+/// Weights of the stages in an integral over the step, exact for polynomials to the fourth degree.
+pub(crate) fn weights() -> [f64; 3] {
+    let root = 6.0_f64.sqrt();
+    [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0]
+}
+
+fn stages() -> Matrix3<f64> {
+    let root = 6.0_f64.sqrt();
+    let last = weights();
+    Matrix3::new(
+        (88.0 - 7.0 * root) / 360.0,
+        (296.0 - 169.0 * root) / 1800.0,
+        (-2.0 + 3.0 * root) / 225.0,
+        (296.0 + 169.0 * root) / 1800.0,
+        (88.0 + 7.0 * root) / 360.0,
+        (-2.0 - 3.0 * root) / 225.0,
+        last[0],
+        last[1],
+        last[2],
+    )
+}
+
+/// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its end; `None` without convergence.
+///
+/// The method is stable for any stiffness and never asks for the rate at the beginning of the step, where the film's is without
+/// bound at the leading edge; a thickness that grows linearly in `s` it meets exactly.
+/// Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.5.
+pub(crate) fn step(before: f64, step: f64, rates: &[Rate; 3]) -> Option<[f64; 3]> {
+    let (nodes, stages) = (nodes(), stages());
+    let mut h = Vector3::from_fn(|i, _| rates[i].implicit_euler(before, nodes[i] * step));
+    for _ in 0..40 {
+        let value = Vector3::from_fn(|i, _| rates[i].value(h[i]));
+        let residual = h - Vector3::repeat(before) - step * stages * value;
+        let slope = Vector3::from_fn(|i, _| rates[i].slope(h[i]));
+        let jacobian = Matrix3::identity() - step * stages * Matrix3::from_diagonal(&slope);
+        let correction = jacobian.lu().solve(&residual)?;
+        let mut largest = 0.0_f64;
+        for i in 0..3 {
+            let next = (h[i] - correction[i]).max(0.2 * h[i]);
+            largest = largest.max((next / h[i] - 1.0).abs());
+            h[i] = next;
+        }
+        if !largest.is_finite() {
+            return None;
+        }
+        if largest < 1e-9 {
+            return Some([h[0], h[1], h[2]]);
+        }
+    }
+    None
+}
+
+/// The film at one station of the strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmStation {
+    /// Distance from the leading edge [m].
+    pub xi: f64,
+    /// Width of the strip [m].
+    pub width: f64,
+    /// Pressure averaged over the width [Pa].
+    pub pressure: f64,
+    /// Thickness of the film [m].
+    pub thickness: f64,
+    /// Discretisation error of the thickness [m].
+    pub thickness_error: f64,
+    /// Temperature of film and ice surface: the melting point under the pressure [C].
+    pub temperature: f64,
+    /// Ice that melts, as the depth that it loses, negative where the film freezes [m/s].
+    pub melt_rate: f64,
+    /// Shear stress in the film [Pa].
+    pub shear: f64,
+    /// Heat into the ice [W/m2].
+    pub heat_into_ice: f64,
+    /// Heat into the steel [W/m2].
+    pub heat_into_steel: f64,
+}
+
+/// The film summed over the strip.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmTotals {
+    /// Load that the strip carries [N].
+    pub load: f64,
+    /// Area of the strip [m2].
+    pub area: f64,
+    /// Drag of the sheared film [N].
+    pub viscous_drag: f64,
+    /// Drag over load, dimensionless.
+    pub friction: f64,
+    /// Power that the film's shear takes: drag times speed [W].
+    pub dissipated: f64,
+    /// Power that goes into the ice [W].
+    pub into_ice: f64,
+    /// Power that goes into the steel [W].
+    pub into_steel: f64,
+    /// Ice that melts, where it does [kg/s].
+    pub melted: f64,
+    /// Water that freezes again, where it does [kg/s].
+    pub refrozen: f64,
+    /// Water that is squeezed out sideways [m3/s].
+    pub squeezed_out: f64,
+    /// Thickness averaged over the area [m].
+    pub mean_thickness: f64,
+}
+
+impl FilmTotals {
+    /// Field by field.
+    pub(crate) fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        FilmTotals {
+            load: f(self.load, other.load),
+            area: f(self.area, other.area),
+            viscous_drag: f(self.viscous_drag, other.viscous_drag),
+            friction: f(self.friction, other.friction),
+            dissipated: f(self.dissipated, other.dissipated),
+            into_ice: f(self.into_ice, other.into_ice),
+            into_steel: f(self.into_steel, other.into_steel),
+            melted: f(self.melted, other.melted),
+            refrozen: f(self.refrozen, other.refrozen),
+            squeezed_out: f(self.squeezed_out, other.squeezed_out),
+            mean_thickness: f(self.mean_thickness, other.mean_thickness),
+        }
+    }
+
+    /// Absolute differences, field by field.
+    pub(crate) fn difference(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| (a - b).abs())
+    }
+
+    /// The largest of these errors of `value`, relative to it; those of heat and water, which may be small differences, relative to
+    /// the power that is dissipated and to the water that it would melt, `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
+    pub(crate) fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
+        let power = value.dissipated;
+        // Ahead of the first pressure no load is carried, without an error.
+        let over = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };
+        [
+            over(self.load, value.load),
+            over(self.area, value.area),
+            over(self.viscous_drag, value.viscous_drag),
+            over(self.mean_thickness, value.mean_thickness),
+            over(self.into_ice, power),
+            over(self.into_steel, power),
+            over(self.melted * heat_of_ice, power),
+            over(self.refrozen * heat_of_ice, power),
+            over(self.squeezed_out * heat_of_water, power),
+        ]
+        .into_iter()
+        .fold(0.0, |largest, share| {
+            // A share that is no number must not pass for a small one.
+            if share <= largest { largest } else { share }
+        })
+    }
+}
+
+/// The melt film along a strip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// The film by stations of the strip, without the leading edge, where thickness is 0 and shear without bound.
+    pub stations: Vec<FilmStation>,
+    /// What it adds up to.
+    pub totals: FilmTotals,
+    /// Discretisation error of each total: its change when every step of the integration is halved.
+    pub errors: FilmTotals,
+    /// Change of each total on every second station of the strip, `None` below four: how far the stations resolve the patch.
+    pub sampling: Option<FilmTotals>,
+    /// Steps of the integration.
+    pub steps: usize,
+}
+
+impl Film {
+    /// The station with the thickest film.
+    pub fn thickest(&self) -> Option<&FilmStation> {
+        self.stations
+            .iter()
+            .max_by(|a, b| a.thickness.total_cmp(&b.thickness))
+    }
+
+    /// The station with the thinnest film: what roughness has to be compared with.
+    pub fn thinnest(&self) -> Option<&FilmStation> {
+        self.stations
+            .iter()
+            .min_by(|a, b| a.thickness.total_cmp(&b.thickness))
     }
 }

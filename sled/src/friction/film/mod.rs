@@ -18,28 +18,19 @@
 //! ```
 
 mod closed_form;
-mod conditions;
-mod hardness;
-mod heat;
 mod march;
 mod pressure_map;
 mod properties;
-mod radau;
 mod reynolds;
-mod solution;
-mod strip;
-mod track;
 
 pub use closed_form::{
     cold_friction, film_pressure, melt_and_squeeze_friction, melt_and_squeeze_thickness,
     self_similar_start, squeeze_out_rate,
 };
-pub use conditions::{FilmConditions, FilmOptions};
-pub use hardness::{HARDNESS_EXPONENT, IceHardness, pressure_melting_bound};
-pub use heat::HeatIntoIce;
-pub use march::film;
+pub use march::{Film, FilmStation, FilmTotals, film};
 pub use pressure_map::PressureMap;
-pub use properties::Properties;
+pub use properties::{
+    FilmConditions, FilmOptions, HARDNESS_EXPONENT, HeatIntoIce, IceHardness, Properties, Strip,
+    pressure_melting_bound,
+};
 pub use reynolds::{ReynoldsFilm, reynolds_film};
-pub use solution::{Film, FilmStation, FilmTotals};
-pub use strip::Strip;

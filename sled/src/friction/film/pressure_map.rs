@@ -1,6 +1,6 @@
 //! A contact patch as a map of pressures, and the strip that it is.
 
-use super::strip::Strip;
+use super::properties::Strip;
 use crate::friction::error::{Error, in_range};
 
 /// Pressures of a contact patch on even cells; a cell is in contact where its pressure is above 0.

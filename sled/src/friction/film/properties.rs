@@ -1,4 +1,6 @@
-//! What water, ice and steel are at 0 C.
+//! What a melt film is under and of: the strip of pressure, sliding conditions, water and ice, hardness, heat into the ice.
+
+use std::f64::consts::PI;
 
 use crate::friction::error::{Error, in_range};
 
@@ -90,4 +92,391 @@ impl Properties {
         }
         in_range("melting_slope", self.melting_slope, true, "a finite number")
     }
+}
+
+/// Speed and temperatures of a runner that slides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmConditions {
+    /// Sliding speed [m/s].
+    pub v: f64,
+    /// Temperature of the ice before the runner comes [C].
+    pub ice_temperature: f64,
+    /// Temperature of the runner's steel before it slid [C].
+    pub steel_temperature: f64,
+    /// Time for which the runner has been sliding, in which heat went into its steel [s].
+    pub sliding_time: f64,
+    /// Factor on the viscosity of water: what a slurry of ice and water would have more.
+    pub viscosity_factor: f64,
+}
+
+impl FilmConditions {
+    /// A runner as cold as the ice, ten seconds after its start, over plain water.
+    pub fn new(v: f64, ice_temperature: f64) -> Self {
+        FilmConditions {
+            v,
+            ice_temperature,
+            steel_temperature: ice_temperature,
+            sliding_time: 10.0,
+            viscosity_factor: 1.0,
+        }
+    }
+
+    /// Viscosity of the film [Pa s].
+    pub fn viscosity(&self, properties: &Properties) -> f64 {
+        self.viscosity_factor * properties.water_viscosity
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a speed, time or factor that is not positive, ice outside -100 to 0 C, steel outside -100 to 100 C.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = "a positive number";
+        in_range("v", self.v, self.v > 0.0, positive)?;
+        let ice = self.ice_temperature;
+        in_range(
+            "ice_temperature",
+            ice,
+            (-100.0..=0.0).contains(&ice),
+            "-100 to 0 C",
+        )?;
+        let steel = self.steel_temperature;
+        let steel_range = (-100.0..=100.0).contains(&steel);
+        in_range("steel_temperature", steel, steel_range, "-100 to 100 C")?;
+        in_range(
+            "sliding_time",
+            self.sliding_time,
+            self.sliding_time > 0.0,
+            positive,
+        )?;
+        let factor = self.viscosity_factor;
+        in_range("viscosity_factor", factor, factor > 0.0, positive)
+    }
+}
+
+/// How exactly the film's equation is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmOptions {
+    /// Discretisation error asked of every total, 1e-10 to 0.1: relative to its value, that of heat and water, which may be small
+    /// differences, to the power that is dissipated and the water that it would melt. Down to 1e-8 it is reached on any patch
+    /// that was tried (thousands, of pressures in steps among them); where it is not, [`Error::NotConverged`] says how far it came.
+    pub accuracy: f64,
+}
+
+impl Default for FilmOptions {
+    fn default() -> Self {
+        FilmOptions { accuracy: 1e-6 }
+    }
+}
+
+impl FilmOptions {
+    /// Checks the number.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn check(&self) -> Result<(), Error> {
+        let holds = (1e-10..=0.1).contains(&self.accuracy);
+        in_range("accuracy", self.accuracy, holds, "1e-10 to 0.1")
+    }
+}
+
+/// A contact patch much longer than wide, by stations from its leading edge.
+///
+/// Between stations the pressure and the *square* of the width are linear: a round section that sinks in has `w^2 = 8 r D`, so that
+/// the square grows evenly with depth and the rounded ends of a patch are met with few stations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    xi: Vec<f64>,
+    width: Vec<f64>,
+    pressure: Vec<f64>,
+}
+
+impl Strip {
+    /// A strip from stations `xi` [m], widths [m] and pressures averaged over the width [Pa], all of one length.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] for fewer than two stations or columns of unequal length. [`Error::OutOfRange`] where the stations do not
+    /// start at 0 and ascend, a width is negative or, between the ends, 0, a pressure is negative, no load is carried, or a number
+    /// is not finite.
+    pub fn new(xi: Vec<f64>, width: Vec<f64>, pressure: Vec<f64>) -> Result<Self, Error> {
+        let n = xi.len();
+        if n < 2 {
+            return Err(too_few("stations of a strip", n, 2));
+        }
+        for (what, have) in [
+            ("widths of a strip, one a station", width.len()),
+            ("pressures of a strip, one a station", pressure.len()),
+        ] {
+            if have != n {
+                return Err(too_few(what, have, n));
+            }
+        }
+        in_range("xi", xi[0], xi[0] == 0.0, "0 at the leading edge")?;
+        for pair in xi.windows(2) {
+            in_range("xi", pair[1], pair[1] > pair[0], "stations that ascend")?;
+        }
+        for (k, &w) in width.iter().enumerate() {
+            let end = k == 0 || k + 1 == n;
+            let holds = if end { w >= 0.0 } else { w > 0.0 };
+            in_range(
+                "width",
+                w,
+                holds,
+                "above 0 between the ends, 0 or more there",
+            )?;
+        }
+        for &p in &pressure {
+            in_range("pressure", p, p >= 0.0, "0 or more")?;
+        }
+        let strip = Strip {
+            xi,
+            width,
+            pressure,
+        };
+        let carried: f64 = (0..n).map(|k| strip.width[k] * strip.pressure[k]).sum();
+        in_range("pressure", carried, carried > 0.0, "a load that is carried")?;
+        Ok(strip)
+    }
+
+    /// A rectangle of `length` [m] and `width` [m] under the `pressure` [Pa].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] as for [`Strip::new`].
+    pub fn uniform(length: f64, width: f64, pressure: f64) -> Result<Self, Error> {
+        Strip::new(vec![0.0, length], vec![width; 2], vec![pressure; 2])
+    }
+
+    /// Stations from the leading edge [m], the first 0.
+    pub fn xi(&self) -> &[f64] {
+        &self.xi
+    }
+
+    /// Widths at the stations [m].
+    pub fn width(&self) -> &[f64] {
+        &self.width
+    }
+
+    /// Pressures averaged over the width at the stations [Pa].
+    pub fn pressure(&self) -> &[f64] {
+        &self.pressure
+    }
+
+    /// Length from the leading to the trailing edge [m].
+    pub fn length(&self) -> f64 {
+        self.xi[self.xi.len() - 1]
+    }
+
+    /// Largest width [m].
+    pub fn largest_width(&self) -> f64 {
+        self.width.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Length over largest width.
+    pub fn aspect(&self) -> f64 {
+        self.length() / self.largest_width()
+    }
+
+    /// The strip on every second station, the last one kept; `None` below four stations.
+    ///
+    /// What it answers differently shows how far the stations resolve width and pressure.
+    pub fn every_second(&self) -> Option<Self> {
+        let n = self.xi.len();
+        if n < 4 {
+            return None;
+        }
+        let kept = |values: &[f64]| -> Vec<f64> {
+            let mut kept: Vec<f64> = values[..n - 1].iter().copied().step_by(2).collect();
+            kept.push(values[n - 1]);
+            kept
+        };
+        Strip::new(kept(&self.xi), kept(&self.width), kept(&self.pressure)).ok()
+    }
+}
+
+/// Linear between the values at the ends of segment `k` of `xi`.
+pub(crate) fn between(xi: &[f64], values: &[f64], k: usize, at: f64) -> f64 {
+    let share = (at - xi[k]) / (xi[k + 1] - xi[k]);
+    values[k] + share * (values[k + 1] - values[k])
+}
+
+fn too_few(what: &str, have: usize, need: usize) -> Error {
+    Error::TooFew {
+        what: what.into(),
+        have,
+        need,
+    }
+}
+
+/// Molar gas constant [J/(mol K)], exact in the SI of 2019.
+const GAS_CONSTANT: f64 = 8.314_462_618;
+
+/// 0 C [K].
+const ZERO_CELSIUS: f64 = 273.15;
+
+/// Temperature at which the activation energy of ice's creep changes [C].
+const KNEE: f64 = -8.0;
+
+/// Activation energy above the knee, where water between the grains helps [J/mol].
+const ENERGY_ABOVE: f64 = 120.0e3;
+
+/// Activation energy below the knee [J/mol].
+const ENERGY_BELOW: f64 = 78.0e3;
+
+/// Stress exponent of ice's creep.
+pub const HARDNESS_EXPONENT: f64 = 3.0;
+
+/// Indentation hardness of ice from one known point, by the law of its creep.
+///
+/// Creep at the rate `A H^n exp(-Q/(R T))` that has to make an indentation within the contact time `t` gives
+///
+/// ```text
+/// H(T, t) = H_0 (t/t_0)^(-1/n) exp( integral from T_0 to T of Q/(n R) d(1/T) ),   n = 3
+/// Q = 120 kJ/mol above -8 C, 78 kJ/mol below,   H <= T/(dT_m/dp)
+/// ```
+///
+/// The energies and the law: P. Barnes, D. Tabor, J.C.F. Walker, Proc. R. Soc. Lond. A 324 (1971) 127-155. Over -8 C the
+/// integral is taken piece by piece, so that the hardness is continuous. The bound is pressure melting, [`pressure_melting_bound`].
+///
+/// ```
+/// use kufe_sled::friction::film::{IceHardness, Properties};
+/// let hardness = IceHardness::new(17.7e6, -5.0, 2.0e-3)?; // 17.7 MPa at -5 C within 2 ms
+/// let colder = hardness.at(-15.0, 2.0e-3, &Properties::WATER_AND_ICE)?;
+/// let slower = hardness.at(-5.0, 16.0e-3, &Properties::WATER_AND_ICE)?;
+/// assert!(colder > 17.7e6);
+/// assert!((slower / 17.7e6 - 0.5).abs() < 1e-12);
+/// # Ok::<(), kufe_sled::friction::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IceHardness {
+    pressure: f64,
+    temperature: f64,
+    contact_time: f64,
+}
+
+impl IceHardness {
+    /// From the hardness `pressure` [Pa] that was measured at `temperature` [C] within `contact_time` [s].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a pressure or time that is not positive, or a temperature outside -100 to 0 C.
+    pub fn new(pressure: f64, temperature: f64, contact_time: f64) -> Result<Self, Error> {
+        in_range("pressure", pressure, pressure > 0.0, "a positive number")?;
+        check(temperature, contact_time)?;
+        Ok(IceHardness {
+            pressure,
+            temperature,
+            contact_time,
+        })
+    }
+
+    /// Hardness at `temperature` [C] within `contact_time` [s], at most the pressure that melts the ice [Pa].
+    ///
+    /// A runner of contact length `l` at the speed `V` leaves the ice `l/V`. 0 at 0 C, where ice bears nothing without melting.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a time that is not positive, or a temperature outside -100 to 0 C.
+    pub fn at(
+        &self,
+        temperature: f64,
+        contact_time: f64,
+        properties: &Properties,
+    ) -> Result<f64, Error> {
+        check(temperature, contact_time)?;
+        let warmth = exponent(temperature) - exponent(self.temperature);
+        let time = (contact_time / self.contact_time).powf(-1.0 / HARDNESS_EXPONENT);
+        let creep = self.pressure * time * warmth.exp();
+        Ok(creep.min(pressure_melting_bound(temperature, properties)))
+    }
+}
+
+/// Pressure that melts ice of this temperature [C], which no contact exceeds for long [Pa].
+///
+/// `p = T/(dT_m/dp)`: 13.5 MPa a kelvin below 0 C. Without bound where the melting point does not fall with pressure.
+pub fn pressure_melting_bound(temperature: f64, properties: &Properties) -> f64 {
+    if properties.melting_slope < 0.0 {
+        (temperature.min(0.0) / properties.melting_slope).abs()
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// `Q/(n R T)`, with the jump at the knee taken out.
+fn exponent(temperature: f64) -> f64 {
+    let inverse = 1.0 / (temperature + ZERO_CELSIUS);
+    let knee = 1.0 / (KNEE + ZERO_CELSIUS);
+    let energy = if temperature > KNEE {
+        ENERGY_ABOVE
+    } else {
+        ENERGY_BELOW
+    };
+    energy / (HARDNESS_EXPONENT * GAS_CONSTANT) * (inverse - knee)
+}
+
+fn check(temperature: f64, contact_time: f64) -> Result<(), Error> {
+    let cold = (-100.0..=0.0).contains(&temperature);
+    in_range("temperature", temperature, cold, "-100 to 0 C")?;
+    let holds = contact_time > 0.0;
+    in_range("contact_time", contact_time, holds, "a positive number")
+}
+
+/// Heat into ice whose surface is held at the melting point from the moment the runner's leading edge reaches it.
+///
+/// Conduction in depth alone (the Peclet number of a bob runner is a million) into ice at `T_ice`, with `D = T_m(p(xi)) - T_ice`:
+///
+/// ```text
+/// q_i(xi) = k_i sqrt(V/(pi kappa)) [ D(0)/sqrt(xi) + integral_0^xi D'(s)/sqrt(xi - s) ds ]
+/// ```
+///
+/// Exact for the pressure of a [`Strip`], linear between its stations. Under an even pressure it is `k_i D/sqrt(pi kappa xi/V)`.
+/// Source: H.S. Carslaw, J.C. Jaeger, Conduction of Heat in Solids, 2nd ed., Oxford 1959, section 2.5 with Duhamel's theorem.
+///
+/// Negative where the pressure has pushed the melting point under the temperature of the ice.
+#[derive(Clone, Debug)]
+pub struct HeatIntoIce {
+    factor: f64,
+    first: f64,
+    xi: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl HeatIntoIce {
+    /// For the pressures of `strip`.
+    pub fn new(strip: &Strip, conditions: &FilmConditions, properties: &Properties) -> Self {
+        let kappa = properties.ice_diffusivity();
+        let factor = if kappa > 0.0 {
+            properties.ice_conductivity * (conditions.v / (PI * kappa)).sqrt()
+        } else {
+            0.0
+        };
+        let (xi, p) = (strip.xi(), strip.pressure());
+        let melting = |k: usize| properties.melting_temperature(p[k]);
+        HeatIntoIce {
+            factor,
+            first: melting(0) - conditions.ice_temperature,
+            xi: xi.to_vec(),
+            slopes: (1..xi.len())
+                .map(|k| (melting(k) - melting(k - 1)) / (xi[k] - xi[k - 1]))
+                .collect(),
+        }
+    }
+
+    /// `q_i sqrt(xi)` at `xi` [m], which stays finite at the leading edge [W/m^1.5].
+    pub fn scaled(&self, xi: f64) -> f64 {
+        let mut sum = 0.0;
+        for (slope, ends) in self.slopes.iter().zip(self.xi.windows(2)) {
+            if ends[0] >= xi {
+                break;
+            }
+            sum += 2.0 * slope * ((xi - ends[0]).sqrt() - (xi - ends[1]).max(0.0).sqrt());
+        }
+        self.factor * (self.first + xi.sqrt() * sum)
+    }
+}
+
+/// Heat transfer coefficient of steel as deep as heat goes in the sliding time [W/(m2 K)].
+///
+/// `q_s = sqrt(k_s rho_s c_s/(pi t)) (T_m - T_s)` with the time `t` for which the runner has slid: the film stays at the same
+/// place of the steel. Some 2 kW/(m2 K) after 10 s, beside megawatts of friction. Source: as [`HeatIntoIce`].
+pub(crate) fn steel_transfer(conditions: &FilmConditions, properties: &Properties) -> f64 {
+    let effusivity_squared = properties.steel_conductivity * properties.steel_volumetric_heat;
+    (effusivity_squared / (PI * conditions.sliding_time)).sqrt()
 }

@@ -4,13 +4,13 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
-use super::conditions::{FilmConditions, FilmOptions};
+use super::march::Film;
+use super::march::Track;
 use super::march::along;
 use super::pressure_map::PressureMap;
 use super::properties::Properties;
-use super::solution::Film;
-use super::strip::Strip;
-use super::track::Track;
+use super::properties::Strip;
+use super::properties::{FilmConditions, FilmOptions};
 use crate::friction::error::Error;
 
 /// Most passes between film and Reynolds equation.

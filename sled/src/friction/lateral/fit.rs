@@ -5,18 +5,16 @@
 //! a corrected score that is unbiased for slip noise of a stated standard deviation. Intervals come from leaving out
 //! one cluster (run) at a time, so that correlation within a run does not make them too narrow.
 
-use nalgebra::Matrix3;
+use std::collections::BTreeMap;
+use std::fmt;
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::storage::Owned;
+use nalgebra::{Complex, ComplexField, DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
 
 use crate::friction::error::{Error, in_range};
 use crate::friction::estimate::{Estimate, student_quantile};
-use crate::friction::lateral::identifiability::{Combination, Identifiability};
 use crate::friction::lateral::law::MagicFormula;
-use crate::friction::lateral::least_squares::least_squares;
-use crate::friction::lateral::options::LateralFitOptions;
-use crate::friction::lateral::root::{
-    by_cluster, choose_freedom, corrected_root, leave_one_cluster_out,
-};
-use crate::friction::lateral::score::{LateralSample, model_of};
 
 /// The fitted model and what is known of its parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -238,4 +236,446 @@ fn first_guess(
         e: options.e,
         k_n_per_rad,
     })
+}
+
+/// What is known before the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LateralFitOptions {
+    /// Curvature factor E, predefined and not fitted.
+    pub e: f64,
+    /// Shape factor C that is held where the data do not determine it.
+    pub c: f64,
+    /// Standard deviation of the noise in the slip angles as given, after any filter [rad]; 0 where they are exact.
+    pub slip_sd: f64,
+    /// Probability that the intervals are to cover.
+    pub confidence: f64,
+}
+
+impl Default for LateralFitOptions {
+    fn default() -> Self {
+        LateralFitOptions {
+            e: 0.99,
+            c: 0.05,
+            slip_sd: 0.0,
+            confidence: 0.95,
+        }
+    }
+}
+
+// The least-squares score of the magic formula in logarithms, for real and for complex slip.
+//
+// Parameters are `theta = (ln K, ln P, ln C)` with `P = mu_zeta C`: logarithms keep all three positive, and the
+// product P is what saturating data determine, whereas C apart from P hardly changes the force while C is small.
+
+/// One sample of a runner's lateral force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LateralSample {
+    /// Slip angle [rad].
+    pub alpha: f64,
+    /// Normal force [N].
+    pub fz: f64,
+    /// Lateral force [N].
+    pub fy: f64,
+    /// Number of the run, or of the stretch of a run, within which errors may be correlated.
+    pub cluster: u32,
+}
+
+/// The point `theta` of a model.
+pub(crate) fn theta_of(model: &MagicFormula) -> Vector3<f64> {
+    Vector3::new(
+        model.k_n_per_rad.ln(),
+        (model.mu_zeta * model.c).ln(),
+        model.c.ln(),
+    )
+}
+
+/// The model at a point `theta`.
+pub(crate) fn model_of(theta: &Vector3<f64>, e: f64) -> MagicFormula {
+    MagicFormula {
+        k_n_per_rad: theta[0].exp(),
+        mu_zeta: (theta[1] - theta[2]).exp(),
+        c: theta[2].exp(),
+        e,
+    }
+}
+
+/// Force and its gradient by `theta`, all in newtons.
+///
+/// ```text
+/// x = K alpha / (P F_z),   u = (1-E) x + E atan x,   f = (P F_z / C) sin(C atan u)
+/// f_lnK = K alpha cos(C atan u) u'(x) / (1+u^2)
+/// f_lnP = f - f_lnK,   f_lnC = P F_z atan(u) cos(C atan u) - f
+/// ```
+pub(crate) fn force_and_gradient<T: ComplexField<RealField = f64>>(
+    model: &MagicFormula,
+    alpha: T,
+    fz: f64,
+) -> (T, [T; 3]) {
+    let one = T::one();
+    let real = |value: f64| T::from_real(value);
+    let reach = model.mu_zeta * model.c * fz;
+    let x = alpha.clone() * real(model.k_n_per_rad / reach);
+    let u = x.clone() * real(1.0 - model.e) + x.clone().atan() * real(model.e);
+    let angle = u.clone().atan();
+    let (sine, cosine) = (angle.clone() * real(model.c)).sin_cos();
+    let f = sine * real(reach / model.c);
+    let du_dx = real(1.0 - model.e) + real(model.e) / (one.clone() + x.clone() * x);
+    let by_k = alpha * real(model.k_n_per_rad) * cosine.clone() * du_dx / (one + u.clone() * u);
+    let by_p = f.clone() - by_k.clone();
+    let by_c = angle * cosine * real(reach) - f.clone();
+    (f, [by_k, by_p, by_c])
+}
+
+/// Sums over samples of the score `(f_y - f) grad f` and of its slope `grad f grad f^T`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Score {
+    pub score: Vector3<f64>,
+    pub slope: Matrix3<f64>,
+}
+
+impl Score {
+    pub(crate) const ZERO: Score = Score {
+        score: Vector3::new(0.0, 0.0, 0.0),
+        slope: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    };
+
+    pub(crate) fn add(&mut self, other: &Score) {
+        self.score += other.score;
+        self.slope += other.slope;
+    }
+
+    /// Score of one sample whose slip carries noise of standard deviation `slip_sd`, unbiased for the score at the true slip.
+    ///
+    /// For an analytic h and Gaussian noise eta, `E[h(xi + eta + i eta')] = h(xi)` with an independent copy
+    /// eta'; three Gauss-Hermite nodes over eta' give `h* = 2/3 h(alpha) + 1/3 Re h(alpha + i sqrt(3) sd)`, exact to
+    /// the fifth power of the noise (Novick and Stefanski, J. Am. Stat. Assoc. 97 (2002) 472).
+    pub(crate) fn of_sample(model: &MagicFormula, sample: &LateralSample, slip_sd: f64) -> Score {
+        let (f, g) = force_and_gradient(model, sample.alpha, sample.fz);
+        let mut sum = Score::ZERO;
+        let direct = if slip_sd > 0.0 { 2.0 / 3.0 } else { 1.0 };
+        for i in 0..3 {
+            sum.score[i] = direct * (sample.fy - f) * g[i];
+            for j in 0..3 {
+                sum.slope[(i, j)] = direct * g[i] * g[j];
+            }
+        }
+        if slip_sd > 0.0 {
+            let shifted = Complex::new(sample.alpha, 3f64.sqrt() * slip_sd);
+            let (f, g) = force_and_gradient(model, shifted, sample.fz);
+            for i in 0..3 {
+                sum.score[i] += ((Complex::from(sample.fy) - f) * g[i]).re / 3.0;
+                for j in 0..3 {
+                    sum.slope[(i, j)] += (g[i] * g[j]).re / 3.0;
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// A direction in `(ln K, ln(mu_zeta C), ln C)` and how well it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Combination {
+    /// Exponents of K, of the product mu_zeta C and of C apart from that product, of unit length.
+    pub exponents: [f64; 3],
+    /// Singular value of the Jacobian along it [N per unit logarithm], root mean square over the samples.
+    pub singular_value: f64,
+    /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
+    pub relative_sd: f64,
+    /// Whether the data determine it: relative standard deviation below [`Combination::LIMIT`].
+    pub determined: bool,
+}
+
+impl Combination {
+    /// A combination known to worse than a factor of about 1.6 (95 %) is called not determined.
+    pub const LIMIT: f64 = 0.25;
+}
+
+/// The three combinations, best determined first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Identifiability {
+    /// Right singular vectors of the Jacobian with their singular values, in falling order.
+    pub combinations: [Combination; 3],
+}
+
+impl Identifiability {
+    /// From the summed slope `J^T J` and the covariance of the summed score over `samples` samples.
+    pub(crate) fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>, samples: usize) -> Self {
+        let eigen = slope.symmetric_eigen();
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+        let combinations = order.map(|k| {
+            let mut direction: Vector3<f64> = eigen.eigenvectors.column(k).into();
+            if direction[direction.iamax()] < 0.0 {
+                direction = -direction;
+            }
+            let curvature = eigen.eigenvalues[k].max(0.0);
+            let spread = (direction.transpose() * meat * direction)[0].max(0.0);
+            let relative_sd = if curvature > 0.0 {
+                spread.sqrt() / curvature
+            } else {
+                f64::INFINITY
+            };
+            Combination {
+                exponents: direction.into(),
+                singular_value: (curvature / samples as f64).sqrt(),
+                relative_sd,
+                determined: relative_sd < Combination::LIMIT,
+            }
+        });
+        Identifiability { combinations }
+    }
+
+    /// Number of combinations that the data determine.
+    pub fn rank(&self) -> usize {
+        self.combinations.iter().filter(|c| c.determined).count()
+    }
+}
+
+impl fmt::Display for Identifiability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "the data determine {} of 3 combinations of K, mu_zeta*c and c:",
+            self.rank()
+        )?;
+        for combination in &self.combinations {
+            let product: Vec<String> = combination
+                .exponents
+                .iter()
+                .zip(["K", "(mu_zeta*c)", "c"])
+                .filter(|(power, _)| power.abs() >= 0.05)
+                .map(|(power, name)| format!("{name}^{power:.2}"))
+                .collect();
+            writeln!(
+                f,
+                "  {}: singular value {:.3e} N, relative sd {:.2e}: {}",
+                product.join(" "),
+                combination.singular_value,
+                combination.relative_sd,
+                if combination.determined {
+                    "determined"
+                } else {
+                    "not determined"
+                }
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Least squares over the free parameters by Levenberg-Marquardt.
+pub(crate) fn least_squares(
+    samples: &[LateralSample],
+    start: MagicFormula,
+    free: [bool; 3],
+) -> Result<MagicFormula, Error> {
+    let problem = Residuals {
+        samples,
+        theta: theta_of(&start),
+        free: (0..3).filter(|&i| free[i]).collect(),
+        e: start.e,
+    };
+    // Looser than rounding: along a direction that the data do not determine the last digits cost most of the time, and the
+    // corrected score takes the parameters further.
+    let (problem, report) = LevenbergMarquardt::new()
+        .with_ftol(1e-12)
+        .with_xtol(1e-10)
+        .minimize(problem);
+    let model = model_of(&problem.theta, start.e);
+    if !report.termination.was_successful() || model.check().is_err() {
+        return Err(Error::NotConverged {
+            what: "lateral fit, least squares",
+            iterations: report.number_of_evaluations,
+            residual: (2.0 * report.objective_function / samples.len() as f64).sqrt(),
+            tolerance: f64::EPSILON,
+        });
+    }
+    Ok(model)
+}
+
+struct Residuals<'a> {
+    samples: &'a [LateralSample],
+    theta: Vector3<f64>,
+    free: Vec<usize>,
+    e: f64,
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
+    type ResidualStorage = Owned<f64, Dyn, U1>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn, U1>;
+
+    fn set_params(&mut self, x: &DVector<f64>) {
+        for (k, &i) in self.free.iter().enumerate() {
+            self.theta[i] = x[k];
+        }
+    }
+
+    fn params(&self) -> DVector<f64> {
+        DVector::from_iterator(self.free.len(), self.free.iter().map(|&i| self.theta[i]))
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        let model = model_of(&self.theta, self.e);
+        let residual = |s: &LateralSample| model.force(s.alpha, s.fz) - s.fy;
+        Some(DVector::from_iterator(
+            self.samples.len(),
+            self.samples.iter().map(residual),
+        ))
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let model = model_of(&self.theta, self.e);
+        let mut jacobian = DMatrix::zeros(self.samples.len(), self.free.len());
+        for (row, sample) in self.samples.iter().enumerate() {
+            let (_, gradient) = force_and_gradient(&model, sample.alpha, sample.fz);
+            for (k, &i) in self.free.iter().enumerate() {
+                jacobian[(row, k)] = gradient[i];
+            }
+        }
+        Some(jacobian)
+    }
+}
+
+/// Decides by the three-parameter fit whether C is free.
+pub(crate) fn choose_freedom(
+    samples: &[LateralSample],
+    held: MagicFormula,
+    options: &LateralFitOptions,
+) -> Result<([bool; 3], MagicFormula, Identifiability), Error> {
+    let squares = |model: &MagicFormula| -> f64 {
+        samples
+            .iter()
+            .map(|s| (s.fy - model.force(s.alpha, s.fz)).powi(2))
+            .sum()
+    };
+    let mut best = held;
+    for c in [options.c, 1.0] {
+        let mu_zeta = held.mu_zeta_c() / c;
+        let start = MagicFormula { mu_zeta, c, ..held };
+        // A direction without curvature may stop the search early; the held fit is then the better one.
+        if let Ok(found) = least_squares(samples, start, [true; 3])
+            && found.c < 2.0
+            && squares(&found) < squares(&best)
+        {
+            best = found;
+        }
+    }
+    let judged = judge(samples, &best, options.slip_sd);
+    if judged.rank() == 3 {
+        return Ok(([true; 3], best, judged));
+    }
+    let judged = judge(samples, &held, options.slip_sd);
+    let strongest = judged.combinations[0];
+    if !strongest.determined {
+        return Err(Error::Undetermined {
+            what: "cornering stiffness K",
+            ratio: Combination::LIMIT / strongest.relative_sd,
+        });
+    }
+    Ok(([true, true, false], held, judged))
+}
+
+fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Identifiability {
+    let clusters = by_cluster(samples, model, slip_sd);
+    let mut total = Score::ZERO;
+    let mut meat = Matrix3::zeros();
+    for cluster in clusters.values() {
+        total.add(cluster);
+        meat += cluster.score * cluster.score.transpose();
+    }
+    Identifiability::new(&total.slope, &meat, samples.len())
+}
+
+pub(crate) fn by_cluster(
+    samples: &[LateralSample],
+    model: &MagicFormula,
+    slip_sd: f64,
+) -> BTreeMap<u32, Score> {
+    let mut clusters = BTreeMap::new();
+    for sample in samples {
+        clusters
+            .entry(sample.cluster)
+            .or_insert(Score::ZERO)
+            .add(&Score::of_sample(model, sample, slip_sd));
+    }
+    clusters
+}
+
+/// Step `slope^-1 score` over the free parameters, through a pseudo-inverse.
+fn step(slope: &Matrix3<f64>, score: &Vector3<f64>, free: [bool; 3]) -> Option<Vector3<f64>> {
+    let kept: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
+    let matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| slope[(kept[i], kept[j])]);
+    let right = DVector::from_fn(kept.len(), |i, _| score[kept[i]]);
+    let solved = matrix.cholesky()?.solve(&right);
+    let mut whole = Vector3::zeros();
+    for (i, &k) in kept.iter().enumerate() {
+        whole[k] = solved[i];
+    }
+    Some(whole)
+}
+
+/// Root of the corrected score from the least-squares fit, by Gauss-Newton steps of at most one unit of logarithm.
+pub(crate) fn corrected_root(
+    samples: &[LateralSample],
+    start: &MagicFormula,
+    free: [bool; 3],
+    options: &LateralFitOptions,
+) -> Result<Vector3<f64>, Error> {
+    const MOST: usize = 100;
+    const TOLERANCE: f64 = 1e-9;
+    let mut theta = theta_of(start);
+    let mut length = f64::INFINITY;
+    for _ in 0..MOST {
+        let model = model_of(&theta, options.e);
+        let mut total = Score::ZERO;
+        for sample in samples {
+            total.add(&Score::of_sample(&model, sample, options.slip_sd));
+        }
+        let Some(move_by) = step(&total.slope, &total.score, free) else {
+            return Err(Error::Undetermined {
+                what: "K with mu_zeta*c (slip too small against its noise, or no saturation)",
+                ratio: 0.0,
+            });
+        };
+        length = move_by.norm();
+        theta += move_by / length.max(1.0);
+        if length < TOLERANCE {
+            return Ok(theta);
+        }
+    }
+    Err(Error::NotConverged {
+        what: "lateral fit, corrected score",
+        iterations: MOST,
+        residual: length,
+        tolerance: TOLERANCE,
+    })
+}
+
+/// Covariance by leaving out one cluster at a time, one Newton step each (the jackknife "CR3" of Bell and McCaffrey).
+pub(crate) fn leave_one_cluster_out(
+    samples: &[LateralSample],
+    model: &MagicFormula,
+    free: [bool; 3],
+    slip_sd: f64,
+) -> Result<Matrix3<f64>, Error> {
+    let clusters = by_cluster(samples, model, slip_sd);
+    let count = clusters.len() as f64;
+    let mut total = Score::ZERO;
+    for cluster in clusters.values() {
+        total.add(cluster);
+    }
+    let mut covariance = Matrix3::zeros();
+    for cluster in clusters.values() {
+        let rest = total.slope - cluster.slope;
+        let Some(change) = step(&rest, &cluster.score, free) else {
+            return Err(Error::Undetermined {
+                what: "the fit without one of its runs",
+                ratio: 0.0,
+            });
+        };
+        covariance += change * change.transpose();
+    }
+    Ok(covariance * ((count - 1.0) / count))
 }

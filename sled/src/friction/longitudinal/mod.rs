@@ -2,8 +2,5 @@
 
 mod fit;
 pub mod law;
-mod mu_fit;
-mod orthogonal_distance;
 
-pub use fit::fit_mu;
-pub use mu_fit::{LeastFriction, MuFit, Weighting};
+pub use fit::{LeastFriction, MuFit, Weighting, fit_mu};

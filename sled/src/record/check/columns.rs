@@ -3,11 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::columns::Columns;
 use crate::error::Error;
-use crate::record::check::clock::{Base, Clock};
-use crate::record::check::gaps::{Gaps, LEAST_SPEED, OnGaps};
-use crate::record::check::saturation::Saturation;
-use crate::record::columns::Columns;
+use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
 
 /// Fewest samples of a run that filters and derivatives can work on.
 pub const LEAST_SAMPLES: usize = 64;
@@ -167,4 +165,278 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
         bursts,
         total: values.iter().filter(|v| missing(v)).count(),
     })
+}
+
+/// Start and step of a uniform time column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Time of the first sample [s].
+    pub t0_s: f64,
+    /// Time between samples [s].
+    pub dt_s: f64,
+}
+
+/// Steps that differ by less than this share are told by rounded times.
+const ROUNDING: f64 = 0.05;
+/// A step between half and one and a half of the usual one is one step; a longer one leaves rows out.
+const ONE_STEP: std::ops::Range<f64> = 0.5..1.5;
+
+/// The uniform base of a file's rows, and how its columns are brought there.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// Start and step.
+    pub clock: Clock,
+    /// Samples on the base.
+    pub len: usize,
+    /// Largest distance of a row from its place on the base, in steps; 0 where rows are on it.
+    pub jitter: f64,
+    rows: Rows,
+}
+
+#[derive(Clone, Debug)]
+enum Rows {
+    /// Row `i` is sample `i`.
+    AsTheyAre,
+    /// Row `i` is sample `places[i]`.
+    Placed(Vec<usize>),
+    /// Samples lie between rows with these times.
+    Between(Vec<f64>),
+}
+
+impl Base {
+    /// The base of rows at increasing `time` [s]; `row` is the file's line of each, for errors.
+    ///
+    /// Rows whose steps differ by less than 5 % stay as they are. A step of one and a half usual ones or more is a gap: the
+    /// base has its rows without values. Where rows stand further than 5 % of a step from the base, be it by jitter (steps
+    /// between half and one and a half of the usual one), by drift or because a logger began anew, [`Base::column`] interpolates.
+    ///
+    /// # Errors
+    /// [`Error::Time`] where time stands still or runs backwards, steps by less than half the usual step, or jumps further
+    /// than there is time recorded.
+    pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<Base, Error> {
+        let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let usual = usual_step(&steps);
+        let told = |i: usize, what| Error::Time {
+            file: file.to_string(),
+            row: row(i + 1),
+            what,
+            step_s: steps[i],
+            t_s: time[i],
+            expected_s: usual,
+        };
+        if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
+            return Err(told(i, "time stands still or runs backwards"));
+        }
+        if let Some(i) = steps.iter().position(|step| *step < ONE_STEP.start * usual) {
+            return Err(told(i, "irregular time"));
+        }
+        let (first, last) = (time[0], time[time.len() - 1]);
+        let count = steps.len();
+        let even = Clock {
+            t0_s: first,
+            dt_s: (last - first) / count as f64,
+        };
+        let close = |step: &f64| (step - usual).abs() <= ROUNDING * usual;
+        let drift = |clock: &Clock, i: usize, place: f64| {
+            ((time[i] - clock.t0_s) / clock.dt_s - place).abs()
+        };
+        if steps.iter().all(close) && (0..=count).all(|i| drift(&even, i, i as f64) < 0.5) {
+            return Ok(Base {
+                clock: even,
+                len: time.len(),
+                jitter: 0.0,
+                rows: Rows::AsTheyAre,
+            });
+        }
+        let mut places = vec![0.0];
+        for (i, step) in steps.iter().enumerate() {
+            let whole = (step / usual).round().max(1.0);
+            // More is missing than there is: a clock that jumped, not a gap.
+            if whole > time.len() as f64 {
+                return Err(told(i, "clock jump"));
+            }
+            places.push(places[i] + whole);
+        }
+        let total = places[count];
+        let clock = Clock {
+            t0_s: first,
+            dt_s: (last - first) / total,
+        };
+        let jitter = (0..=count)
+            .map(|i| drift(&clock, i, places[i]))
+            .fold(0.0, f64::max);
+        let len = total as usize + 1;
+        if len > 2 * time.len() {
+            let longest = (0..count).max_by(|a, b| steps[*a].total_cmp(&steps[*b]));
+            return Err(told(longest.unwrap_or(0), "clock jump"));
+        }
+        let on_base = jitter <= ROUNDING;
+        Ok(Base {
+            clock,
+            len,
+            jitter: if on_base { 0.0 } else { jitter },
+            rows: if on_base {
+                Rows::Placed(places.into_iter().map(|place| place as usize).collect())
+            } else {
+                Rows::Between(time.to_vec())
+            },
+        })
+    }
+
+    /// A column of the file on the base: NaN where rows are missing; between rows by the cubic through the four nearest, by a
+    /// straight line beside gaps.
+    pub fn column(&self, values: Vec<f64>) -> Vec<f64> {
+        match &self.rows {
+            Rows::AsTheyAre => values,
+            Rows::Placed(places) => {
+                let mut column = vec![f64::NAN; self.len];
+                for (place, value) in places.iter().zip(values) {
+                    column[*place] = value;
+                }
+                column
+            }
+            Rows::Between(time) => {
+                let mut before = 0;
+                (0..self.len)
+                    .map(|i| {
+                        let t = self.clock.t0_s + i as f64 * self.clock.dt_s;
+                        while before + 2 < time.len() && time[before + 1] <= t {
+                            before += 1;
+                        }
+                        self.between(time, &values, before, t)
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// The value at `t` between rows `i` and `i + 1`.
+    fn between(&self, time: &[f64], x: &[f64], i: usize, t: f64) -> f64 {
+        let dt = self.clock.dt_s;
+        let near = |k: usize| (time[k] - t).abs() < ROUNDING * dt;
+        for k in [i, i + 1] {
+            if near(k) {
+                return x[k];
+            }
+        }
+        let one = |a: usize| ONE_STEP.contains(&((time[a + 1] - time[a]) / dt));
+        if !one(i) {
+            return f64::NAN;
+        }
+        if i > 0 && i + 2 < time.len() && one(i - 1) && one(i + 1) {
+            let cubic = lagrange(&time[i - 1..i + 3], &x[i - 1..i + 3], t);
+            if cubic.is_finite() {
+                return cubic;
+            }
+        }
+        x[i] + (x[i + 1] - x[i]) * (t - time[i]) / (time[i + 1] - time[i])
+    }
+}
+
+/// The median step, made finer by the mean of those that are no gaps.
+fn usual_step(steps: &[f64]) -> f64 {
+    let mut sorted = steps.to_vec();
+    let middle = sorted.len() / 2;
+    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for step in steps {
+        if ONE_STEP.contains(&(step / median)) {
+            (sum, count) = (sum + step, count + 1.0);
+        }
+    }
+    if count > 0.0 { sum / count } else { median }
+}
+
+/// The polynomial through points `(t, x)`, at `at`.
+fn lagrange(t: &[f64], x: &[f64], at: f64) -> f64 {
+    (0..t.len())
+        .map(|i| {
+            let others = (0..t.len()).filter(|j| *j != i);
+            x[i] * others.map(|j| (at - t[j]) / (t[i] - t[j])).product::<f64>()
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn base(time: &[f64]) -> Result<Base, Error> {
+        Base::of(time, &|i| i as u64 + 2, "run.csv")
+    }
+
+    #[test]
+    fn missing_rows_become_samples_without_values() {
+        let time: Vec<f64> = (0..200)
+            .filter(|i| !(50..60).contains(i) && *i != 120)
+            .map(|i| 3.0 + 0.002 * f64::from(i))
+            .collect();
+        let base = base(&time).unwrap();
+        assert_eq!((base.len, base.jitter), (200, 0.0));
+        let column = base.column(time.clone());
+        for (i, t) in column.iter().enumerate() {
+            let gone = (50..60).contains(&i) || i == 120;
+            assert_eq!(t.is_nan(), gone, "{i}");
+            assert!(gone || (t - 3.0 - 0.002 * i as f64).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn jitter_of_a_quarter_of_a_step_leaves_a_slow_wave_as_it_was() {
+        // 8 Hz at 500 Hz: the cubic's error is (2 pi 8 0.002)^4 times 3/128 at most, widened by the jitter.
+        let wave = |t: f64| (std::f64::consts::TAU * 8.0 * t).sin();
+        let mut state = 1_u32;
+        let mut time: Vec<f64> = (0..1000)
+            .map(|i| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let share = f64::from(state >> 8) / f64::from(1 << 24) - 0.5;
+                0.002 * (f64::from(i) + 0.48 * share)
+            })
+            .collect();
+        (time[0], time[999]) = (0.0, 0.002 * 999.0);
+        let base = base(&time).unwrap();
+        assert!(base.jitter > 0.2 && base.len == 1000);
+        let values = base.column(time.iter().map(|t| wave(*t)).collect());
+        for (i, value) in values.iter().enumerate().skip(2).take(996) {
+            let expected = wave(0.002 * i as f64);
+            // A row within 5 % of a step is taken as it is: its slope times that.
+            let taken = 0.05 * 0.002 * std::f64::consts::TAU * 8.0;
+            assert!((value - expected).abs() < taken + 1e-5, "{i}");
+        }
+    }
+
+    #[test]
+    fn a_logger_that_begins_anew_between_steps_is_interpolated_and_its_gap_stays_empty() {
+        let time: Vec<f64> = (0..100)
+            .map(|i| 0.01 * f64::from(i))
+            .chain((0..100).map(|i| 1.5037 + 0.01 * f64::from(i)))
+            .collect();
+        let base = base(&time).unwrap();
+        let column = base.column(time.clone());
+        for (i, t) in column.iter().enumerate() {
+            let at = base.clock.t0_s + i as f64 * base.clock.dt_s;
+            let inside = (0.991..1.503).contains(&at);
+            assert_eq!(t.is_nan(), inside, "{at}");
+            assert!(inside || (t - at).abs() < 0.05 * 0.01 + 1e-9, "{at} {t}");
+        }
+    }
+
+    #[test]
+    fn clocks_that_run_backwards_or_jump_beyond_what_is_recorded_are_placed() {
+        let mut time: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
+        time[40] = 0.2;
+        let told = base(&time).unwrap_err().to_string();
+        assert!(
+            told.contains("row 42") && told.contains("backwards"),
+            "{told}"
+        );
+        let jumped: Vec<f64> = (0..100)
+            .map(|i| 0.01 * f64::from(i) + if i > 30 { 1e12 } else { 0.0 })
+            .collect();
+        let told = base(&jumped).unwrap_err().to_string();
+        assert!(
+            told.contains("row 33") && told.contains("clock jump"),
+            "{told}"
+        );
+    }
 }

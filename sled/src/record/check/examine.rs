@@ -6,18 +6,18 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::columns::Columns;
+use crate::columns::read_columns;
 use crate::error::Error;
-use crate::record::check::gaps::{Gaps, LEAST_SPEED, OnGaps};
-use crate::record::check::needs::Needs;
 use crate::record::check::profile::Profile;
 use crate::record::check::relations::delay::delays;
 use crate::record::check::relations::fault::Fault;
 use crate::record::check::relations::judge::judge;
 use crate::record::check::relations::slow::Slow;
-use crate::record::columns::Columns;
+use crate::record::files::{find_copy, read_run};
+use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
-use crate::record::read::read_columns;
-use crate::record::read_runs::{find_copy, read_run};
+use crate::record::needs::Needs;
 use crate::record::run::{COLUMNS, Run};
 
 /// What every run must have for the sled's lateral forces; the rest is judged where it is recorded.

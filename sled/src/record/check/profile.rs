@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::record::check::relations::plain::rows_held;
-use crate::record::check::saturation::Saturation;
-use crate::signals::noise::noise_sd_within;
+use crate::record::gaps::Saturation;
+use crate::series::noise_sd_within;
 
 /// Longest stretch of one value that is told to be a drop-out [s]; a longer one is a channel that stands still.
 const DROPOUT_S: f64 = 0.5;

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::record::check::gaps::bridged;
 use crate::record::check::relations::fault::{Fault, FaultKind};
 use crate::record::check::relations::mend::{Mend, mends};
 use crate::record::check::relations::plain::plain_faults;
@@ -13,6 +12,7 @@ use crate::record::check::relations::rigid_body::{Agreement, factor};
 use crate::record::check::relations::rules::RelationRules;
 use crate::record::check::relations::slow::Slow;
 use crate::record::run::Run;
+use crate::series::bridged;
 
 /// Most faults of one run that are looked for, one after the other.
 const MOST: usize = 4;

@@ -1,3 +1,0 @@
-//! The ice: how stiff, how hard, how thick, how smooth.
-
-include!(concat!(env!("OUT_DIR"), "/ice.rs"));

@@ -1,0 +1,373 @@
+//! Runs brought to one distance along the track, and the track that they felt.
+
+pub(crate) mod estimate;
+pub(crate) mod signature;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::align::estimate::{TrackEstimate, estimate, mean_course, over_track};
+use crate::align::signature::{Course, Felt, Line, Warp, search};
+use crate::error::Error;
+use crate::model::sled::Tolerances;
+use crate::model::vehicle::Vehicle;
+use crate::record::run::Run;
+use crate::series::bridged;
+use crate::signals::prepare::Prepared;
+use crate::track::table::TrackShape;
+
+/// Share of a track's variance that a run which is on it may leave at most; half of what two unlike tracks leave.
+const MOST_LEFT: f64 = 0.5;
+/// Elsewhere must fit worse by this, else the place is not known.
+const ELSEWHERE: f64 = 1.5;
+/// Rounds of runs on the mean of runs: the first run's own drift is out of it after two.
+const ROUNDS: usize = 3;
+
+/// Where a run lies along its track.
+#[derive(Clone, Debug, Serialize)]
+pub struct AlignedRun {
+    /// Name of the run.
+    pub run: String,
+    /// Place of its first sample [m].
+    pub start_m: f64,
+    /// Growth of the distance along the track by the run's own, in the mean.
+    pub stretch: f64,
+    /// Most that the own distance wanders off that straight line [m].
+    pub drift_m: f64,
+    /// Largest standard error of the place along the run [m].
+    pub sd_m: f64,
+    /// Share of the track's variance that is left, curvature and bank together, at the search's straight line.
+    pub left: f64,
+    /// The same at the best place more than 15 m away; none where no other was tried.
+    pub left_elsewhere: Option<f64>,
+    /// Own distance to that along the track.
+    #[serde(skip)]
+    pub warp: Warp,
+}
+
+/// The runs of one track at one distance.
+#[derive(Clone, Debug)]
+pub struct Aligned {
+    /// In the order given.
+    pub runs: Vec<AlignedRun>,
+    /// The track that they felt, in the mean; none where fewer than two felt the same metre.
+    pub estimate: Option<TrackEstimate>,
+}
+
+/// Brings runs of one track to one distance: that of the survey where there is one, else that of the runs in the mean, the
+/// earliest start at 0.
+///
+/// Curvature and bank are felt ([`Felt::of`]), the place searched and then refined landmark by landmark ([`refine`]).
+///
+/// # Errors
+/// [`Error::Unplaced`] for a run that does not look like its track, or like two places of it.
+pub fn align(
+    runs: &[&Prepared],
+    vehicle: &Vehicle,
+    survey: Option<&TrackShape>,
+    tolerances: &Tolerances,
+) -> Result<Aligned, Error> {
+    let felt: Vec<Felt> = runs
+        .par_iter()
+        .map(|run| Felt::of(run, &vehicle.sled))
+        .collect();
+    let felt: Vec<&Felt> = felt.iter().collect();
+    let on = |course: &Course| -> Result<Vec<AlignedRun>, Error> {
+        let placed: Vec<_> = runs
+            .par_iter()
+            .zip(&felt)
+            .map(|(run, felt)| place(run, felt, course))
+            .collect();
+        placed.into_iter().collect()
+    };
+    let warps = |aligned: &[AlignedRun]| -> Vec<Warp> {
+        aligned.iter().map(|run| run.warp.clone()).collect()
+    };
+    let aligned = match survey {
+        Some(shape) => on(&Course::of(shape))?,
+        None => {
+            let longest = felt.iter().max_by_key(|felt| felt.metres.len());
+            let mut course = longest.map_or_else(
+                || Course::new(0.0, Vec::new()),
+                |felt| {
+                    Course::new(
+                        felt.from_m,
+                        felt.metres.iter().map(|m| [m[0], m[1]]).collect(),
+                    )
+                },
+            );
+            let mut aligned = on(&course)?;
+            for _ in 1..ROUNDS {
+                let (from_m, table) = over_track(&felt, &warps(&aligned));
+                course = mean_course(from_m, &table);
+                aligned = on(&course)?;
+            }
+            to_mean_distance(&felt, &mut aligned);
+            aligned
+        }
+    };
+    let (from_m, table) = over_track(&felt, &warps(&aligned));
+    let states = || runs.iter().flat_map(|run| &run.states);
+    let speed_mps = states().map(|state| state.v_mps).sum::<f64>() / states().count().max(1) as f64;
+    let name = runs.first().map_or("", |run| &run.entry.track);
+    Ok(Aligned {
+        estimate: estimate(name, from_m, &table, speed_mps, tolerances),
+        runs: aligned,
+    })
+}
+
+fn place(run: &Prepared, felt: &Felt, course: &Course) -> Result<AlignedRun, Error> {
+    let unplaced = |left: f64, elsewhere: f64| Error::Unplaced {
+        file: run.entry.file.display().to_string(),
+        track: run.entry.track.clone(),
+        left,
+        elsewhere,
+    };
+    let Some((line, elsewhere)) = search(felt, course) else {
+        return Err(unplaced(f64::NAN, f64::NAN));
+    };
+    if line.left > MOST_LEFT || elsewhere < ELSEWHERE * line.left {
+        return Err(unplaced(line.left, elsewhere));
+    }
+    let warp = refine(felt, course, &line);
+    Ok(described(
+        run,
+        warp,
+        line.left,
+        Some(elsewhere).filter(|left| left.is_finite()),
+    ))
+}
+
+fn described(run: &Prepared, warp: Warp, left: f64, left_elsewhere: Option<f64>) -> AlignedRun {
+    let (own, stretch) = (&warp.own_m, warp.stretch());
+    let straight = |j: usize| warp.shift_m[0] + (stretch - 1.0) * (own[j] - own[0]);
+    let drift = (0..own.len()).map(|j| (warp.shift_m[j] - straight(j)).abs());
+    AlignedRun {
+        run: run.entry.run.clone(),
+        start_m: warp.at(run.states[0].s_m),
+        stretch,
+        drift_m: drift.fold(0.0, f64::max),
+        sd_m: warp.sd_m.iter().copied().fold(0.0, f64::max),
+        left,
+        left_elsewhere,
+        warp,
+    }
+}
+
+/// Brings the common distance to the mean of the runs' own: at every metre their growths are averaged; the earliest start is 0.
+fn to_mean_distance(felt: &[&Felt], aligned: &mut [AlignedRun]) {
+    let start = |run: &AlignedRun| run.warp.at(run.warp.own_m[0]);
+    let end = |run: &AlignedRun| run.warp.at(run.warp.own_m[run.warp.own_m.len() - 1]);
+    let from = aligned.iter().map(start).fold(f64::INFINITY, f64::min);
+    let to = aligned.iter().map(end).fold(f64::NEG_INFINITY, f64::max);
+    let count = (to - from).max(0.0) as usize + 2;
+    // Sum of the runs' own ways in each metre, and their number.
+    let mut ways = vec![(0.0, 0.0); count];
+    for (felt, run) in felt.iter().zip(aligned.iter()) {
+        for i in 1..felt.metres.len() {
+            let (a, b) = (run.warp.at(felt.place(i - 1)), run.warp.at(felt.place(i)));
+            if b > a {
+                let metre = &mut ways[((0.5 * (a + b) - from) as usize).min(count - 1)];
+                metre.0 += 1.0;
+                metre.1 += b - a;
+            }
+        }
+    }
+    let mut mean = vec![0.0; count + 1];
+    for (i, (own, common)) in ways.iter().enumerate() {
+        mean[i + 1] = mean[i] + if *common > 0.0 { own / common } else { 1.0 };
+    }
+    let to_mean = |s: f64| {
+        let along = (s - from).clamp(0.0, count as f64 - 1e-9);
+        let i = along as usize;
+        mean[i] + (along - i as f64) * (mean[i + 1] - mean[i])
+    };
+    for run in aligned {
+        let warp = &mut run.warp;
+        for (own, shift) in warp.own_m.iter().zip(&mut warp.shift_m) {
+            *shift = to_mean(own + *shift) - own;
+        }
+        run.stretch = warp.stretch();
+        run.start_m = warp.at(warp.own_m[0]);
+    }
+}
+
+/// States the distance along the track as `s_m` of a run, from its own: `s_m` as recorded, else from the speed.
+pub fn state_places(run: &mut Run, warp: &Warp) -> Result<(), Error> {
+    let own = match run.columns.get("s_m") {
+        Some(recorded) => recorded.clone(),
+        None => {
+            let v = bridged(run.column("v_mps")?);
+            let mut s = 0.0;
+            (0..v.len())
+                .map(|i| {
+                    s += if i > 0 {
+                        0.5 * run.dt_s * (v[i - 1] + v[i])
+                    } else {
+                        0.0
+                    };
+                    s
+                })
+                .collect()
+        }
+    };
+    let places = own.iter().map(|own| warp.at(*own)).collect();
+    run.columns.insert("s_m".to_string(), places);
+    Ok(())
+}
+
+/// Distance of the knots [m]: a curve and the straight before it are one landmark.
+const KNOTS_M: f64 = 100.0;
+/// By how much an integrated distance drifts more on one such way than on the way before [m], a standard deviation: half a
+/// per cent, of a speed whose scale wanders.
+const DRIFT_M: f64 = 0.5;
+/// Rounds of Gauss and Newton's method; the last ones move by less than a millimetre.
+const SPLINE_ROUNDS: usize = 12;
+/// Most that one round moves a knot [m].
+const MOST_M: f64 = 5.0;
+/// Differences beyond so many standard deviations count less (Huber): a wall, a bump, a line driven high.
+const ORDINARY: f64 = 2.0;
+/// Lags over which what is left is taken to be alike [m].
+const ALIKE_M: usize = 40;
+
+/// Shifts at knots that bring what a run felt onto the course, by robust least squares:
+///
+/// ```text
+/// sum over metres and both quantities of  huber( (felt - course(s + shift(s))) / sd )
+///   + sum over knots of ( (shift_{j+1} - 2 shift_j + shift_{j-1}) / 0.5 m )^2
+/// ```
+///
+/// with the deviations sd of what is left. The errors are those of the linear fit, what is left being alike over some metres.
+pub(crate) fn refine(felt: &Felt, course: &Course, from: &Line) -> Warp {
+    let length = (felt.metres.len() - 1).max(1) as f64;
+    let pieces = (length / KNOTS_M).round().max(1.0) as usize;
+    let knot = |j: usize| felt.from_m + length * j as f64 / pieces as f64;
+    let own_m: Vec<f64> = (0..=pieces).map(knot).collect();
+    let shift = |own: f64| from.shift_m + (from.stretch - 1.0) * (own - felt.from_m);
+    let mut warp = Warp {
+        shift_m: own_m.iter().map(|own| shift(*own)).collect(),
+        sd_m: vec![0.0; own_m.len()],
+        own_m,
+    };
+    for _ in 0..SPLINE_ROUNDS {
+        let left = Left::of(felt, course, &warp);
+        let (mut normal, mut right) = prior(&warp.shift_m);
+        left.add_to(&mut normal, &mut right);
+        let Some(factor) = normal.cholesky() else {
+            break;
+        };
+        let step = factor.solve(&right);
+        for (shift, step) in warp.shift_m.iter_mut().zip(step.iter()) {
+            *shift += step.clamp(-MOST_M, MOST_M);
+        }
+    }
+    let left = Left::of(felt, course, &warp);
+    let (drift, mut right) = prior(&warp.shift_m);
+    let mut data = DMatrix::zeros(drift.nrows(), drift.nrows());
+    left.add_to(&mut data, &mut right);
+    if let Some(factor) = (&data + &drift).cholesky() {
+        // Metres that say the same are fewer; the drift says what it says.
+        let inverse = factor.inverse();
+        let covariance = &inverse * (data * left.alike() + drift) * &inverse;
+        warp.sd_m = covariance.diagonal().iter().map(|x| x.sqrt()).collect();
+    }
+    warp
+}
+
+/// Normal matrix and right-hand side of a drift that is even along the way.
+fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+    let n = shift.len();
+    let (mut normal, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for j in 1..n.saturating_sub(1) {
+        let bend = [(j - 1, 1.0), (j, -2.0), (j + 1, 1.0)];
+        let value: f64 = bend.iter().map(|(k, w)| w * shift[*k]).sum();
+        for (a, wa) in bend {
+            right[a] -= wa * value / (DRIFT_M * DRIFT_M);
+            for (b, wb) in bend {
+                normal[(a, b)] += wa * wb / (DRIFT_M * DRIFT_M);
+            }
+        }
+    }
+    // A run without landmarks stays where the search put it.
+    for j in 0..n {
+        normal[(j, j)] += 1e-6;
+    }
+    (normal, right)
+}
+
+/// What is left between a run and the course at a warp.
+struct Left {
+    /// Metre by metre: knot before, share of the next, differences and slopes of the course.
+    rows: Vec<(usize, f64, [f64; 2], [f64; 2])>,
+    /// Deviations of the differences.
+    sd: [f64; 2],
+    /// Growth of the distance by the own one at each metre is near 1 and left out of the slopes.
+    knots: usize,
+}
+
+impl Left {
+    fn of(felt: &Felt, course: &Course, warp: &Warp) -> Left {
+        let mut rows = Vec::with_capacity(felt.metres.len());
+        for (i, metre) in felt.metres.iter().enumerate() {
+            let own = felt.place(i);
+            if let Some((at, slope)) = course.at(warp.at(own)).filter(|_| metre[0].is_finite()) {
+                let (knot, share) = warp.between(own);
+                rows.push((knot, share, [metre[0] - at[0], metre[1] - at[1]], slope));
+            }
+        }
+        let sd = [0, 1].map(|k| {
+            let mut sizes: Vec<f64> = rows.iter().map(|row| row.2[k].abs()).collect();
+            if sizes.is_empty() {
+                return 1.0;
+            }
+            let middle = sizes.len() / 2;
+            let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+            // The median magnitude of a normal variable; and not less than a hundredth of what the course itself does.
+            (median / 0.674_489_75).max(0.01 * course.spread[k])
+        });
+        Left {
+            rows,
+            sd,
+            knots: warp.own_m.len(),
+        }
+    }
+
+    fn add_to(&self, normal: &mut DMatrix<f64>, right: &mut DVector<f64>) {
+        for (knot, share, differences, slopes) in &self.rows {
+            let hats = [
+                (*knot, 1.0 - share),
+                ((knot + 1).min(self.knots - 1), *share),
+            ];
+            for k in 0..2 {
+                let size = (differences[k] / self.sd[k]).abs();
+                let weight = (ORDINARY / size.max(ORDINARY)) / (self.sd[k] * self.sd[k]);
+                for (a, wa) in hats {
+                    right[a] += weight * wa * slopes[k] * differences[k];
+                    for (b, wb) in hats {
+                        normal[(a, b)] += weight * wa * wb * slopes[k] * slopes[k];
+                    }
+                }
+            }
+        }
+    }
+
+    /// How many neighbouring metres say the same: `1 + 2 sum of correlations` up to the first that is not positive.
+    fn alike(&self) -> f64 {
+        let of = |k: usize| {
+            let values: Vec<f64> = self
+                .rows
+                .iter()
+                .map(|row| (row.2[k] / self.sd[k]).clamp(-ORDINARY, ORDINARY))
+                .collect();
+            let product =
+                |lag: usize| -> f64 { values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum() };
+            let own = product(0).max(f64::MIN_POSITIVE);
+            (1..ALIKE_M.min(values.len()))
+                .map(|lag| product(lag) / own)
+                .take_while(|correlation| *correlation > 0.0)
+                .sum::<f64>()
+        };
+        1.0 + 2.0 * of(0).max(of(1))
+    }
+}

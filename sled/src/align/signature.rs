@@ -1,0 +1,254 @@
+//! What a run feels of the track, metre by metre of its own distance.
+
+use crate::model::sled::Sled;
+use crate::series::{HALF_WIDTH, derivative};
+use crate::signals::prepare::Prepared;
+use crate::track::table::TrackShape;
+
+/// The slope is a mean over this way on either side [m]: it hangs on the derivative of the speed, whose noise falls with the
+/// length, and turns over tens of metres.
+const ABOUT_M: usize = 3;
+
+/// Curvature [1/m], bank and slope [rad] at every metre of a run's own distance.
+#[derive(Clone, Debug)]
+pub(crate) struct Felt {
+    /// The first metre [m].
+    pub from_m: f64,
+    /// Means over each metre; NaN where no sample lies.
+    pub metres: Vec<[f64; 3]>,
+}
+
+impl Felt {
+    /// The curvature is `-pitch_rate / v`; bank and slope are those of the upward direction u in the body's axes, which what the
+    /// sensors say of the motion leaves of the specific force f at the centre of gravity, without a law of friction:
+    ///
+    /// ```text
+    /// g u_x = f_x + r v_y - dv_x/dt      g u_y = f_y - r v_x - dv_y/dt      g u_z = f_z - p v_y + q v_x
+    /// slope = atan2(-u_x, |u_y, u_z|)    bank = atan2(u_y, u_z)
+    /// ```
+    ///
+    /// with roll, pitch and yaw rate (p, q, r) and `v_z = 0`: the body moves on the ice.
+    pub(crate) fn of(run: &Prepared, sled: &Sled) -> Felt {
+        let from_m = run.states[0].s_m.round();
+        let last = run
+            .states
+            .iter()
+            .map(|state| state.s_m)
+            .fold(from_m, f64::max);
+        let count = (last - from_m).round() as usize + 1;
+        // Curvature, g u and the number of samples.
+        let mut sums = vec![[0.0; 5]; count];
+        for piece in run.pieces.iter().filter(|p| p.len() > 2 * HALF_WIDTH) {
+            let states = &run.states[piece.clone()];
+            let velocity: Vec<[f64; 2]> = states
+                .iter()
+                .map(|state| {
+                    let turn = state.yaw_rate_radps / state.v_mps;
+                    let alpha = state.alpha_cog_rad - turn * sled.slip_x_m;
+                    let (sine, cosine) = alpha.sin_cos();
+                    let across = -state.v_mps * sine - sled.slip_x_m * state.yaw_rate_radps;
+                    [state.v_mps * cosine, across]
+                })
+                .collect();
+            let growth = [0, 1].map(|k| {
+                let of: Vec<f64> = velocity.iter().map(|v| v[k]).collect();
+                derivative(&of, run.dt_s)
+            });
+            for (i, state) in states.iter().enumerate() {
+                let place = (state.s_m - from_m).round();
+                if place < 0.0 {
+                    continue;
+                }
+                let f = &run.motions[piece.start + i].accel_mps2;
+                let [vx, vy] = velocity[i];
+                let sum = &mut sums[place as usize];
+                sum[0] -= state.pitch_rate_radps / state.v_mps;
+                sum[1] += f[0] + state.yaw_rate_radps * vy - growth[0][i];
+                sum[2] += f[1] - state.yaw_rate_radps * vx - growth[1][i];
+                sum[3] += f[2] - state.roll_rate_radps * vy + state.pitch_rate_radps * vx;
+                sum[4] += 1.0;
+            }
+        }
+        let metres = (0..count)
+            .map(|i| {
+                let [curvature, _, y, z, count] = sums[i];
+                let about = &sums[i.saturating_sub(ABOUT_M)..sums.len().min(i + ABOUT_M + 1)];
+                let (x, all) = about
+                    .iter()
+                    .fold((0.0, 0.0), |(x, n), at| (x + at[1], n + at[4]));
+                match count {
+                    0.0 => [f64::NAN; 3],
+                    _ => [
+                        curvature / count,
+                        y.atan2(z),
+                        (-x / all).atan2(y.hypot(z) / count),
+                    ],
+                }
+            })
+            .collect();
+        Felt { from_m, metres }
+    }
+
+    /// The place of metre `i` in the run's own distance [m].
+    pub(crate) fn place(&self, i: usize) -> f64 {
+        self.from_m + i as f64
+    }
+}
+
+/// Curvature [1/m] and bank [rad] of a track at every metre.
+#[derive(Clone, Debug)]
+pub(crate) struct Course {
+    /// The first metre [m].
+    pub from_m: f64,
+    /// Both; NaN where they are not known.
+    pub metres: Vec<[f64; 2]>,
+    /// How much both vary along the track: their standard deviations.
+    pub spread: [f64; 2],
+}
+
+impl Course {
+    /// From values at every metre.
+    pub(crate) fn new(from_m: f64, metres: Vec<[f64; 2]>) -> Course {
+        let spread = [0, 1].map(|k| {
+            let values = metres.iter().map(|at| at[k]).filter(|x| x.is_finite());
+            let count = values.clone().count().max(1) as f64;
+            let mean = values.clone().sum::<f64>() / count;
+            let variance = values.map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+            variance.sqrt().max(f64::MIN_POSITIVE)
+        });
+        Course {
+            from_m,
+            metres,
+            spread,
+        }
+    }
+
+    /// Of a surveyed track.
+    pub(crate) fn of(shape: &TrackShape) -> Course {
+        let count = (shape.finish_m - shape.start_m) as usize + 1;
+        let at = |i: usize| {
+            let s = shape.start_m + i as f64;
+            [shape.curvature.value(s), shape.bank.value(s)]
+        };
+        Course::new(shape.start_m, (0..count).map(at).collect())
+    }
+
+    /// Both at a place [m], on a straight line between metres, and their slopes; `None` beyond the ends and where one is not known.
+    pub(crate) fn at(&self, s: f64) -> Option<([f64; 2], [f64; 2])> {
+        let along = s - self.from_m;
+        if along < 0.0 {
+            return None;
+        }
+        let i = along as usize;
+        let (a, b) = (self.metres.get(i)?, self.metres.get(i + 1)?);
+        let slope = [b[0] - a[0], b[1] - a[1]];
+        let share = along - i as f64;
+        let value = [a[0] + share * slope[0], a[1] + share * slope[1]];
+        value
+            .iter()
+            .all(|x| x.is_finite())
+            .then_some((value, slope))
+    }
+}
+
+/// A run's own distance and what is added to it: straight lines between knots, level shifts beyond them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warp {
+    /// Own distance of each knot [m], increasing.
+    pub own_m: Vec<f64>,
+    /// What is added there [m].
+    pub shift_m: Vec<f64>,
+    /// Standard error of that [m].
+    pub sd_m: Vec<f64>,
+}
+
+impl Warp {
+    /// The two knots about a place and the share of the later one.
+    pub(crate) fn between(&self, own: f64) -> (usize, f64) {
+        let last = self.own_m.len() - 1;
+        let after = self.own_m.partition_point(|knot| *knot <= own);
+        let i = after.clamp(1, last) - 1;
+        let share = (own - self.own_m[i]) / (self.own_m[i + 1] - self.own_m[i]);
+        (i, share.clamp(0.0, 1.0))
+    }
+
+    /// The distance along the track [m] of an own distance [m].
+    pub fn at(&self, own: f64) -> f64 {
+        let (i, share) = self.between(own);
+        own + self.shift_m[i] + share * (self.shift_m[i + 1] - self.shift_m[i])
+    }
+
+    /// Mean growth of the distance along the track by the own one.
+    pub fn stretch(&self) -> f64 {
+        let last = self.own_m.len() - 1;
+        let way = self.own_m[last] - self.own_m[0];
+        1.0 + (self.shift_m[last] - self.shift_m[0]) / way
+    }
+}
+
+/// A straight line from own distance to that along the track, and how badly it fits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    /// What is added at the run's first metre [m].
+    pub shift_m: f64,
+    /// Growth of the distance along the track by the own one.
+    pub stretch: f64,
+    /// Mean square difference over variance, curvature and bank together.
+    pub left: f64,
+}
+
+/// Shifts are tried two metres apart, which is well within the width of a curve's entry.
+const STEP_M: f64 = 2.0;
+/// Every so many metres are compared.
+const EVERY: usize = 4;
+/// Stretches that are tried: a wheel or an optical sensor is within 2 %.
+const STRETCHES: [f64; 9] = [0.98, 0.985, 0.99, 0.995, 1.0, 1.005, 1.01, 1.015, 1.02];
+/// Of the shorter of run and track, so much must overlap.
+const LEAST_OVERLAP: f64 = 0.6;
+/// Another place counts as another one from here on [m].
+const APART_M: f64 = 15.0;
+
+/// The best line and how badly the best elsewhere fits.
+pub(crate) fn search(felt: &Felt, course: &Course) -> Option<(Line, f64)> {
+    let length = felt.metres.len().min(course.metres.len());
+    let least = (LEAST_OVERLAP * length as f64 / EVERY as f64) as usize;
+    let base = course.from_m - felt.from_m;
+    let reach = (1.0 - LEAST_OVERLAP) * length as f64
+        + (course.metres.len() as f64 - felt.metres.len() as f64).abs();
+    let count = (2.0 * reach / STEP_M) as usize + 1;
+    let mut tried: Vec<Line> = Vec::new();
+    for stretch in STRETCHES {
+        for i in 0..count {
+            let shift_m = base - reach + i as f64 * STEP_M;
+            let left = left(felt, course, shift_m, stretch, least);
+            tried.extend(left.map(|left| Line {
+                shift_m,
+                stretch,
+                left,
+            }));
+        }
+    }
+    let best = *tried.iter().min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let middle = 0.5 * felt.metres.len() as f64;
+    let place = |line: &Line| line.shift_m + line.stretch * middle;
+    let elsewhere = tried
+        .iter()
+        .filter(|line| (place(line) - place(&best)).abs() > APART_M)
+        .map(|line| line.left)
+        .fold(f64::INFINITY, f64::min);
+    Some((best, elsewhere))
+}
+
+fn left(felt: &Felt, course: &Course, shift: f64, stretch: f64, least: usize) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0);
+    for i in (0..felt.metres.len()).step_by(EVERY) {
+        let s = felt.from_m + shift + stretch * i as f64;
+        if let Some((at, _)) = course.at(s).filter(|_| felt.metres[i][0].is_finite()) {
+            for ((felt, at), spread) in felt.metres[i].iter().zip(at).zip(course.spread) {
+                sum += 0.5 * ((felt - at) / spread).powi(2);
+            }
+            count += 1;
+        }
+    }
+    (count >= least.max(1)).then(|| sum / count as f64)
+}

@@ -1,0 +1,369 @@
+//! The contacts with walls that are a run's own: hit or missed, harder or softer.
+
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use crate::effects::Active;
+use crate::model::vehicle::Vehicle;
+use crate::motion::balance::Balance;
+use crate::motion::one_track::{forward, resultant};
+use crate::signals::prepare::Prepared;
+use crate::simulate::dynamics::WallContact;
+
+/// Lengths of contacts that are tried \[m\].
+const LENGTHS_M: [f64; 9] = [4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 32.0];
+/// Share of the runs that miss a place and are taken for hits by chance. Chosen.
+const TAKEN_FOR_HITS: f64 = 0.05;
+/// Independent ways a metre, beyond the shortest half wave, in which a half wave lies within a stretch: so many give the largest of all on
+/// white noise the 95 % quantile that it has on stretches of 10 m to 80 m, within 0.1 standard errors.
+const WAYS_A_METRE: f64 = 4.0 / 3.0;
+/// Times the force of a hit beyond which a push is of another kind: hits scatter by a factor of two or three. Chosen.
+pub const HARDEST: f64 = 5.0;
+/// Ways in which a half wave follows noise: its force, its place and its length.
+const FOLLOWED: f64 = 3.0;
+/// Share of the force of a hit by which hits differ from one another. Chosen: a factor of two either way is within two of it.
+pub const HITS_DIFFER: f64 = 0.5;
+/// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
+const CORRELATED: f64 = 2.0;
+
+/// What pushed a run within a stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// The half wave, with its lever 0.
+    pub contact: WallContact,
+    /// Standard error of its force \[N\].
+    pub error_n: f64,
+    /// Whether it is a hit of the place, and no push of another kind: more than [`HARDEST`] times as hard.
+    pub is_hit: bool,
+}
+
+/// A contact as it is expected where the force of hits is known, give or take half of it: with the variance V of the force that was found,
+/// which followed noise in place and length, too,
+///
+/// ```text
+/// (F / V + hit / (hit / 2)^2) / (1 / V + 1 / (hit / 2)^2)        V = 3 error^2
+/// ```
+pub fn as_expected(found: WallContact, error_n: f64, hit_n: f64) -> WallContact {
+    if hit_n == 0.0 {
+        return found;
+    }
+    let (of_push, of_hits) = (FOLLOWED * error_n.powi(2), (HITS_DIFFER * hit_n).powi(2));
+    WallContact {
+        force_n: (found.force_n * of_hits + hit_n * of_push) / (of_hits + of_push),
+        ..found
+    }
+}
+
+/// The half wave that leaves least of a side balance within a stretch \[m\]; `None` where none stands out of `scatter_n`, a standard
+/// deviation of a sample \[N\]. `hit_n` is the force of a hit, left positive, and says the side; 0 where that is not known.
+///
+/// ```text
+/// F = sum w y / sum w^2        w = sin^2(pi (s - s_0) / length)        error = scatter sqrt(2 / sum w^2)
+/// ```
+///
+/// Place and length are those, on a grid of a metre, with which `F sum w y` is largest.
+pub fn push_within(
+    s_m: &[f64],
+    side_n: &[f64],
+    stretch_m: [f64; 2],
+    hit_n: f64,
+    scatter_n: f64,
+) -> Option<Push> {
+    let near = |s: f64| (stretch_m[0]..=stretch_m[1]).contains(&s);
+    let here: Vec<(f64, f64)> = s_m
+        .iter()
+        .zip(side_n)
+        .filter(|(s, y)| near(**s) && y.is_finite())
+        .map(|(s, y)| (*s, *y))
+        .collect();
+    let mut best: Option<(f64, WallContact, f64)> = None;
+    for one in half_waves(stretch_m) {
+        let (mut wy, mut ww) = (0.0, 0.0);
+        for (s, y) in &here {
+            let w = one.force_at(*s);
+            (wy, ww) = (wy + w * y, ww + w * w);
+        }
+        // Fewer samples than that are no half wave.
+        if ww < 1.0 || wy * hit_n < 0.0 {
+            continue;
+        }
+        let (force_n, gain) = (wy / ww, wy * wy / ww);
+        if best.as_ref().is_none_or(|(most, ..)| gain > *most) {
+            let error = scatter_n * (CORRELATED / ww).sqrt();
+            best = Some((gain, WallContact { force_n, ..one }, error));
+        }
+    }
+    let ways = ways(stretch_m, hit_n != 0.0);
+    let (_, contact, error_n) = best?;
+    let push_n = contact.force_n.abs();
+    // A hit that noise could have made in so many ways must be likelier than all of them: beside strong hits a weak push is noise.
+    let as_hit = || {
+        likelier(
+            contact.force_n,
+            error_n * error_n,
+            hit_n,
+            HITS_DIFFER * hit_n,
+        )
+    };
+    let stands_out = push_n > stands_out(ways) * error_n && (hit_n == 0.0 || as_hit() > ways.ln());
+    stands_out.then(|| Push {
+        contact,
+        error_n,
+        is_hit: hit_n == 0.0 || push_n <= HARDEST * hit_n.abs(),
+    })
+}
+
+/// The share of runs that hit a place, and the force of a hit \[N\], by the law of two points that has a mean m over runs and a spread s:
+///
+/// ```text
+/// pi = m^2 / (m^2 + s^2)        F = m / pi
+/// ```
+///
+/// Beside a spread of five times the mean or more no side is known: 0.
+pub fn hits_of(effect: &Active) -> (f64, f64) {
+    let (mean, spread) = (effect.values[0], effect.values[5]);
+    let hits = mean * mean / (mean * mean + spread * spread);
+    match hits > 0.04 {
+        true => (hits, mean / hits),
+        false => (0.0, 0.0),
+    }
+}
+
+/// In how many independent ways half waves lie within a stretch, each to one side or to either.
+fn ways(stretch_m: [f64; 2], one_side: bool) -> f64 {
+    let spare_m = stretch_m[1] - stretch_m[0] - LENGTHS_M[0];
+    (WAYS_A_METRE * spare_m).max(1.0) * if one_side { 1.0 } else { 2.0 }
+}
+
+/// Standard errors that the largest force of a run that misses is beyond by chance in [`TAKEN_FOR_HITS`] of all runs.
+fn stands_out(ways: f64) -> f64 {
+    match Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways) {
+        least if least.is_finite() => least,
+        _ => f64::INFINITY,
+    }
+}
+
+/// The logarithm of how much likelier a force F with its variance V is as one of about A, give or take T, than as noise:
+///
+/// ```text
+/// (F^2 / V - (F - A)^2 / (V + T^2) - ln(1 + T^2 / V)) / 2
+/// ```
+pub fn likelier(force_n: f64, variance: f64, about_n: f64, differ_n: f64) -> f64 {
+    let spread = differ_n * differ_n;
+    let away = (force_n - about_n).powi(2) / (variance + spread);
+    0.5 * (force_n * force_n / variance - away - (spread / variance).ln_1p())
+}
+
+/// Half waves of 1 N within a stretch \[m\], with their lever 0: on a grid of a metre, of lengths from 4 m to 32 m.
+pub fn half_waves(stretch_m: [f64; 2]) -> impl Iterator<Item = WallContact> {
+    let [from_m, to_m] = stretch_m;
+    LENGTHS_M
+        .into_iter()
+        .filter(move |length_m| to_m - from_m >= *length_m)
+        .flat_map(move |length_m| {
+            let starts = ((to_m - from_m - length_m).floor() as usize + 1).min(1000);
+            (0..starts).map(move |start| WallContact {
+                s_m: from_m + start as f64,
+                length_m,
+                force_n: 1.0,
+                x_m: 0.0,
+            })
+        })
+}
+
+/// A robust standard deviation of one sample: 1.4826 times the median magnitude; 0 of nothing.
+pub fn scatter(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values
+        .iter()
+        .filter(|x| x.is_finite())
+        .map(|x| x.abs())
+        .collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let middle = sizes.len() / 2;
+    1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// An effect that varies from run to run, as the contact of one run has it; off where the run missed.
+pub fn as_of_run(effect: &Active, contact: Option<&WallContact>) -> Active {
+    let mut own = effect.clone();
+    own.values[0] = contact.map_or(0.0, |c| c.force_n);
+    if let Some(c) = contact {
+        (own.values[1], own.values[2]) = (c.s_m, c.s_m + c.length_m);
+    }
+    own
+}
+
+/// The stretch on which a run's own contact is looked for \[m\].
+pub fn stretch_of(effect: &Active) -> [f64; 2] {
+    let v = &effect.values;
+    [v[1] - v[6], v[2] + v[6]]
+}
+
+/// The vehicle on a run, each effect that varies from run to run with the force and the stretch of this run.
+///
+/// The side balance of the run sets them ([`push_within`]); what they leave along and about the vertical judges them.
+pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
+    let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    if !own.effects.active.iter().any(Active::varies) {
+        return own;
+    }
+    let mut without = own.clone();
+    without.effects.active.retain(|effect| !effect.varies());
+    let instants = run.states.iter().zip(&run.motions);
+    let (s_m, side_n): (Vec<f64>, Vec<f64>) = instants
+        .map(|(state, motion)| {
+            let at = Balance::new(&without.sled, state, motion);
+            let left = at.left(&at.forces(&without, &at.laws(&without)));
+            (state.s_m, left.side_n)
+        })
+        .unzip();
+    let scatter_n = scatter(&side_n);
+    for effect in own.effects.active.iter_mut().filter(|e| e.varies()) {
+        let (_, hit_n) = hits_of(effect);
+        let found = push_within(&s_m, &side_n, stretch_of(effect), hit_n, scatter_n);
+        let hit = found.filter(|push| push.is_hit);
+        let expected = hit.map(|push| as_expected(push.contact, push.error_n, hit_n));
+        *effect = as_of_run(effect, expected.as_ref());
+    }
+    own
+}
+
+/// Samples at which something other than ice and air pushes, one mark a sample and run.
+///
+/// The residual of the lateral force at the centre of gravity, model against measurement, beyond six robust standard
+/// deviations (1.4826 times its median magnitude over all runs), and a fifth of a second around it. Sensor noise reaches six
+/// deviations less than once in 10^8 samples; a wall contact of a few hundred newtons always does.
+pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
+    let residuals: Vec<Vec<f64>> = runs
+        .par_iter()
+        .map(|run| {
+            let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+            run.states
+                .iter()
+                .zip(&run.motions)
+                .map(|(state, motion)| {
+                    let model = resultant(&vehicle.sled, state, &forward(vehicle, state)).fy_n;
+                    (vehicle.sled.mass_kg * motion.accel_mps2[1] - model).abs()
+                })
+                .collect()
+        })
+        .collect();
+    let mut sizes: Vec<f64> = residuals.iter().flatten().copied().collect();
+    if sizes.is_empty() {
+        return Vec::new();
+    }
+    let middle = sizes.len() / 2;
+    let limit = 6.0 * 1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+    residuals
+        .iter()
+        .zip(runs)
+        .map(|(residual, run)| {
+            let around = (0.2 / run.dt_s).round() as usize;
+            let mut marked = vec![false; residual.len()];
+            for piece in &run.pieces {
+                for i in piece.clone().filter(|i| residual[*i] > limit) {
+                    let end = (i + around + 1).min(piece.end);
+                    marked[i.saturating_sub(around).max(piece.start)..end].fill(true);
+                }
+            }
+            marked
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::{CATALOGUE, Kind};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    #[test]
+    fn a_half_wave_in_noise_is_found_where_it_is_and_noise_alone_is_none() {
+        let s: Vec<f64> = (0..300).map(|i| 0.5 * f64::from(i)).collect();
+        // Golden-ratio noise of a unit's standard deviation, evenly spread.
+        let noise: Vec<f64> = (0..300)
+            .map(|i| ((f64::from(i) * 0.618_034).fract() - 0.5) * 12.0_f64.sqrt())
+            .collect();
+        assert!(push_within(&s, &noise, [40.0, 90.0], 0.0, 1.0).is_none());
+        let truth = WallContact {
+            s_m: 57.0,
+            length_m: 16.0,
+            force_n: -40.0,
+            x_m: 0.0,
+        };
+        let side: Vec<f64> = s
+            .iter()
+            .zip(&noise)
+            .map(|(s, e)| truth.force_at(*s) + e)
+            .collect();
+        let push = push_within(&s, &side, [40.0, 90.0], 0.0, 1.0).expect("a contact");
+        let (found, error) = (push.contact, push.error_n);
+        assert!(
+            (found.s_m - 57.0).abs() <= 1.0 && (found.length_m - 16.0).abs() <= 4.0,
+            "{found:?}"
+        );
+        assert!(
+            (found.force_n + 40.0).abs() < 4.0 * error,
+            "{found:?} {error}"
+        );
+    }
+
+    #[test]
+    fn one_run_in_twenty_that_misses_is_taken_for_a_hit() {
+        let s: Vec<f64> = (0..600).map(|i| 0.25 * f64::from(i)).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        for (stretch_m, hit_n) in [
+            ([40.0, 60.0], 0.0),
+            ([40.0, 60.0], 5.0),
+            ([20.0, 90.0], 0.0),
+        ] {
+            let taken = (0..1000).filter(|_| {
+                // Noise that two neighbouring samples share.
+                let white: Vec<f64> = (0..601).map(|_| StandardNormal.sample(&mut rng)).collect();
+                let side: Vec<f64> = white
+                    .windows(2)
+                    .map(|w| (w[0] + w[1]) / 2.0_f64.sqrt())
+                    .collect();
+                push_within(&s, &side, stretch_m, hit_n, scatter(&side)).is_some()
+            });
+            let taken = taken.count();
+            // Beside a hit of five deviations noise must look like one, too.
+            let least = if hit_n == 0.0 { 20 } else { 0 };
+            assert!(
+                (least..=80).contains(&taken),
+                "{stretch_m:?} {hit_n}: {taken} of 1000"
+            );
+        }
+    }
+
+    #[test]
+    fn hits_are_the_two_points_that_have_a_mean_and_a_spread() {
+        let wall = CATALOGUE.iter().find(|e| e.info.name == "wall-contact");
+        let mut values = vec![0.0; 7];
+        // One run in four with 400 N.
+        (values[0], values[5]) = (100.0, 400.0 * (0.25_f64 * 0.75).sqrt());
+        let effect = Active {
+            name: "wall-contact".to_owned(),
+            kind: Kind::Catalogue(wall.expect("in the catalogue")),
+            values,
+            track: None,
+        };
+        let (hits, hit_n) = hits_of(&effect);
+        assert!((hits - 0.25).abs() < 1e-12 && (hit_n - 400.0).abs() < 1e-9);
+        let found = WallContact {
+            s_m: 0.0,
+            length_m: 10.0,
+            force_n: 700.0,
+            x_m: 0.0,
+        };
+        // With the variance of what is known of hits, halfway.
+        let error_n = 200.0 / FOLLOWED.sqrt();
+        assert!((as_expected(found, error_n, 400.0).force_n - 550.0).abs() < 1e-9);
+        assert_eq!(as_expected(found, error_n, 0.0).force_n, 700.0);
+    }
+}

@@ -1,3 +1,0 @@
-//! Forces of the air.
-
-include!(concat!(env!("OUT_DIR"), "/air.rs"));

@@ -1,3 +1,0 @@
-//! The friction coefficient, and what brakes along the runners.
-
-include!(concat!(env!("OUT_DIR"), "/friction.rs"));

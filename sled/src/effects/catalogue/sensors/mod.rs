@@ -1,3 +1,0 @@
-//! Faults of accelerometer and speed sensor.
-
-include!(concat!(env!("OUT_DIR"), "/sensors.rs"));

@@ -1,0 +1,416 @@
+//! What is known of an effect before it is fitted: name, formula, parameters, columns it needs, and the test that decides on it.
+
+use serde_json::{Map, Value, json};
+
+/// What an effect acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActsOn {
+    /// The friction coefficient of a runner.
+    Friction,
+    /// Forces along the sled.
+    Along,
+    /// Forces across the sled.
+    Across,
+    /// What a sensor reads.
+    Sensor,
+    /// Mass, inertia and places of the sled.
+    Sled,
+    /// The track's slope.
+    Track,
+    /// The contact problem.
+    Contact,
+    /// The measured pressure map.
+    Map,
+}
+
+/// How far the effect's formula can be trusted with its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// It holds at every admissible size.
+    Exact,
+    /// It holds to first order in the size.
+    FirstOrder,
+    /// It leaves this relative standard deviation of the size open, whatever the noise.
+    Open(f64),
+}
+
+/// What is known of an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// Name as in `[effects.NAME]`.
+    pub name: &'static str,
+    /// One line for reports.
+    pub summary: &'static str,
+    /// The law as it is printed.
+    pub formula: &'static str,
+    /// How it shows in data.
+    pub signature: &'static str,
+    /// What it acts on.
+    pub acts_on: &'static [ActsOn],
+    /// Parameters in the order in which they are passed.
+    pub parameters: &'static [Parameter],
+    /// What must be recorded or stated for the effect to act and to be testable.
+    pub needs: &'static [Column],
+    /// Which test decides about it on runs.
+    pub judged: Judged,
+    /// What friction experiments say of it, where it acts on the friction coefficient.
+    pub experiments: Experiments,
+    /// Whether the formula holds at every size.
+    pub form: Form,
+    /// Names of the effects that look like it.
+    pub looks_like: &'static [&'static str],
+    /// What would tell it from those.
+    pub decides: &'static str,
+    /// Where the formula is from.
+    pub source: &'static str,
+}
+
+impl Info {
+    /// What a file of an effect leaves out: nothing needed, judged within runs, exact.
+    pub const NEW: Info = Info {
+        name: "",
+        summary: "",
+        formula: "",
+        signature: "",
+        acts_on: &[],
+        parameters: &[],
+        needs: &[],
+        judged: Judged::WithinRuns,
+        experiments: Experiments::AsNeeded,
+        form: Form::Exact,
+        looks_like: &[],
+        decides: "",
+        source: "",
+    };
+
+    /// The level on which it varies.
+    pub fn level(&self) -> Level {
+        self.judged.level()
+    }
+
+    /// JSON schema of each parameter, by the parameter's name.
+    pub fn parameter_schemas(&self) -> Map<String, Value> {
+        let schema = |p: &Parameter| {
+            let schema = json!({
+                "description": format!("[{}]", p.unit),
+                "type": "number",
+                "minimum": p.low,
+                "maximum": p.high,
+            });
+            (p.name.to_owned(), schema)
+        };
+        self.parameters.iter().map(schema).collect()
+    }
+
+    /// Its first amplitude; every effect has one.
+    ///
+    /// # Panics
+    /// For an effect without parameters, which the catalogue's tests refuse.
+    pub fn amplitude(&self) -> &'static Parameter {
+        let first = self.parameters.iter().find(|p| p.is_amplitude());
+        first.unwrap_or(&self.parameters[0])
+    }
+
+    /// The values of its parameters that change nothing.
+    pub fn off(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.default).collect()
+    }
+
+    /// Places among the parameters of the two ends of its stretch of distance, where it has one.
+    pub fn window(&self) -> Option<[usize; 2]> {
+        let end = |edge| self.parameters.iter().position(|p| p.edge == Some(edge));
+        Some([end(Edge::From)?, end(Edge::To)?])
+    }
+
+    /// Columns that a table of friction experiments must have, varying, or why it says nothing of the effect.
+    ///
+    /// # Errors
+    /// The reason in words.
+    pub fn needs_in_experiments(&self) -> Result<&'static [Column], &'static str> {
+        match self.experiments {
+            Experiments::AsNeeded => Ok(self.needs),
+            Experiments::Needs(columns) => Ok(columns),
+            Experiments::Never(reason) => Err(reason),
+        }
+    }
+
+    /// Whether it acts on none but the forces along the sled, the coefficient behind them, and the track's slope.
+    pub fn acts_only_along(&self) -> bool {
+        self.acts_on
+            .iter()
+            .all(|on| matches!(on, ActsOn::Friction | ActsOn::Along | ActsOn::Track))
+    }
+}
+
+/// A parameter of an effect: name, unit and the range that physics allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Key in the model or case file, with its unit as a suffix.
+    pub name: &'static str,
+    /// Unit as it is printed; empty for a pure number.
+    pub unit: &'static str,
+    /// Smallest admissible value.
+    pub low: f64,
+    /// Largest admissible value.
+    pub high: f64,
+    /// Value when the key is absent; 0 for an amplitude, which switches the effect off.
+    pub default: f64,
+    /// Order of magnitude of a noticeable change; steps of differences are taken from it. 0 for a setting that is not fitted.
+    pub typical: f64,
+    /// Values of a setting that a search tries in turn; the default alone where empty.
+    pub tried: &'static [f64],
+    /// Which end of a window of distance the setting is, where it is one.
+    pub edge: Option<Edge>,
+}
+
+/// An amplitude: 0 means off.
+pub const fn amplitude(
+    name: &'static str,
+    unit: &'static str,
+    low: f64,
+    high: f64,
+    typical: f64,
+) -> Parameter {
+    Parameter {
+        typical,
+        ..setting(name, unit, low, high, 0.0)
+    }
+}
+
+/// A setting that shapes the effect and is not fitted with it.
+pub const fn setting(
+    name: &'static str,
+    unit: &'static str,
+    low: f64,
+    high: f64,
+    default: f64,
+) -> Parameter {
+    Parameter {
+        name,
+        unit,
+        low,
+        high,
+        default,
+        typical: 0.0,
+        tried: &[],
+        edge: None,
+    }
+}
+
+/// An end of the stretch of distance on which an effect acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// Where it begins.
+    From,
+    /// Where it ends.
+    To,
+}
+
+impl Parameter {
+    /// A setting of which a search tries these values.
+    pub const fn tried(mut self, values: &'static [f64]) -> Self {
+        self.tried = values;
+        self
+    }
+
+    /// Where a stretch of the track begins [m].
+    pub const FROM: Self = Self {
+        edge: Some(Edge::From),
+        ..setting("from_m", "m", -1.0e5, 1.0e6, 0.0)
+    };
+
+    /// Where a stretch of the track ends [m].
+    pub const TO: Self = Self {
+        edge: Some(Edge::To),
+        ..setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6)
+    };
+
+    /// How far an amplitude differs from run to run, a standard deviation: where it is not 0 every recorded run has its own.
+    pub const SPREAD: Self = setting("spread_n", "N", 0.0, 20000.0, 0.0);
+
+    /// Whether the parameter is an amplitude, fitted to data.
+    pub fn is_amplitude(&self) -> bool {
+        self.typical != 0.0
+    }
+}
+
+/// A quantity that an effect needs, recorded or stated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Normal force [N]; of a run, from its vertical acceleration.
+    Load,
+    /// Speed [m/s].
+    Speed,
+    /// Distance along the track [m].
+    Distance,
+    /// Time since the start [s].
+    Time,
+    /// Ice temperature [deg C].
+    IceTemperature,
+    /// Air temperature [deg C].
+    AirTemperature,
+    /// Air pressure [Pa].
+    AirPressure,
+    /// Relative humidity [%].
+    Humidity,
+    /// Distance run on this finish before the run [m].
+    Wear,
+    /// Slip angle [rad].
+    Slip,
+    /// Steering angle [rad].
+    Steering,
+    /// Roll-split angle [rad].
+    RollSplit,
+    /// Roll rate [rad/s].
+    RollRate,
+    /// Pitch rate [rad/s].
+    PitchRate,
+    /// Yaw rate [rad/s].
+    YawRate,
+    /// Longitudinal acceleration [m/s2].
+    LongitudinalAcceleration,
+    /// Lateral acceleration [m/s2].
+    LateralAcceleration,
+    /// Vertical acceleration [m/s2].
+    VerticalAcceleration,
+    /// The track's slope over distance [rad].
+    Slope,
+    /// Friction of groove and film by the tables that a model names, over each table's mean.
+    Film,
+}
+
+impl Column {
+    /// All of them.
+    pub const ALL: [Column; 20] = [
+        Column::Load,
+        Column::Speed,
+        Column::Distance,
+        Column::Time,
+        Column::IceTemperature,
+        Column::AirTemperature,
+        Column::AirPressure,
+        Column::Humidity,
+        Column::Wear,
+        Column::Slip,
+        Column::Steering,
+        Column::RollSplit,
+        Column::RollRate,
+        Column::PitchRate,
+        Column::YawRate,
+        Column::LongitudinalAcceleration,
+        Column::LateralAcceleration,
+        Column::VerticalAcceleration,
+        Column::Slope,
+        Column::Film,
+    ];
+
+    /// The column's name in the files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Column::Load => "fz_n",
+            Column::Speed => "v_mps",
+            Column::Distance => "s_m",
+            Column::Time => "t_s",
+            Column::IceTemperature => "ice_c",
+            Column::AirTemperature => "air_c",
+            Column::AirPressure => "air_pa",
+            Column::Humidity => "humidity_pct",
+            Column::Wear => "distance_m",
+            Column::Slip => "alpha_rad",
+            Column::Steering => "delta_rad",
+            Column::RollSplit => "gamma_rad",
+            Column::RollRate => "roll_rate_radps",
+            Column::PitchRate => "pitch_rate_radps",
+            Column::YawRate => "yaw_rate_radps",
+            Column::LongitudinalAcceleration => "ax_mps2",
+            Column::LateralAcceleration => "ay_mps2",
+            Column::VerticalAcceleration => "az_mps2",
+            Column::Slope => "slope_rad",
+            Column::Film => "film",
+        }
+    }
+}
+
+/// Which test decides about an effect on runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judged {
+    /// Sample by sample within runs, everywhere.
+    WithinRuns,
+    /// Within runs, in a window of distance on one track that is searched for.
+    InWindow,
+    /// By its level from run to run.
+    BetweenRuns,
+    /// By its level from session to session.
+    BetweenSessions,
+    /// In the balance of speed and height, where no friction is left, as one size everywhere.
+    BySlope,
+    /// In the same balance, place by place.
+    ByProfile,
+    /// Sample by sample within runs, where the installation is off by more than its tolerances can mean: else sessions that differ look like it.
+    BeyondTolerance,
+    /// By measured pressures: no effect on runs.
+    ByPressure,
+}
+
+/// The level on which an effect varies, and with it the unit that randomisation must move as one piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Within a run, from sample to sample.
+    Sample,
+    /// From run to run.
+    Run,
+    /// From session to session.
+    Session,
+    /// The same in all runs on one track.
+    Track,
+}
+
+impl Level {
+    /// The level in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Level::Sample => "sample",
+            Level::Run => "run",
+            Level::Session => "session",
+            Level::Track => "track",
+        }
+    }
+}
+
+impl Judged {
+    /// What varies as one piece.
+    pub fn level(self) -> Level {
+        match self {
+            Judged::WithinRuns | Judged::BeyondTolerance | Judged::ByPressure => Level::Sample,
+            Judged::BetweenRuns => Level::Run,
+            Judged::BetweenSessions => Level::Session,
+            Judged::InWindow | Judged::BySlope | Judged::ByProfile => Level::Track,
+        }
+    }
+}
+
+/// What a table of friction coefficients says of an effect on them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Experiments {
+    /// It can be tested where the columns that it needs are there and vary.
+    AsNeeded,
+    /// It can be tested where these columns are there and vary.
+    Needs(&'static [crate::effects::description::Column]),
+    /// It cannot be tested, for this reason.
+    Never(&'static str),
+}
+
+/// Parameters, values and the number that the effect must give, by the names that the formulas use.
+///
+/// `mu` asks for the friction coefficient, `slope_rad` for the track's slope, the column of a sensor for what it reads,
+/// `mass_kg` and its like for a constant of the sled; `fx_f_n`, `fx_r_n`, `fy_f_n`, `fy_r_n` are the forces on the
+/// runners, `fx_n`, `fy_n`, `mz_nm` those on the body. A name with `_rate` is a derivative by time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Example {
+    /// Parameters, as in [`Info::parameters`](crate::effects::Info::parameters).
+    pub parameters: &'static [f64],
+    /// What is known before; everything else is 0.
+    pub given: &'static [(&'static str, f64)],
+    /// What must come out.
+    pub gives: (&'static str, f64),
+}

@@ -1,0 +1,227 @@
+//! State of a sled as effects see it, and the forces, signals and constants that they may change.
+
+/// The sled at one instant, true as far as the effects on sensors have been taken out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time, place, speed and weather; `fz` and `film` are set for each runner in turn.
+    pub conditions: Conditions,
+    /// Slip angle, front and rear [rad].
+    pub slip: [f64; 2],
+    /// Rate of the slip angle, front and rear [rad/s]; of the one that forces follow where an effect makes them follow it late.
+    pub slip_rate: [f64; 2],
+    /// Normal force, front and rear [N].
+    pub load: [f64; 2],
+    /// Friction of groove and film by the tables, front and rear, over each table's mean; NaN where a model names none.
+    pub film: [f64; 2],
+    /// Chassis slip at the centre of gravity [rad].
+    pub chassis_slip: f64,
+    /// Steering angle [rad].
+    pub steering: f64,
+    /// Roll-split angle [rad].
+    pub roll_split: f64,
+    /// Roll rate [rad/s].
+    pub roll_rate: f64,
+    /// Roll acceleration [rad/s2].
+    pub roll_acceleration: f64,
+    /// Pitch rate [rad/s].
+    pub pitch_rate: f64,
+    /// Yaw rate [rad/s].
+    pub yaw_rate: f64,
+    /// Specific force at the centre of gravity [m/s2].
+    pub acceleration: [f64; 3],
+    /// Mass [kg].
+    pub mass: f64,
+    /// A further recorded column, for the expression that names it.
+    pub carried: f64,
+}
+
+/// The forces on the sled; effects change what the base law gave.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// Along each runner, front and rear, negative when braking [N].
+    pub along: [f64; 2],
+    /// Across each runner, front and rear, positive to the left [N].
+    pub across: [f64; 2],
+    /// Slope of the lateral law over slip, front and rear [N/rad].
+    pub stiffness: [f64; 2],
+    /// Air and other forces on the body, forward [N].
+    pub body_along: f64,
+    /// Forces on the body at the centre of gravity, to the left [N].
+    pub body_across: f64,
+    /// Moment on the body about the vertical, positive to the left [N m].
+    pub body_yaw: f64,
+}
+
+/// What a friction coefficient may depend on; NaN where a quantity is not known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// Time since the start of the run [s].
+    pub t: f64,
+    /// Distance along the track [m].
+    pub s: f64,
+    /// Speed [m/s].
+    pub v: f64,
+    /// Normal force of the runner, or of the whole sled for a glide [N].
+    pub fz: f64,
+    /// Ice temperature [deg C].
+    pub ice_c: f64,
+    /// Air temperature [deg C].
+    pub air_c: f64,
+    /// Air pressure [Pa].
+    pub air_pa: f64,
+    /// Relative humidity [%].
+    pub humidity_pct: f64,
+    /// Distance run on this finish before the run [m].
+    pub distance: f64,
+    /// Air density [kg/m3].
+    pub air_density: f64,
+    /// Drag area of the base model [m2].
+    pub drag_area: f64,
+    /// Friction of groove and film as the runner's table has it, over the table's mean.
+    pub film: f64,
+}
+
+/// Mass, inertia and places of a sled, in vehicle axes (x forward, y left, z up, from the centre of gravity).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Constants {
+    /// Mass with crew [kg].
+    pub mass: f64,
+    /// Pitch moment of inertia [kg m2].
+    pub pitch_inertia: f64,
+    /// Yaw moment of inertia [kg m2].
+    pub yaw_inertia: f64,
+    /// Front axle before the centre of gravity, rear axle behind it [m].
+    pub axles: [f64; 2],
+    /// Accelerometer [m].
+    pub accelerometer: [f64; 3],
+    /// Slip sensor, forward [m].
+    pub slip_sensor: f64,
+}
+
+/// Number of recorded sensors.
+pub const SENSORS: usize = 10;
+
+/// A recorded channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sensor {
+    /// Specific force forward [m/s2].
+    Ax,
+    /// Specific force to the left [m/s2].
+    Ay,
+    /// Specific force up [m/s2].
+    Az,
+    /// Roll rate [rad/s].
+    RollRate,
+    /// Pitch rate [rad/s].
+    PitchRate,
+    /// Yaw rate [rad/s].
+    YawRate,
+    /// Speed [m/s].
+    Speed,
+    /// Slip angle [rad].
+    Slip,
+    /// Steering angle [rad].
+    Steering,
+    /// Roll-split angle [rad].
+    RollSplit,
+}
+
+impl Sensor {
+    /// All sensors, in the order of [`Signals`].
+    pub const ALL: [Sensor; SENSORS] = [
+        Sensor::Ax,
+        Sensor::Ay,
+        Sensor::Az,
+        Sensor::RollRate,
+        Sensor::PitchRate,
+        Sensor::YawRate,
+        Sensor::Speed,
+        Sensor::Slip,
+        Sensor::Steering,
+        Sensor::RollSplit,
+    ];
+
+    /// The column's name in a run's file.
+    pub fn name(self) -> &'static str {
+        [
+            "ax_mps2",
+            "ay_mps2",
+            "az_mps2",
+            "roll_rate_radps",
+            "pitch_rate_radps",
+            "yaw_rate_radps",
+            "v_mps",
+            "alpha_rad",
+            "delta_rad",
+            "gamma_rad",
+        ][self as usize]
+    }
+
+    /// The sensor of this column.
+    pub fn named(name: &str) -> Option<Sensor> {
+        Sensor::ALL.into_iter().find(|sensor| sensor.name() == name)
+    }
+}
+
+/// What every sensor says, or what is true of it: the faults of sensors lie between the two.
+///
+/// Indexed by [`Sensor`]: `signals[Sensor::YawRate]` [rad/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// Values, in the order of [`Sensor::ALL`].
+    pub value: [f64; SENSORS],
+    /// Their derivatives by time [1/s], where they are known; 0 elsewhere.
+    pub rate: [f64; SENSORS],
+    /// The sled that carries the sensors.
+    pub sled: Constants,
+}
+
+impl Signals {
+    /// Derivative of a sensor's value by time.
+    pub fn rate(&self, of: Sensor) -> f64 {
+        self.rate[of as usize]
+    }
+
+    /// Sets a value and its derivative.
+    pub fn set(&mut self, of: Sensor, value: f64, rate: f64) {
+        self.value[of as usize] = value;
+        self.rate[of as usize] = rate;
+    }
+
+    /// Specific force forward, left, up [m/s2].
+    pub fn acceleration(&self) -> [f64; 3] {
+        [self[Sensor::Ax], self[Sensor::Ay], self[Sensor::Az]]
+    }
+
+    /// Roll, pitch and yaw rate [rad/s].
+    pub fn rates(&self) -> [f64; 3] {
+        [
+            self[Sensor::RollRate],
+            self[Sensor::PitchRate],
+            self[Sensor::YawRate],
+        ]
+    }
+
+    /// Roll, pitch and yaw acceleration [rad/s2].
+    pub fn angular_acceleration(&self) -> [f64; 3] {
+        [
+            self.rate(Sensor::RollRate),
+            self.rate(Sensor::PitchRate),
+            self.rate(Sensor::YawRate),
+        ]
+    }
+}
+
+impl std::ops::Index<Sensor> for Signals {
+    type Output = f64;
+
+    fn index(&self, of: Sensor) -> &f64 {
+        &self.value[of as usize]
+    }
+}
+
+impl std::ops::IndexMut<Sensor> for Signals {
+    fn index_mut(&mut self, of: Sensor) -> &mut f64 {
+        &mut self.value[of as usize]
+    }
+}

@@ -1,0 +1,244 @@
+//! Lateral friction of both runners from measured runs.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::contacts::{find_contacts, with_own_contacts};
+use crate::error::Error;
+use crate::evaluate::validate::balances_left;
+use crate::friction::{
+    Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
+};
+use crate::model::model_toml::Model;
+use crate::model::vehicle::Vehicle;
+use crate::motion::balance::Left;
+use crate::motion::one_track::{inverse, share_of_laws};
+use crate::signals::prepare::Prepared;
+
+/// Both runners' fits and what they rest on.
+#[derive(Clone, Debug)]
+pub struct SledFit {
+    /// Front runner.
+    pub front: LateralFit,
+    /// Rear runner.
+    pub rear: LateralFit,
+    /// Runs used.
+    pub runs: Vec<String>,
+    /// Samples left out for their roll acceleration.
+    pub excluded: usize,
+    /// Samples left out because something outside pushed.
+    pub contacts: usize,
+    /// Samples before anything was left out.
+    pub total: usize,
+    /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and effects included.
+    pub left: Left,
+}
+
+/// Fits both runners to prepared runs.
+///
+/// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from `vehicle`; its lateral laws play no part
+/// but for C, held where the data do not determine it. Noise in the slip angles is corrected for as each run states it.
+///
+/// # Errors
+/// [`Error::Friction`] where the data do not determine a runner's stiffness; [`Error::TooFew`] without runs.
+pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<SledFit, Error> {
+    if runs.is_empty() {
+        return Err(Error::TooFew {
+            what: "runs to fit".to_string(),
+            found: 0,
+            needed: 1,
+        });
+    }
+    let slip_sd = |axle: usize| {
+        let squares: f64 = runs.iter().map(|run| run.slip_sd_rad[axle].powi(2)).sum();
+        (squares / runs.len() as f64).sqrt()
+    };
+    let with = |law: &MagicFormula, axle: usize| LateralFitOptions {
+        e: options.e,
+        c: law.c,
+        slip_sd: slip_sd(axle),
+        ..LateralFitOptions::default()
+    };
+    let held = [vehicle.front.lateral, vehicle.rear.lateral];
+    let both = |contacts: &[Vec<bool>],
+                vehicle: &Vehicle|
+     -> Result<(LateralFit, LateralFit, usize), Error> {
+        let ([front, rear], excluded) = lateral_samples(runs, vehicle, contacts, options);
+        let (front, rear) = rayon::join(
+            || fit_lateral(&front, &with(&held[0], 0)),
+            || fit_lateral(&rear, &with(&held[1], 1)),
+        );
+        Ok((front?, rear?, excluded))
+    };
+    let (mut front, mut rear, excluded) = both(&[], vehicle)?;
+    let mut contacts = 0;
+    let mut marked = Vec::new();
+    // The first fit is pulled by what is looked for; the second round finds with a better one. Effects that grow with the
+    // stiffness of the laws are taken off with that of the round before.
+    let rounds = if options.leave_out_contacts || !vehicle.effects.is_empty() {
+        2
+    } else {
+        0
+    };
+    for _ in 0..rounds {
+        let fitted = vehicle.with_lateral(front.model, rear.model);
+        if options.leave_out_contacts {
+            marked = find_contacts(runs, &fitted);
+            contacts = marked.iter().flatten().filter(|marked| **marked).count();
+        }
+        if contacts == 0 && vehicle.effects.is_empty() {
+            break;
+        }
+        (front, rear, _) = both(&marked, &fitted)?;
+    }
+    let left = balances_left(runs, &vehicle.with_lateral(front.model, rear.model));
+    Ok(SledFit {
+        front,
+        rear,
+        runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
+        excluded,
+        contacts,
+        left,
+        total: runs.iter().map(|run| run.states.len()).sum(),
+    })
+}
+
+impl SledFit {
+    /// The model with the fitted lateral laws in place of its own.
+    pub fn applied_to(&self, model: &Model) -> Model {
+        let mut fitted = model.clone();
+        fitted.friction.front = self.front.model;
+        fitted.friction.rear = self.rear.model;
+        fitted
+    }
+
+    /// `fit.json`: for `front` and `rear` the model's keys with value, low and high, what is identifiable, and the runs.
+    ///
+    /// An end of an interval that the data do not bound is `null`.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "front": runner_json(&self.front),
+            "rear": runner_json(&self.rear),
+            "confidence": 0.95,
+            "runs": self.runs,
+            "samples": self.total,
+            "excluded_roll_acceleration": self.excluded,
+            "excluded_contacts": self.contacts,
+            "balances_left_rms": self.left,
+            "identifiability": "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: judge that product and k_n_per_rad; mu_zeta and c apart rest on c where c_held is true. e was predefined.",
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+}
+
+#[derive(Serialize)]
+struct Ends {
+    value: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+fn ends(estimate: &Estimate) -> Ends {
+    let known = |end: f64| end.is_finite().then_some(end);
+    Ends {
+        value: estimate.value,
+        low: known(estimate.low),
+        high: known(estimate.high),
+    }
+}
+
+fn runner_json(fit: &LateralFit) -> Value {
+    json!({
+        "mu_zeta": ends(&fit.mu_zeta),
+        "c": ends(&fit.c),
+        "e": ends(&Estimate::held(fit.model.e)),
+        "k_n_per_rad": ends(&fit.k_n_per_rad),
+        "mu_zeta_c": ends(&fit.mu_zeta_c),
+        "c_held": fit.c_held,
+        "mu_zeta_c_determined": fit.product_determined,
+        "rank": fit.identifiability.rank(),
+        "slip_sd_rad": fit.slip_sd,
+        "attenuation_of_plain_least_squares": fit.attenuation,
+        "plain_least_squares": fit.least_squares,
+        "residual_rms_n": fit.residual_rms,
+        "samples": fit.samples,
+        "clusters": fit.clusters,
+    })
+}
+
+/// How samples are chosen and fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitOptions {
+    /// Samples with a larger roll acceleration are left out [rad/s2]; the paper's 100 degrees/s2.
+    pub most_roll_accel_radps2: f64,
+    /// Predefined curvature factor E of both runners.
+    pub e: f64,
+    /// Whether stretches with a force from outside, such as a wall, are found and left out ([`crate::find_contacts`]).
+    pub leave_out_contacts: bool,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        FitOptions {
+            most_roll_accel_radps2: 100.0_f64.to_radians(),
+            e: 0.99,
+            leave_out_contacts: true,
+        }
+    }
+}
+
+/// Samples of both runners (front, rear): what is left to the base laws once the vehicle's effects have given their share,
+/// and how many were left out for their roll acceleration.
+///
+/// `contacts` marks samples to leave out, a run; empty for none. A cluster is a run where there are at least twelve, else a stretch of four seconds of one.
+pub fn lateral_samples(
+    runs: &[Prepared],
+    vehicle: &Vehicle,
+    contacts: &[Vec<bool>],
+    options: &FitOptions,
+) -> ([Vec<LateralSample>; 2], usize) {
+    let by_run = runs.len() >= 12;
+    let each: Vec<([Vec<LateralSample>; 2], usize)> = runs
+        .par_iter()
+        .enumerate()
+        .map(|(number, run)| {
+            let vehicle = &with_own_contacts(run, vehicle);
+            let stretch = (4.0 / run.dt_s) as usize;
+            let (mut front, mut rear, mut excluded) = (Vec::new(), Vec::new(), 0);
+            for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
+                if state.roll_accel_radps2.abs() > options.most_roll_accel_radps2 {
+                    excluded += 1;
+                    continue;
+                }
+                if contacts.get(number).is_some_and(|marked| marked[i]) {
+                    continue;
+                }
+                let forces = inverse(vehicle, state, motion);
+                let across = share_of_laws(vehicle, state, &forces);
+                let cluster = if by_run {
+                    number
+                } else {
+                    number * 100_000 + i / stretch
+                } as u32;
+                let sample = |alpha, force: &[f64; 3], fy| LateralSample {
+                    alpha,
+                    fz: force[2],
+                    fy,
+                    cluster,
+                };
+                front.push(sample(state.alpha_f_rad, &forces.front, across[0]));
+                rear.push(sample(state.alpha_r_rad, &forces.rear, across[1]));
+            }
+            ([front, rear], excluded)
+        })
+        .collect();
+    let mut all = [Vec::new(), Vec::new()];
+    let mut excluded = 0;
+    for ([front, rear], left_out) in each {
+        all[0].extend(front);
+        all[1].extend(rear);
+        excluded += left_out;
+    }
+    (all, excluded)
+}

@@ -1,0 +1,307 @@
+//! One gliding run: energies over distance and the resistance that they show.
+
+use crate::friction::error::Error;
+use crate::friction::specimens::{GlideEntry, GlideTrace, integrate};
+
+/// Specific gas constant of dry air [J/(kg K)].
+pub const GAS_CONSTANT_OF_AIR: f64 = 287.05;
+/// Gravity as the formats have it: an accelerometer at rest on level ice reads it [m/s2].
+pub const GRAVITY: f64 = 9.81;
+/// Share of the glided distance at either end that is not used, in which the athlete lies down and sits up.
+pub const SHARE_LEFT_OUT: f64 = 0.2;
+
+/// Air density [kg/m3]: `rho = p / (R T)` with the specific gas constant of air and T in kelvin.
+///
+/// ```
+/// assert!((crate::friction::air_density(94_700.0, 2.0) - 1.199).abs() < 1e-3);
+/// ```
+pub fn air_density(air_pa: f64, air_c: f64) -> f64 {
+    air_pa / (GAS_CONSTANT_OF_AIR * (air_c + 273.15))
+}
+
+/// One evaluated run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlideRun {
+    /// What the index says of it.
+    pub entry: GlideEntry,
+    /// Distance from the start of the glide [m].
+    pub s: Vec<f64>,
+    /// Kinetic energy [J].
+    pub kinetic: Vec<f64>,
+    /// Energy given to the air since the start of the glide [J].
+    pub aero: Vec<f64>,
+    /// First and past-the-last sample of the middle section.
+    pub section: std::ops::Range<usize>,
+    /// Line through kinetic energy plus energy given to the air over distance, in the middle section.
+    pub line: LineFit,
+    /// Mean speed in the middle section [m/s].
+    pub v_mean: f64,
+    /// Air density [kg/m3].
+    pub air_density: f64,
+}
+
+impl GlideRun {
+    /// Ice friction plus the slope's share of the weight, over the weight: `mu cos(kappa) +- sin(kappa)`.
+    pub fn resistance(&self) -> f64 {
+        -self.line.slope / (self.entry.mass_kg * GRAVITY)
+    }
+
+    /// Standard error of [`GlideRun::resistance`].
+    pub fn resistance_se(&self) -> f64 {
+        self.line.slope_se / (self.entry.mass_kg * GRAVITY)
+    }
+}
+
+/// Evaluates one run.
+///
+/// ```text
+/// E_kin = m v^2 / 2,   W_aero(s) = integral of c_d A rho v^2 / 2 ds,   F = -d(E_kin + W_aero)/ds
+/// ```
+///
+/// What kinetic energy loses and the air does not take goes to the ice and, on a slope, into height. The line is fitted over
+/// the middle section: the glide starts at the greatest speed (mean over half a second), and of the distance from there to
+/// the end the central 60 % is used.
+///
+/// # Errors
+/// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter than 1 m or one that gains energy.
+pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun, Error> {
+    const FEWEST: usize = 30;
+    let start = fastest(trace);
+    let (t, v) = (&trace.t[start..], &trace.v[start..]);
+    let s: Vec<f64> = trace.s[start..]
+        .iter()
+        .map(|s| s - trace.s[start])
+        .collect();
+    let whole = s.iter().copied().fold(0.0, f64::max);
+    if whole.is_nan() || whole < 1.0 {
+        return Err(Error::OutOfRange {
+            name: "distance glided [m]",
+            value: whole,
+            expected: "at least 1 m",
+        });
+    }
+    let density = air_density(entry.air_pa, entry.air_c);
+    let kinetic: Vec<f64> = v.iter().map(|v| 0.5 * entry.mass_kg * v * v).collect();
+    let drag: Vec<f64> = v
+        .iter()
+        .map(|v| 0.5 * entry.cda_m2 * density * v * v)
+        .collect();
+    let aero = if trace.s_measured {
+        integrate(&s, &drag)
+    } else {
+        let power: Vec<f64> = drag.iter().zip(v).map(|(f, v)| f * v).collect();
+        integrate(t, &power)
+    };
+    let reaches = |share: f64| {
+        s.iter()
+            .position(|s| *s >= share * whole)
+            .unwrap_or(s.len())
+    };
+    let section = reaches(SHARE_LEFT_OUT)..reaches(1.0 - SHARE_LEFT_OUT);
+    if section.len() < FEWEST {
+        return Err(Error::TooFew {
+            what: format!("run {}: samples in the middle section", entry.run),
+            have: section.len(),
+            need: FEWEST,
+        });
+    }
+    let energy: Vec<f64> = section.clone().map(|i| kinetic[i] + aero[i]).collect();
+    let Some(line) = fit_line(&s[section.clone()], &energy) else {
+        return Err(Error::OutOfRange {
+            name: "distance glided in the middle section [m]",
+            value: 0.0,
+            expected: "a positive distance",
+        });
+    };
+    // Both by more than the line's own scatter: a rink that is level does not push.
+    if line.slope > LEAST_GROWTH.max(6.0 * line.slope_se) {
+        // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air took.
+        let in_kmh: Vec<f64> = section
+            .clone()
+            .map(|i| kinetic[i] + aero[i] / KMH)
+            .collect();
+        let slows_in_kmh = fit_line(&s[section], &in_kmh).is_some_and(|line| line.slope < 0.0);
+        return Err(Error::OutOfRange {
+            name: "force along the glide [N]",
+            value: line.slope,
+            expected: match slows_in_kmh && !trace.s_measured {
+                true => {
+                    "a glide that loses energy, a negative one: its speeds would lose some as km/h, v_mps is in m/s (divide by 3.6)"
+                }
+                false => {
+                    "a glide that loses energy, a negative one: this one gets faster through its middle section"
+                }
+            },
+        });
+    }
+    Ok(GlideRun {
+        entry: entry.clone(),
+        v_mean: v[section.clone()].iter().sum::<f64>() / section.len() as f64,
+        s,
+        kinetic,
+        aero,
+        section,
+        line,
+        air_density: density,
+    })
+}
+
+/// What km/h counts a m/s for.
+const KMH: f64 = 3.6;
+
+/// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the lightest rider.
+const LEAST_GROWTH: f64 = 0.3;
+
+/// Sample of the greatest speed, averaged over half a second.
+fn fastest(trace: &GlideTrace) -> usize {
+    let distance = integrate(&trace.t, &trace.v);
+    let mut best = (0, f64::NEG_INFINITY);
+    let mut end = 0;
+    for start in 0..trace.t.len() {
+        while end + 1 < trace.t.len() && trace.t[end] - trace.t[start] < 0.5 {
+            end += 1;
+        }
+        let span = trace.t[end] - trace.t[start];
+        if span < 0.5 {
+            break;
+        }
+        let speed = (distance[end] - distance[start]) / span;
+        if speed > best.1 {
+            best = (start, speed);
+        }
+    }
+    best.0
+}
+
+/// A fitted line `y = level + slope (x - centre)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineFit {
+    /// Slope.
+    pub slope: f64,
+    /// Standard error of the slope.
+    pub slope_se: f64,
+    /// Mean of x.
+    pub centre: f64,
+    /// Value at the mean of x.
+    pub level: f64,
+    /// Root mean square of the residuals.
+    pub residual_rms: f64,
+}
+
+impl LineFit {
+    /// Value of the line at `x`.
+    pub fn at(&self, x: f64) -> f64 {
+        self.level + self.slope * (x - self.centre)
+    }
+}
+
+/// Fits a line to points in the order they were measured.
+///
+/// The standard error is that of Andrews and Monahan (Econometrica 60 (1992) 953): the products of deviation and residual
+/// are whitened by a first-order autoregression (its coefficient r corrected by `(1 + 4 r)/n` after Kendall, Biometrika 41
+/// (1954) 403, and held below 0.999), their long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)` lags, and
+/// coloured back. It falls short where errors stay correlated over more than about a tenth of the points. `None` below three points or without spread in x.
+pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
+    let n = x.len() as f64;
+    let centre = x.iter().sum::<f64>() / n;
+    let level = y.iter().sum::<f64>() / n;
+    let spread: f64 = x.iter().map(|x| (x - centre).powi(2)).sum();
+    if x.len() < 3 || x.len() != y.len() || spread.is_nan() || spread <= 0.0 {
+        return None;
+    }
+    let slope = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| (x - centre) * (y - level))
+        .sum::<f64>()
+        / spread;
+    let residual: Vec<f64> = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| y - level - slope * (x - centre))
+        .collect();
+    let product: Vec<f64> = x
+        .iter()
+        .zip(&residual)
+        .map(|(x, r)| (x - centre) * r)
+        .collect();
+    let variance = long_run_variance(&product) * n / (n - 2.0);
+    Some(LineFit {
+        slope,
+        slope_se: (n * variance).sqrt() / spread,
+        centre,
+        level,
+        residual_rms: (residual.iter().map(|r| r * r).sum::<f64>() / n).sqrt(),
+    })
+}
+
+/// Long-run variance of a series of mean zero.
+fn long_run_variance(u: &[f64]) -> f64 {
+    const STEEPEST: f64 = 0.999;
+    let product_at = |w: &[f64], lag: usize| -> f64 {
+        w.iter().zip(&w[lag..]).map(|(a, b)| a * b).sum::<f64>() / w.len() as f64
+    };
+    let own = product_at(u, 0);
+    if own == 0.0 {
+        return 0.0;
+    }
+    let seen = product_at(u, 1) / own;
+    let keep = (seen + (1.0 + 4.0 * seen.max(0.0)) / u.len() as f64).clamp(-STEEPEST, STEEPEST);
+    let white: Vec<f64> = u.windows(2).map(|pair| pair[1] - keep * pair[0]).collect();
+    let lags = (4.0 * (white.len() as f64 / 100.0).powf(2.0 / 9.0)) as usize;
+    let lags = lags.min(white.len() - 1);
+    let mut variance = product_at(&white, 0);
+    for lag in 1..=lags {
+        let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
+        variance += 2.0 * weight * product_at(&white, lag);
+    }
+    variance / (1.0 - keep).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::friction::specimens::read_glide_index;
+
+    /// Speeds in km/h and no distance: with a friction F and an air of c v^2 a glide has v = w tan(q - w c t / m), w^2 = F / c. Where
+    /// the air takes more than a 3.6th of the loss it takes more than is lost once the speeds are 3.6 times too large.
+    #[test]
+    fn kilometres_an_hour_show_by_what_the_air_takes() {
+        let row = "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa\n1,1.csv,A,up,100,0.5,2,94700\n";
+        let entry = read_glide_index("glides.csv", row.as_bytes())
+            .unwrap()
+            .remove(0);
+        let c = 0.5 * entry.cda_m2 * air_density(entry.air_pa, entry.air_c);
+        let glide = |friction: f64, unit: f64| {
+            let root = (friction / c).sqrt();
+            let start = (3.0 / root).atan();
+            let t: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
+            let speed = |t: &f64| unit * root * (start - root * c * t / entry.mass_kg).tan();
+            let v: Vec<f64> = t.iter().map(speed).collect();
+            let s = integrate(&t, &v);
+            evaluate_glide(
+                &entry,
+                &GlideTrace {
+                    t,
+                    v,
+                    s,
+                    s_measured: false,
+                },
+            )
+        };
+        // Below 3 m/s the air takes 2.4 N on the mean.
+        let found = glide(2.0, 1.0).unwrap();
+        assert!(
+            (-found.line.slope / 2.0 - 1.0).abs() < 1e-3,
+            "{}",
+            found.line.slope
+        );
+        let told = glide(2.0, KMH).unwrap_err().to_string();
+        assert!(
+            told.contains("km/h") && told.contains("divide by 3.6"),
+            "{told}"
+        );
+        // Here it takes less, and nothing tells.
+        assert!(glide(20.0, KMH).is_ok());
+    }
+}

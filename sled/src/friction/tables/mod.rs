@@ -1,4 +1,0 @@
-//! Tables of measurements, read with every cell checked.
-
-pub mod experiments;
-pub mod table;

@@ -1,0 +1,254 @@
+//! What the balances leave, by everything that the sensors say and by the constants of the sled: derivatives in closed form.
+//!
+//! With z the accelerations, loads, slips and angles of an instant, x what the sensors say and the sled's constants,
+//!
+//! ```text
+//! d left / dx = (d left / dz) (dz / dx)
+//! ```
+//!
+//! the laws asked to first order, the front runner's load as [`Balance::laws_near`] has it.
+
+use crate::effects::{Constants, SENSORS, Sensor, Signals};
+use crate::model::vehicle::{RunnerFriction, Vehicle};
+use crate::motion::aero;
+use crate::motion::balance::{Balance, LawForces};
+
+/// Derivatives of the balances along, aside and about the vertical, in the shape of what they are taken by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftBy {
+    /// By each sensor's value.
+    value: [[f64; 3]; SENSORS],
+    /// By each gyro's derivative, roll, pitch and yaw.
+    rate: [[f64; 3]; 3],
+    mass: [f64; 3],
+    pitch_inertia: [f64; 3],
+    yaw_inertia: [f64; 3],
+    axles: [[f64; 3]; 2],
+    accelerometer: [[f64; 3]; 3],
+    slip_sensor: [f64; 3],
+}
+
+/// The sum of vectors, each with its factor.
+#[inline]
+fn sum<const N: usize>(parts: [(f64, &[f64; 3]); N]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (by, part) in parts {
+        for (sum, part) in sum.iter_mut().zip(part) {
+            *sum += by * part;
+        }
+    }
+    sum
+}
+
+impl LeftBy {
+    /// What a sensor's value and its derivative do, moved by so much.
+    #[inline]
+    pub fn of_sensor(&self, sensor: Sensor, value: f64, rate: f64) -> [f64; 3] {
+        let by_value = &self.value[sensor as usize];
+        match sensor {
+            Sensor::RollRate | Sensor::PitchRate | Sensor::YawRate => {
+                let gyro = sensor as usize - Sensor::RollRate as usize;
+                sum([(value, by_value), (rate, &self.rate[gyro])])
+            }
+            _ => sum([(value, by_value)]),
+        }
+    }
+
+    /// What the sled's constants do, moved by so much.
+    #[inline]
+    pub fn of_constants(&self, by: &Constants) -> [f64; 3] {
+        let [x, y, z] = &self.accelerometer;
+        sum([
+            (by.mass, &self.mass),
+            (by.pitch_inertia, &self.pitch_inertia),
+            (by.yaw_inertia, &self.yaw_inertia),
+            (by.axles[0], &self.axles[0]),
+            (by.axles[1], &self.axles[1]),
+            (by.accelerometer[0], x),
+            (by.accelerometer[1], y),
+            (by.accelerometer[2], z),
+            (by.slip_sensor, &self.slip_sensor),
+        ])
+    }
+
+    /// What all of them do, between two readings of one instant.
+    #[inline]
+    pub fn between(&self, from: &Signals, to: &Signals) -> [f64; 3] {
+        let mut left = [0.0; 3];
+        for sensor in Sensor::ALL {
+            let k = sensor as usize;
+            let (value, rate) = (to.value[k] - from.value[k], to.rate[k] - from.rate[k]);
+            if value != 0.0 || rate != 0.0 {
+                left = sum([(1.0, &left), (1.0, &self.of_sensor(sensor, value, rate))]);
+            }
+        }
+        if from.sled == to.sled {
+            return left;
+        }
+        let (a, b) = (&from.sled, &to.sled);
+        let by = Constants {
+            mass: b.mass - a.mass,
+            pitch_inertia: b.pitch_inertia - a.pitch_inertia,
+            yaw_inertia: b.yaw_inertia - a.yaw_inertia,
+            axles: [0, 1].map(|k| b.axles[k] - a.axles[k]),
+            accelerometer: [0, 1, 2].map(|k| b.accelerometer[k] - a.accelerometer[k]),
+            slip_sensor: b.slip_sensor - a.slip_sensor,
+        };
+        sum([(1.0, &left), (1.0, &self.of_constants(&by))])
+    }
+}
+
+/// Longitudinal force of a runner by its load, the curvature, the speed and its slip.
+struct Along {
+    load: f64,
+    curvature: f64,
+    speed: f64,
+    slip: f64,
+}
+
+impl Balance {
+    /// Derivatives of [`Balance::left`] of the base laws' forces `of`, by what the sensors say and the constants of the sled.
+    ///
+    /// `signals` are those from which the balance was made ([`from_sensors`](crate::from_sensors)). Effects are not counted.
+    pub fn left_by(&self, vehicle: &Vehicle, of: &LawForces, signals: &Signals) -> LeftBy {
+        let (sled, state, motion) = (&self.sled, &self.state, &self.motion);
+        let (m, v) = (sled.mass_kg, state.v_mps);
+        let ((sd, cd), (sg, cg)) = (self.steer, self.split);
+        let (fx, [fy, fy_r]) = (of.forces.along[0], of.forces.across);
+        let (l_f, l_r, length) = (sled.l_f_m, sled.l_r_m, sled.wheelbase_m());
+        let [front, rear] = &of.lateral;
+        let along = self.along_by(&vehicle.front, self.slips[0], of.load_n[0]);
+        let along_r = self.along_by(&vehicle.rear, self.slips[1], of.load_n[1]);
+
+        // Forces at the centre of gravity, x, y and about z, by those of the runners and the angles between them.
+        let (x, y) = (cd * fx - sd * fy, sd * fx + cd * fy);
+        let aside = |y: f64| [0.0, y, l_f * y];
+        let by_fx = [cd, sd / cg, l_f * sd / cg];
+        let by_fy = [-sd, cd / cg, l_f * cd / cg];
+        let (by_fx_r, by_fy_r) = ([1.0, 0.0, 0.0], [0.0, 1.0, -l_r]);
+        let by_load = sum([(along.load, &by_fx), (front.fz, &by_fy)]);
+        // The front runner's load, from cos(gamma) F_z + sin(gamma) (sin(delta) F_x + cos(delta) F_y) = F_z0.
+        let of_load = if of.load_n[0] > 0.0 {
+            fx / of.load_n[0]
+        } else {
+            0.0
+        };
+        let stiff = cg + sg * (sd * of_load + cd * front.fz);
+        let load_by = |residual: f64| -residual / stiff;
+        let split = sum([
+            (1.0, &aside((y * sg - state.fz_f0_n) / (cg * cg))),
+            (load_by(cg * y - sg * of.load_n[0]), &by_load),
+        ]);
+        let turned = aside(x / cg);
+        let steer = sum([
+            (1.0, &[-y, turned[1], turned[2]]),
+            (load_by(sg * x), &by_load),
+        ]);
+        let slip_f = sum([
+            (front.alpha, &by_fy),
+            (along.slip, &by_fx),
+            (load_by(sg * cd * front.alpha), &by_load),
+        ]);
+        let slip_r = sum([(rear.alpha, &by_fy_r), (along_r.slip, &by_fx_r)]);
+        let axle_f = sum([(1.0, &aside(-sg / cg)), (load_by(-1.0), &by_load)]);
+        let axle_r = sum([(rear.fz, &by_fy_r), (along_r.load, &by_fx_r)]);
+        let curvature = sum([(along.curvature, &by_fx), (along_r.curvature, &by_fx_r)]);
+        let ((sine, cosine), drag) = (self.chassis, self.drag);
+        let drag_by_slip =
+            -aero::drag_by_slip(sled, v, state.air_density_kgpm3, -state.alpha_cog_rad);
+        let chassis = [
+            drag_by_slip * cosine - drag * sine,
+            -drag_by_slip * sine - drag * cosine,
+            0.0,
+        ];
+        let drag_by_speed = 2.0 * drag / v;
+        let speed = sum([
+            (along.speed, &by_fx),
+            (along_r.speed, &by_fx_r),
+            (drag_by_speed, &[cosine, -sine, 0.0]),
+        ]);
+        let front_y = (y - sg * state.fz_f0_n) / cg;
+
+        // From there to what the sensors say; what is left falls as the forces rise.
+        let [a_x, a_y, a_z] = motion.accel_mps2;
+        let (yaw, pitch) = (state.yaw_rate_radps, state.pitch_rate_radps);
+        let at = |place: f64| (place - sled.slip_x_m) / v;
+        let slips = sum([(1.0, &chassis), (1.0, &slip_f), (1.0, &slip_r)]);
+        let by_turn = sum([
+            (-at(0.0), &chassis),
+            (-at(l_f), &slip_f),
+            (-at(-l_r), &slip_r),
+        ]);
+        let turn = yaw / v;
+        let up = sum([(-m * l_r / length, &axle_f), (-m * l_f / length, &axle_r)]);
+        let accel = [[m, 0.0, up[0]], [0.0, m, up[1]], [0.0, 0.0, up[2]]];
+        let pitched = sum([(1.0, &axle_f), (-1.0, &axle_r)]);
+        let (force_f, force_r) = (state.fz_f0_n / length, state.fz_r_n / length);
+        let weight = m * a_z / length;
+
+        let mut by = LeftBy::default();
+        by.value[Sensor::Ax as usize] = [m, 0.0, 0.0];
+        by.value[Sensor::Ay as usize] = [0.0, m, 0.0];
+        by.value[Sensor::Az as usize] = up;
+        by.value[Sensor::Speed as usize] = sum([
+            (-1.0, &speed),
+            (-pitch / (v * v), &curvature),
+            (turn, &by_turn),
+        ]);
+        by.value[Sensor::Slip as usize] = sum([(-1.0, &slips)]);
+        by.value[Sensor::Steering as usize] = sum([(-1.0, &steer), (-1.0, &slip_f)]);
+        by.value[Sensor::RollSplit as usize] = sum([(-1.0, &split)]);
+        let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
+        let rates = signals.rates();
+        for (c, g) in accel.into_iter().enumerate() {
+            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let cross = |a: [f64; 3], b: [f64; 3]| {
+                [
+                    a[1] * b[2] - a[2] * b[1],
+                    a[2] * b[0] - a[0] * b[2],
+                    a[0] * b[1] - a[1] * b[0],
+                ]
+            };
+            // a = a_sensor - dw/dt x r - w (w r) + w^2 r
+            let (wr, wg, rg) = (dot(rates, place), dot(rates, g), dot(place, g));
+            let angular = cross(place, g);
+            let tangential = cross(g, signals.angular_acceleration());
+            for k in 0..3 {
+                by.rate[k][c] -= angular[k];
+                by.value[Sensor::RollRate as usize + k][c] -=
+                    g[k] * wr + place[k] * wg - 2.0 * rates[k] * rg;
+                by.accelerometer[k][c] -= tangential[k] + rates[k] * wg - dot(rates, rates) * g[k];
+            }
+            by.rate[1][c] += sled.j_yy_kgm2 / length * pitched[c];
+            by.value[Sensor::PitchRate as usize][c] += curvature[c] / v;
+            by.value[Sensor::YawRate as usize][c] -= by_turn[c];
+            by.mass[c] = [a_x, a_y, 0.0][c] - a_z / length * (l_r * axle_f[c] + l_f * axle_r[c]);
+            by.pitch_inertia[c] = motion.pitch_accel_radps2 / length * pitched[c];
+            by.slip_sensor[c] = -turn * slips[c];
+            by.axles[0][c] =
+                force_f * axle_f[c] - (weight - force_r) * axle_r[c] + turn * slip_f[c];
+            by.axles[1][c] =
+                force_r * axle_r[c] - (weight - force_f) * axle_f[c] - turn * slip_r[c];
+        }
+        by.rate[2][2] += sled.j_zz_kgm2;
+        by.yaw_inertia[2] = motion.yaw_accel_radps2;
+        by.axles[0][2] -= front_y;
+        by.axles[1][2] += fy_r;
+        by
+    }
+
+    fn along_by(&self, runner: &RunnerFriction, (sine, cosine): (f64, f64), load: f64) -> Along {
+        let at = &self.state;
+        let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.ice_c);
+        let [by_load, by_curvature, by_speed] =
+            runner.mu_by(load, at.curvature_1pm, at.v_mps, at.ice_c);
+        let pressed = load.max(0.0);
+        let own = if load > 0.0 { mu } else { 0.0 };
+        Along {
+            load: -(by_load * pressed + own) * cosine,
+            curvature: -by_curvature * pressed * cosine,
+            speed: -by_speed * pressed * cosine,
+            slip: mu * pressed * sine,
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! A run's file: read and checked, and written again.
+
+use std::collections::BTreeMap;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::columns::parquet::write_parquet;
+use crate::columns::{read_columns, write_csv};
+use crate::error::Error;
+use crate::record::check::columns::check_columns;
+use crate::record::check::relations::judge::{judge, refuse_faults};
+use crate::record::gaps::OnGaps;
+use crate::record::index::{Entry, read_index};
+use crate::record::needs::Needs;
+use crate::record::run::{COLUMNS, Run};
+use crate::series::bridged;
+
+/// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
+///
+/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or, with the feature `mdf4`, MDF 4 (`.mf4`).
+/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where the index states no `distance_m`, it is [`state_distances`]'.
+///
+/// # Errors
+/// The first bad run's error in the order of the index, [`Error::Wrong`], [`Error::DuplicateContent`] where two runs are the same.
+pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
+    let mut runs = read_index(index)?
+        .into_par_iter()
+        .map(|entry| read_needed(entry, needs, on_gaps))
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    refuse_copies(&runs)?;
+    refuse_faults(&runs)?;
+    state_distances(&mut runs);
+    Ok(runs)
+}
+
+/// Like [`read_runs`], but leaves bad runs out and returns their errors beside the good ones.
+///
+/// # Errors
+/// Those of the index itself.
+pub fn read_good_runs(
+    index: &Path,
+    needs: &Needs,
+    on_gaps: OnGaps,
+) -> Result<(Vec<Run>, Vec<Error>), Error> {
+    let read: Vec<Result<Run, Error>> = read_index(index)?
+        .into_par_iter()
+        .map(|entry| read_needed(entry, needs, on_gaps))
+        .collect();
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    for run in read {
+        match run {
+            Ok(run) => good.push(run),
+            Err(error) => bad.push(error),
+        }
+    }
+    while let Some((first, second)) = find_copy(&good) {
+        bad.push(Error::DuplicateContent {
+            first: good[first].entry.run.clone(),
+            second: good[second].entry.run.clone(),
+        });
+        good.remove(second);
+    }
+    for fault in judge(&good) {
+        good.retain(|run| run.entry.run != fault.run);
+        bad.push(Error::Wrong {
+            fault: Box::new(fault),
+            more: 0,
+        });
+    }
+    state_distances(&mut good);
+    Ok((good, bad))
+}
+
+/// Reads one run's file and checks it; `required` are the columns it must have besides `t_s`.
+///
+/// Those of [`COLUMNS`] and `s_m` that the file has must hold numbers; a sample takes part where all of them have one. One
+/// that is not required and holds no number at all counts as not recorded.
+///
+/// # Errors
+/// Those of the format's reader and of [`check_columns`].
+pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run, Error> {
+    let known: Vec<&str> = COLUMNS.into_iter().chain(["s_m"]).collect();
+    read_run_of(entry, required, &known, on_gaps)
+}
+
+/// Like [`read_run`] with what `needs` says, which an error of a missing column names.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_needed(entry: Entry, needs: &Needs, on_gaps: OnGaps) -> Result<Run, Error> {
+    read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error))
+}
+
+/// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the file has, and no others: gaps
+/// of others do not count.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_run_of(
+    entry: Entry,
+    required: &[&str],
+    known: &[&str],
+    on_gaps: OnGaps,
+) -> Result<Run, Error> {
+    let file = entry.file.display().to_string();
+    let more = required.iter().filter(|name| !known.contains(name));
+    let known: Vec<&str> = known.iter().chain(more).copied().collect();
+    let mut columns = read_columns(&entry.file, &known)?;
+    let mut remarks = Vec::new();
+    for name in known.iter().filter(|name| !required.contains(*name)) {
+        let empty = |column: &Vec<f64>| column.iter().all(|x| !x.is_finite());
+        if columns.get(*name).is_some_and(empty) {
+            columns.remove(*name);
+            remarks.push(format!(
+                "{file}: column {name} holds no number: taken as not recorded"
+            ));
+        }
+    }
+    let there = |name: &&str| columns.contains_key(*name);
+    let used: Vec<&str> = known.into_iter().filter(there).collect();
+    let (clock, gaps, saturated) = check_columns(&mut columns, required, &used, on_gaps, &file)?;
+    Ok(Run {
+        entry,
+        t0_s: clock.t0_s,
+        dt_s: clock.dt_s,
+        columns,
+        gaps,
+        saturated,
+        remarks,
+    })
+}
+
+/// States the distance run on the same finish before each run where the index does not: that of the runs before it in its
+/// session, in the order given.
+///
+/// Runners are finished between sessions and not within one; where that is not so, `distance_m` in the index says it.
+pub fn state_distances(runs: &mut [Run]) {
+    let mut before: BTreeMap<String, f64> = BTreeMap::new();
+    for run in runs {
+        let travelled = before.entry(run.entry.session.clone()).or_insert(0.0);
+        run.entry.conditions.distance_m.get_or_insert(*travelled);
+        *travelled += match run.columns.get("s_m").map(Vec::as_slice) {
+            Some([first, .., last]) if (last - first).is_finite() => last - first,
+            _ => run
+                .columns
+                .get("v_mps")
+                .map_or(0.0, |v| bridged(v).iter().sum::<f64>() * run.dt_s),
+        };
+    }
+}
+
+/// Refuses two runs with the same samples: a file copied or named twice would count double.
+fn refuse_copies(runs: &[Run]) -> Result<(), Error> {
+    match find_copy(runs) {
+        None => Ok(()),
+        Some((first, second)) => Err(Error::DuplicateContent {
+            first: runs[first].entry.run.clone(),
+            second: runs[second].entry.run.clone(),
+        }),
+    }
+}
+
+pub(crate) fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
+    let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
+    for (i, run) in runs.iter().enumerate() {
+        // The first samples decide almost always; the whole columns are compared only where they agree.
+        let key: Vec<u64> = COLUMNS
+            .iter()
+            .filter_map(|name| run.columns.get(*name))
+            .flat_map(|values| {
+                [
+                    values.len() as u64,
+                    values[0].to_bits(),
+                    values[values.len() / 2].to_bits(),
+                ]
+            })
+            .collect();
+        if let Some(&first) = seen.get(&key) {
+            let bits = |run: &Run| -> Vec<u64> {
+                run.columns
+                    .values()
+                    .flatten()
+                    .map(|x| x.to_bits())
+                    .collect()
+            };
+            if runs[first].columns.keys().eq(run.columns.keys()) && bits(&runs[first]) == bits(run)
+            {
+                return Some((first, i));
+            }
+        } else {
+            seen.insert(key, i);
+        }
+    }
+    None
+}
+
+/// File formats that runs are written in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RunFormat {
+    /// Text, nine decimals.
+    #[default]
+    Csv,
+    /// Parquet, 64-bit, compressed with Zstandard.
+    Parquet,
+}
+
+impl RunFormat {
+    /// Extension of the file's name.
+    pub fn extension(self) -> &'static str {
+        match self {
+            RunFormat::Csv => "csv",
+            RunFormat::Parquet => "parquet",
+        }
+    }
+}
+
+/// Writes one run: time, the required columns in the format's order, then the others by name. The writer need not be buffered.
+///
+/// # Errors
+/// [`Error::File`] from the writer.
+pub fn write_run(
+    run: &Run,
+    writer: &mut (dyn Write + Send),
+    format: RunFormat,
+) -> Result<(), Error> {
+    let writer = BufWriter::with_capacity(1 << 18, writer);
+    // Nine decimals are a nanosecond and far below any sensor's step; they keep text files short.
+    let decimals = |value: f64| match format {
+        RunFormat::Csv => (value * 1e9).round() / 1e9,
+        RunFormat::Parquet => value,
+    };
+    let time: Vec<f64> = (0..run.len())
+        .map(|i| ((run.t0_s + i as f64 * run.dt_s) * 1e9).round() / 1e9)
+        .collect();
+    let others = run
+        .columns
+        .keys()
+        .map(String::as_str)
+        .filter(|name| !COLUMNS.contains(name));
+    let names = COLUMNS
+        .iter()
+        .copied()
+        .filter(|name| run.columns.contains_key(*name))
+        .chain(others);
+    let columns: Vec<(&str, Vec<f64>)> = names
+        .map(|name| {
+            (
+                name,
+                run.columns[name].iter().map(|v| decimals(*v)).collect(),
+            )
+        })
+        .collect();
+    let mut table: Vec<(&str, &[f64])> = vec![("t_s", &time)];
+    table.extend(
+        columns
+            .iter()
+            .map(|(name, values)| (*name, values.as_slice())),
+    );
+    match format {
+        RunFormat::Csv => write_csv(writer, &table)
+            .map_err(|error| Error::file(&run.entry.file.display().to_string(), error)),
+        RunFormat::Parquet => write_parquet(writer, &table),
+    }
+}
