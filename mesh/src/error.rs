@@ -93,14 +93,16 @@ pub enum MeshError {
         limit: usize,
     },
     /// A file's ending that names no known format.
-    #[error("the ending {found:?} names no hull format; expected obj, gltf, glb or stl")]
+    #[error(
+        "the ending {found:?} names no hull format; expected obj, gltf, glb or stl, or 3mf to read"
+    )]
     HullFormat {
         /// The ending found.
         found: String,
     },
     /// A file of exact shapes, which no reader here takes.
     #[error(
-        "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb or stl; \
+        "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb, stl or 3mf; \
          `gmsh {path} -2 -clmax 0.5 -format stl -bin -o {stl}` makes triangles of 0.5 mm of it, in millimetres (scale = 0.001)"
     )]
     ExactShapes {
@@ -109,12 +111,18 @@ pub enum MeshError {
         /// What its triangles may be called.
         stl: String,
     },
-    /// An OBJ file that cannot be parsed.
-    #[error("not a readable OBJ file: {0}")]
-    Obj(#[from] tobj::LoadError),
-    /// An STL file that cannot be parsed.
-    #[error("not a readable STL file: {0}")]
-    Stl(#[from] std::io::Error),
+    /// A word in a text file that does not fit.
+    #[error("not a readable {format} file: line {line}: found {found}; expected {expected}")]
+    Syntax {
+        /// The file's format.
+        format: &'static str,
+        /// The line, from 1.
+        line: usize,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
     /// An STL file shorter than it says.
     #[error("the STL file announces {facets} facets, which need {needed} bytes; it has {found}")]
     StlLength {
@@ -128,6 +136,25 @@ pub enum MeshError {
     /// A glTF file that cannot be parsed.
     #[error("not a readable glTF file: {0}")]
     Gltf(#[from] gltf::Error),
+    /// A glTF file whose triangles are compressed.
+    #[error(
+        "the glTF file is compressed by {method}, which is not read; export it without compression (in Blender: import it, \
+         export glTF with Compression off)"
+    )]
+    GltfCompressed {
+        /// The method.
+        method: &'static str,
+    },
+    /// A 3MF file that cannot be read.
+    #[error("not a readable 3MF file: {part}: found {found}; expected {expected}")]
+    ThreeMf {
+        /// The part of the package.
+        part: String,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
     /// A GLB header with an impossible length.
     #[error("the GLB header announces {announced} bytes; the file has {found}")]
     GlbLength {
@@ -297,16 +324,6 @@ pub enum MeshError {
         array: String,
         /// What is wrong.
         problem: &'static str,
-    },
-    /// A Gmsh file that cannot be read.
-    #[error("not a readable Gmsh file: line {line}: found {found}; expected {expected}")]
-    Gmsh {
-        /// The line, from 1.
-        line: usize,
-        /// What was found.
-        found: String,
-        /// What was expected.
-        expected: &'static str,
     },
     /// A height map with the wrong number of heights.
     #[error(

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Underside`] | the height of a hull's lower surface over the contact plane |
 //! | [`Swept`] | a [`Section`] swept along a [`Rocker`]: [`BobRunner`] and [`LugeSteel`] make one |
-//! | [`Hull`] | triangles, read by [`read_obj`], [`read_gltf`], [`read_stl`] or made by [`tessellate`] |
+//! | [`Hull`] | triangles, read by [`read_obj`], [`read_gltf`], [`read_stl`], [`read_3mf`] or made by [`tessellate`] |
 //! | [`FittedUnderside`] | a smooth surface through a hull's vertices |
 //! | [`Paraboloid`] | an unbounded paraboloid, for verification |
 //! | [`TensorGrid`] | graded coordinates along x, y and z |
@@ -37,8 +37,8 @@ pub use hexahedra::{
 };
 pub use hull::{
     Axis, Hull, HullFormat, HullOptions, HullReport, HullWarning, check_hull, hull_files,
-    load_hull, read_gltf, read_obj, read_stl, size_warnings, tessellate, tessellate_turning,
-    write_glb, write_obj, write_stl,
+    load_hull, read_3mf, read_gltf, read_obj, read_stl, size_warnings, tessellate,
+    tessellate_turning, write_obj,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
 pub use scan::{Noise, Sampling, Standing, noise_of_faces, noise_of_hull};

@@ -21,7 +21,7 @@ pub struct Hull {
 
 #[pymethods]
 impl Hull {
-    /// Reads and checks an OBJ, glTF or STL file; `scale` is metres a unit of the file (0.001 for millimetres),
+    /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001 for millimetres),
     /// `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z elsewhere where absent).
     #[staticmethod]
     #[pyo3(signature = (path, *, scale = 1.0, up = None, forward = "x"))]

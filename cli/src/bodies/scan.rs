@@ -17,7 +17,7 @@ use crate::output::say::say;
 /// Arguments of `kufe hull check`.
 #[derive(clap::Args, Debug)]
 pub struct Check {
-    /// The hull: .obj, .gltf, .glb or .stl
+    /// The hull: .obj, .gltf, .glb, .stl or .3mf
     file: PathBuf,
     /// Normal force [N], one or several: what it is judged for
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]

@@ -92,10 +92,10 @@ fn describe(path: &Path) -> Result<Value, Failure> {
         "md" => marked_file::describe(path, "the command's reference", "kufe man --markdown")?,
         "exr" => exr_file::describe(path)?,
         "lut" => lut_file::describe(path)?,
-        "obj" | "glb" | "gltf" | "stl" => hull_file::describe(path)?,
+        "obj" | "glb" | "gltf" | "stl" | "3mf" => hull_file::describe(path)?,
         other => {
             return Err(told(format!(
-                "kind \".{other}\" is not known: expected a hull (.obj, .glb, .gltf, .stl), or what kufe writes or reads (.json, .csv, \
+                "kind \".{other}\" is not known: expected a hull (.obj, .glb, .gltf, .stl, .3mf), or what kufe writes or reads (.json, .csv, \
                  .parquet, .toml, .lut, .exr, .vtu, .vtp, .pvd, .png, .mat, .fmu, .html, .h, .c, .m, .inp, .mtx, .sh, .1, .md)"
             )));
         }

@@ -1,7 +1,7 @@
 //! How well a fitted surface follows its hull, and what that is fine enough for.
 
-use crate::fit::bicubic::{Bicubic, Sample};
-use crate::fit::surface::Surface;
+use crate::fit::fitted_underside::Surface;
+use crate::fit::spline::{Bicubic, Sample};
 use crate::parameter::linspace;
 use crate::shapes::underside::Underside;
 

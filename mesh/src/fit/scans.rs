@@ -7,10 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::error::MeshError;
-use crate::fit::bicubic::Sample;
 use crate::fit::downward::Downward;
-use crate::fit::least_squares::KeptFit;
-use crate::fit::surface::Surface;
+use crate::fit::fitted_underside::Surface;
+use crate::fit::spline::{KeptFit, Sample};
 use crate::hull::triangles::Hull;
 use crate::shapes::underside::Underside;
 
@@ -94,7 +93,7 @@ pub(crate) fn moves(noise: f64, seed: u64) -> impl Iterator<Item = f64> {
 mod tests {
     use super::*;
     use crate::fit::fitted_underside::FittedUnderside;
-    use crate::shapes::paraboloid::Paraboloid;
+    use crate::shapes::underside::Paraboloid;
 
     /// Along the keel a scan's fit with the factor kept and one from nothing part by far less than either parts from the surface.
     #[test]

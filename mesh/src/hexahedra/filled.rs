@@ -2,9 +2,9 @@
 
 use crate::error::MeshError;
 use crate::fit::FittedUnderside;
-use crate::hexahedra::slope_limit::limit_slope;
-use crate::hull::check::HullReport;
+use crate::hexahedra::hex_mesh::limit_slope;
 use crate::hull::triangles::Hull;
+use crate::hull::triangles::HullReport;
 use crate::shapes::underside::Underside;
 
 /// Columns along and across in which the space over an underside is measured.
@@ -123,10 +123,10 @@ fn steel_below(hull: &Hull, top: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull::check::check_hull;
     use crate::hull::tessellate::tessellate;
-    use crate::shapes::bob_runner::BobRunner;
-    use crate::shapes::luge_steel::LugeSteel;
+    use crate::hull::triangles::check_hull;
+    use crate::shapes::swept::BobRunner;
+    use crate::shapes::swept::LugeSteel;
 
     fn bob() -> Hull {
         let runner = BobRunner {

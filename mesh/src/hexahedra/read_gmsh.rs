@@ -22,7 +22,7 @@ const BESIDE: [(u64, usize); 8] = [
 /// Reads the hexahedra of a Gmsh file in text format, version 2.2 or 4.1. Points, lines and faces are passed over.
 ///
 /// # Errors
-/// [`MeshError::Gmsh`] with the line and what was expected, [`MeshError::CellType`] for other solid
+/// [`MeshError::Syntax`] with the line and what was expected, [`MeshError::CellType`] for other solid
 /// elements, and those of [`HexMesh::from_elsewhere`].
 pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let mut words = Words::of(bytes)?;
@@ -130,7 +130,8 @@ struct Words<'a> {
 
 impl<'a> Words<'a> {
     fn of(bytes: &'a [u8]) -> Result<Self, MeshError> {
-        let fail = |e: std::str::Utf8Error| MeshError::Gmsh {
+        let fail = |e: std::str::Utf8Error| MeshError::Syntax {
+            format: "Gmsh",
             line: 1 + bytes[..e.valid_up_to()]
                 .iter()
                 .filter(|&&b| b == b'\n')
@@ -147,7 +148,8 @@ impl<'a> Words<'a> {
     }
 
     fn problem(&self, found: String, expected: &'static str) -> MeshError {
-        MeshError::Gmsh {
+        MeshError::Syntax {
+            format: "Gmsh",
             line: self.line,
             found,
             expected,

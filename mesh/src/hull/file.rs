@@ -6,18 +6,19 @@ use std::path::{Path, PathBuf};
 use kufe_files::read_regular;
 
 use crate::error::MeshError;
-use crate::hull::axes::HullOptions;
-use crate::hull::check::{HullReport, check_hull};
+use crate::hull::read_3mf::read_3mf;
 use crate::hull::read_gltf::{outer_buffers, read_gltf};
 use crate::hull::read_obj::read_obj;
 use crate::hull::read_stl::read_stl;
 use crate::hull::triangles::Hull;
+use crate::hull::triangles::HullOptions;
+use crate::hull::triangles::{HullReport, check_hull};
 use crate::hull::write::{write_glb, write_obj, write_stl};
 
 /// Most bytes of a file that belongs to a hull.
 const MOST_BYTES: u64 = 1 << 31;
 
-/// The formats that hulls come in.
+/// The formats that hulls are read from and written to; 3MF is read only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HullFormat {
     /// Wavefront OBJ.
@@ -79,16 +80,20 @@ fn refuse_exact_shapes(path: &Path) -> Result<(), MeshError> {
 pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport), MeshError> {
     let in_file = |error: MeshError| error.in_file(path);
     refuse_exact_shapes(path).map_err(in_file)?;
-    let format = HullFormat::of(path).map_err(in_file)?;
+    let format = match ending(path).as_str() {
+        "3mf" => None,
+        _ => Some(HullFormat::of(path).map_err(in_file)?),
+    };
     let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
         path: path.display().to_string(),
         source,
     })?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let hull = match format {
-        HullFormat::Obj => read_obj(&bytes, options),
-        HullFormat::Stl => read_stl(&bytes, options),
-        HullFormat::Gltf => read_gltf(&bytes, options, |uri| {
+        None => read_3mf(&bytes, options),
+        Some(HullFormat::Obj) => read_obj(&bytes, options),
+        Some(HullFormat::Stl) => read_stl(&bytes, options),
+        Some(HullFormat::Gltf) => read_gltf(&bytes, options, |uri| {
             read_regular(&folder.join(uri), MOST_BYTES)
         }),
     };
@@ -119,7 +124,7 @@ pub fn hull_files(path: &Path) -> Result<Vec<PathBuf>, MeshError> {
 mod tests {
     use super::*;
     use crate::hull::tessellate::tessellate;
-    use crate::shapes::bob_runner::BobRunner;
+    use crate::shapes::swept::BobRunner;
 
     #[test]
     fn every_format_gives_back_the_hull_that_was_written() {

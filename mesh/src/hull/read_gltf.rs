@@ -12,21 +12,37 @@ use gltf::{
 use nalgebra::{Matrix4, Point3};
 
 use crate::error::MeshError;
-use crate::hull::axes::{Axis, HullOptions};
 use crate::hull::triangles::Hull;
+use crate::hull::triangles::{Axis, HullOptions};
 
 /// Most triangles, and most vertices, read from one file; nodes may use one mesh many times.
 const MOST_TRIANGLES: usize = 50_000_000;
 
-/// Reads the triangles of a glTF file's scene, text or binary, node transforms applied.
+/// Extensions that a file may require although they do not change its triangles, by their beginning.
+const WITHOUT_EFFECT: [&str; 4] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "KHR_lights_",
+];
+/// Extensions that compress triangles, with the names of their methods.
+const COMPRESSIONS: [[&str; 2]; 3] = [
+    ["KHR_draco_mesh_compression", "Draco"],
+    ["EXT_meshopt_compression", "meshopt"],
+    ["KHR_meshopt_compression", "meshopt"],
+];
+
+/// Reads the triangles of a glTF file's scene, text or binary, with node transforms applied.
 ///
-/// `open` finds a buffer kept in a file of its own by its address in the glTF file; embedded
-/// buffers do not need it. The file's up is y unless `options` say otherwise.
+/// Lists, strips and fans of triangles are read, and positions that are quantized
+/// (`KHR_mesh_quantization`). `open` returns the bytes of a buffer in a file of its own, given its
+/// address in the glTF file. The file's up is y unless `options` state another axis.
 ///
 /// # Errors
-/// [`MeshError::Gltf`] where the file cannot be parsed; [`MeshError::GltfBuffer`],
-/// [`MeshError::GltfAccessor`] and [`MeshError::GltfNode`] where it refers to what is not there;
-/// and those of a hull without triangles or with positions that are no numbers.
+/// [`MeshError::GltfCompressed`] if the triangles are compressed; [`MeshError::Gltf`] if the file
+/// cannot be parsed; [`MeshError::GltfBuffer`], [`MeshError::GltfAccessor`] and
+/// [`MeshError::GltfNode`] if it refers to data that do not exist; and those of a hull without
+/// triangles or with positions that are not finite.
 pub fn read_gltf(
     bytes: &[u8],
     options: &HullOptions,
@@ -122,7 +138,20 @@ fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
 /// The library's own validation indexes accessors before it has checked them, so that comes first here.
 fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes)?;
-    let root = document.into_json();
+    let mut root = document.into_json();
+    for [extension, method] in COMPRESSIONS {
+        if root
+            .extensions_required
+            .iter()
+            .any(|name| name == extension)
+        {
+            return Err(MeshError::GltfCompressed { method });
+        }
+    }
+    root.extensions_required.retain(|name| {
+        name != "KHR_mesh_quantization"
+            && !WITHOUT_EFFECT.iter().any(|start| name.starts_with(start))
+    });
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let named = primitives.flat_map(|primitive| primitive.attributes.values());
     if let Some(missing) = named
@@ -167,7 +196,13 @@ impl Reader {
     fn mesh(&mut self, mesh: &gltf::Mesh, transform: &Matrix4<f64>) -> Result<(), MeshError> {
         // A transform that mirrors turns outside in.
         let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
-        for primitive in mesh.primitives().filter(|p| p.mode() == Mode::Triangles) {
+        for primitive in mesh.primitives() {
+            let corners_of: fn(usize) -> [usize; 3] = match primitive.mode() {
+                Mode::Triangles => |t| [3 * t, 3 * t + 1, 3 * t + 2],
+                Mode::TriangleStrip => |t| [t, t + 1 + t % 2, t + 2 - t % 2],
+                Mode::TriangleFan => |t| [t + 1, t + 2, 0],
+                Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => continue,
+            };
             let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else {
                 continue;
             };
@@ -177,16 +212,20 @@ impl Reader {
                 Some(indices) => self.indices_of(&indices)?,
                 None => (0..local.len()).collect(),
             };
-            if self.triangles.len() + indices.len() / 3 > MOST_TRIANGLES
-                || first + local.len() > MOST_TRIANGLES
+            let count = if primitive.mode() == Mode::Triangles {
+                indices.len() / 3
+            } else {
+                indices.len().saturating_sub(2)
+            };
+            if self.triangles.len() + count > MOST_TRIANGLES || first + local.len() > MOST_TRIANGLES
             {
                 return Err(MeshError::TooMany {
                     what: "triangles",
                     limit: MOST_TRIANGLES,
                 });
             }
-            for triangle in indices.chunks_exact(3) {
-                let mut corners = [triangle[0], triangle[1], triangle[2]];
+            for t in 0..count {
+                let mut corners = corners_of(t).map(|i| indices[i]);
                 if let Some(&index) = corners.iter().find(|&&i| i >= local.len()) {
                     let (triangle, vertices) = (self.triangles.len() + 1, local.len());
                     return Err(MeshError::VertexIndex {
@@ -208,18 +247,39 @@ impl Reader {
     }
 
     fn positions_of(&self, accessor: &Accessor) -> Result<Vec<[f64; 3]>, MeshError> {
-        let right =
-            accessor.data_type() == DataType::F32 && accessor.dimensions() == Dimensions::Vec3;
-        if !right {
+        if accessor.dimensions() != Dimensions::Vec3 {
             return Err(MeshError::GltfAccessor {
                 index: accessor.index(),
-                problem: "positions must be three 32-bit floats each",
+                problem: "positions must have three components",
             });
         }
-        let single = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        let data_type = accessor.data_type();
+        let size = data_type.size();
+        let component = |b: &[u8]| match data_type {
+            DataType::I8 => f64::from(b[0] as i8),
+            DataType::U8 => f64::from(b[0]),
+            DataType::I16 => f64::from(i16::from_le_bytes([b[0], b[1]])),
+            DataType::U16 => f64::from(u16::from_le_bytes([b[0], b[1]])),
+            DataType::U32 => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            DataType::F32 => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+        };
+        // Normalized integers are parts of the largest of their type.
+        let largest = match data_type {
+            _ if !accessor.normalized() => 1.0,
+            DataType::I8 => f64::from(i8::MAX),
+            DataType::U8 => f64::from(u8::MAX),
+            DataType::I16 => f64::from(i16::MAX),
+            DataType::U16 => f64::from(u16::MAX),
+            DataType::U32 => f64::from(u32::MAX),
+            DataType::F32 => 1.0,
+        };
+        let value = |b: &[u8]| match component(b) / largest {
+            below if largest > 1.0 && below < -1.0 => -1.0,
+            value => value,
+        };
         Ok(self
             .elements(accessor)?
-            .map(|b| [single(b), single(&b[4..]), single(&b[8..])])
+            .map(|b| [value(b), value(&b[size..]), value(&b[2 * size..])])
             .collect())
     }
 
@@ -330,6 +390,134 @@ mod tests {
         let normal = |hull: &Hull| hull.normal(&hull.triangles[0]);
         assert_eq!(normal(&plain)[1], -1.0);
         assert_eq!(normal(&mirrored)[1], 1.0);
+    }
+
+    /// A file of one primitive whose positions are `data` of this component type.
+    fn one_primitive(
+        data: &[u8],
+        component: u32,
+        normalized: bool,
+        mode: u32,
+        nodes: &str,
+    ) -> String {
+        let size = match component {
+            5120 | 5121 => 4,
+            5122 | 5123 => 8,
+            _ => 12,
+        };
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"extensionsRequired":["KHR_mesh_quantization"],"extensionsUsed":["KHR_mesh_quantization"],
+            "scenes":[{{"nodes":[0]}}],"nodes":{nodes},
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"mode":{mode}}}]}}],
+            "buffers":[{{"byteLength":{0},"uri":"data:application/octet-stream;base64,{1}"}}],
+            "bufferViews":[{{"buffer":0,"byteLength":{0},"byteStride":{size}}}],
+            "accessors":[{{"bufferView":0,"componentType":{component},"normalized":{normalized},"count":{2},"type":"VEC3",
+            "min":[-1,-1,-1],"max":[1,1,1]}}]}}"#,
+            data.len(),
+            STANDARD.encode(data),
+            data.len() / size
+        )
+    }
+
+    const ONE_NODE: &str = r#"[{"mesh":0}]"#;
+
+    #[test]
+    fn quantized_positions_are_scaled_by_their_type_and_node() {
+        // Three corners with a byte or a word to spare each.
+        let bytes: [[i8; 4]; 3] = [[-128, 0, 0, 0], [127, 0, 0, 0], [0, 0, 127, 0]];
+        let bytes: Vec<u8> = bytes.concat().iter().map(|&b| b as u8).collect();
+        let words: Vec<u8> = [0u16, 0, 0, 0, 65535, 0, 0, 0, 0, 0, 13107, 0]
+            .iter()
+            .flat_map(|w| w.to_le_bytes())
+            .collect();
+        // File y is up: (x, y, z) becomes (x, -z, y).
+        let read_positions = |text: &str| read(text).unwrap().positions;
+        assert_eq!(
+            read_positions(&one_primitive(&bytes, 5120, true, 4, ONE_NODE)),
+            [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+        );
+        assert_eq!(
+            read_positions(&one_primitive(&words, 5123, true, 4, ONE_NODE)),
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -0.2, 0.0]]
+        );
+        let scaled = r#"[{"mesh":0,"scale":[0.5,0.5,0.5],"translation":[1,0,0]}]"#;
+        assert_eq!(
+            read_positions(&one_primitive(&words, 5123, false, 4, scaled)),
+            [[1.0, 0.0, 0.0], [32768.5, 0.0, 0.0], [1.0, -6553.5, 0.0]]
+        );
+    }
+
+    #[test]
+    fn strips_and_fans_face_the_same_way_as_lists() {
+        let floats = |points: &[[f32; 3]]| -> Vec<u8> {
+            points
+                .concat()
+                .iter()
+                .flat_map(|v| v.to_le_bytes())
+                .collect()
+        };
+        let [a, b, c, d] = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 0.0, 1.0],
+        ];
+        for (points, mode) in [(vec![a, b, c, d], 5), (vec![a, b, d, c], 6)] {
+            let hull = read(&one_primitive(
+                &floats(&points),
+                5126,
+                false,
+                mode,
+                ONE_NODE,
+            ))
+            .unwrap();
+            assert_eq!(hull.triangles.len(), 2);
+            for t in &hull.triangles {
+                assert_eq!(hull.normal(t), [0.0, 0.0, -1.0], "{mode}");
+            }
+        }
+        // Lines and points have no triangles.
+        assert!(read(&one_primitive(&floats(&[a, b]), 5126, false, 1, ONE_NODE)).is_err());
+    }
+
+    #[test]
+    fn nested_transforms_multiply_and_mirrors_keep_the_outside() {
+        let floats: Vec<u8> = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        for child in ["-1,1,1", "-1,1,-1"] {
+            let nodes = format!(
+                r#"[{{"children":[1],"matrix":[-2,0,0,0, 0,2,0,0, 0,0,2,0, 0,3,0,1]}},
+                {{"children":[2],"scale":[{child}]}},{{"mesh":0,"translation":[1,0,0]}}]"#
+            );
+            let hull = read(&one_primitive(&floats, 5126, false, 4, &nodes)).unwrap();
+            assert_eq!(hull.positions[0], [2.0, 0.0, 3.0]);
+            assert_eq!(hull.normal(&hull.triangles[0])[2], -4.0, "{child}");
+        }
+    }
+
+    #[test]
+    fn compressed_files_are_refused_with_the_remedy() {
+        let data = [0; 36];
+        for (extension, method) in [
+            ("KHR_draco_mesh_compression", "Draco"),
+            ("EXT_meshopt_compression", "meshopt"),
+        ] {
+            let text = one_primitive(&data, 5126, false, 4, ONE_NODE);
+            let message = read(&text.replace("KHR_mesh_quantization", extension))
+                .unwrap_err()
+                .to_string();
+            assert!(
+                message.contains(method) && message.contains("without compression"),
+                "{message}"
+            );
+        }
+        let text = one_primitive(&data, 5126, false, 4, ONE_NODE);
+        let message = read(&text.replace("KHR_mesh_quantization", "EXT_of_tomorrow"));
+        assert!(message.unwrap_err().to_string().contains("EXT_of_tomorrow"));
+        let textured = read(&text.replace("KHR_mesh_quantization", "KHR_texture_basisu"));
+        assert!(textured.unwrap_err().to_string().contains("no triangles"));
     }
 
     #[test]

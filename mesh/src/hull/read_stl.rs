@@ -1,48 +1,115 @@
 //! Hulls from STL files.
 
-use std::io::Cursor;
-
 use crate::error::MeshError;
-use crate::hull::axes::{Axis, HullOptions};
-use crate::hull::triangles::Hull;
+use crate::hull::text::{decode, lines, point, syntax};
+use crate::hull::triangles::{Axis, Hull, HullOptions};
 
-/// Bytes of a binary STL's header, and of each of its facets.
+/// Bytes of a binary STL's header with its number of facets.
 const HEADER: usize = 84;
+/// Bytes of a facet in a binary STL.
 const FACET: usize = 50;
 
 /// Reads an STL file, binary or text. Normals are taken from the order of the corners.
 ///
+/// A file is binary if it has the bytes that its number of facets needs, even if its header begins
+/// with `solid`; bytes after the last facet are ignored. Otherwise it is text if it begins with the
+/// word `solid` in any case.
+///
 /// # Errors
-/// [`MeshError::Stl`] where the file cannot be parsed, [`MeshError::StlLength`] where a binary file
-/// does not hold the facets that it announces, and those of a hull without triangles or with
-/// positions that are no numbers.
+/// [`MeshError::Syntax`] with the line of a text file, [`MeshError::StlLength`] if a binary file is
+/// shorter than its number of facets needs, and those of a hull without triangles or with positions
+/// that are not finite.
 pub fn read_stl(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
-    let announced = bytes
-        .get(80..HEADER)
-        .map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
-    let needed = announced.map(|n| n * FACET as u64 + HEADER as u64);
-    let is_text = bytes.starts_with(b"solid ") && needed != Some(bytes.len() as u64);
-    if !is_text
-        && let (Some(facets), Some(needed)) = (announced, needed)
-        && needed > bytes.len() as u64
-    {
-        return Err(MeshError::StlLength {
-            facets,
-            needed,
-            found: bytes.len(),
+    let positions = match bytes.first_chunk::<HEADER>() {
+        Some([.., a, b, c, d]) => {
+            let facets = u64::from(u32::from_le_bytes([*a, *b, *c, *d]));
+            let needed = facets * FACET as u64 + HEADER as u64;
+            if needed <= bytes.len() as u64 {
+                binary_corners(bytes, facets as usize)
+            } else if is_text(bytes) {
+                text_corners(bytes)?
+            } else {
+                let found = bytes.len();
+                return Err(MeshError::StlLength {
+                    facets,
+                    needed,
+                    found,
+                });
+            }
+        }
+        None => text_corners(bytes)?,
+    };
+    let triangles = (0..positions.len() / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    Hull::welded(&positions, triangles, rows)
+}
+
+/// Whether the file begins with `solid` and has no zero bytes near its beginning, as the numbers of
+/// a binary file do.
+fn is_text(bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let word = start.trim_ascii_start().get(..5).unwrap_or_default();
+    word.eq_ignore_ascii_case(b"solid") && !bytes.iter().take(1024).any(|&byte| byte == 0)
+}
+
+/// The corners of the facets of a binary file, three a facet.
+fn binary_corners(bytes: &[u8], facets: usize) -> Vec<[f64; 3]> {
+    let single = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let corner = |b: &[u8]| [single(b), single(&b[4..]), single(&b[8..])];
+    let facets = bytes[HEADER..].chunks_exact(FACET).take(facets);
+    facets
+        .flat_map(|facet| facet[12..48].chunks_exact(12).map(corner))
+        .collect()
+}
+
+/// The corners of the facets of a text file, three a facet.
+fn text_corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, MeshError> {
+    let text = decode(bytes);
+    let mut positions = Vec::new();
+    let mut in_solid = false;
+    let mut corners: Option<usize> = None;
+    let mut last = 1;
+    for (line, content) in lines(&text) {
+        let refuse = |word, expected| Err(syntax("STL", line, word, expected));
+        let mut words = content.split_ascii_whitespace();
+        while let Some(word) = words.next() {
+            last = line;
+            match (word.to_ascii_lowercase().as_str(), corners) {
+                // The rest of the line is the solid's name.
+                ("solid", None) if !in_solid => {
+                    in_solid = true;
+                    break;
+                }
+                ("endsolid", None) if in_solid => {
+                    in_solid = false;
+                    break;
+                }
+                ("facet", None) if in_solid => corners = Some(0),
+                ("normal", Some(0)) => words.by_ref().take(3).for_each(drop),
+                ("outer" | "loop" | "endloop", Some(_)) => {}
+                ("vertex", Some(n)) if n < 3 => {
+                    positions.push(point("STL", line, words.by_ref())?);
+                    corners = Some(n + 1);
+                }
+                ("endfacet", Some(3)) => corners = None,
+                (_, Some(3)) => return refuse(word, "endfacet after three vertices"),
+                (_, Some(_)) => return refuse(word, "vertex"),
+                (_, None) if in_solid => return refuse(word, "facet or endsolid"),
+                (_, None) => return refuse(word, "solid"),
+            }
+        }
+    }
+    if in_solid || text.trim_ascii().is_empty() {
+        let expected = if in_solid { "endsolid" } else { "solid" };
+        let found = "the end of the file".into();
+        return Err(MeshError::Syntax {
+            format: "STL",
+            line: last,
+            found,
+            expected,
         });
     }
-    let mesh = if !is_text && bytes.starts_with(b"solid ") {
-        // The text probe looks at the first word, which some binary writers start with too.
-        let mut copy = bytes.to_vec();
-        copy[0] = b'_';
-        stl_io::read_stl(&mut Cursor::new(copy))?
-    } else {
-        stl_io::read_stl(&mut Cursor::new(bytes))?
-    };
-    let positions: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| v.0.map(f64::from)).collect();
-    Hull::welded(&positions, mesh.faces.iter().map(|f| f.vertices), rows)
+    Ok(positions)
 }
 
 #[cfg(test)]
@@ -67,29 +134,91 @@ mod tests {
         bytes
     }
 
-    #[test]
-    fn text_and_binary_give_the_same_hull_even_with_a_header_that_says_solid() {
-        let options = HullOptions::default();
-        let text = read_stl(TEXT.as_bytes(), &options).unwrap();
-        assert_eq!(text, read_stl(&binary(b"kufe", 1, 1), &options).unwrap());
-        assert_eq!(
-            text,
-            read_stl(&binary(b"solid kufe", 1, 1), &options).unwrap()
-        );
+    fn read(bytes: &[u8]) -> Result<Hull, MeshError> {
+        read_stl(bytes, &HullOptions::default())
     }
 
     #[test]
-    fn broken_files_are_refused() {
-        let refused = |bytes: &[u8]| {
-            read_stl(bytes, &HullOptions::default())
-                .unwrap_err()
-                .to_string()
-        };
+    fn every_spelling_of_text_and_binary_gives_the_same_hull() {
+        let hull = read(TEXT.as_bytes()).unwrap();
+        assert_eq!(hull.positions.len(), 3);
+        let long_name = "n".repeat(400);
+        for text in [
+            TEXT.replacen("solid s", "solid\ts", 1),
+            TEXT.replacen("solid s", "solid", 1),
+            TEXT.replacen("solid s", "  \n solid s", 1),
+            TEXT.replacen("solid s", "solid facet of a name", 1),
+            TEXT.replacen("solid s", &format!("solid {long_name}"), 1),
+            TEXT.replacen("solid s", "\u{feff}solid s", 1),
+            TEXT.replace('\n', "\r\n").replacen("solid s", "solid", 1),
+            TEXT.replace('\n', "\r"),
+            TEXT.to_uppercase(),
+            TEXT.replace("0 0 1\n", "0 0 0\n"),
+            TEXT.replace("0 0 1\n", "nan -nan(ind) nan\n"),
+            TEXT.replace("vertex 1 0 0", "\tvertex   1.0E+00\t0e0 -0.000000e+000 "),
+            TEXT.replace("vertex 1 0 0", "vertex +1. .0 0"),
+            TEXT.replace("\nouter", " outer")
+                .replace("\nvertex", " vertex"),
+            format!("{TEXT}\n\n"),
+            format!("{TEXT}{TEXT}"),
+        ] {
+            let found = read(text.as_bytes()).unwrap();
+            assert_eq!(found.positions, hull.positions, "{text}");
+            assert_eq!(found.triangles[0], hull.triangles[0], "{text}");
+        }
+        let latin1 = [b"solid R\xfcnner".as_slice(), &TEXT.as_bytes()[7..]].concat();
+        assert_eq!(hull, read(&latin1).unwrap());
+        assert_eq!(hull, read(&binary(b"kufe", 1, 1)).unwrap());
+        for header in [&b"solid kufe"[..], b"solid\tx\nfacet normal", b"SOLID"] {
+            assert_eq!(hull, read(&binary(header, 1, 1)).unwrap());
+            let trailing = [binary(header, 1, 1).as_slice(), b"\0colour table"].concat();
+            assert_eq!(hull, read(&trailing).unwrap());
+        }
+    }
+
+    #[test]
+    fn broken_files_are_refused_with_their_line() {
+        for (text, parts) in [
+            ("", ["line 1", "end of the file"]),
+            ("solid s\nendsolid s\n", ["no triangles", ""]),
+            (&TEXT.replace("vertex 1", "vertex nan"), ["NaN", ""]),
+            (
+                &TEXT.replace("vertex 1 0", "vertex 1,5 0"),
+                ["line 5", "not a comma"],
+            ),
+            (
+                &TEXT.replace("vertex 1 0 0", "vertex 1 0"),
+                ["line 5", "end of the line"],
+            ),
+            (
+                &TEXT.replace("vertex 1 0 0", "vertex 1 x 0"),
+                ["line 5", "\"x\""],
+            ),
+            (
+                &TEXT.replace("vertex 1 0 0\n", ""),
+                ["line 7", "found \"endfacet\"; expected vertex"],
+            ),
+            (
+                &TEXT.replace("endloop", "vertex 1 1 1"),
+                ["line 7", "three vertices"],
+            ),
+            (
+                &TEXT.replace("endfacet\n", ""),
+                ["line 8", "expected endfacet"],
+            ),
+            (
+                &TEXT.replace("endsolid s\n", ""),
+                ["line 8", "expected endsolid"],
+            ),
+            ("bolid", ["line 1", "expected solid"]),
+        ] {
+            let message = read(text.as_bytes()).unwrap_err().to_string();
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+        }
+        let refused = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
         assert!(refused(&binary(b"", u32::MAX, 1)).contains("4294967295 facets"));
+        assert!(refused(&binary(b"solid", 2, 1)).contains("2 facets"));
         assert!(refused(&binary(b"", 0, 0)).contains("no triangles"));
-        assert!(refused(b"solid s\nendsolid s\n").contains("no triangles"));
-        assert!(refused(TEXT.replace("vertex 1", "vertex nan").as_bytes()).contains("STL"));
-        assert!(refused(b"").contains("STL"));
         let mut nan = binary(b"", 1, 1);
         nan[84 + 12..84 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
         assert!(refused(&nan).contains("NaN"));

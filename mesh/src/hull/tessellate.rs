@@ -160,9 +160,9 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull::check::check_hull;
-    use crate::shapes::bob_runner::BobRunner;
-    use crate::shapes::luge_steel::LugeSteel;
+    use crate::hull::triangles::check_hull;
+    use crate::shapes::swept::BobRunner;
+    use crate::shapes::swept::LugeSteel;
 
     #[test]
     fn tessellated_runners_are_closed_face_outwards_and_hold_the_runners_volume() {

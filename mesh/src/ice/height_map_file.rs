@@ -1,15 +1,227 @@
-//! Measured ice surfaces in files, by the file's ending.
+//! Height maps from CSV tables and EXR images.
 
+use std::io::{Cursor, Read};
 use std::path::Path;
 
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::prelude::{ReadChannels, ReadLayers, read};
 use kufe_files::read_regular;
 
 use crate::error::MeshError;
-use crate::ice::exr_image::ExrImage;
-use crate::ice::height_map::{HeightMap, Interpolation};
+use crate::ice::surface::{HeightMap, Interpolation};
 
-/// Most bytes of a height map's file.
+impl HeightMap {
+    /// Reads columns `x_m`, `y_m`, `z_m` of a CSV table whose points, in any order, fill a regular grid.
+    ///
+    /// # Errors
+    /// [`MeshError::MapRow`] with the row and column, [`MeshError::MapGrid`] where the points fill no regular grid.
+    pub fn from_csv(reader: impl Read, interpolation: Interpolation) -> Result<Self, MeshError> {
+        let mut table = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(reader);
+        let row_problem = |row: usize, column: &'static str, found: String| MeshError::MapRow {
+            row,
+            column,
+            found,
+        };
+        let headers = table
+            .headers()
+            .map_err(|e| row_problem(1, "header", e.to_string()))?
+            .clone();
+        let mut columns = [0; 3];
+        for (place, name) in columns.iter_mut().zip(["x_m", "y_m", "z_m"]) {
+            let found = headers.iter().position(|h| h == name);
+            *place = found.ok_or_else(|| row_problem(1, name, "no such column".into()))?;
+        }
+        let mut points: Vec<[f64; 3]> = Vec::new();
+        for (i, record) in table.records().enumerate() {
+            let record = record.map_err(|e| row_problem(i + 2, "row", e.to_string()))?;
+            let mut point = [0.0; 3];
+            for ((value, column), name) in point.iter_mut().zip(columns).zip(["x_m", "y_m", "z_m"])
+            {
+                let text = record.get(column).unwrap_or("");
+                let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
+                *value = number.ok_or_else(|| row_problem(i + 2, name, format!("{text:?}")))?;
+            }
+            points.push(point);
+        }
+        let [xs, ys] = [0, 1].map(|axis| {
+            let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
+            values.sort_by(f64::total_cmp);
+            let span = values.last().unwrap_or(&0.0) - values.first().unwrap_or(&0.0);
+            values.dedup_by(|b, a| *b - *a <= 1e-9 * span);
+            values
+        });
+        let shape = [xs.len(), ys.len()];
+        if shape.iter().any(|&n| n < 2) || shape[0].checked_mul(shape[1]) != Some(points.len()) {
+            return Err(MeshError::MapGrid {
+                shape,
+                points: points.len(),
+                problem: "expected one row a grid point",
+            });
+        }
+        let spacing = [&xs, &ys].map(|v| (v[v.len() - 1] - v[0]) / (v.len() - 1) as f64);
+        let even = |v: &[f64], step: f64| {
+            v.windows(2)
+                .all(|p| (p[1] - p[0] - step).abs() <= 1e-3 * step)
+        };
+        if !even(&xs, spacing[0]) || !even(&ys, spacing[1]) {
+            return Err(MeshError::MapGrid {
+                shape,
+                points: points.len(),
+                problem: "the points are not evenly spaced",
+            });
+        }
+        let mut heights = vec![f64::NAN; points.len()];
+        for [x, y, z] in &points {
+            let i = ((x - xs[0]) / spacing[0]).round() as usize;
+            let j = ((y - ys[0]) / spacing[1]).round() as usize;
+            let place = &mut heights[j.min(shape[1] - 1) * shape[0] + i.min(shape[0] - 1)];
+            if !place.is_nan() {
+                return Err(MeshError::MapGrid {
+                    shape,
+                    points: points.len(),
+                    problem: "a point occurs twice",
+                });
+            }
+            *place = *z;
+        }
+        Self::new([xs[0], ys[0]], spacing, shape, heights, interpolation)
+    }
+}
+
+/// Most values that an image may hold, over all of its channels: 64 million, 256 MB as single precision.
+const MOST_VALUES: u64 = 1 << 26;
+/// Most bytes of an image's file.
 const MOST_BYTES: u64 = 1 << 30;
+
+/// An image with the attributes `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i, row j is centred at
+/// (origin_x_m + i pixel_x_m, origin_y_m + j pixel_y_m).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrImage {
+    /// Numbers of columns and rows.
+    pub size: [usize; 2],
+    /// Centre of the first pixel [m].
+    pub origin_m: [f64; 2],
+    /// Width and height of a pixel [m], positive.
+    pub pixel_m: [f64; 2],
+    channels: Vec<(String, Vec<f64>)>,
+}
+
+impl ExrImage {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`MeshError::Io`] where it cannot be read, [`MeshError::File`] with what is wrong in it.
+    pub fn load(path: &Path) -> Result<Self, MeshError> {
+        let name = path.display().to_string();
+        let io = |source| MeshError::Io {
+            path: name.clone(),
+            source,
+        };
+        let bytes = read_regular(path, MOST_BYTES).map_err(io)?;
+        Self::read(&bytes).map_err(|source| MeshError::File {
+            path: name.clone(),
+            source: Box::new(source),
+        })
+    }
+
+    /// Reads the bytes of a file.
+    ///
+    /// # Errors
+    /// [`MeshError::Exr`] where they are no EXR image, where a header asks for more values than are read, or where an
+    /// attribute is missing or no place.
+    pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
+        let told = |problem: String| MeshError::Exr { problem };
+        if bytes.len() as u64 > MOST_BYTES {
+            return Err(told(format!("more than {MOST_BYTES} bytes")));
+        }
+        // The reader takes the memory that the headers ask for, so all headers are looked at first.
+        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+            .map_err(|error| told(error.to_string()))?;
+        for header in &meta.headers {
+            let (width, height) = (header.layer_size.width(), header.layer_size.height());
+            let count = header.channels.list.len();
+            let values = [width as u64, height as u64, count as u64]
+                .into_iter()
+                .try_fold(1u64, u64::checked_mul);
+            if values.is_none_or(|values| values > MOST_VALUES) {
+                return Err(told(format!(
+                    "{width} x {height} pixels in {count} channels; expected at most {MOST_VALUES} values in all"
+                )));
+            }
+        }
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))
+            .map_err(|error| told(error.to_string()))?;
+        let layer = &image.layer_data;
+        let number = |name: &str, positive: bool| {
+            let value = match layer.attributes.other.get(&Text::from(name)) {
+                Some(AttributeValue::F64(value)) => *value,
+                Some(AttributeValue::F32(value)) => f64::from(*value),
+                _ => {
+                    return Err(told(format!(
+                        "attribute {name} is missing; expected a number of metres"
+                    )));
+                }
+            };
+            if !value.is_finite() || positive && value <= 0.0 {
+                let wanted = if positive { "positive" } else { "finite" };
+                return Err(told(format!(
+                    "attribute {name} = {value}; expected a {wanted} number of metres"
+                )));
+            }
+            Ok(value)
+        };
+        Ok(Self {
+            size: [layer.size.x(), layer.size.y()],
+            origin_m: [number("origin_x_m", false)?, number("origin_y_m", false)?],
+            pixel_m: [number("pixel_x_m", true)?, number("pixel_y_m", true)?],
+            channels: layer
+                .channel_data
+                .list
+                .iter()
+                .map(|channel| {
+                    let values = channel.sample_data.values_as_f32().map(f64::from);
+                    (channel.name.to_string(), values.collect())
+                })
+                .collect(),
+        })
+    }
+
+    /// A channel's values, row by row.
+    ///
+    /// # Errors
+    /// [`MeshError::Exr`] where there is no such channel, or a value of it is not a number.
+    pub fn channel(&self, name: &str) -> Result<&[f64], MeshError> {
+        let told = |problem: String| MeshError::Exr { problem };
+        let Some((_, values)) = self.channels.iter().find(|(known, _)| known == name) else {
+            let found: Vec<&str> = self
+                .channels
+                .iter()
+                .map(|(name, _)| name.as_str())
+                .collect();
+            return Err(told(format!(
+                "channels {}; expected a channel {name}",
+                found.join(", ")
+            )));
+        };
+        match values.iter().position(|value| value.is_nan()) {
+            Some(at) => Err(told(format!(
+                "channel {name}, column {}, row {}: NaN; expected a number",
+                at % self.size[0],
+                at / self.size[0]
+            ))),
+            None => Ok(values),
+        }
+    }
+}
 
 /// Reads the height map `path`: CSV with columns `x_m, y_m, z_m` ([`HeightMap::from_csv`]), or EXR ([`HeightMap::from_exr`]).
 ///
@@ -62,9 +274,6 @@ impl HeightMap {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Cursor;
-
-    use exr::meta::attribute::{AttributeValue, Text};
     use exr::prelude::{
         AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
         WritableImage,
@@ -72,6 +281,48 @@ mod tests {
 
     use super::*;
     use crate::ice::surface::IceSurface;
+
+    #[test]
+    fn csv_in_any_order_gives_the_map() {
+        let table =
+            "y_m,x_m,note,z_m\n0,0,a,1\n0.5,2,b,6\n0,2,c,3\n0.5,0,d,4\n0,1,e,2\n0.5,1,f,5\n";
+        let map = HeightMap::from_csv(table.as_bytes(), Interpolation::Bilinear).unwrap();
+        assert!(
+            (map.height(1.0, 0.0) - 2.0).abs() < 1e-15
+                && (map.height(2.0, 0.25) - 4.5).abs() < 1e-15
+        );
+    }
+
+    #[test]
+    fn broken_tables_are_refused_with_row_and_column() {
+        let refused = |table: &str| {
+            HeightMap::from_csv(table.as_bytes(), Interpolation::Bicubic)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(refused("x_m,y_m\n0,0\n").contains("z_m"));
+        let message = refused("x_m,y_m,z_m\n0,0,1\n1,0,high\n");
+        assert!(
+            message.contains("row 3") && message.contains("high"),
+            "{message}"
+        );
+        assert!(refused("x_m,y_m,z_m\n0,0,1\n1,0,nan\n").contains("row 3"));
+        assert!(refused("x_m,y_m,z_m\n0,0,1\n1,0,1\n0,1,1\n").contains("one row a grid point"));
+        assert!(
+            refused("x_m,y_m,z_m\n0,0,1\n1,0,1\n3,0,1\n0,1,1\n1,1,1\n3,1,1\n").contains("evenly")
+        );
+        assert!(refused("").contains("x_m"));
+        assert!(
+            HeightMap::new(
+                [0.0; 2],
+                [1.0; 2],
+                [usize::MAX, 2],
+                vec![0.0; 4],
+                Interpolation::Bicubic
+            )
+            .is_err()
+        );
+    }
 
     fn exr(channel: &str, attributes: &[&str]) -> Vec<u8> {
         let mut given = LayerAttributes::default();

@@ -1,4 +1,8 @@
-//! The ice before it is loaded.
+//! The unloaded ice: wavy, or a measured height map.
+
+use crate::error::MeshError;
+use crate::parameter::positive_finite;
+use crate::shapes::underside::lows;
 
 /// The height of the unloaded ice over the contact plane; the gap under a hull shrinks by it.
 pub trait IceSurface: Send + Sync {
@@ -11,5 +15,252 @@ pub trait IceSurface: Send + Sync {
     /// Places (x, y) [m] where measured ice is above what is beside them, along x or across. None of ice that a formula says.
     fn highs(&self) -> &[[f64; 2]] {
         &[]
+    }
+}
+
+/// Sinusoidal waves `z = amplitude cos(2 pi (x cos a + y sin a) / wavelength + phase)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waviness {
+    /// Half the height from trough to crest [m].
+    pub amplitude: f64,
+    /// Distance from crest to crest [m].
+    pub wavelength: f64,
+    /// Angle a between the waves' direction and x [rad].
+    pub direction: f64,
+    /// Phase at the origin [rad]; 0 puts a crest there.
+    pub phase: f64,
+}
+
+impl Waviness {
+    /// Waves along x with a crest at the origin.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the amplitude is not finite or the wavelength not positive.
+    pub fn new(amplitude: f64, wavelength: f64) -> Result<Self, MeshError> {
+        positive_finite("wavelength [m]", wavelength)?;
+        if !amplitude.is_finite() {
+            return Err(MeshError::Parameter {
+                name: "amplitude [m]",
+                value: amplitude,
+                expected: "a finite number",
+            });
+        }
+        Ok(Self {
+            amplitude,
+            wavelength,
+            direction: 0.0,
+            phase: 0.0,
+        })
+    }
+}
+
+impl IceSurface for Waviness {
+    fn height(&self, x: f64, y: f64) -> f64 {
+        let along = x * self.direction.cos() + y * self.direction.sin();
+        self.amplitude * (std::f64::consts::TAU * along / self.wavelength + self.phase).cos()
+    }
+
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        let crest_or_trough = self.phase.sin().abs() < 1e-12;
+        let (along, across) = (self.direction.cos().abs(), self.direction.sin().abs());
+        [
+            along < 1e-12 || (across < 1e-12 && crest_or_trough),
+            across < 1e-12 || (along < 1e-12 && crest_or_trough),
+        ]
+    }
+}
+
+/// How a height map is evaluated between its points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Continuous, with creases along the lines of the grid.
+    Bilinear,
+    /// Continuous with its slope: cubic convolution (Keys 1981, doi 10.1109/TASSP.1981.1163711).
+    #[default]
+    Bicubic,
+}
+
+/// Heights on a regular grid; beyond its border the border's heights go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightMap {
+    origin: [f64; 2],
+    spacing: [f64; 2],
+    shape: [usize; 2],
+    /// Heights [m], x running fastest.
+    heights: Vec<f64>,
+    interpolation: Interpolation,
+    symmetric: [bool; 2],
+    /// Where it is above what is beside it.
+    highs: Vec<[f64; 2]>,
+}
+
+impl HeightMap {
+    /// Heights [m] on `shape` = [nx, ny] points, x running fastest, the first at `origin` [m], `spacing` [m] apart.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] for a spacing that is not positive, [`MeshError::MapShape`] where the
+    /// number of heights is not nx ny or an axis has fewer than two points, [`MeshError::MapHeight`]
+    /// where a height is not finite.
+    pub fn new(
+        origin: [f64; 2],
+        spacing: [f64; 2],
+        shape: [usize; 2],
+        heights: Vec<f64>,
+        interpolation: Interpolation,
+    ) -> Result<Self, MeshError> {
+        spacing
+            .iter()
+            .try_for_each(|&s| positive_finite("grid spacing [m]", s).map(|_| ()))?;
+        if let Some(&value) = origin.iter().find(|v| !v.is_finite()) {
+            return Err(MeshError::Parameter {
+                name: "grid origin [m]",
+                value,
+                expected: "a finite number",
+            });
+        }
+        if shape.iter().any(|&n| n < 2) || shape[0].checked_mul(shape[1]) != Some(heights.len()) {
+            return Err(MeshError::MapShape {
+                shape,
+                found: heights.len(),
+            });
+        }
+        if let Some(place) = heights.iter().position(|z| !z.is_finite()) {
+            let (column, row) = (place % shape[0], place / shape[0]);
+            return Err(MeshError::MapHeight {
+                column,
+                row,
+                value: heights[place],
+            });
+        }
+        let mut map = Self {
+            origin,
+            spacing,
+            shape,
+            heights,
+            interpolation,
+            symmetric: [false; 2],
+            highs: Vec::new(),
+        };
+        let line = |axis: usize| -> Vec<f64> {
+            let place = |i: usize| origin[axis] + spacing[axis] * i as f64;
+            (0..shape[axis]).map(place).collect()
+        };
+        let lines = [0, 1].map(line);
+        let depth = |i: usize, j: usize| -map.heights[j * shape[0] + i];
+        map.highs = lows([&lines[0], &lines[1]], depth);
+        map.symmetric = [0, 1].map(|axis| map.is_mirrored(axis));
+        Ok(map)
+    }
+
+    fn is_mirrored(&self, axis: usize) -> bool {
+        let extent = self.spacing[axis] * (self.shape[axis] - 1) as f64;
+        let largest = self.heights.iter().fold(0.0f64, |m, z| m.max(z.abs()));
+        let [nx, ny] = self.shape;
+        let mirror = |i: usize, j: usize| {
+            if axis == 0 {
+                j * nx + nx - 1 - i
+            } else {
+                (ny - 1 - j) * nx + i
+            }
+        };
+        (2.0 * self.origin[axis] + extent).abs() <= 1e-9 * extent
+            && (0..nx * ny).all(|k| {
+                (self.heights[k] - self.heights[mirror(k % nx, k / nx)]).abs() <= 1e-12 * largest
+            })
+    }
+
+    /// Weights of four neighbouring points, the first of them, held to the border.
+    fn weights(&self, axis: usize, position: f64) -> ([usize; 4], [f64; 4]) {
+        let last = self.shape[axis] - 1;
+        let place = ((position - self.origin[axis]) / self.spacing[axis]).clamp(0.0, last as f64);
+        let i = (place as usize).min(last - 1);
+        let t = place - i as f64;
+        let points = [i.saturating_sub(1), i, i + 1, (i + 2).min(last)];
+        let weights = match self.interpolation {
+            Interpolation::Bilinear => [0.0, 1.0 - t, t, 0.0],
+            Interpolation::Bicubic => [
+                t * (-0.5 + t * (1.0 - 0.5 * t)),
+                1.0 + t * t * (-2.5 + 1.5 * t),
+                t * (0.5 + t * (2.0 - 1.5 * t)),
+                t * t * (-0.5 + 0.5 * t),
+            ],
+        };
+        (points, weights)
+    }
+}
+
+impl IceSurface for HeightMap {
+    fn height(&self, x: f64, y: f64) -> f64 {
+        let ((columns, along), (rows, across)) = (self.weights(0, x), self.weights(1, y));
+        let row = |j: usize| -> f64 {
+            columns
+                .iter()
+                .zip(&along)
+                .map(|(&i, w)| w * self.heights[j * self.shape[0] + i])
+                .sum()
+        };
+        rows.iter().zip(&across).map(|(&j, w)| w * row(j)).sum()
+    }
+
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        self.symmetric
+    }
+
+    fn highs(&self) -> &[[f64; 2]] {
+        &self.highs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_along_an_axis_are_symmetric_and_oblique_ones_are_not() {
+        assert_eq!(
+            Waviness::new(1e-6, 0.1).unwrap().mirror_symmetric(),
+            [true, true]
+        );
+        let oblique = Waviness {
+            direction: 0.3,
+            ..Waviness::new(1e-6, 0.1).unwrap()
+        };
+        assert_eq!(oblique.mirror_symmetric(), [false, false]);
+        assert!((oblique.height(0.0, 0.0) - 1e-6).abs() < 1e-20);
+    }
+
+    fn map(n: usize, f: impl Fn(f64, f64) -> f64, interpolation: Interpolation) -> HeightMap {
+        let step = 2.0 / (n - 1) as f64;
+        let at = |k: usize| (-1.0 + step * (k % n) as f64, -1.0 + step * (k / n) as f64);
+        let heights = (0..n * n).map(at).map(|(x, y)| f(x, y)).collect();
+        HeightMap::new([-1.0; 2], [step; 2], [n, n], heights, interpolation).unwrap()
+    }
+
+    fn worst(map: &HeightMap, f: impl Fn(f64, f64) -> f64) -> f64 {
+        let at = |i: i32| 0.017 * f64::from(i);
+        let errors = (-40..=40).flat_map(|i| (-40..=40).map(move |j| (at(i), at(j))));
+        errors
+            .map(|(x, y)| (map.height(x, y) - f(x, y)).abs())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn interpolation_converges_with_second_and_third_order() {
+        let f = |x: f64, y: f64| (3.0 * x).sin() * (2.0 * y).cos();
+        for (interpolation, order) in [
+            (Interpolation::Bilinear, 2.0),
+            (Interpolation::Bicubic, 3.0),
+        ] {
+            let errors = [21, 41, 81].map(|n| worst(&map(n, f, interpolation), f));
+            let slope = (errors[0] / errors[2]).log2() / 2.0;
+            assert!((slope - order).abs() < 0.3, "{slope}");
+        }
+    }
+
+    #[test]
+    fn the_border_goes_on_and_symmetry_is_seen() {
+        let bowl = map(11, |x, y| x * x + y, Interpolation::Bicubic);
+        assert!((bowl.height(5.0, 0.0) - bowl.height(1.0, 0.0)).abs() < 1e-15);
+        assert_eq!(bowl.mirror_symmetric(), [true, false]);
     }
 }

@@ -1,10 +1,7 @@
-//! What a scanned hull is like: how it stands in its file, and how dense and noisy it is where it touches the ice.
+//! Properties of a scanned hull: its unit and axes, the spacing and the noise of its vertices.
 
-pub(crate) mod nodes;
-pub(crate) mod polynomial;
-pub(crate) mod sampling;
-pub(crate) mod standing;
+pub(crate) mod frame;
+pub(crate) mod noise;
 
-pub use nodes::{Noise, noise_of_faces, noise_of_hull};
-pub use sampling::Sampling;
-pub use standing::Standing;
+pub use frame::Standing;
+pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull};

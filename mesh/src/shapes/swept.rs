@@ -1,11 +1,9 @@
-//! A section swept along a rocker, with ends that turn up.
+//! Runners made by sweeping a section along a rocker.
 
 use crate::error::MeshError;
 use crate::parameter::{linspace, positive_finite};
-use crate::shapes::lows::lows;
-use crate::shapes::rocker::Rocker;
-use crate::shapes::section::Section;
-use crate::shapes::underside::Underside;
+use crate::shapes::section::{Rocker, Section};
+use crate::shapes::underside::{Underside, lows};
 
 /// Ends that turn up in an arc, tangent to the rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,6 +233,122 @@ impl Underside for Swept {
     }
 }
 
+/// A bobsled runner: a rocker arc, a circular section across, ends that turn up.
+///
+/// The ends' arcs rise by about half of what lies between the underside's corners and the top.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BobRunner {
+    /// Length along x [m].
+    pub length: f64,
+    /// Radius of the rocker [m]; infinite for a straight keel.
+    pub rocker_radius: f64,
+    /// Radius of the section [m].
+    pub section_radius: f64,
+    /// Width [m], at most two section radii.
+    pub width: f64,
+    /// Height from the lowest point to the flat top [m].
+    pub height: f64,
+    /// Radius of the ends [m].
+    pub end_radius: f64,
+}
+
+impl Default for BobRunner {
+    /// One metre long, rocker 30 m, section 5 mm, 10 mm wide, 30 mm high, end radius 0.1 m.
+    fn default() -> Self {
+        Self {
+            length: 1.0,
+            rocker_radius: 30.0,
+            section_radius: 0.005,
+            width: 0.010,
+            height: 0.030,
+            end_radius: 0.1,
+        }
+    }
+}
+
+impl BobRunner {
+    /// The runner as a swept surface.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no runner.
+    pub fn swept(&self) -> Result<Swept, MeshError> {
+        self.swept_along(Rocker::arc(self.rocker_radius)?)
+    }
+
+    /// The runner swept along another rocker, as one of several radii given by points; `rocker_radius` is not used.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no runner.
+    pub fn swept_along(&self, rocker: Rocker) -> Result<Swept, MeshError> {
+        let section = Section::arc(self.section_radius, self.width)?;
+        self.swept_with(rocker, section)
+    }
+
+    /// The runner with another rocker and another section; the radii and the width are not used.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no runner.
+    pub fn swept_with(&self, rocker: Rocker, section: Section) -> Result<Swept, MeshError> {
+        Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
+    }
+}
+
+/// A luge steel that stands on its inner edge: flat underside tilted on the runner, rounded edge,
+/// upright flank, bent to its rocker radius. The edge's lowest point is at x = 0, y = 0; the flat rises
+/// towards +y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LugeSteel {
+    /// Length along x [m].
+    pub length: f64,
+    /// Radius of the rocker [m]; infinite for a straight edge.
+    pub rocker_radius: f64,
+    /// Radius of the edge [m].
+    pub edge_radius: f64,
+    /// Angle of the flat underside to the ice [rad]. At 0 the whole flat touches while the origin
+    /// stays at the edge.
+    pub tilt: f64,
+    /// Width [m].
+    pub width: f64,
+    /// Height from the lowest point to the flat top [m].
+    pub height: f64,
+    /// Radius of the ends [m].
+    pub end_radius: f64,
+}
+
+impl Default for LugeSteel {
+    /// 0.6 m long, rocker 25 m, edge 0.3 mm, tilt 0.02 rad, 20 mm wide, 8 mm high, end radius 0.1 m.
+    fn default() -> Self {
+        Self {
+            length: 0.6,
+            rocker_radius: 25.0,
+            edge_radius: 0.3e-3,
+            tilt: 0.02,
+            width: 0.020,
+            height: 0.008,
+            end_radius: 0.1,
+        }
+    }
+}
+
+impl LugeSteel {
+    /// The steel as a swept surface.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no steel.
+    pub fn swept(&self) -> Result<Swept, MeshError> {
+        self.swept_with(Section::edge(self.edge_radius, self.tilt, self.width)?)
+    }
+
+    /// The steel with another section; the edge's radius, the tilt and the width are not used.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where the numbers make no steel.
+    pub fn swept_with(&self, section: Section) -> Result<Swept, MeshError> {
+        let rocker = Rocker::arc(self.rocker_radius)?;
+        Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -347,5 +461,67 @@ mod tests {
             )
             .contains("half")
         );
+    }
+
+    #[test]
+    fn bob_runner_has_its_radii_at_the_keel_and_room_under_its_top() {
+        let hull = BobRunner::default().swept().unwrap();
+        let curvature = |dx: f64, dy: f64| {
+            (hull.height(dx, dy) + hull.height(-dx, -dy) - 2.0 * hull.height(0.0, 0.0))
+                / (dx * dx + dy * dy)
+        };
+        assert!((curvature(1e-2, 0.0) * 30.0 - 1.0).abs() < 1e-6);
+        assert!((curvature(0.0, 1e-5) * 0.005 - 1.0).abs() < 1e-5);
+        assert!(hull.highest() < 0.7 * hull.top());
+        assert_eq!(hull.mirror_symmetric(), [true, true]);
+        assert_eq!(hull.extent(), [-0.5, 0.5, -0.005, 0.005]);
+    }
+
+    #[test]
+    fn a_bob_runner_without_height_is_refused() {
+        let message = BobRunner {
+            height: 0.004,
+            ..Default::default()
+        }
+        .swept()
+        .unwrap_err()
+        .to_string();
+        assert!(
+            message.contains("height") || message.contains("end"),
+            "{message}"
+        );
+    }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..Default::default() })]
+
+        /// The highest point lies on the ends and sides, whose coordinates must not be exceeded by rounding.
+        #[test]
+        fn every_runner_below_its_top_is_built(
+            length in 0.3..1.0f64,
+            rocker_radius in 10.0..80.0f64,
+            section_radius in 0.002..0.02f64,
+            narrowing in 0.0..0.9f64,
+        ) {
+            let width = 2.0 * section_radius * (1.0 - narrowing);
+            let height = 0.06;
+            let runner = BobRunner { length, rocker_radius, section_radius, width, height, ..Default::default() };
+            let hull = runner.swept().unwrap();
+            let [_, x1, _, y1] = hull.extent();
+            let highest = hull.highest();
+            proptest::prop_assert_eq!(highest, hull.keel(x1) + hull.section().height(y1));
+            proptest::prop_assert!(highest < height);
+        }
+    }
+
+    #[test]
+    fn luge_steel_is_lowest_at_the_origin_and_mirrored_along_its_length_only() {
+        let hull = LugeSteel::default().swept().unwrap();
+        let [x0, x1, y0, y1] = hull.extent();
+        assert_eq!([x0, x1], [-0.3, 0.3]);
+        assert!((y1 - y0 - 0.020).abs() < 1e-15);
+        assert_eq!(hull.height(0.0, 0.0), 0.0);
+        assert!(linspace(y0, y1, 100).all(|y| hull.height(0.0, y) >= 0.0));
+        assert_eq!(hull.mirror_symmetric(), [true, false]);
     }
 }

@@ -1,5 +1,8 @@
 //! The lower surface of a hull as a height field.
 
+use crate::error::MeshError;
+use crate::parameter::positive;
+
 /// The lower surface of a hull as a height over the contact plane.
 ///
 /// Axes: x along the runner, y across, z up; the hull presses downwards. The origin is below the
@@ -19,5 +22,107 @@ pub trait Underside: Send + Sync {
     /// even lines. None of one that a formula says.
     fn lows(&self) -> &[[f64; 2]] {
         &[]
+    }
+}
+
+/// Most places that are told: the lowest of a surface that is rough everywhere.
+const MOST: usize = 20_000;
+
+/// Where heights on lines of x and of y are below those beside them, along x or along y: a burr's whole length, and every keel's. The lowest
+/// first.
+pub(crate) fn lows([xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) -> f64) -> Vec<[f64; 2]> {
+    let (nx, ny) = (xs.len(), ys.len());
+    let heights: Vec<f64> = (0..nx * ny).map(|k| height(k % nx, k / nx)).collect();
+    let at = |i: usize, j: usize| heights[j * nx + i];
+    let low = |k: &usize| {
+        let (i, j) = (k % nx, k / nx);
+        let below = |a: f64, b: f64| heights[*k] < a && heights[*k] <= b;
+        heights[*k].is_finite()
+            && ((i > 0 && i + 1 < nx && below(at(i - 1, j), at(i + 1, j)))
+                || (j > 0 && j + 1 < ny && below(at(i, j - 1), at(i, j + 1))))
+    };
+    let mut found: Vec<usize> = (0..nx * ny).filter(low).collect();
+    found.sort_by(|&a, &b| heights[a].total_cmp(&heights[b]));
+    found.truncate(MOST);
+    found.iter().map(|k| [xs[k % nx], ys[k / nx]]).collect()
+}
+
+/// The unbounded paraboloid `z = x^2/(2 R1) + y^2/(2 R2)`: no ends and no sides.
+///
+/// Radii are in [m]; an infinite radius is flat in its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paraboloid {
+    rocker_curvature: f64,
+    section_curvature: f64,
+}
+
+impl Paraboloid {
+    /// A paraboloid with radius `rocker_radius` [m] along x and `section_radius` [m] across.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] where a radius is not positive.
+    pub fn new(rocker_radius: f64, section_radius: f64) -> Result<Self, MeshError> {
+        Ok(Self {
+            rocker_curvature: 1.0 / positive("rocker radius [m]", rocker_radius)?,
+            section_curvature: 1.0 / positive("section radius [m]", section_radius)?,
+        })
+    }
+}
+
+impl Underside for Paraboloid {
+    fn height(&self, x: f64, y: f64) -> f64 {
+        0.5 * (self.rocker_curvature * x * x + self.section_curvature * y * y)
+    }
+
+    fn extent(&self) -> [f64; 4] {
+        [
+            f64::NEG_INFINITY,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::INFINITY,
+        ]
+    }
+
+    fn mirror_symmetric(&self) -> [bool; 2] {
+        [true, true]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_burr_between_even_lines_and_a_ridge_along_them_are_found() {
+        let xs: Vec<f64> = (-20..=20).map(|i| 0.1 * f64::from(i)).collect();
+        let ys: Vec<f64> = (-5..=5).map(f64::from).collect();
+        let height = |i: usize, j: usize| {
+            let burr = if (i, j) == (31, 8) { 5.0 } else { 0.0 };
+            xs[i] * xs[i] + if ys[j] == 2.0 { 0.5 } else { ys[j].abs() } - burr
+        };
+        let found = lows([&xs, &ys], height);
+        assert_eq!(found[0], [xs[31], 3.0]);
+        let along = |y: f64| found.iter().filter(|[_, at]| *at == y).count();
+        assert_eq!([along(0.0), along(2.0), along(4.0)], [41, 40, 1]);
+        // A plane has none.
+        assert!(lows([&xs, &ys], |i, _| xs[i]).is_empty());
+    }
+
+    #[test]
+    fn paraboloid_has_the_stated_curvatures_and_no_end() {
+        let hull = Paraboloid::new(30.0, 0.005).unwrap();
+        assert!((hull.height(3.0, 0.0) - 0.15).abs() < 1e-15);
+        assert!((hull.height(0.0, 0.001) - 1e-4).abs() < 1e-18);
+        assert!(hull.height(1e3, 1e3).is_finite());
+        let cylinder = Paraboloid::new(f64::INFINITY, 0.005).unwrap();
+        assert_eq!(cylinder.height(123.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn a_radius_that_is_not_positive_is_refused_by_name() {
+        for radius in [0.0, -1.0, f64::NAN] {
+            let message = Paraboloid::new(radius, 0.005).unwrap_err().to_string();
+            assert!(message.contains("rocker radius"), "{message}");
+        }
     }
 }

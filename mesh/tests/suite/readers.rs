@@ -2,7 +2,8 @@
 
 use kufe_mesh::{
     BobRunner, FittedUnderside, HeightMap, HullFormat, HullOptions, Interpolation, TensorGrid,
-    check_hull, read_gltf, read_gmsh, read_obj, read_stl, read_vtu, tessellate, write_vtu,
+    check_hull, read_3mf, read_gltf, read_gmsh, read_obj, read_stl, read_vtu, tessellate,
+    write_vtu,
 };
 use proptest::{collection::vec, prelude::*};
 
@@ -11,6 +12,7 @@ fn read_all(bytes: &[u8]) {
     let hulls = [
         read_obj(bytes, &options),
         read_stl(bytes, &options),
+        read_3mf(bytes, &options),
         read_gltf(
             bytes,
             &options,
@@ -74,7 +76,7 @@ proptest! {
     #[test]
     fn arbitrary_bytes_behind_a_right_beginning_are_read_or_refused(
         start in prop::sample::select(vec![
-            &b"glTF\x02\0\0\0"[..], b"solid x\n", b"v 0 0 0\nf ", b"$MeshFormat\n4.1 0 8\n$Nodes\n",
+            &b"glTF\x02\0\0\0"[..], b"solid x\n", b"solid x\nfacet vertex ", b"v 0 0 0\nf ", b"$MeshFormat\n4.1 0 8\n$Nodes\n",
             b"<VTKFile type=\"UnstructuredGrid\"><AppendedData encoding=\"raw\">_", b"x_m,y_m,z_m\n",
         ]),
         bytes in vec(any::<u8>(), 0..500),

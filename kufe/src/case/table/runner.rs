@@ -13,7 +13,7 @@ use super::shape::Shape;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunnerTable {
-    /// Hull file (OBJ, glTF/GLB or STL), relative to the case's folder.
+    /// Hull file (OBJ, glTF/GLB, STL or 3MF), relative to the case's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hull: Option<PathBuf>,
     /// Metres per unit of the hull's file; 0.001 for millimetres.

@@ -1,14 +1,17 @@
-//! Hexahedral meshes and their fields as VTU files.
+//! VTU files, series of them as PVD files, and surfaces as VTP files.
 
-use std::io::{Result, Write};
+use std::io::{BufWriter, Result, Write};
 
-use base64::{Engine, engine::general_purpose::STANDARD, write::EncoderWriter};
-use flate2::{Compression, write::ZlibEncoder};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderWriter;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
 
 use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
-use crate::hexahedra::vtu::data::HEXAHEDRON;
+use crate::hexahedra::read_vtu::HEXAHEDRON;
 
 /// Numbers of the version that has written a file; readers that refuse texts among a file's data take numbers.
 const VERSION: [&str; 3] = [
@@ -219,6 +222,70 @@ fn write_array<T: Copy + Sync, const N: usize>(
     encoder.finish()?;
     drop(encoder);
     writeln!(out, "\n</DataArray>")
+}
+
+/// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with `point_data` as a VTP file (polygons) that VTK
+/// and pyvista read; `kufe_version` is among the file's data.
+///
+/// # Errors
+/// [`MeshError::FieldLength`] where an array does not fit the points, [`MeshError::Vtu`] where it cannot be written.
+pub fn write_vtp(
+    points: &[[f64; 3]],
+    quadrilaterals: &[[usize; 4]],
+    point_data: &[VtuField],
+    writer: impl Write,
+) -> std::result::Result<(), MeshError> {
+    fits(point_data, points.len())?;
+    let mut out = BufWriter::new(writer);
+    write_surface(points, quadrilaterals, point_data, &mut out)
+        .and_then(|()| out.flush())
+        .map_err(|error| MeshError::Vtu(error.to_string()))
+}
+
+fn write_surface(
+    points: &[[f64; 3]],
+    quadrilaterals: &[[usize; 4]],
+    point_data: &[VtuField],
+    out: &mut impl Write,
+) -> Result<()> {
+    let (count, faces) = (points.len(), quadrilaterals.len());
+    writeln!(
+        out,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>"
+    )?;
+    write_field_data(out, &[])?;
+    writeln!(
+        out,
+        "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{faces}\">"
+    )?;
+    write_fields(out, "PointData", point_data)?;
+    write_points(out, points)?;
+    writeln!(out, "<Polys>")?;
+    write_cells(out, quadrilaterals)?;
+    writeln!(out, "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>")
+}
+
+/// Writes a PVD file, which ParaView opens as time: pairs of time (or load, or whatever is stepped) and file.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_pvd(steps: &[(f64, &str)], mut writer: impl Write) -> std::io::Result<()> {
+    writeln!(writer, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        writer,
+        "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">"
+    )?;
+    writeln!(writer, "  <Collection>")?;
+    for &(time, file) in steps {
+        let file = quick_xml::escape::escape(file);
+        writeln!(
+            writer,
+            "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>"
+        )?;
+    }
+    writeln!(writer, "  </Collection>")?;
+    writeln!(writer, "</VTKFile>")
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
-//! How a hull stands in its file: unit, forward and up, told by its shape.
+//! Unit and axes of a scanned hull, estimated from its shape.
 
 use crate::error::MeshError;
 use crate::hull::{Axis, Hull, HullOptions};
-use crate::scan::polynomial::fit;
+use crate::scan::noise::fit;
 
 /// Lengths that a runner may have [m].
 const LENGTHS: [f64; 2] = [0.2, 3.0];

@@ -1,11 +1,12 @@
-//! How noisy the nodes of an underside are.
+//! Spacing and noise of a hull's vertices near its keel.
+
+use nalgebra::{DMatrix, DVector};
 
 use crate::fit::fitted_underside::rounding;
 use crate::hull::Hull;
-use crate::scan::polynomial::fit;
 
 /// Places along the underside at which its lowest node is looked at.
-const PLACES: usize = 60;
+const STATIONS: usize = 60;
 /// Triangles whose normal is closer to level than this are flanks (cosine to straight down).
 const DOWN: f64 = 0.2;
 /// Nodes around one that are fitted: the polynomial's and twenty to spare.
@@ -89,10 +90,10 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
         })
     };
     let ([from, to], [low, high]) = (ends(0), ends(2));
-    let mut lowest: Vec<Option<usize>> = vec![None; PLACES];
+    let mut lowest: Vec<Option<usize>> = vec![None; STATIONS];
     for (index, node) in nodes.iter().enumerate() {
         let share = (node.at[0] - from) / (to - from);
-        let place = &mut lowest[((share * PLACES as f64) as usize).min(PLACES - 1)];
+        let place = &mut lowest[((share * STATIONS as f64) as usize).min(STATIONS - 1)];
         if place.is_none_or(|other| node.at[2] < nodes[other].at[2]) {
             *place = Some(index);
         }
@@ -217,6 +218,106 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
+/// A polynomial fitted to values at places: its coefficients with their standard errors, and the deviation of what is left.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// One a power.
+    pub coefficients: Vec<f64>,
+    /// Their standard errors.
+    pub errors: Vec<f64>,
+    /// Standard deviation of the residuals.
+    pub deviation: f64,
+}
+
+/// Fits the sum of c x^i y^j over `powers` [i, j] by least squares; `None` where the places do not determine it with ten values to
+/// spare.
+pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<Fitted> {
+    let spare = values.len().checked_sub(powers.len())?;
+    if spare < 10 {
+        return None;
+    }
+    let mean = |axis: usize| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64;
+    let centre = [mean(0), mean(1)];
+    let scale = [0, 1].map(|axis| {
+        let off = |p: &[f64; 2]| (p[axis] - centre[axis]).abs();
+        let scale = places.iter().map(off).fold(0.0, f64::max);
+        if scale > 0.0 { scale } else { 1.0 }
+    });
+    let term = |p: &[f64; 2], [i, j]: [i32; 2]| {
+        let [u, v] = [0, 1].map(|axis| (p[axis] - centre[axis]) / scale[axis]);
+        u.powi(i) * v.powi(j)
+    };
+    let design = DMatrix::from_fn(places.len(), powers.len(), |k, n| {
+        term(&places[k], powers[n])
+    });
+    let values = DVector::from_column_slice(values);
+    let normal = (design.transpose() * &design).cholesky()?;
+    let coefficients = normal.solve(&(design.transpose() * &values));
+    let left = (&design * &coefficients - values).norm_squared();
+    let deviation = (left / spare as f64).sqrt();
+    let inverse = normal.inverse();
+    let unit = |n: usize| scale[0].powi(powers[n][0]) * scale[1].powi(powers[n][1]);
+    let each = |of: &dyn Fn(usize) -> f64| (0..powers.len()).map(|n| of(n) / unit(n)).collect();
+    Some(Fitted {
+        coefficients: each(&|n| coefficients[n]),
+        errors: each(&|n| deviation * inverse[(n, n)].sqrt()),
+        deviation,
+    })
+}
+
+/// Places along the keel at which the vertices are looked at.
+const PLACES: usize = 9;
+/// Half the length of such a place over that of the hull.
+const LONG: f64 = 0.01;
+/// Half its width over the radius of the section.
+const WIDE: f64 = 0.3;
+
+/// The vertices near the keel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Median length of the triangles' edges [m].
+    pub spacing: f64,
+    /// Of the vertices, as [`noise_of_hull`] tells it.
+    pub noise: Option<Noise>,
+}
+
+impl Sampling {
+    /// Of a hull in metres, x forward and z up, whose section has this radius [m] where it is lowest.
+    ///
+    /// `None` where no triangle touches the places along the keel that are looked at.
+    pub fn of(hull: &Hull, section_radius: f64) -> Option<Self> {
+        let [low, high] = hull.bounds();
+        let length = high[0] - low[0];
+        let half = [LONG * length, WIDE * section_radius];
+        let mut edges = Vec::new();
+        for k in 0..PLACES {
+            let x = low[0] + length * (0.1 + 0.8 * k as f64 / (PLACES - 1) as f64);
+            let along = |p: &[f64; 3]| (p[0] - x).abs() <= half[0];
+            let here = || hull.positions.iter().filter(|p| along(p));
+            let Some(keel) = here().min_by(|a, b| a[2].total_cmp(&b[2])) else {
+                continue;
+            };
+            let near = |p: &[f64; 3]| {
+                along(p) && (p[1] - keel[1]).abs() <= half[1] && p[2] - keel[2] < half[1]
+            };
+            let corner = |i: u32| hull.positions[i as usize];
+            for t in &hull.triangles {
+                if t.iter().any(|&i| near(&corner(i))) {
+                    edges.extend([[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].map(|[a, b]| {
+                        let (a, b) = (corner(a), corner(b));
+                        let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
+                        square.sqrt()
+                    }));
+                }
+            }
+        }
+        Some(Self {
+            spacing: median(edges)?,
+            noise: noise_of_hull(hull),
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use rand::SeedableRng;
@@ -225,8 +326,7 @@ mod tests {
 
     use super::*;
     use crate::hull::tessellate::tessellate;
-    use crate::shapes::bob_runner::BobRunner;
-    use crate::shapes::luge_steel::LugeSteel;
+    use crate::shapes::swept::{BobRunner, LugeSteel};
 
     const KINDS: [bool; 2] = [false, true];
 

@@ -1,0 +1,488 @@
+//! Bicubic splines on uneven knots and their least-squares fit.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+/// Clamped cubic B-splines on a strictly increasing sequence of breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct BSpline {
+    /// The breaks, with the first and last four times.
+    knots: Vec<f64>,
+}
+
+impl BSpline {
+    /// The splines on `breaks`, at least two, strictly increasing.
+    pub fn new(breaks: &[f64]) -> Self {
+        assert!(breaks.len() >= 2, "{} breaks", breaks.len());
+        let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
+        let mut knots = vec![first; 3];
+        knots.extend(breaks);
+        knots.extend([last; 3]);
+        Self { knots }
+    }
+
+    /// Number of splines.
+    pub fn count(&self) -> usize {
+        self.knots.len() - 4
+    }
+
+    /// The breaks.
+    pub fn breaks(&self) -> &[f64] {
+        &self.knots[3..self.knots.len() - 3]
+    }
+
+    /// First spline that is not zero at `x`, and the four values there. `x` is held to the breaks' range.
+    pub fn values(&self, x: f64) -> (usize, [f64; 4]) {
+        let (first, x) = self.interval(x);
+        let mut values = [1.0, 0.0, 0.0, 0.0];
+        for degree in 1..=3 {
+            self.raise(first, x, degree, &mut values);
+        }
+        (first, values)
+    }
+
+    /// First spline that is not zero at `x`, and the four second derivatives there.
+    pub fn second_derivatives(&self, x: f64) -> (usize, [f64; 4]) {
+        let (first, x) = self.interval(x);
+        let mut values = [1.0, 0.0, 0.0, 0.0];
+        self.raise(first, x, 1, &mut values);
+        for degree in 2..=3 {
+            values = self.derived(first, degree, values);
+        }
+        (first, values)
+    }
+
+    /// First spline that is not zero at `x`, and the four first derivatives there.
+    pub fn first_derivatives(&self, x: f64) -> (usize, [f64; 4]) {
+        let (first, x) = self.interval(x);
+        let mut values = [1.0, 0.0, 0.0, 0.0];
+        for degree in 1..=2 {
+            self.raise(first, x, degree, &mut values);
+        }
+        (first, self.derived(first, 3, values))
+    }
+
+    fn interval(&self, x: f64) -> (usize, f64) {
+        let breaks = self.breaks();
+        let x = x.clamp(breaks[0], breaks[breaks.len() - 1]);
+        (
+            breaks
+                .partition_point(|&b| b <= x)
+                .clamp(1, breaks.len() - 1)
+                - 1,
+            x,
+        )
+    }
+
+    /// From the values of degree - 1 to those of `degree` (Cox and de Boor).
+    fn raise(&self, first: usize, x: f64, degree: usize, values: &mut [f64; 4]) {
+        let span = first + 3;
+        let mut carried = 0.0;
+        for (r, value) in values.iter_mut().enumerate().take(degree) {
+            let (right, left) = (self.knots[span + r + 1], self.knots[span + r + 1 - degree]);
+            let part = *value / (right - left);
+            *value = carried + (right - x) * part;
+            carried = (x - left) * part;
+        }
+        values[degree] = carried;
+    }
+
+    /// From the (k-1)-th derivatives of degree - 1 to the k-th of `degree`.
+    fn derived(&self, first: usize, degree: usize, lower: [f64; 4]) -> [f64; 4] {
+        let span = first + 3;
+        let mut values = [0.0; 4];
+        for (r, value) in lower.iter().enumerate().take(degree) {
+            let slope = degree as f64 * value
+                / (self.knots[span + r + 1] - self.knots[span + r + 1 - degree]);
+            values[r] -= slope;
+            values[r + 1] += slope;
+        }
+        values
+    }
+}
+
+/// One height: place, value and weight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// Place along both axes [m].
+    pub at: [f64; 2],
+    /// Height [m].
+    pub height: f64,
+    /// Residuals count in proportion to this.
+    pub weight: f64,
+}
+
+/// A bicubic spline over two axes.
+#[derive(Clone, Debug)]
+pub(crate) struct Bicubic {
+    /// The splines along both axes.
+    pub axes: [BSpline; 2],
+    /// Coefficients, the second axis running fastest.
+    pub coefficients: Vec<f64>,
+}
+
+impl Bicubic {
+    /// Height at `at`.
+    pub fn value(&self, at: [f64; 2]) -> f64 {
+        let (i, along) = self.axes[0].values(at[0]);
+        let (j, across) = self.axes[1].values(at[1]);
+        let count = self.axes[1].count();
+        let mut sum = 0.0;
+        for (k, a) in along.iter().enumerate() {
+            let row = &self.coefficients[(i + k) * count + j..][..4];
+            sum += a
+                * (row[0] * across[0]
+                    + row[1] * across[1]
+                    + row[2] * across[2]
+                    + row[3] * across[3]);
+        }
+        sum
+    }
+
+    /// The mean of the surface and its mirror image along `axis`; the breaks must be symmetric.
+    pub fn symmetrise(&mut self, axis: usize) {
+        let [rows, columns] = [self.axes[0].count(), self.axes[1].count()];
+        let old = self.coefficients.clone();
+        for i in 0..rows {
+            for j in 0..columns {
+                let mirror = if axis == 0 {
+                    (rows - 1 - i) * columns + j
+                } else {
+                    i * columns + columns - 1 - j
+                };
+                self.coefficients[i * columns + j] = 0.5 * (old[i * columns + j] + old[mirror]);
+            }
+        }
+    }
+}
+
+/// Splines along an axis that overlap a given one on either side of it.
+const REACH: usize = 3;
+
+/// Symmetric equations in the coefficients of a bicubic spline, the second axis running fastest.
+///
+/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3. The lower triangle is kept column by column.
+pub(crate) struct NormalEquations {
+    columns: usize,
+    starts: Vec<u32>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl NormalEquations {
+    /// Zero equations in `rows` times `columns` coefficients, at least four each way.
+    pub fn new(rows: usize, columns: usize) -> Self {
+        let mut equations = Self {
+            columns,
+            starts: vec![0],
+            rows: Vec::new(),
+            values: Vec::new(),
+            right: vec![0.0; rows * columns],
+        };
+        for i in 0..rows {
+            for j in 0..columns {
+                for k in i..rows.min(i + REACH + 1) {
+                    let first = if k == i { j } else { j.saturating_sub(REACH) };
+                    let last = columns.min(j + REACH + 1);
+                    let below = (first..last).map(|l| (k * columns + l) as u32);
+                    equations.rows.extend(below);
+                }
+                equations.starts.push(equations.rows.len() as u32);
+            }
+        }
+        equations.values = vec![0.0; equations.rows.len()];
+        equations
+    }
+
+    /// Adds `weight (a . s - height)^2` for the coefficients s of the four by four splines from (`i`, `j`) on, the
+    /// factors `a` being products of `along` and `across`.
+    pub fn add(
+        &mut self,
+        [i, j]: [usize; 2],
+        [along, across]: [&[f64; 4]; 2],
+        weight: f64,
+        height: f64,
+    ) {
+        let factors: [f64; 16] = std::array::from_fn(|k| along[k / 4] * across[k % 4]);
+        let weighted = factors.map(|factor| weight * factor);
+        for (n, &factor) in factors.iter().enumerate() {
+            let (own, place) = (n / 4, j + n % 4);
+            let column = (i + own) * self.columns + place;
+            self.right[column] += weighted[n] * height;
+            let from = self.starts[column] as usize;
+            let mut add = |at: usize, others: &[f64]| {
+                let entries = &mut self.values[at..at + others.len()];
+                for (entry, other) in entries.iter_mut().zip(others) {
+                    *entry += other * factor;
+                }
+            };
+            add(from, &weighted[n..4 * own + 4]);
+            // Entries of the column in its own row of coefficients, and in each row after that.
+            let end = self.columns.min(place + REACH + 1);
+            let low = place.saturating_sub(REACH);
+            let mut at = from + (end - place) + (j - low);
+            for others in weighted.chunks_exact(4).skip(own + 1) {
+                add(at, others);
+                at += end - low;
+            }
+        }
+    }
+
+    /// Factorises the matrix; none where it determines no coefficients.
+    pub fn factored(self) -> Option<Factored> {
+        let size = self.right.len();
+        let lower =
+            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
+        let symbolic = factorize_symbolic_cholesky(
+            lower,
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .ok()?;
+        let mut factor = vec![0.0; symbolic.len_val()];
+        // One thread, so that the bits stay the same on any machine's number of them.
+        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        symbolic
+            .factorize_numeric_llt(
+                &mut factor,
+                SparseColMatRef::new(lower, &self.values),
+                Side::Lower,
+                LltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut MemBuffer::try_new(request).ok()?),
+                Default::default(),
+            )
+            .ok()?;
+        Some(Factored {
+            columns: self.columns,
+            symbolic,
+            factor,
+            right: self.right,
+        })
+    }
+
+    /// The coefficients; none where they are not determined.
+    pub fn solve(self) -> Option<Vec<f64>> {
+        let mut factored = self.factored()?;
+        let right = std::mem::take(&mut factored.right);
+        factored.solve(right)
+    }
+}
+
+/// Equations whose matrix is factorised: they are solved again for other heights at the same places.
+pub(crate) struct Factored {
+    columns: usize,
+    symbolic: SymbolicCholesky<u32>,
+    factor: Vec<f64>,
+    /// The right-hand side that they came with.
+    right: Vec<f64>,
+}
+
+impl Factored {
+    /// Number of coefficients.
+    pub fn size(&self) -> usize {
+        self.right.len()
+    }
+
+    /// Adds to a right-hand side what [`NormalEquations::add`] adds to its own.
+    pub fn add_right(
+        &self,
+        right: &mut [f64],
+        [i, j]: [usize; 2],
+        [along, across]: [&[f64; 4]; 2],
+        weighted: f64,
+    ) {
+        for (k, a) in along.iter().enumerate() {
+            let row = &mut right[(i + k) * self.columns + j..][..4];
+            for (entry, b) in row.iter_mut().zip(across) {
+                *entry += weighted * a * b;
+            }
+        }
+    }
+
+    /// The coefficients of a right-hand side; none where they are not determined.
+    pub fn solve(&self, mut right: Vec<f64>) -> Option<Vec<f64>> {
+        let size = right.len();
+        let request = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(&mut right, size, 1),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::try_new(request).ok()?),
+        );
+        let determined = right.iter().all(|value| value.is_finite());
+        determined.then_some(right)
+    }
+}
+
+/// Weight of the bending energy, as a length in units of a cell's.
+const STIFFNESS: f64 = 0.03;
+
+/// Least squares with a trace of bending energy on fixed breaks:
+/// `sum_i (w_i (s(x_i) - z_i))^2 + density * int (c hx)^4 s_xx^2 + 2 (c^2 hx hy)^2 s_xy^2 + (c hy)^4 s_yy^2`,
+/// c = 0.03, hx and hy the cell's sides. The energy settles what no height decides.
+pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic> {
+    let axes = [BSpline::new(&breaks[0]), BSpline::new(&breaks[1])];
+    Some(Bicubic {
+        coefficients: equations(samples, &axes).solve()?,
+        axes,
+    })
+}
+
+/// A fit whose breaks, places and weights stay as they are: other heights cost a right-hand side each.
+pub(crate) struct KeptFit {
+    axes: [BSpline; 2],
+    factored: Factored,
+}
+
+impl KeptFit {
+    /// The equations of these samples on the axes of a fit, factorised; none where they determine nothing.
+    pub fn new(samples: &[Sample], axes: [BSpline; 2]) -> Option<Self> {
+        let factored = equations(samples, &axes).factored()?;
+        Some(KeptFit { axes, factored })
+    }
+
+    /// The fit of these samples, which differ from the first ones in their heights alone.
+    pub fn fit(&self, samples: impl Iterator<Item = Sample>) -> Option<Bicubic> {
+        let mut right = vec![0.0; self.factored.size()];
+        for sample in samples {
+            let (i, a) = self.axes[0].values(sample.at[0]);
+            let (j, b) = self.axes[1].values(sample.at[1]);
+            let weighted = sample.weight * sample.weight * sample.height;
+            self.factored
+                .add_right(&mut right, [i, j], [&a, &b], weighted);
+        }
+        Some(Bicubic {
+            coefficients: self.factored.solve(right)?,
+            axes: self.axes.clone(),
+        })
+    }
+}
+
+/// What [`fit`] solves.
+fn equations(samples: &[Sample], axes: &[BSpline; 2]) -> NormalEquations {
+    let breaks = [0, 1].map(|k| axes[k].breaks());
+    let mut equations = NormalEquations::new(axes[0].count(), axes[1].count());
+    for sample in samples {
+        let (i, a) = axes[0].values(sample.at[0]);
+        let (j, b) = axes[1].values(sample.at[1]);
+        let weight = sample.weight * sample.weight;
+        equations.add([i, j], [&a, &b], weight, sample.height);
+    }
+    let lengths = breaks.map(|breaks| breaks[breaks.len() - 1] - breaks[0]);
+    let density = samples.len() as f64 / (lengths[0] * lengths[1]);
+    let gauss = 0.5 / 3f64.sqrt();
+    for x in breaks[0].windows(2) {
+        for y in breaks[1].windows(2) {
+            let (hx, hy) = (x[1] - x[0], y[1] - y[0]);
+            let weight = density * 0.25 * hx * hy;
+            let (cx, cy) = ((STIFFNESS * hx).powi(2), (STIFFNESS * hy).powi(2));
+            for (sx, sy) in [
+                (-gauss, -gauss),
+                (-gauss, gauss),
+                (gauss, -gauss),
+                (gauss, gauss),
+            ] {
+                let (px, py) = (0.5 * (x[0] + x[1]) + sx * hx, 0.5 * (y[0] + y[1]) + sy * hy);
+                let ((i, a0), (j, b0)) = (axes[0].values(px), axes[1].values(py));
+                let ((_, a1), (_, b1)) =
+                    (axes[0].first_derivatives(px), axes[1].first_derivatives(py));
+                let ((_, a2), (_, b2)) = (
+                    axes[0].second_derivatives(px),
+                    axes[1].second_derivatives(py),
+                );
+                equations.add([i, j], [&a2, &b0], weight * cx * cx, 0.0);
+                equations.add([i, j], [&a1, &b1], weight * 2.0 * cx * cy, 0.0);
+                equations.add([i, j], [&a0, &b2], weight * cy * cy, 0.0);
+            }
+        }
+    }
+    equations
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splines_sum_to_one_and_their_derivatives_match_differences() {
+        let splines = BSpline::new(&[0.0, 0.1, 0.5, 0.7, 1.5]);
+        assert_eq!(splines.count(), 7);
+        for i in 1..150 {
+            let x = 0.01 * f64::from(i) + 0.003;
+            let (first, values) = splines.values(x);
+            assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            let h = 1e-5;
+            let (low, before) = splines.values(x - h);
+            let (high, after) = splines.values(x + h);
+            if low != high {
+                continue;
+            }
+            let (_, slopes) = splines.first_derivatives(x);
+            let (_, bends) = splines.second_derivatives(x);
+            for k in 0..4 {
+                assert!(
+                    ((after[k] - before[k]) / (2.0 * h) - slopes[k]).abs() < 1e-5,
+                    "{first}"
+                );
+                assert!(
+                    ((after[k] - 2.0 * values[k] + before[k]) / (h * h) - bends[k]).abs() < 1e-2
+                );
+            }
+        }
+    }
+
+    /// Equations of many overlapping blocks, and the same as a full matrix.
+    fn both(rows: usize, columns: usize) -> (NormalEquations, Vec<Vec<f64>>) {
+        let size = rows * columns;
+        let mut equations = NormalEquations::new(rows, columns);
+        let mut full = vec![vec![0.0; size]; size];
+        for block in 0..4 * size {
+            let (i, j) = (block % (rows - 3), (block / (rows - 3)) % (columns - 3));
+            let numbers = |seed: usize| [0, 1, 2, 3].map(|k| ((seed * 4 + k).pow(2) as f64).sin());
+            let (along, across) = (numbers(block), numbers(block + 7919));
+            let (weight, height) = (1.0 + (block % 3) as f64, (block as f64).cos());
+            equations.add([i, j], [&along, &across], weight, height);
+            let place = |k: usize| (i + k / 4) * columns + j + k % 4;
+            for k in 0..16 {
+                for l in 0..16 {
+                    full[place(k)][place(l)] +=
+                        weight * along[k / 4] * across[k % 4] * along[l / 4] * across[l % 4];
+                }
+            }
+        }
+        (equations, full)
+    }
+
+    #[test]
+    fn the_solution_satisfies_the_equations() {
+        for [rows, columns] in [[4, 4], [5, 9], [11, 6]] {
+            let (equations, full) = both(rows, columns);
+            let right = equations.right.clone();
+            let solution = equations.solve().unwrap();
+            let scale = solution.iter().fold(1.0f64, |m, v| m.max(v.abs()));
+            for (row, wanted) in full.iter().zip(&right) {
+                let found: f64 = row.iter().zip(&solution).map(|(a, s)| a * s).sum();
+                assert!((found - wanted).abs() < 1e-11 * scale, "{found} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn coefficients_that_nothing_determines_are_refused() {
+        let mut equations = NormalEquations::new(5, 4);
+        equations.add([0, 0], [&[1.0; 4], &[1.0; 4]], 1.0, 1.0);
+        assert!(equations.solve().is_none());
+        let (mut equations, _) = both(5, 5);
+        equations.values[0] = f64::NAN;
+        assert!(equations.solve().is_none());
+    }
+}

@@ -1,0 +1,461 @@
+//! Hexahedral meshes from VTU files.
+//!
+//! Every length is checked against the bytes present before anything is allocated.
+
+use std::io::Read;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+
+use crate::error::MeshError;
+use crate::hexahedra::hex_mesh::HexMesh;
+
+/// Reads the hexahedra of a VTU file: text, base64 or raw, appended or not, zlib or uncompressed.
+///
+/// # Errors
+/// [`MeshError::VtuRead`] with what is wrong and where, [`MeshError::CellType`] for other cells than
+/// hexahedra, and those of [`HexMesh::from_elsewhere`].
+pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
+    let file = VtuFile::parse(bytes)?;
+    let points = file.array("Points")?;
+    let connectivity = file.array("connectivity")?;
+    let offsets = file.array("offsets")?;
+    let types = file.array("types")?;
+    if let Some(cell) = types.iter().position(|&t| t != f64::from(HEXAHEDRON)) {
+        return Err(MeshError::CellType {
+            cell: cell + 1,
+            found: format!("VTK type {}", types[cell]),
+        });
+    }
+    if points.len() % 3 != 0 {
+        return Err(problem("Points", "its length is no multiple of three"));
+    }
+    let regular = offsets
+        .iter()
+        .enumerate()
+        .all(|(i, &o)| o == 8.0 * (i + 1) as f64);
+    if offsets.len() != types.len() || !regular || connectivity.len() != 8 * types.len() {
+        return Err(problem(
+            "offsets",
+            "expected 8, 16, 24 ... for hexahedra, as many as types",
+        ));
+    }
+    let points: Vec<[f64; 3]> = points.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    if connectivity.iter().any(|&n| n < 0.0) {
+        return Err(problem("connectivity", "negative node numbers"));
+    }
+    let cells: Vec<[usize; 8]> = connectivity
+        .chunks_exact(8)
+        .map(|c| std::array::from_fn(|k| c[k] as usize))
+        .collect();
+    HexMesh::from_elsewhere(&points, &cells)
+}
+
+/// A DataArray as it stands in the file.
+struct Array {
+    name: String,
+    kind: String,
+    format: String,
+    offset: Option<usize>,
+    text: Vec<u8>,
+}
+
+/// A VTU file taken apart.
+pub(crate) struct VtuFile<'a> {
+    encoding: Encoding,
+    arrays: Vec<Array>,
+    /// Bytes after the underscore of AppendedData, and whether they are raw.
+    appended: Option<(&'a [u8], bool)>,
+}
+
+impl<'a> VtuFile<'a> {
+    /// Takes a file apart, its arrays as they stand in it.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, MeshError> {
+        let (head, appended) = split_appended(bytes)?;
+        let mut file = Self {
+            encoding: Encoding::default(),
+            arrays: Vec::new(),
+            appended,
+        };
+        let mut reader = Reader::from_reader(head);
+        reader.config_mut().check_end_names = false;
+        let (mut is_grid, mut section) = (false, Vec::new());
+        loop {
+            let event = reader
+                .read_event()
+                .map_err(|_| problem("XML", "it is not well formed"))?;
+            match event {
+                Event::Eof => break,
+                Event::Start(tag) => {
+                    file.open(&tag, &mut is_grid, &section)?;
+                    section = if tag.name().as_ref() == b"DataArray" {
+                        section
+                    } else {
+                        tag.name().as_ref().to_vec()
+                    };
+                    if tag.name().as_ref() == b"DataArray" && wanted(&section) {
+                        let text = reader
+                            .read_text(tag.name())
+                            .map_err(|_| problem("XML", "it is not well formed"))?;
+                        if let Some(array) = file.arrays.last_mut() {
+                            // VTK adds elements of its own behind the values.
+                            array.text = text.split('<').next().unwrap_or("").as_bytes().to_vec();
+                        }
+                    }
+                }
+                Event::Empty(tag) => file.open(&tag, &mut is_grid, &section)?,
+                Event::End(tag) if tag.name().as_ref() != b"DataArray" => section.clear(),
+                _ => {}
+            }
+        }
+        if !is_grid {
+            return Err(problem("VTKFile", "expected type UnstructuredGrid"));
+        }
+        Ok(file)
+    }
+
+    fn open(
+        &mut self,
+        tag: &BytesStart,
+        is_grid: &mut bool,
+        section: &[u8],
+    ) -> Result<(), MeshError> {
+        let attribute = |name: &str| {
+            let found = tag.try_get_attribute(name).ok().flatten();
+            found.map(|a| String::from_utf8_lossy(&a.value).into_owned())
+        };
+        match tag.name().as_ref() {
+            b"VTKFile" => {
+                *is_grid = attribute("type").as_deref() == Some("UnstructuredGrid");
+                self.encoding.wide_header = attribute("header_type").as_deref() == Some("UInt64");
+                if attribute("byte_order").as_deref() == Some("BigEndian") {
+                    return Err(problem("VTKFile", "big-endian files are not supported"));
+                }
+                self.encoding.compressed = match attribute("compressor").as_deref() {
+                    None => false,
+                    Some("vtkZLibDataCompressor") => true,
+                    Some(_) => {
+                        return Err(problem(
+                            "VTKFile",
+                            "of the compressors only zlib is supported",
+                        ));
+                    }
+                };
+            }
+            b"DataArray" if wanted(section) => {
+                let offset = attribute("offset").and_then(|o| o.parse().ok());
+                let name = if section == b"Points" {
+                    Some("Points".into())
+                } else {
+                    attribute("Name")
+                };
+                self.arrays.push(Array {
+                    name: name.unwrap_or_default(),
+                    kind: attribute("type").unwrap_or_default(),
+                    format: attribute("format").unwrap_or_else(|| "ascii".into()),
+                    offset,
+                    text: Vec::new(),
+                });
+                if self.arrays.iter().filter(|a| a.name == "Points").count() > 1 {
+                    return Err(problem(
+                        "Points",
+                        "files of several pieces are not supported",
+                    ));
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The values of the array `name`.
+    pub fn array(&self, name: &'static str) -> Result<Vec<f64>, MeshError> {
+        let array = self
+            .arrays
+            .iter()
+            .find(|a| a.name == name)
+            .ok_or_else(|| problem(name, "it is missing"))?;
+        if array.format == "ascii" {
+            let text = str::from_utf8(&array.text).map_err(|_| problem(name, "it is no text"))?;
+            let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+            return values.map_err(|_| problem(name, "a value is no number"));
+        }
+        let trimmed: Vec<u8>;
+        let (data, raw) = match array.format.as_str() {
+            "binary" => {
+                trimmed = array
+                    .text
+                    .iter()
+                    .copied()
+                    .filter(|b| !b.is_ascii_whitespace())
+                    .collect();
+                (trimmed.as_slice(), false)
+            }
+            "appended" => {
+                let (data, raw) = self
+                    .appended
+                    .ok_or_else(|| problem(name, "the file has no appended data"))?;
+                let offset = array.offset.filter(|&o| o <= data.len());
+                (
+                    &data[offset
+                        .ok_or_else(|| problem(name, "its offset lies beyond the file"))?..],
+                    raw,
+                )
+            }
+            _ => {
+                return Err(problem(
+                    name,
+                    "unknown format; expected ascii, binary or appended",
+                ));
+            }
+        };
+        values(&decode(self.encoding, name, data, raw)?, &array.kind)
+            .ok_or_else(|| problem(name, "unknown type of number"))
+    }
+}
+
+fn wanted(section: &[u8]) -> bool {
+    section == b"Points" || section == b"Cells"
+}
+
+/// The file before AppendedData, the bytes after its underscore and whether they are raw.
+type Split<'a> = (&'a [u8], Option<(&'a [u8], bool)>);
+
+fn split_appended(bytes: &[u8]) -> Result<Split<'_>, MeshError> {
+    let tag = b"<AppendedData";
+    let Some(start) = bytes.windows(tag.len()).position(|w| w == tag) else {
+        return Ok((bytes, None));
+    };
+    let broken = || problem("AppendedData", "expected <AppendedData encoding=...> _");
+    let close = start
+        + bytes[start..]
+            .iter()
+            .position(|&b| b == b'>')
+            .ok_or_else(broken)?;
+    let raw = bytes[start..close].windows(5).any(|w| w == b"\"raw\"");
+    let mark = close
+        + bytes[close..]
+            .iter()
+            .position(|&b| b == b'_')
+            .ok_or_else(broken)?;
+    let data = &bytes[mark + 1..];
+    let data = if raw {
+        data
+    } else {
+        &data[..data.iter().position(|&b| b == b'<').unwrap_or(data.len())]
+    };
+    Ok((&bytes[..start], Some((data, raw))))
+}
+
+/// VTK's number for an eight-node hexahedron.
+pub(crate) const HEXAHEDRON: u8 = 12;
+/// Most values in one array.
+const MOST_VALUES: usize = 400_000_000;
+
+/// How a file keeps its arrays.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Encoding {
+    /// Sizes are words of 8 bytes, not 4.
+    pub wide_header: bool,
+    /// Arrays are cut into blocks, each compressed with zlib.
+    pub compressed: bool,
+}
+
+/// What is wrong with an array.
+pub(crate) fn problem(array: &str, problem: &'static str) -> MeshError {
+    MeshError::VtuRead {
+        array: array.into(),
+        problem,
+    }
+}
+
+/// The bytes of the array `name` that begins at the start of `data`, raw or base64.
+pub(crate) fn decode(
+    encoding: Encoding,
+    name: &'static str,
+    data: &[u8],
+    raw: bool,
+) -> Result<Vec<u8>, MeshError> {
+    let short = || problem(name, "it announces more bytes than the file has");
+    let word = if encoding.wide_header { 8 } else { 4 };
+    // The first `count` bytes of a stream that begins at `from`, and where the stream ends.
+    let take = |from: usize, count: usize| -> Result<(Vec<u8>, usize), MeshError> {
+        let length = if raw {
+            Some(count)
+        } else {
+            count.div_ceil(3).checked_mul(4)
+        };
+        let end = length
+            .and_then(|l| from.checked_add(l))
+            .filter(|&e| e <= data.len())
+            .ok_or_else(short)?;
+        let bytes = if raw {
+            data[from..end].to_vec()
+        } else {
+            STANDARD.decode(&data[from..end]).map_err(|_| short())?
+        };
+        if bytes.len() < count {
+            Err(short())
+        } else {
+            Ok((bytes, end))
+        }
+    };
+    let number = |bytes: &[u8], i: usize| {
+        let bytes = bytes[i * word..(i + 1) * word].iter().rev();
+        bytes.fold(0u64, |sum, &b| (sum << 8) | u64::from(b)) as usize
+    };
+    let (first, _) = take(0, word)?;
+    if !encoding.compressed {
+        let count = number(&first, 0).checked_add(word).ok_or_else(short)?;
+        let (mut bytes, _) = take(0, count)?;
+        bytes.truncate(count);
+        bytes.drain(..word);
+        return Ok(bytes);
+    }
+    let blocks = number(&first, 0);
+    let header = blocks
+        .checked_add(3)
+        .and_then(|n| n.checked_mul(word))
+        .ok_or_else(short)?;
+    let (sizes, begin) = take(0, header)?;
+    let total = (0..blocks)
+        .try_fold(0usize, |sum, i| sum.checked_add(number(&sizes, 3 + i)))
+        .ok_or_else(short)?;
+    let (packed, _) = take(begin, total)?;
+    let largest = number(&sizes, 1);
+    let (mut bytes, mut from) = (Vec::new(), 0);
+    for i in 0..blocks {
+        let to = from + number(&sizes, 3 + i);
+        let before = bytes.len();
+        let mut block = flate2::read::ZlibDecoder::new(&packed[from..to]).take(largest as u64 + 1);
+        block
+            .read_to_end(&mut bytes)
+            .map_err(|_| problem(name, "a block does not decompress"))?;
+        if bytes.len() - before > largest || bytes.len() > 8 * MOST_VALUES {
+            return Err(problem(name, "a block is larger than announced"));
+        }
+        from = to;
+    }
+    Ok(bytes)
+}
+
+/// Little-endian numbers of VTK's type `kind` as doubles.
+pub(crate) fn values(bytes: &[u8], kind: &str) -> Option<Vec<f64>> {
+    macro_rules! read {
+        ($number:ty) => {
+            bytes
+                .chunks_exact(size_of::<$number>())
+                .map(|b| {
+                    <$number>::from_le_bytes(b.try_into().expect("a chunk of its size")) as f64
+                })
+                .collect()
+        };
+    }
+    Some(match kind {
+        "Float64" => read!(f64),
+        "Float32" => read!(f32),
+        "Int8" => read!(i8),
+        "UInt8" => read!(u8),
+        "Int16" => read!(i16),
+        "UInt16" => read!(u16),
+        "Int32" => read!(i32),
+        "UInt32" => read!(u32),
+        "Int64" => read!(i64),
+        "UInt64" => read!(u64),
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hexahedra::hex_mesh::TensorGrid;
+    use crate::hexahedra::write_vtk::write_vtu;
+
+    #[test]
+    fn written_files_are_read_back_whether_blocks_are_whole_or_not() {
+        // 16 x 16 x 16 points fill 98,304 bytes, three whole blocks; 17 x 5 x 3 do not.
+        for shape in [[16, 16, 16], [17, 5, 3]] {
+            let axis = |n: usize| (0..n).map(|i| 0.1 * i as f64).collect::<Vec<_>>();
+            let mesh = TensorGrid {
+                x: axis(shape[0]),
+                y: axis(shape[1]),
+                z: axis(shape[2]),
+            }
+            .hex_mesh();
+            let mut file = Vec::new();
+            write_vtu(&mesh, &[], &[], &[], &mut file).unwrap();
+            let back = read_vtu(&file).unwrap();
+            assert_eq!(back.quality(), mesh.quality());
+            assert_eq!(back.cells.len(), mesh.cells.len());
+        }
+    }
+
+    fn ascii(points: &str, connectivity: &str, offsets: &str, types: &str) -> String {
+        format!(
+            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece><Points><DataArray type=\"Float64\">{points}\
+             </DataArray></Points><Cells><DataArray Name=\"connectivity\" type=\"Int64\">{connectivity}</DataArray>\
+             <DataArray Name=\"offsets\" type=\"Int64\">{offsets}</DataArray><DataArray Name=\"types\" type=\"UInt8\">\
+             {types}</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
+        )
+    }
+
+    const CUBE: &str = "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1";
+
+    #[test]
+    fn text_is_read_and_other_cells_are_named() {
+        let cube = read_vtu(ascii(CUBE, "0 1 2 3 4 5 6 7", "8", "12").as_bytes()).unwrap();
+        assert!((cube.quality().volume - 1.0).abs() < 1e-15);
+        let refused = |text: String| read_vtu(text.as_bytes()).unwrap_err().to_string();
+        assert!(refused(ascii(CUBE, "0 1 2 3", "4", "10")).contains("VTK type 10"));
+        assert!(refused(ascii(CUBE, "0 1 2 3 4 5 6 99", "8", "12")).contains("99"));
+        assert!(refused(ascii(CUBE, "0 1 2 3 4 5 6 7", "9", "12")).contains("offsets"));
+        assert!(refused(ascii("zero", "0 1 2 3 4 5 6 7", "8", "12")).contains("Points"));
+        assert!(refused("<VTKFile type=\"PolyData\"/>".into()).contains("UnstructuredGrid"));
+    }
+
+    #[test]
+    fn lengths_that_lie_are_refused_before_anything_is_allocated() {
+        let header = |words: &[u64]| {
+            STANDARD.encode(
+                words
+                    .iter()
+                    .flat_map(|w| w.to_le_bytes())
+                    .collect::<Vec<u8>>(),
+            )
+        };
+        for (attributes, data) in [
+            ("header_type=\"UInt64\"", header(&[u64::MAX])),
+            ("header_type=\"UInt64\"", header(&[1 << 50])),
+            (
+                "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"",
+                header(&[u64::MAX, 1, 1, 1]),
+            ),
+            (
+                "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"",
+                header(&[1, 1 << 60, 0, 1 << 60]),
+            ),
+            ("", String::new()),
+        ] {
+            let text = ascii("x", "0 1 2 3 4 5 6 7", "8", "12")
+                .replacen(
+                    "type=\"UnstructuredGrid\"",
+                    &format!("type=\"UnstructuredGrid\" {attributes}"),
+                    1,
+                )
+                .replace(
+                    "type=\"Float64\">x",
+                    &format!("type=\"Float64\" format=\"binary\">{data}"),
+                );
+            assert!(
+                read_vtu(text.as_bytes())
+                    .unwrap_err()
+                    .to_string()
+                    .contains("Points"),
+                "{attributes}"
+            );
+        }
+    }
+}

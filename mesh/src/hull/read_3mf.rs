@@ -1,0 +1,442 @@
+//! Hulls from 3MF files.
+
+use std::collections::HashMap;
+use std::io::{Cursor, Read};
+
+use nalgebra::{Matrix4, Point3};
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use zip::ZipArchive;
+
+use crate::error::MeshError;
+use crate::hull::triangles::{Axis, Hull, HullOptions};
+
+/// Most bytes of all parts of a file together once they are unpacked.
+const MOST_BYTES: u64 = 1 << 31;
+/// Most triangles, and most vertices, read from one file; objects may be used many times.
+const MOST_TRIANGLES: usize = 50_000_000;
+/// Most uses of objects in one file, those within components counted.
+const MOST_USES: usize = 100_000;
+/// The part that holds the model where the package's relationships name none.
+const USUAL_MODEL: &str = "3D/3dmodel.model";
+
+/// Reads the build items of a 3MF file with their transforms, in the unit that the file states.
+///
+/// The positions in metres are multiplied by `options.scale`. The file's up is z unless `options` state
+/// another axis.
+///
+/// # Errors
+/// [`MeshError::ThreeMf`] with the part of the package, [`MeshError::TooMany`] if it unpacks to more
+/// than 2 GiB or 50 million triangles, and those of a hull without triangles or with positions that
+/// are not finite.
+pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
+    let rows = options.rows(Axis::Z)?;
+    let mut package = Package::open(bytes)?;
+    let root = package.root_model()?;
+    let unit = package.model(&root)?.unit;
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    let items = package.model(&root)?.items.clone();
+    let mut waiting: Vec<(Use, Matrix4<f64>)> = items
+        .into_iter()
+        .rev()
+        .map(|item| {
+            let transform = Matrix4::new_scaling(unit) * item.transform;
+            (item, transform)
+        })
+        .collect();
+    let mut uses = 0;
+    while let Some((found, transform)) = waiting.pop() {
+        uses += 1;
+        limit("uses of objects", uses, MOST_USES)?;
+        let part = found.part.as_deref().unwrap_or(&root).to_owned();
+        let object = package.model(&part)?.objects.get(&found.object);
+        let object = object.ok_or_else(|| {
+            error(
+                &part,
+                &format!("object {}", found.object),
+                "an object of the model",
+            )
+        })?;
+        limit(
+            "vertices",
+            positions.len() + object.vertices.len(),
+            MOST_TRIANGLES,
+        )?;
+        limit(
+            "triangles",
+            triangles.len() + object.triangles.len(),
+            MOST_TRIANGLES,
+        )?;
+        let first = positions.len();
+        let place = |p: &[f64; 3]| <[f64; 3]>::from(transform.transform_point(&Point3::from(*p)));
+        positions.extend(object.vertices.iter().map(place));
+        // A transform that mirrors reverses the winding.
+        let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        for &[a, b, c] in &object.triangles {
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            if let Some(&index) = corners.iter().find(|&&i| i >= object.vertices.len()) {
+                return Err(MeshError::VertexIndex {
+                    triangle: triangles.len() + 1,
+                    index,
+                    vertices: object.vertices.len(),
+                });
+            }
+            triangles.push(corners.map(|i| first + i));
+        }
+        // Components without a part of their own are in the part of their object.
+        waiting.extend(object.components.iter().rev().map(|component| {
+            let mut component = component.clone();
+            component.part.get_or_insert_with(|| part.clone());
+            let transform = transform * component.transform;
+            (component, transform)
+        }));
+    }
+    Hull::welded(&positions, triangles.into_iter(), rows)
+}
+
+/// An object used by a build item or as a component.
+#[derive(Clone)]
+struct Use {
+    /// The part of the package that holds the object; the user's own if none.
+    part: Option<String>,
+    object: String,
+    transform: Matrix4<f64>,
+}
+
+/// A mesh, or components.
+#[derive(Default)]
+struct Object {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[usize; 3]>,
+    components: Vec<Use>,
+}
+
+/// A part of the package with its objects.
+struct Model {
+    /// Metres in one unit.
+    unit: f64,
+    objects: HashMap<String, Object>,
+    items: Vec<Use>,
+}
+
+/// The zip archive with the models read so far.
+struct Package<'a> {
+    archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// Bytes that may still be unpacked.
+    budget: u64,
+    models: HashMap<String, Model>,
+}
+
+impl<'a> Package<'a> {
+    fn open(bytes: &'a [u8]) -> Result<Self, MeshError> {
+        let archive = ZipArchive::new(Cursor::new(bytes))
+            .map_err(|source| error("the file", &source.to_string(), "a zip archive"))?;
+        Ok(Self {
+            archive,
+            budget: MOST_BYTES,
+            models: HashMap::new(),
+        })
+    }
+
+    /// The unpacked bytes of a part; none if the archive has no part of that name.
+    fn unpack(&mut self, part: &str) -> Result<Option<Vec<u8>>, MeshError> {
+        let wanted = part.to_ascii_lowercase();
+        let mut names = self.archive.file_names().flatten();
+        let name = names.find(|name| name.to_ascii_lowercase() == wanted);
+        let Some(name) = name.map(|name| name.into_owned()) else {
+            return Ok(None);
+        };
+        drop(names);
+        let broken = |source: String| error(part, &source, "a part that unpacks");
+        let mut bytes = Vec::new();
+        let file = self.archive.by_name(&name);
+        let file = file.map_err(|source| broken(source.to_string()))?;
+        let mut file = file.take(self.budget + 1);
+        file.read_to_end(&mut bytes)
+            .map_err(|source| broken(source.to_string()))?;
+        limit("unpacked bytes", bytes.len(), self.budget as usize)?;
+        self.budget -= bytes.len() as u64;
+        Ok(Some(bytes))
+    }
+
+    /// The name of the part with the build items.
+    fn root_model(&mut self) -> Result<String, MeshError> {
+        let relations = self.unpack("_rels/.rels")?.unwrap_or_default();
+        let mut root = None;
+        elements("_rels/.rels", &relations, |tag, _| {
+            let kind = attribute(tag, "Type").unwrap_or_default();
+            if tag.local_name().as_ref() == b"Relationship" && kind.ends_with("/3dmodel") {
+                root = attribute(tag, "Target");
+            }
+            Ok(())
+        })?;
+        let root = root.unwrap_or_else(|| USUAL_MODEL.into());
+        Ok(root.trim_start_matches('/').to_owned())
+    }
+
+    fn model(&mut self, part: &str) -> Result<&Model, MeshError> {
+        if !self.models.contains_key(part) {
+            let bytes = self.unpack(part)?;
+            let bytes = bytes.ok_or_else(|| error(part, "no such part", "a model"))?;
+            self.models
+                .insert(part.to_owned(), Model::parse(part, &bytes)?);
+        }
+        Ok(&self.models[part])
+    }
+}
+
+impl Model {
+    fn parse(part: &str, bytes: &[u8]) -> Result<Self, MeshError> {
+        let mut model = Model {
+            unit: 1e-3,
+            objects: HashMap::new(),
+            items: Vec::new(),
+        };
+        let mut current = String::new();
+        elements(part, bytes, |tag, line| {
+            let refuse = |name: &str, expected| {
+                let found = attribute(tag, name).unwrap_or_default();
+                error(
+                    part,
+                    &format!("{name}={found:?} near byte {line}"),
+                    expected,
+                )
+            };
+            match tag.local_name().as_ref() {
+                b"model" => {
+                    if let Some(unit) = attribute(tag, "unit") {
+                        let metres = metres_in(&unit);
+                        let expected = "micron, millimeter, centimeter, inch, foot or meter";
+                        model.unit = metres.ok_or_else(|| refuse("unit", expected))?;
+                    }
+                }
+                b"object" => {
+                    current = attribute(tag, "id").unwrap_or_default();
+                    model.objects.insert(current.clone(), Object::default());
+                }
+                b"vertex" => {
+                    let mut vertex = [0.0; 3];
+                    for (value, name) in vertex.iter_mut().zip(["x", "y", "z"]) {
+                        let text = attribute(tag, name).and_then(|text| text.trim().parse().ok());
+                        *value = text.ok_or_else(|| refuse(name, "a coordinate"))?;
+                    }
+                    model.object(&current).vertices.push(vertex);
+                }
+                b"triangle" => {
+                    let mut triangle = [0; 3];
+                    for (corner, name) in triangle.iter_mut().zip(["v1", "v2", "v3"]) {
+                        let text = attribute(tag, name).and_then(|text| text.trim().parse().ok());
+                        *corner = text.ok_or_else(|| refuse(name, "the number of a vertex"))?;
+                    }
+                    model.object(&current).triangles.push(triangle);
+                }
+                name @ (b"component" | b"item") => {
+                    let transform = match attribute(tag, "transform") {
+                        Some(text) => {
+                            transform(&text).ok_or_else(|| refuse("transform", "twelve numbers"))?
+                        }
+                        None => Matrix4::identity(),
+                    };
+                    let found = Use {
+                        part: attribute(tag, "path")
+                            .map(|path| path.trim_start_matches('/').into()),
+                        object: attribute(tag, "objectid").unwrap_or_default(),
+                        transform,
+                    };
+                    if name == b"item" {
+                        model.items.push(found);
+                    } else {
+                        model.object(&current).components.push(found);
+                    }
+                }
+                _ => {}
+            }
+            Ok(())
+        })?;
+        Ok(model)
+    }
+
+    fn object(&mut self, id: &str) -> &mut Object {
+        self.objects.entry(id.to_owned()).or_default()
+    }
+}
+
+/// Calls `visit` with each start tag of an XML document and the bytes read up to it.
+fn elements(
+    part: &str,
+    bytes: &[u8],
+    mut visit: impl FnMut(&BytesStart, u64) -> Result<(), MeshError>,
+) -> Result<(), MeshError> {
+    let mut reader = Reader::from_reader(bytes);
+    loop {
+        match reader.read_event() {
+            Ok(Event::Eof) => return Ok(()),
+            Ok(Event::Start(tag) | Event::Empty(tag)) => visit(&tag, reader.buffer_position())?,
+            Ok(_) => {}
+            Err(source) => {
+                let found = format!("{source} near byte {}", reader.error_position());
+                return Err(error(part, &found, "well-formed XML"));
+            }
+        }
+    }
+}
+
+/// The value of the attribute of this name, whatever its namespace.
+fn attribute(tag: &BytesStart, name: &str) -> Option<String> {
+    let mut attributes = tag.attributes().flatten();
+    let found = attributes.find(|a| a.key.local_name().as_ref() == name.as_bytes())?;
+    found.unescape_value().ok().map(|value| value.into_owned())
+}
+
+/// Metres in one unit of this name.
+fn metres_in(unit: &str) -> Option<f64> {
+    Some(match unit {
+        "micron" => 1e-6,
+        "millimeter" => 1e-3,
+        "centimeter" => 1e-2,
+        "inch" => 0.0254,
+        "foot" => 0.3048,
+        "meter" => 1.0,
+        _ => return None,
+    })
+}
+
+/// The matrix of twelve numbers: the images of the three axes and of the origin.
+fn transform(text: &str) -> Option<Matrix4<f64>> {
+    let numbers: Vec<f64> = text
+        .split_whitespace()
+        .map(str::parse)
+        .collect::<Result<_, _>>()
+        .ok()?;
+    (numbers.len() == 12).then(|| {
+        Matrix4::from_fn(|row, column| match row {
+            3 => f64::from(u8::from(column == 3)),
+            _ => numbers[3 * column + row],
+        })
+    })
+}
+
+fn error(part: &str, found: &str, expected: &'static str) -> MeshError {
+    MeshError::ThreeMf {
+        part: part.into(),
+        found: found.into(),
+        expected,
+    }
+}
+
+fn limit(what: &'static str, found: usize, limit: usize) -> Result<(), MeshError> {
+    if found > limit {
+        return Err(MeshError::TooMany { what, limit });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+
+    const MESH: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1e0" y="0" z="0"/><vertex x="0" y="1" z="0"/>
+        </vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>"#;
+
+    fn package(parts: &[(&str, String)]) -> Vec<u8> {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, text) in parts {
+            archive
+                .start_file(*name, SimpleFileOptions::default())
+                .unwrap();
+            archive.write_all(text.as_bytes()).unwrap();
+        }
+        archive.finish().unwrap().into_inner()
+    }
+
+    fn model(unit: &str, objects: &str, build: &str) -> String {
+        format!(
+            r#"<?xml version="1.0"?><model {unit} xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
+               <resources>{objects}</resources><build>{build}</build></model>"#
+        )
+    }
+
+    fn read(text: String) -> Result<Hull, MeshError> {
+        read_3mf(&package(&[(USUAL_MODEL, text)]), &HullOptions::default())
+    }
+
+    #[test]
+    fn units_and_transforms_are_applied() {
+        let object = format!(r#"<object id="1" type="model">{MESH}</object>"#);
+        let item = r#"<item objectid="1"/>"#;
+        for (unit, metres) in [
+            ("", 1e-3),
+            (r#"unit="millimeter""#, 1e-3),
+            (r#"unit="inch""#, 0.0254),
+            (r#"unit="meter""#, 1.0),
+        ] {
+            let hull = read(model(unit, &object, item)).unwrap();
+            assert_eq!(hull.positions[1], [metres, 0.0, 0.0], "{unit}");
+        }
+        // A component scaled by two along x and moved by five along z, mirrored along y by the build.
+        let parts = format!(
+            r#"{object}<object id="2"><components>
+               <component objectid="1" transform="2 0 0 0 1 0 0 0 1 0 0 5"/></components></object>"#
+        );
+        let mirrored = r#"<item objectid="2" transform="1 0 0 0 -1 0 0 0 1 10 0 0"/>"#;
+        let hull = read(model(r#"unit="meter""#, &parts, mirrored)).unwrap();
+        assert_eq!(hull.bounds(), [[10.0, -1.0, 5.0], [12.0, 0.0, 5.0]]);
+        assert_eq!(hull.normal(&hull.triangles[0])[2], 2.0);
+    }
+
+    #[test]
+    fn models_are_found_by_relationship_and_path() {
+        let other = r#"xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06""#;
+        let root = model(
+            other,
+            r#"<object id="8"><components><component p:path="/3D/Objects/one.model" objectid="1"/></components></object>"#,
+            r#"<item objectid="8"/>"#,
+        );
+        let relations = r#"<Relationships><Relationship Target="/3D/root.model" Id="rel0"
+            Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+        let object = format!(r#"<object id="1">{MESH}</object>"#);
+        let bytes = package(&[
+            ("_rels/.rels", relations.into()),
+            ("3D/root.model", root),
+            ("3D/Objects/one.model", model("", &object, "")),
+        ]);
+        let hull = read_3mf(&bytes, &HullOptions::default()).unwrap();
+        assert_eq!(hull.triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn broken_files_are_refused() {
+        let object = format!(r#"<object id="1">{MESH}</object>"#);
+        let item = r#"<item objectid="1"/>"#;
+        let circle =
+            r#"<object id="1"><components><component objectid="1"/></components></object>"#;
+        for (text, part) in [
+            (model("", &object, r#"<item objectid="7"/>"#), "object 7"),
+            (model(r#"unit="ell""#, &object, item), "ell"),
+            (
+                model("", &object.replace("v3=\"2\"", "v3=\"9\""), item),
+                "refers to vertex 9",
+            ),
+            (model("", &object.replace("1e0", "1,0"), item), "1,0"),
+            (model("", circle, item), "uses of objects"),
+            (model("", &object, ""), "no triangles"),
+            ("<model><<".into(), "well-formed"),
+        ] {
+            let message = read(text).unwrap_err().to_string();
+            assert!(message.contains(part), "{message}");
+        }
+        let message = |bytes: &[u8]| {
+            read_3mf(bytes, &HullOptions::default())
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(message(b"no zip").contains("zip archive"));
+        assert!(message(&package(&[])).contains("3D/3dmodel.model"));
+    }
+}
