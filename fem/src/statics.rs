@@ -5,8 +5,8 @@ use crate::cg::{self, Jacobi};
 use crate::constraints::Constraints;
 use crate::element::hex8;
 use crate::error::Error;
+use crate::sparse::assembly::BlockMatrix;
 use crate::sparse::assembly::assemble;
-use crate::sparse::block_matrix::BlockMatrix;
 use crate::sparse::cholesky::Factor;
 
 /// How to solve.

@@ -4,7 +4,7 @@
 //! within a corner. Strains and stresses are (xx, yy, zz, yz, zx, xy) with engineering shear strains.
 //! Source: T. J. R. Hughes, The Finite Element Method (1987), chapter 3.
 
-use crate::material::Material;
+use crate::body::Material;
 
 /// Positions of an element's eight corners [m].
 pub type Corners = [[f64; 3]; 8];

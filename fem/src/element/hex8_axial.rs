@@ -17,8 +17,8 @@
 //! of x averaged in component x ([`crate::Axis::averaged`]), so that fast diagonalisation stays an effective preconditioner
 //! whatever the cells' aspect. Incompatible modes soften every plane at once, and no such sum follows them.
 
+use crate::body::Material;
 use crate::element::hex8::{self, Corners, ElementMatrix, GAUSS, gauss_points};
-use crate::material::Material;
 
 /// Rows of zx and xy in a strain.
 const SHEARS: [usize; 2] = [4, 5];

@@ -13,8 +13,8 @@
 //! Source: T. J. R. Hughes, Generalization of selective integration procedures to anisotropic and nonlinear media, Int. J.
 //! Numer. Meth. Engng 15 (1980), 1413-1418.
 
+use crate::body::Material;
 use crate::element::hex8::{self, Corners, ElementMatrix, gauss_points};
-use crate::material::Material;
 
 /// Poisson's ratio from which on a block takes this element.
 ///

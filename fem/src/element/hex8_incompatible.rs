@@ -8,8 +8,8 @@
 //! Source: R. L. Taylor, P. J. Beresford and E. L. Wilson, A non-conforming element for stress analysis, Int. J.
 //! Numer. Meth. Engng 10 (1976), 1211-1219.
 
+use crate::body::Material;
 use crate::element::hex8::{Corners, ElementMatrix, Jacobian, add_block, gauss_points, gradients};
-use crate::material::Material;
 
 /// Gradients [1/m] of the three modes at natural coordinates `xi` where the determinant is `determinant`.
 pub fn mode_gradients(centre: &Jacobian, xi: [f64; 3], determinant: f64) -> [[f64; 3]; 3] {

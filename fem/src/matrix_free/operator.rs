@@ -6,11 +6,11 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::body::Body;
+use crate::body::ElementKind;
 use crate::element::hex8_incompatible::{inner_factor, invert};
-use crate::matrix_free::hex8_lanes::{InnerInverse, LanesMaterial, Mean, apply};
+use crate::matrix_free::lanes::{InnerInverse, LanesMaterial, Mean, apply};
 use crate::matrix_free::lanes::{LANES, Lanes, Stored};
-use crate::section::ElementKind;
-use crate::sparse::node_cells::NodeCells;
+use crate::sparse::graph::NodeCells;
 
 /// Four cells side by side.
 struct Batch {
@@ -301,8 +301,8 @@ fn inner_inverse(body: &Body, group: &[usize]) -> InnerInverse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Material;
-    use crate::section::Section;
+    use crate::body::Material;
+    use crate::body::Section;
     use crate::sparse::assembly::assemble;
     use crate::test_block::block;
 

@@ -4,7 +4,7 @@ use faer::Mat;
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::tensor::eigen::eigenpairs;
+use crate::tensor::axis::eigenpairs;
 
 /// Additive coarse correction by the motions of a beam along x.
 ///
@@ -297,8 +297,8 @@ fn pseudo_inverse(a: &Mat<f64>) -> Result<Mat<f64>, Error> {
 mod tests {
     use super::*;
     use crate::body::Body;
-    use crate::material::Material;
-    use crate::section::ElementKind;
+    use crate::body::ElementKind;
+    use crate::body::Material;
     use crate::sparse::assembly::assemble;
     use crate::test_block::block;
 

@@ -13,8 +13,8 @@ use faer::{Conj, MatMut, Par, Side};
 
 use crate::constraints::{Constraints, DofMap};
 use crate::error::Error;
-use crate::sparse::block_matrix::BlockMatrix;
-use crate::sparse::dissection::nested_dissection;
+use crate::sparse::assembly::BlockMatrix;
+use crate::sparse::graph::nested_dissection;
 
 /// A supernodal Cholesky factor L L^T of the stiffness over the free displacements.
 ///

@@ -7,9 +7,8 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::error::Error;
-use crate::sparse::assembly::assemble_on;
-use crate::sparse::block_matrix::BlockMatrix;
-use crate::sparse::node_graph::NodeGraph;
+use crate::sparse::assembly::{BlockMatrix, assemble_on};
+use crate::sparse::graph::NodeGraph;
 
 /// The stiffness of all displacements of a body [N/m], held ones included, as a sparse matrix of faer's.
 ///
@@ -160,9 +159,8 @@ fn panel(matrix: &BlockMatrix, columns: std::ops::Range<usize>) -> SparseColMat<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{to_components, to_nodes};
-    use crate::material::Material;
-    use crate::section::{ElementKind, Section};
+    use crate::body::{ElementKind, Material, Section};
+    use crate::constraints::{to_components, to_nodes};
     use crate::sparse::assembly::assemble;
     use crate::test_block::block;
 

@@ -28,7 +28,7 @@ use prefetch_index::prefetch_index;
 use pulp::{Simd, WithSimd};
 
 use crate::tensor::factors::{Factors, WIDEST};
-use crate::tensor::row_ends::RowEnds;
+use crate::tensor::slab::RowEnds;
 use crate::tensor::stencils::{AcrossRow, AlongX, AlongZ, Behind, between};
 
 /// The work on a band of one plane.

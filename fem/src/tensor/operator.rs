@@ -3,9 +3,9 @@
 use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
-use crate::section::ElementKind;
+use crate::body::ElementKind;
 use crate::tensor::axis::Axis;
-use crate::tensor::faces::FaceTerms;
+use crate::tensor::factors::FaceTerms;
 use crate::tensor::factors::{CellMass, Factors};
 use crate::tensor::slab::{Pool, Scratch, band_height, part, walk};
 

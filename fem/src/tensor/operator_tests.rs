@@ -4,11 +4,11 @@ use kufe_mesh::TensorGrid;
 
 use super::operator::{LowerLayer, TensorOperator};
 use crate::body::Body;
-use crate::material::Material;
+use crate::body::Material;
+use crate::body::Section;
 use crate::precondition::elimination::End;
 use crate::precondition::fast_diagonal::FastDiagonal;
 use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
-use crate::section::Section;
 use crate::sparse::assembly::assemble;
 
 /// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer than a register.

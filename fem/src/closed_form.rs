@@ -1,9 +1,45 @@
-//! The elastic half-space under a point load and under a rectangle of uniform pressure.
-//!
-//! The half-space occupies z <= 0, z points up and out of it, and its surface is z = 0.
+//! Closed-form solutions that the elements are tested against.
 
-use crate::material::Material;
 use std::f64::consts::PI;
+
+use crate::body::Material;
+
+/// A straight beam of rectangular section, bending in the direction of its height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Length L [m].
+    pub length: f64,
+    /// Width b of the section [m].
+    pub width: f64,
+    /// Height h of the section, along the load [m].
+    pub height: f64,
+    /// The material.
+    pub material: Material,
+}
+
+impl Beam {
+    /// Bending stiffness E I = E b h^3 / 12 [N m^2].
+    pub fn bending_stiffness(&self) -> f64 {
+        self.material.youngs_modulus() * self.width * self.height.powi(3) / 12.0
+    }
+
+    /// Shear stiffness kappa G b h [N], with kappa = 10 (1 + nu) / (12 + 11 nu).
+    ///
+    /// Source: G. R. Cowper, The shear coefficient in Timoshenko's beam theory, J. Appl. Mech. 33 (1966), 335-340.
+    pub fn shear_stiffness(&self) -> f64 {
+        let nu = self.material.poissons_ratio();
+        let kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
+        kappa * self.material.shear_modulus() * self.width * self.height
+    }
+
+    /// Deflection [m] of the free end of a cantilever under an end load F [N]: F L^3 / (3 E I) + F L / (kappa G A).
+    ///
+    /// Source: S. Timoshenko, Strength of Materials I (1955), article 39.
+    pub fn cantilever_tip_deflection(&self, load: f64) -> f64 {
+        load * self.length.powi(3) / (3.0 * self.bending_stiffness())
+            + load * self.length / self.shear_stiffness()
+    }
+}
 
 /// Displacement of the half-space z <= 0 at `point` [m] under a downward point force at the origin.
 ///
@@ -72,20 +108,6 @@ pub fn boussinesq_stress(point: [f64; 3], load: f64, material: Material) -> [f64
     ]
 }
 
-/// Vertical displacement of the surface z = 0 under a uniform pressure on a rectangle.
-///
-/// The rectangle spans |x| <= a, |y| <= b, `half_widths` = [a, b] [m]; `pressure` [Pa] acts downwards, and the
-/// result u_z = -p (1 - nu^2) / E d [m], with the depth d of [`love_depth`], is positive upwards, hence negative for a positive
-/// pressure. `point` is (x, y) [m], inside or outside the rectangle.
-pub fn love_rectangle(
-    point: [f64; 2],
-    half_widths: [f64; 2],
-    pressure: f64,
-    material: Material,
-) -> f64 {
-    -pressure / material.plane_strain_modulus() * love_depth(point, half_widths)
-}
-
 /// Depth to which a half-space sinks under a uniform pressure on a rectangle, times E / (1 - nu^2) over the pressure [m]:
 ///
 /// ```text
@@ -93,8 +115,9 @@ pub fn love_rectangle(
 /// F(x, y) = x asinh(y / |x|) + y asinh(x / |y|).
 /// ```
 ///
-/// `point` and `half_widths` are those of [`love_rectangle`]. Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929); K. L. Johnson,
-/// Contact Mechanics (1985), equation 3.25.
+/// The rectangle spans |x| <= a, |y| <= b, `half_widths` = [a, b] [m]; `point` is (x, y) [m], inside or
+/// outside of it. Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929); K. L. Johnson, Contact
+/// Mechanics (1985), equation 3.25.
 pub fn love_depth(point: [f64; 2], half_widths: [f64; 2]) -> f64 {
     fn term(x: f64, y: f64) -> f64 {
         if x == 0.0 {
@@ -110,9 +133,75 @@ pub fn love_depth(point: [f64; 2], half_widths: [f64; 2]) -> f64 {
     sum / PI
 }
 
+/// A thick-walled cylinder in plane strain under inner and outer pressure (Lame).
+///
+/// ```text
+/// s_r = A - B / r^2,   s_t = A + B / r^2,   s_z = 2 nu A,
+/// A = (p_i r_i^2 - p_o r_o^2) / (r_o^2 - r_i^2),   B = (p_i - p_o) r_i^2 r_o^2 / (r_o^2 - r_i^2),
+/// u_r = (1 + nu) / E [ (1 - 2 nu) A r + B / r ].
+/// ```
+///
+/// Source: S. Timoshenko and J. N. Goodier, Theory of Elasticity (1970), article 28.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThickCylinder {
+    /// Inner radius r_i [m].
+    pub inner_radius: f64,
+    /// Outer radius r_o [m].
+    pub outer_radius: f64,
+    /// Pressure on the inner wall p_i [Pa].
+    pub inner_pressure: f64,
+    /// Pressure on the outer wall p_o [Pa].
+    pub outer_pressure: f64,
+}
+
+impl ThickCylinder {
+    fn constants(&self) -> (f64, f64) {
+        let (i2, o2) = (self.inner_radius.powi(2), self.outer_radius.powi(2));
+        (
+            (self.inner_pressure * i2 - self.outer_pressure * o2) / (o2 - i2),
+            (self.inner_pressure - self.outer_pressure) * i2 * o2 / (o2 - i2),
+        )
+    }
+
+    /// Radial, hoop and axial stress [Pa] at radius `r` [m], tension positive.
+    pub fn stress(&self, r: f64, material: Material) -> [f64; 3] {
+        let (a, b) = self.constants();
+        [
+            a - b / (r * r),
+            a + b / (r * r),
+            2.0 * material.poissons_ratio() * a,
+        ]
+    }
+
+    /// Radial displacement [m] at radius `r` [m].
+    pub fn displacement(&self, r: f64, material: Material) -> f64 {
+        let (a, b) = self.constants();
+        let nu = material.poissons_ratio();
+        (1.0 + nu) / material.youngs_modulus() * ((1.0 - 2.0 * nu) * a * r + b / r)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn steel() -> Beam {
+        Beam {
+            length: 0.6,
+            width: 0.02,
+            height: 0.008,
+            material: Material::new(210e9, 0.3).unwrap(),
+        }
+    }
+
+    #[test]
+    fn slender_cantilevers_hardly_shear() {
+        let beam = steel();
+        let bending = 10.0 * 0.6f64.powi(3) / (3.0 * beam.bending_stiffness());
+        let ratio = beam.cantilever_tip_deflection(10.0) / bending;
+        // 3 E I / (kappa G A L^2) = E h^2 / (4 kappa G L^2) = 1.36e-4.
+        assert!((ratio - 1.0 - 1.36e-4).abs() < 1e-6, "{ratio}");
+    }
 
     fn ice() -> Material {
         Material::new(9.0e9, 0.33).unwrap()
@@ -220,6 +309,10 @@ mod tests {
         assert!((total - 5.0).abs() < 1e-6, "{total}");
     }
 
+    fn love_rectangle(point: [f64; 2], half_widths: [f64; 2], pressure: f64, m: Material) -> f64 {
+        -pressure / m.plane_strain_modulus() * love_depth(point, half_widths)
+    }
+
     #[test]
     fn rectangle_of_pressure_is_the_integral_of_point_loads() {
         let m = ice();
@@ -249,5 +342,28 @@ mod tests {
         // Timoshenko and Goodier: centre of a square of half width a sinks 2.24 p a (1 - nu^2) / E.
         let expected = -8.0 / PI * 1.0f64.asinh() / m.plane_strain_modulus();
         assert!((centre / expected - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn walls_carry_their_pressures_and_the_inside_is_in_equilibrium() {
+        let c = ThickCylinder {
+            inner_radius: 1.0,
+            outer_radius: 2.5,
+            inner_pressure: 7.0,
+            outer_pressure: 2.0,
+        };
+        let m = Material::new(100.0, 0.3).unwrap();
+        assert!((c.stress(1.0, m)[0] + 7.0).abs() < 1e-14);
+        assert!((c.stress(2.5, m)[0] + 2.0).abs() < 1e-14);
+        let (r, h) = (1.7, 1e-4);
+        let [radial, hoop, axial] = c.stress(r, m);
+        let slope = (c.stress(r + h, m)[0] - c.stress(r - h, m)[0]) / (2.0 * h);
+        assert!((slope + (radial - hoop) / r).abs() < 1e-6);
+        // Hooke's law from the displacement: strains u', u / r, 0.
+        let du = (c.displacement(r + h, m) - c.displacement(r - h, m)) / (2.0 * h);
+        let stress = m.stress([du, c.displacement(r, m) / r, 0.0, 0.0, 0.0, 0.0]);
+        for (found, expected) in stress.iter().zip([radial, hoop, axial]) {
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
     }
 }

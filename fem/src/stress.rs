@@ -1,15 +1,14 @@
-//! Strains and stresses of a displaced body.
-//!
-//! Six components stand as (xx, yy, zz, yz, zx, xy); shear strains are engineering ones; tension is positive.
+//! Strains and stresses of a displaced body, and their invariants.
 
+use kufe_mesh::TensorGrid;
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use crate::body::Body;
+use crate::body::{Body, ElementKind, Material};
 use crate::element::hex8::{self, GAUSS, Jacobian};
 use crate::element::hex8_incompatible::{Uncondensed, mode_gradients};
 use crate::element::{hex8_axial, hex8_dilatation};
-use crate::section::ElementKind;
-use crate::sparse::node_cells::NodeCells;
+use crate::sparse::graph::NodeCells;
 
 /// Displacements of one cell, ready to be differentiated.
 struct CellField {
@@ -200,10 +199,110 @@ pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
         .collect()
 }
 
+/// Von Mises stress: sqrt(3/2 s : s) with the deviator s, in the unit of the stress.
+///
+/// ```
+/// assert_eq!(kufe_fem::von_mises([7.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 7.0);
+/// ```
+pub fn von_mises(stress: [f64; 6]) -> f64 {
+    let [xx, yy, zz, yz, zx, xy] = stress;
+    let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+    (0.5 * normal + 3.0 * (yz * yz + zx * zx + xy * xy)).sqrt()
+}
+
+/// Principal stresses, largest (most tensile) first, in the unit of the stress.
+///
+/// All NaN where a component is not finite.
+pub fn principal_stresses(stress: [f64; 6]) -> [f64; 3] {
+    let [xx, yy, zz, yz, zx, xy] = stress;
+    if stress.iter().any(|s| !s.is_finite()) {
+        return [f64::NAN; 3];
+    }
+    let values = Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz).symmetric_eigenvalues();
+    let mut values = [values[0], values[1], values[2]];
+    values.sort_by(|a, b| b.total_cmp(a));
+    values
+}
+
+/// Largest shear stress on any plane: half the difference of the largest and smallest principal stress.
+pub fn maximum_shear(stress: [f64; 6]) -> f64 {
+    let [first, _, third] = principal_stresses(stress);
+    (first - third) / 2.0
+}
+
+/// Stresses [Pa] at the nodes of a tensor grid of plain trilinear hexahedra, for displacements [m] in [`TensorGrid::node`] order.
+///
+/// What [`nodal_stresses`](crate::nodal_stresses) gives for [`ElementKind::Hex8`](crate::ElementKind::Hex8) on the grid's mesh: in a corner of such
+/// a cell the derivative along an axis is what the two ends of the edge there differ by, over its length, so that the mean over a
+/// node's cells is the mean of the edges on its two sides. `below` is another material, with the number of layers of cells from
+/// below that it fills; where the two meet the stress is the mean of both sides.
+///
+/// # Panics
+/// Where there is not one displacement a node.
+pub fn grid_stresses(
+    grid: &TensorGrid,
+    material: Material,
+    below: Option<(usize, Material)>,
+    displacement: &[[f64; 3]],
+) -> Vec<[f64; 6]> {
+    assert_eq!(displacement.len(), grid.node_count());
+    let [nx, ny, _] = grid.shape();
+    let (x, y, z) = (slopes(&grid.x), slopes(&grid.y), slopes(&grid.z));
+    let between = below.map_or(0, |(layers, _)| layers);
+    let lower = below.map_or(material, |(_, lower)| lower);
+    let along = |node: usize, stride: usize, [low, high]: [f64; 2]| -> [f64; 3] {
+        let at = &displacement[node];
+        let before = &displacement[node.saturating_sub(stride)];
+        let after = displacement.get(node + stride).unwrap_or(at);
+        std::array::from_fn(|c| low * (at[c] - before[c]) + high * (after[c] - at[c]))
+    };
+    let mut stresses = vec![[0.0; 6]; grid.node_count()];
+    stresses
+        .par_chunks_mut(nx)
+        .enumerate()
+        .for_each(|(row, stresses)| {
+            let (j, k) = (row % ny, row / ny);
+            let meet = below.is_some() && k == between;
+            for (i, stress) in stresses.iter_mut().enumerate() {
+                let node = row * nx + i;
+                let (dx, dy) = (along(node, 1, x[i]), along(node, nx, y[j]));
+                let of = |material: Material, sides: [f64; 2]| {
+                    let dz = along(node, nx * ny, sides);
+                    let [yz, zx, xy] = [dz[1] + dy[2], dz[0] + dx[2], dy[0] + dx[1]];
+                    material.stress([dx[0], dy[1], dz[2], yz, zx, xy])
+                };
+                *stress = match meet {
+                    false if k < between => of(lower, z[k]),
+                    false => of(material, z[k]),
+                    true => {
+                        let [under, over] = z[k];
+                        let under = of(lower, [2.0 * under, 0.0]);
+                        let over = of(material, [0.0, 2.0 * over]);
+                        std::array::from_fn(|c| 0.5 * (under[c] + over[c]))
+                    }
+                };
+            }
+        });
+    stresses
+}
+
+/// At each node the weights of the differences to the node before and to the one after [1/m]: their mean, one alone at the ends.
+fn slopes(nodes: &[f64]) -> Vec<[f64; 2]> {
+    let last = nodes.len() - 1;
+    (0..nodes.len())
+        .map(|k| {
+            let share = if k == 0 || k == last { 1.0 } else { 0.5 };
+            let before = (k > 0).then(|| share / (nodes[k] - nodes[k - 1]));
+            let after = (k < last).then(|| share / (nodes[k + 1] - nodes[k]));
+            [before, after].map(|weight| weight.unwrap_or(0.0))
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Material;
+    use crate::body::Section;
     use crate::test_block::block;
 
     #[test]
@@ -278,6 +377,67 @@ mod tests {
         for (found, expected) in corners.iter().zip(hex8::CORNERS.map(field)) {
             for i in 0..6 {
                 assert!((found[i] - expected[i]).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn pure_shear_has_its_textbook_measures() {
+        let tau = 3.0;
+        for component in 3..6 {
+            let mut stress = [0.0; 6];
+            stress[component] = tau;
+            assert!((von_mises(stress) - 3.0f64.sqrt() * tau).abs() < 1e-14);
+            assert!((maximum_shear(stress) - tau).abs() < 1e-14);
+        }
+        assert!(principal_stresses([f64::NAN; 6])[0].is_nan());
+    }
+
+    #[test]
+    fn principal_stresses_keep_the_invariants_and_order() {
+        let stress = [3.0, -1.0, 2.0, 0.7, -0.4, 1.5];
+        let [xx, yy, zz, yz, zx, xy] = stress;
+        let [a, b, c] = principal_stresses(stress);
+        assert!(a >= b && b >= c);
+        let second = xx * yy + yy * zz + zz * xx - yz * yz - zx * zx - xy * xy;
+        let third = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
+        assert!((a + b + c - (xx + yy + zz)).abs() < 1e-13);
+        assert!((a * b + b * c + c * a - second).abs() < 1e-13);
+        assert!((a * b * c - third).abs() < 1e-12);
+        let by_principal = 0.5 * ((a - b).powi(2) + (b - c).powi(2) + (c - a).powi(2));
+        assert!((von_mises(stress).powi(2) - by_principal).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_grid_has_the_stresses_of_its_mesh_in_one_material_and_in_two() {
+        let grid = TensorGrid {
+            x: vec![-0.3, -0.1, 0.0, 0.25],
+            y: vec![0.0, 1e-3, 3e-3],
+            z: vec![-0.05, -0.02, -0.01, -0.004, 0.0],
+        };
+        let [ice, bed] = [[9.0e9, 0.33], [3.0e10, 0.2]]
+            .map(|[modulus, poisson]| Material::new(modulus, poisson).unwrap());
+        let u: Vec<[f64; 3]> = (0..grid.node_count())
+            .map(|k| [1.7, 2.3, 0.9].map(|w| 1e-6 * (w * k as f64 + (k * k) as f64).sin()))
+            .collect();
+        let flat: Vec<f64> = u.iter().flatten().copied().collect();
+        for layers in [0, 1, 2] {
+            let mesh = grid.hex_mesh();
+            let sections = (0..mesh.cells.len())
+                .map(|cell| Section {
+                    material: if cell < layers * 6 { bed } else { ice },
+                    kind: ElementKind::Hex8,
+                })
+                .collect();
+            let expected = nodal_stresses(&Body::new(mesh, sections).unwrap(), &flat);
+            let below = (layers > 0).then_some((layers, bed));
+            let found = grid_stresses(&grid, ice, below, &u);
+            let largest = expected
+                .as_flattened()
+                .iter()
+                .fold(0.0f64, |m, s| m.max(s.abs()));
+            for (a, b) in found.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!((a - b).abs() < 1e-12 * largest, "{a} {b}");
             }
         }
     }
