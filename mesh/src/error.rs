@@ -29,7 +29,7 @@ pub enum MeshError {
         /// What was expected.
         expected: &'static str,
     },
-    /// Too few points for what is asked.
+    /// Too few points.
     #[error("{name}: {found} points; at least {needed} are needed")]
     TooFewPoints {
         /// What the points describe.

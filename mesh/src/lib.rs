@@ -41,7 +41,7 @@ pub use hull::{
     tessellate_turning, write_obj,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
-pub use scan::{Noise, Sampling, Standing, noise_of_faces, noise_of_hull};
+pub use scan::{Noise, Sampling, ScanFrame, noise_of_faces, noise_of_hull};
 pub use shapes::{
     BobRunner, Ends, LugeSteel, Paraboloid, Profile, Rocker, Section, Swept, Underside, load_points,
 };

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::{Failure, write_whole};
 use kufe_contact::hertz;
 use kufe_mesh::{
-    Axis, Coarse, FittedUnderside, HullOptions, HullReport, Sampling, Standing, load_hull,
+    Axis, Coarse, FittedUnderside, HullOptions, HullReport, Sampling, ScanFrame, load_hull,
 };
 use serde_json::{Value, json};
 
@@ -38,7 +38,7 @@ struct Judged {
 }
 
 struct Found {
-    standing: Standing,
+    standing: ScanFrame,
     report: HullReport,
     vertices: usize,
     triangles: usize,
@@ -92,7 +92,7 @@ fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
         ..HullOptions::default()
     };
     let (hull, _) = load_hull(path, &as_it_is).map_err(Failure::bad_input)?;
-    let Some(standing) = Standing::of(&hull).map_err(Failure::bad_input)? else {
+    let Some(standing) = ScanFrame::of(&hull).map_err(Failure::bad_input)? else {
         return Ok(None);
     };
     let (hull, report) = load_hull(path, &standing.options).map_err(Failure::bad_input)?;

@@ -11,7 +11,7 @@ use crate::shapes::profile::Profile;
 const FLANK: f64 = 0.02;
 /// Vertices with a flank steeper than this take no part in a fit (cosine of the angle to the ice).
 pub(crate) const STEEPEST: f64 = 0.1;
-/// Stations along the hull at which its outline is kept.
+/// Stations along the hull at which its outline is stored.
 const STATIONS: usize = 1024;
 
 /// The downward-facing facets connected with the lowest vertex.

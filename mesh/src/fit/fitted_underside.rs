@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::error::MeshError;
 use crate::fit::downward::{Downward, Outline, STEEPEST, arc_length};
 use crate::fit::judgement::{Coarse, FitQuality, Judgement};
-use crate::fit::knots::{break_places, refined_fit, stand_alike};
-use crate::fit::scans::{Scans, moves, put_on};
+use crate::fit::knots::{balanced_sides, break_places, refined_fit};
+use crate::fit::scans::{Scans, moves, projected_height};
 use crate::fit::spline::{Bicubic, Sample, fit};
 use crate::hull::triangles::Hull;
 use crate::shapes::profile::Profile;
@@ -24,7 +24,7 @@ pub struct FittedUnderside {
     /// With every other knot, and with the others.
     coarser: [Arc<Surface>; 2],
     judgement: Judgement,
-    /// Where it is below what is beside it, on its own knots.
+    /// Local minima on its own knots.
     lows: Vec<[f64; 2]>,
 }
 
@@ -61,7 +61,7 @@ impl FittedUnderside {
         let centred = |from: f64, to: f64| (from + to).abs() <= 1e-4 * (to - from) + 6.0 * noise;
         let alike = |axis: usize| {
             let gentle = part.gentle().map(|n| part.points[n][axis]);
-            stand_alike(gentle.collect())
+            balanced_sides(gentle.collect())
         };
         let mirrored = [centred(x0, x1) && alike(0), centred(y0, y1) && alike(1)];
         let widest = |from: f64, to: f64, mirrored: bool| {
@@ -134,12 +134,12 @@ impl FittedUnderside {
 
     /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.
     ///
-    /// Vertices farther off than six of it are of other parts of the hull, and keep their places but for the noise.
+    /// Vertices farther off than six of it are of other parts of the hull, and only get the noise.
     pub fn scanned(&self, hull: &Hull, noise: f64, seed: u64) -> Hull {
         let mut scanned = hull.clone();
         let moves = moves(noise, seed);
         for ([x, y, z], moved) in scanned.positions.iter_mut().zip(moves) {
-            *z = put_on(&self.surface, [*x, *y, *z], noise) + moved;
+            *z = projected_height(&self.surface, [*x, *y, *z], noise) + moved;
         }
         scanned
     }
@@ -178,7 +178,7 @@ impl FittedUnderside {
         self.judgement.error_within(self.near(patch))
     }
 
-    /// A patch and some beyond it along the hull, so that there are places where the fit was judged.
+    /// A patch and a margin along the hull, so that the fit was judged at some places.
     fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
         let [a, b, ..] = self.surface.extent;
         let margin = (b - a) / 400.0;
@@ -288,7 +288,7 @@ impl Surface {
         self.spline.value([x, self.arc_length.value(y)])
     }
 
-    /// Where it is below what is beside it, on the spline's breaks.
+    /// Local minima on the spline's breaks.
     pub fn lows(&self) -> Vec<[f64; 2]> {
         let xs = self.spline.axes[0].breaks();
         let ys: Vec<f64> = self.spline.axes[1]

@@ -3,7 +3,7 @@
 use crate::fit::downward::Downward;
 use crate::fit::spline::{Bicubic, Sample, fit};
 
-/// Places along each axis at which there may be a break: the vertices' columns where they stand in
+/// Places along each axis at which there may be a break: the vertices' columns where they form
 /// columns, else quantiles as dense as the vertices.
 pub(crate) fn break_places(
     part: &Downward,
@@ -73,12 +73,12 @@ pub(crate) fn break_places(
 const PARTS: usize = 16;
 /// So many times as many on one side are too many for knots at the same distances: those of the finer side would lie between the vertices
 /// of the other.
-const UNLIKE: f64 = 2.0;
+const MOST_RATIO: f64 = 2.0;
 /// Fewest vertices that a part is judged by: of so many that stand at random one in ten thousand parts has twice as many on one side.
 const FEWEST: usize = 64;
 
 /// Whether about as many of these places [m], those in a column counted once, lie at every distance below 0 as above it.
-pub(crate) fn stand_alike(mut places: Vec<f64>) -> bool {
+pub(crate) fn balanced_sides(mut places: Vec<f64>) -> bool {
     places.sort_by(f64::total_cmp);
     let span = places
         .last()
@@ -100,7 +100,7 @@ pub(crate) fn stand_alike(mut places: Vec<f64>) -> bool {
                 .fold([f64::INFINITY, 0.0], |[few, many], side| {
                     [few.min(side), f64::max(many, side)]
                 });
-            many <= UNLIKE * few
+            many <= MOST_RATIO * few
         })
 }
 
@@ -109,9 +109,9 @@ pub(crate) fn stand_alike(mut places: Vec<f64>) -> bool {
 const MOST_WORK: f64 = 1e10;
 /// Most rounds of refinement.
 const ROUNDS: usize = 24;
-/// Misfits below this part of the largest wait: where curvature jumps the spline rings across intervals beside it and along the other axis,
+/// Misfits below this part of the largest wait: where curvature jumps the spline rings across intervals next to it and along the other axis,
 /// which is gone once the jump is resolved. A square, so of residuals a thirtieth, some three intervals away.
-const BESIDE: f64 = 1e-3;
+const RINGING: f64 = 1e-3;
 
 /// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its middle
 /// candidate, the worst first, until its residuals are what noise of standard deviation `noise` leaves.
@@ -149,7 +149,7 @@ pub(crate) fn refined_fit(
     Some(surface)
 }
 
-/// The breaks that `splits_over` gives for all misfits over 1 and over [`BESIDE`] of the largest, or for as many of the largest as
+/// The breaks that `splits_over` gives for all misfits over 1 and over [`RINGING`] of the largest, or for as many of the largest as
 /// [`MOST_WORK`] allows.
 fn affordable(
     misfits: &[Vec<f64>; 2],
@@ -160,7 +160,7 @@ fn affordable(
         along * across.powi(3) * 9.0
     };
     let largest = misfits.iter().flatten().copied().fold(0.0, f64::max);
-    let least = (BESIDE * largest).max(1.0);
+    let least = (RINGING * largest).max(1.0);
     let mut levels: Vec<f64> = misfits.iter().flatten().copied().collect();
     levels.retain(|&m| m > least);
     levels.push(least);
@@ -257,28 +257,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_that_are_fine_on_one_side_alone_do_not_stand_alike() {
+    fn places_that_are_fine_on_one_side_alone_do_not_balanced_sides() {
         let even = |from: f64, to: f64, count: usize| {
             let step = (to - from) / count as f64;
             (0..=count).map(move |k| from + step * k as f64)
         };
         let side = |count| even(-1.0, -1e-3, count).chain(even(0.0, 1.0, 1000));
-        assert!(stand_alike(side(1000).collect()));
-        assert!(stand_alike(side(700).collect()));
-        assert!(!stand_alike(side(300).collect()));
+        assert!(balanced_sides(side(1000).collect()));
+        assert!(balanced_sides(side(700).collect()));
+        assert!(!balanced_sides(side(300).collect()));
         // A column counts once.
         let rows = |column: f64| std::iter::repeat_n(column, 80);
-        assert!(!stand_alike(side(50).flat_map(rows).collect()));
-        assert!(stand_alike(even(-1.0, 1.0, 30).flat_map(rows).collect()));
+        assert!(!balanced_sides(side(50).flat_map(rows).collect()));
+        assert!(balanced_sides(even(-1.0, 1.0, 30).flat_map(rows).collect()));
         // Fine in a fifth of one side, as many in all.
         let somewhere = even(-1.0, -0.2, 100).chain(even(-0.2, 0.0, 900));
-        assert!(!stand_alike(
+        assert!(!balanced_sides(
             somewhere.chain(even(0.0, 1.0, 1000)).collect()
         ));
     }
 
     #[test]
-    fn places_at_random_stand_alike() {
+    fn places_at_random_balanced_sides() {
         // Marsaglia's xorshift, 2003.
         let mut state = 0x2545_f491_4f6c_dd1d_u64;
         let mut next = || {
@@ -288,7 +288,10 @@ mod tests {
             (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
         };
         for count in [200, 2000, 20_000] {
-            assert!(stand_alike((0..count).map(|_| next()).collect()), "{count}");
+            assert!(
+                balanced_sides((0..count).map(|_| next()).collect()),
+                "{count}"
+            );
         }
     }
 

@@ -1,4 +1,4 @@
-//! A hull scanned again and again: the same vertices with other noise, fitted at the cost of a right-hand side each.
+//! Repeated scans of a hull: the same vertices with other noise, fitted at the cost of a right-hand side each.
 
 use std::sync::Arc;
 
@@ -9,16 +9,16 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::error::MeshError;
 use crate::fit::downward::Downward;
 use crate::fit::fitted_underside::Surface;
-use crate::fit::spline::{KeptFit, Sample};
+use crate::fit::spline::{FactoredFit, Sample};
 use crate::hull::triangles::Hull;
 use crate::shapes::underside::Underside;
 
-/// Scans of a fitted surface, made up, whose fits share their places, weights, knots and factorised equations.
+/// Synthetic scans of a fitted surface whose fits share their places, weights, knots and factorised equations.
 ///
 /// A fit is linear in the heights, and noise moves nothing else: knots that noise alone would have moved stay where the scan put them.
 pub struct Scans<'a> {
     surface: &'a Surface,
-    kept: KeptFit,
+    factored: FactoredFit,
     /// The fit's vertices, on the surface.
     samples: Vec<Sample>,
     /// Their numbers in the hull.
@@ -33,7 +33,7 @@ impl<'a> Scans<'a> {
             let [x, y, z] = part.points[n];
             Sample {
                 at: [x, surface.arc_length.value(y)],
-                height: put_on(surface, [x, y, z], noise),
+                height: projected_height(surface, [x, y, z], noise),
                 weight: part.cosines[n],
             }
         };
@@ -42,7 +42,7 @@ impl<'a> Scans<'a> {
         let axes = surface.spline.axes.clone();
         Ok(Scans {
             surface,
-            kept: KeptFit::new(&samples, axes).ok_or(MeshError::NoFit)?,
+            factored: FactoredFit::new(&samples, axes).ok_or(MeshError::NoFit)?,
             samples,
             vertices,
             noise,
@@ -61,7 +61,7 @@ impl<'a> Scans<'a> {
             height: sample.height + moves[vertex as usize],
             ..*sample
         });
-        let mut spline = self.kept.fit(moved).ok_or(MeshError::NoFit)?;
+        let mut spline = self.factored.fit(moved).ok_or(MeshError::NoFit)?;
         for axis in 0..2 {
             if self.surface.symmetric[axis] {
                 spline.symmetrise(axis);
@@ -75,7 +75,7 @@ impl<'a> Scans<'a> {
 }
 
 /// The height of the surface at a vertex; its own where it is farther off than six of `noise` [m] and so of another part of the hull.
-pub(crate) fn put_on(surface: &Surface, [x, y, z]: [f64; 3], noise: f64) -> f64 {
+pub(crate) fn projected_height(surface: &Surface, [x, y, z]: [f64; 3], noise: f64) -> f64 {
     let on = surface.spline_height(x, y);
     if (on - z).abs() <= 6.0 * noise { on } else { z }
 }
@@ -95,9 +95,9 @@ mod tests {
     use crate::fit::fitted_underside::FittedUnderside;
     use crate::shapes::underside::Paraboloid;
 
-    /// Along the keel a scan's fit with the factor kept and one from nothing part by far less than either parts from the surface.
+    /// Along the keel a scan's fit with the stored factor and a new fit differ by far less than either differs from the surface.
     #[test]
-    fn a_fit_with_the_factor_kept_is_that_of_the_same_scan_from_nothing()
+    fn a_fit_with_the_stored_factor_equals_a_new_fit_of_the_same_scan()
     -> Result<(), Box<dyn std::error::Error>> {
         const SIDE: u32 = 61;
         let shape = Paraboloid::new(2.0, 0.01)?;
@@ -137,8 +137,8 @@ mod tests {
         };
         for seed in 0..4 {
             let again = FittedUnderside::new(&base.scanned(&hull, noise, seed), noise)?;
-            let kept = scans.fit(seed)?;
-            let (between, moved) = (apart(kept.as_ref(), &again), apart(&again, &base));
+            let again_factored = scans.fit(seed)?;
+            let (between, moved) = (apart(again_factored.as_ref(), &again), apart(&again, &base));
             println!("{between:.2e} m apart, {moved:.2e} m from the surface");
             assert!(
                 moved > 0.02 * noise && between < 0.05 * moved,

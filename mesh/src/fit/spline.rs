@@ -37,7 +37,7 @@ impl BSpline {
         &self.knots[3..self.knots.len() - 3]
     }
 
-    /// First spline that is not zero at `x`, and the four values there. `x` is held to the breaks' range.
+    /// First spline that is not zero at `x`, and the four values there. `x` is clamped to the breaks' range.
     pub fn values(&self, x: f64) -> (usize, [f64; 4]) {
         let (first, x) = self.interval(x);
         let mut values = [1.0, 0.0, 0.0, 0.0];
@@ -167,7 +167,7 @@ const REACH: usize = 3;
 
 /// Symmetric equations in the coefficients of a bicubic spline, the second axis running fastest.
 ///
-/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3. The lower triangle is kept column by column.
+/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3. The lower triangle is stored column by column.
 pub(crate) struct NormalEquations {
     columns: usize,
     starts: Vec<u32>,
@@ -338,16 +338,16 @@ pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic>
 }
 
 /// A fit whose breaks, places and weights stay as they are: other heights cost a right-hand side each.
-pub(crate) struct KeptFit {
+pub(crate) struct FactoredFit {
     axes: [BSpline; 2],
     factored: Factored,
 }
 
-impl KeptFit {
+impl FactoredFit {
     /// The equations of these samples on the axes of a fit, factorised; none where they determine nothing.
     pub fn new(samples: &[Sample], axes: [BSpline; 2]) -> Option<Self> {
         let factored = equations(samples, &axes).factored()?;
-        Some(KeptFit { axes, factored })
+        Some(FactoredFit { axes, factored })
     }
 
     /// The fit of these samples, which differ from the first ones in their heights alone.

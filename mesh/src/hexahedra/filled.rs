@@ -1,4 +1,4 @@
-//! Whether a hull is what stands between its underside and a flat top.
+//! The space between a scanned hull's underside and a flat top.
 
 use crate::error::MeshError;
 use crate::fit::FittedUnderside;
@@ -9,9 +9,9 @@ use crate::shapes::underside::Underside;
 
 /// Columns along and across in which the space over an underside is measured.
 const COLUMNS: [usize; 2] = [512, 128];
-/// Largest part of a hull's steel that may be amiss in columns: stiffness in bending goes as the cube of height, so that it
+/// Largest part of a hull's steel that columns may misrepresent: stiffness in bending goes as the cube of height, so that it
 /// stays within three times that.
-const MOST_AMISS: f64 = 0.02;
+const MOST_DIFFERENCE: f64 = 0.02;
 
 /// The space between a hull's fitted underside and its flat top, as upright columns over a rectangle.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ impl Filled {
     ///
     /// # Errors
     /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where more than 2 per cent of the outline's
-    /// rectangle lies beyond the hull, or the steel and the space part by more than that.
+    /// rectangle lies outside the hull, or the steel and the space part by more than that.
     pub fn of(
         hull: &Hull,
         report: &HullReport,
@@ -64,21 +64,21 @@ impl Filled {
             xs.iter().map(height)
         });
         let heights: Vec<f64> = heights.collect();
-        let beyond = heights.iter().filter(|z| z.is_infinite()).count();
+        let outside = heights.iter().filter(|z| z.is_infinite()).count();
         let filled = Filled {
             top,
             middles,
             heights: heights.into_iter().map(|z| z.min(top)).collect(),
         };
         let amiss = |found: &'static str, share: f64| {
-            (share.abs() > MOST_AMISS).then_some(MeshError::NotFilled {
+            (share.abs() > MOST_DIFFERENCE).then_some(MeshError::NotFilled {
                 found,
                 share,
-                allowed: MOST_AMISS,
+                allowed: MOST_DIFFERENCE,
                 top,
             })
         };
-        let outline = beyond as f64 / filled.heights.len() as f64;
+        let outline = outside as f64 / filled.heights.len() as f64;
         let steel = steel_below(hull, underside.level() + top);
         let space = filled.volume();
         let parted = if steel < space {
@@ -163,8 +163,8 @@ mod tests {
         let positions = open.positions.clone();
         open.triangles
             .retain(|t| t.iter().any(|&c| positions[c as usize][2] < 0.0299));
-        let told = filled(&open, None).unwrap_err();
-        assert!(told.contains("height_m"), "{told}");
+        let refusal = filled(&open, None).unwrap_err();
+        assert!(refusal.contains("height_m"), "{refusal}");
         assert_eq!(filled(&open, Some(0.030)).unwrap().top, 0.030);
         assert_eq!(filled(&open, Some(0.020)).unwrap().top, 0.020);
     }
@@ -178,16 +178,16 @@ mod tests {
                 p[1] *= 0.5;
             }
         }
-        let told = filled(&undercut, None).unwrap_err();
-        assert!(told.contains("undercuts"), "{told}");
+        let refusal = filled(&undercut, None).unwrap_err();
+        assert!(refusal.contains("undercuts"), "{refusal}");
         // Ends that narrow to half the width.
         let mut narrow = bob();
         for p in &mut narrow.positions {
             p[1] *= 1.0 - 0.5 * (p[0] / 0.15).powi(2);
         }
-        let told = filled(&narrow, None).unwrap_err();
-        assert!(told.contains("outline"), "{told}");
-        let told = filled(&bob(), Some(0.040)).unwrap_err();
-        assert!(told.contains("0.04"), "{told}");
+        let refusal = filled(&narrow, None).unwrap_err();
+        assert!(refusal.contains("outline"), "{refusal}");
+        let refusal = filled(&bob(), Some(0.040)).unwrap_err();
+        assert!(refusal.contains("0.04"), "{refusal}");
     }
 }

@@ -101,7 +101,7 @@ pub fn graded_levels(layers: usize, growth: f64) -> Result<Vec<f64>, MeshError> 
 /// node (i, j, k) is at height `h + levels[k] (top - h)`, h the underside's at (x_i, y_j).
 ///
 /// Nodes and cells are numbered as those of [`TensorGrid`], so that the lowest
-/// nodes stand over the nodes of an ice grid with the same columns.
+/// nodes lie over the nodes of an ice grid with the same columns.
 ///
 /// # Errors
 /// [`MeshError::NotIncreasing`] where coordinates do not increase, [`MeshError::OutsideHull`] where a
@@ -171,7 +171,7 @@ pub fn mesh_over_heights(
 /// Lowers `heights` over the columns `x` times `y`, x fastest, until no two neighbours differ by more than `slope` times
 /// their distance: the largest such surface that is nowhere higher.
 ///
-/// A convex section keeps its shape up to where it is that steep, and goes on straight from there.
+/// A convex section is unchanged up to where it is that steep, and continues straight from there.
 ///
 /// # Panics
 /// Where there is not one height a column.

@@ -145,13 +145,13 @@ fn triple(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
 }
 
 impl HexMesh {
-    /// A mesh from elsewhere: indices and positions checked, unused points left out, cells that are
+    /// A mesh from another program: indices and positions checked, unused points removed, cells that are
     /// inside out (upper and lower face exchanged) turned right.
     ///
     /// # Errors
     /// [`MeshError::NoCells`], [`MeshError::CellNode`] where a corner has no point,
     /// [`MeshError::NotFinite`] where a point that a cell uses is no number.
-    pub fn from_elsewhere(points: &[[f64; 3]], cells: &[[usize; 8]]) -> Result<Self, MeshError> {
+    pub fn checked(points: &[[f64; 3]], cells: &[[usize; 8]]) -> Result<Self, MeshError> {
         if cells.is_empty() {
             return Err(MeshError::NoCells);
         }
@@ -272,23 +272,21 @@ mod tests {
     }
 
     #[test]
-    fn inverted_cells_are_counted_and_those_from_elsewhere_turned() {
+    fn inverted_cells_are_counted_and_those_checked_turned() {
         let mut mesh = bricks();
         mesh.cells[1].rotate_left(4);
         let quality = mesh.quality();
         assert_eq!(quality.inverted, 1);
         assert!((quality.min_scaled_jacobian + 1.0).abs() < 1e-15);
         mesh.points.push([9.0; 3]);
-        let turned = HexMesh::from_elsewhere(&mesh.points, &mesh.cells).unwrap();
+        let turned = HexMesh::checked(&mesh.points, &mesh.cells).unwrap();
         assert_eq!((turned.quality().inverted, turned.points.len()), (0, 18));
     }
 
     #[test]
     fn cells_without_points_are_refused() {
         let refused = |points: &[[f64; 3]], cells: &[[usize; 8]]| {
-            HexMesh::from_elsewhere(points, cells)
-                .unwrap_err()
-                .to_string()
+            HexMesh::checked(points, cells).unwrap_err().to_string()
         };
         assert!(refused(&[[0.0; 3]], &[]).contains("no hexahedra"));
         assert!(refused(&[[0.0; 3]], &[[0, 0, 0, 0, 0, 0, 0, 7]]).contains("node 7"));

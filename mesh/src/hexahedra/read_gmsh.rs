@@ -7,8 +7,8 @@ use crate::hexahedra::hex_mesh::HexMesh;
 
 /// Gmsh's number for an eight-node hexahedron.
 const HEXAHEDRON: u64 = 5;
-/// Nodes of each of Gmsh's element types that may lie beside hexahedra: lines, triangles, quadrangles, points.
-const BESIDE: [(u64, usize); 8] = [
+/// Nodes of each of Gmsh's element types that may occur together with hexahedra: lines, triangles, quadrangles, points.
+const LOWER_DIMENSIONS: [(u64, usize); 8] = [
     (1, 2),
     (2, 3),
     (3, 4),
@@ -23,7 +23,7 @@ const BESIDE: [(u64, usize); 8] = [
 ///
 /// # Errors
 /// [`MeshError::Syntax`] with the line and what was expected, [`MeshError::CellType`] for other solid
-/// elements, and those of [`HexMesh::from_elsewhere`].
+/// elements, and those of [`HexMesh::checked`].
 pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let mut words = Words::of(bytes)?;
     words.section("$MeshFormat")?;
@@ -49,7 +49,7 @@ pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     } else {
         elements_2(&mut words, &number)?
     };
-    HexMesh::from_elsewhere(&points, &cells)
+    HexMesh::checked(&points, &cells)
 }
 
 type Nodes = (Vec<[f64; 3]>, HashMap<u64, usize>);
@@ -196,7 +196,7 @@ impl<'a> Words<'a> {
         number: &HashMap<u64, usize>,
         cells: &mut Vec<[usize; 8]>,
     ) -> Result<(), MeshError> {
-        if let Some((_, nodes)) = BESIDE.iter().find(|(beside, _)| *beside == kind) {
+        if let Some((_, nodes)) = LOWER_DIMENSIONS.iter().find(|(other, _)| *other == kind) {
             return self.skip(*nodes);
         }
         if kind != HEXAHEDRON {

@@ -16,7 +16,7 @@ use crate::hexahedra::hex_mesh::HexMesh;
 ///
 /// # Errors
 /// [`MeshError::VtuRead`] with what is wrong and where, [`MeshError::CellType`] for other cells than
-/// hexahedra, and those of [`HexMesh::from_elsewhere`].
+/// hexahedra, and those of [`HexMesh::checked`].
 pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let file = VtuFile::parse(bytes)?;
     let points = file.array("Points")?;
@@ -50,10 +50,10 @@ pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
         .chunks_exact(8)
         .map(|c| std::array::from_fn(|k| c[k] as usize))
         .collect();
-    HexMesh::from_elsewhere(&points, &cells)
+    HexMesh::checked(&points, &cells)
 }
 
-/// A DataArray as it stands in the file.
+/// A DataArray with its encoded values.
 struct Array {
     name: String,
     kind: String,
@@ -71,7 +71,7 @@ pub(crate) struct VtuFile<'a> {
 }
 
 impl<'a> VtuFile<'a> {
-    /// Takes a file apart, its arrays as they stand in it.
+    /// Parses a file without decoding its arrays.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let (head, appended) = split_appended(bytes)?;
         let mut file = Self {
@@ -199,8 +199,9 @@ impl<'a> VtuFile<'a> {
                     .ok_or_else(|| problem(name, "the file has no appended data"))?;
                 let offset = array.offset.filter(|&o| o <= data.len());
                 (
-                    &data[offset
-                        .ok_or_else(|| problem(name, "its offset lies beyond the file"))?..],
+                    &data[offset.ok_or_else(|| {
+                        problem(name, "its offset lies after the end of the file")
+                    })?..],
                     raw,
                 )
             }
@@ -254,7 +255,7 @@ pub(crate) const HEXAHEDRON: u8 = 12;
 /// Most values in one array.
 const MOST_VALUES: usize = 400_000_000;
 
-/// How a file keeps its arrays.
+/// The encoding of a file's arrays.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Encoding {
     /// Sizes are words of 8 bytes, not 4.

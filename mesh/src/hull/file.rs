@@ -102,10 +102,10 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
     Ok((hull, report))
 }
 
-/// The files that a hull consists of: `path`, and the buffers that a glTF file keeps in files of their own.
+/// The files that a hull consists of: `path`, and the buffers of a glTF file in files of their own.
 ///
 /// # Errors
-/// As [`load_hull`], as far as that is looked at.
+/// As [`load_hull`], as far as the file is read.
 pub fn hull_files(path: &Path) -> Result<Vec<PathBuf>, MeshError> {
     let mut files = vec![path.to_path_buf()];
     if HullFormat::of(path).is_ok_and(|format| format == HullFormat::Gltf) {
@@ -173,9 +173,9 @@ mod tests {
         assert!(message(&path).contains("empty.obj: the hull has no triangles"));
         assert!(message(Path::new("bob.ply")).contains("\"ply\""));
         for name in ["of/bob.STEP", "of/bob.stp", "of/bob.iges", "of/bob.igs"] {
-            let told = message(Path::new(name));
-            assert!(told.contains(&format!("`gmsh {name} -2 ")), "{told}");
-            assert!(told.contains("-o of/bob.stl`") && told.contains("scale = 0.001"));
+            let refusal = message(Path::new(name));
+            assert!(refusal.contains(&format!("`gmsh {name} -2 ")), "{refusal}");
+            assert!(refusal.contains("-o of/bob.stl`") && refusal.contains("scale = 0.001"));
         }
     }
 }

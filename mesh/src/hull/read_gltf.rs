@@ -95,7 +95,7 @@ pub fn read_gltf(
     Hull::welded(&reader.positions, reader.triangles.into_iter(), rows)
 }
 
-/// The addresses of the buffers that a glTF file keeps in files of their own.
+/// The addresses of the buffers of a glTF file in files of their own.
 ///
 /// # Errors
 /// As [`read_gltf`] where the file cannot be parsed.
@@ -111,7 +111,7 @@ pub(crate) fn outer_buffers(bytes: &[u8]) -> Result<Vec<String>, MeshError> {
     Ok(uris.collect())
 }
 
-/// The text of a buffer that stands in the glTF file itself.
+/// The text of a buffer embedded in the glTF file.
 fn embedded_text(uri: &str) -> Option<&str> {
     let (_, text) = uri.strip_prefix("data:")?.split_once(";base64,")?;
     Some(text)
@@ -328,7 +328,7 @@ impl Reader {
             .offset()
             .checked_add(view.length())
             .filter(|&end| end <= buffer.len());
-        let view_end = view_end.ok_or_else(|| fail("its buffer view reaches beyond the buffer"))?;
+        let view_end = view_end.ok_or_else(|| fail("its buffer view ends after the buffer"))?;
         let begin = view.offset().checked_add(accessor.offset());
         let span = accessor
             .count()
@@ -340,7 +340,7 @@ impl Reader {
             .filter(|&end| end <= view_end);
         let (begin, end) = begin
             .zip(end)
-            .ok_or_else(|| fail("its elements reach beyond the buffer view"))?;
+            .ok_or_else(|| fail("its elements end after the buffer view"))?;
         Ok(buffer[begin..end]
             .chunks(stride)
             .map(move |chunk| &chunk[..size]))
@@ -521,14 +521,14 @@ mod tests {
     }
 
     #[test]
-    fn files_that_lie_are_refused() {
+    fn files_with_wrong_lengths_or_references_are_refused() {
         for (text, part) in [
             (file("", 1_000_000_000_000, 3, 2), "1000000000000 bytes"),
-            (file("", 42, 4_000_000_000, 2), "beyond the buffer view"),
+            (file("", 42, 4_000_000_000, 2), "after the buffer view"),
             (file("", 42, 3, 77), "77"),
             (
                 file("", 42, 3, 2).replace("\"byteOffset\":36", "\"byteOffset\":4000"),
-                "beyond the buffer",
+                "after the buffer",
             ),
             (
                 file(r#","children":[0]"#, 42, 3, 2).replacen(r#""children":[1],"#, "", 1),
@@ -550,7 +550,7 @@ mod tests {
     }
 
     #[test]
-    fn glb_with_a_length_that_lies_is_refused() {
+    fn glb_with_a_wrong_length_is_refused() {
         let glb = |length: u32| {
             let mut bytes = b"glTF".to_vec();
             bytes.extend(2u32.to_le_bytes());

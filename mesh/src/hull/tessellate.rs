@@ -96,7 +96,7 @@ pub fn tessellate_turning(
 fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64>, MeshError> {
     let section = runner.section();
     let [y0, y1] = section.extent();
-    // Denser towards the sides, where a half circle stands upright.
+    // Denser towards the sides, where a half circle is upright.
     let at = |i: usize| {
         let angle = std::f64::consts::PI * (i as f64 / SAMPLES as f64 - 0.5);
         (0.5 * (y0 + y1) + 0.5 * (y1 - y0) * angle.sin()).clamp(y0, y1)

@@ -16,7 +16,7 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The hull with equal positions made one vertex and collapsed triangles left out, its
+    /// The hull with equal positions made one vertex and collapsed triangles removed, its
     /// coordinates carried over by `rows`.
     ///
     /// # Errors

@@ -91,7 +91,7 @@ impl HeightMap {
     }
 }
 
-/// Most values that an image may hold, over all of its channels: 64 million, 256 MB as single precision.
+/// Most values of an image, over all of its channels: 64 million, 256 MB as single precision.
 const MOST_VALUES: u64 = 1 << 26;
 /// Most bytes of an image's file.
 const MOST_BYTES: u64 = 1 << 30;
@@ -130,16 +130,16 @@ impl ExrImage {
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// [`MeshError::Exr`] where they are no EXR image, where a header asks for more values than are read, or where an
+    /// [`MeshError::Exr`] where they are no EXR image, where a header announces more values than are read, or where an
     /// attribute is missing or no place.
     pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
-        let told = |problem: String| MeshError::Exr { problem };
+        let exr_error = |problem: String| MeshError::Exr { problem };
         if bytes.len() as u64 > MOST_BYTES {
-            return Err(told(format!("more than {MOST_BYTES} bytes")));
+            return Err(exr_error(format!("more than {MOST_BYTES} bytes")));
         }
-        // The reader takes the memory that the headers ask for, so all headers are looked at first.
+        // The reader allocates what the headers announce, so all headers are checked first.
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
-            .map_err(|error| told(error.to_string()))?;
+            .map_err(|error| exr_error(error.to_string()))?;
         for header in &meta.headers {
             let (width, height) = (header.layer_size.width(), header.layer_size.height());
             let count = header.channels.list.len();
@@ -147,7 +147,7 @@ impl ExrImage {
                 .into_iter()
                 .try_fold(1u64, u64::checked_mul);
             if values.is_none_or(|values| values > MOST_VALUES) {
-                return Err(told(format!(
+                return Err(exr_error(format!(
                     "{width} x {height} pixels in {count} channels; expected at most {MOST_VALUES} values in all"
                 )));
             }
@@ -159,21 +159,21 @@ impl ExrImage {
             .first_valid_layer()
             .all_attributes()
             .from_buffered(Cursor::new(bytes))
-            .map_err(|error| told(error.to_string()))?;
+            .map_err(|error| exr_error(error.to_string()))?;
         let layer = &image.layer_data;
         let number = |name: &str, positive: bool| {
             let value = match layer.attributes.other.get(&Text::from(name)) {
                 Some(AttributeValue::F64(value)) => *value,
                 Some(AttributeValue::F32(value)) => f64::from(*value),
                 _ => {
-                    return Err(told(format!(
+                    return Err(exr_error(format!(
                         "attribute {name} is missing; expected a number of metres"
                     )));
                 }
             };
             if !value.is_finite() || positive && value <= 0.0 {
                 let wanted = if positive { "positive" } else { "finite" };
-                return Err(told(format!(
+                return Err(exr_error(format!(
                     "attribute {name} = {value}; expected a {wanted} number of metres"
                 )));
             }
@@ -200,20 +200,20 @@ impl ExrImage {
     /// # Errors
     /// [`MeshError::Exr`] where there is no such channel, or a value of it is not a number.
     pub fn channel(&self, name: &str) -> Result<&[f64], MeshError> {
-        let told = |problem: String| MeshError::Exr { problem };
+        let exr_error = |problem: String| MeshError::Exr { problem };
         let Some((_, values)) = self.channels.iter().find(|(known, _)| known == name) else {
             let found: Vec<&str> = self
                 .channels
                 .iter()
                 .map(|(name, _)| name.as_str())
                 .collect();
-            return Err(told(format!(
+            return Err(exr_error(format!(
                 "channels {}; expected a channel {name}",
                 found.join(", ")
             )));
         };
         match values.iter().position(|value| value.is_nan()) {
-            Some(at) => Err(told(format!(
+            Some(at) => Err(exr_error(format!(
                 "channel {name}, column {}, row {}: NaN; expected a number",
                 at % self.size[0],
                 at / self.size[0]
@@ -374,7 +374,7 @@ mod tests {
         let message = refused(&exr("z", &PLACE[..3]));
         assert!(message.contains("pixel_y_m"), "{message}");
         assert!(refused(b"no image").contains("EXR"));
-        // A header that claims more pixels than any map has is refused before they are allocated.
+        // A header with more pixels than any map has is refused before they are allocated.
         let mut huge = exr("z", &PLACE);
         let window = b"dataWindow\0box2i\0";
         let at = huge

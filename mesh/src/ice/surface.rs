@@ -12,7 +12,7 @@ pub trait IceSurface: Send + Sync {
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
-    /// Places (x, y) [m] where measured ice is above what is beside them, along x or across. None of ice that a formula says.
+    /// Places (x, y) [m] where measured ice has a local maximum along x or across. None of ice given by a formula.
     fn highs(&self) -> &[[f64; 2]] {
         &[]
     }
@@ -80,7 +80,7 @@ pub enum Interpolation {
     Bicubic,
 }
 
-/// Heights on a regular grid; beyond its border the border's heights go on.
+/// Heights on a regular grid; outside, the border's heights continue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     origin: [f64; 2],
@@ -90,7 +90,7 @@ pub struct HeightMap {
     heights: Vec<f64>,
     interpolation: Interpolation,
     symmetric: [bool; 2],
-    /// Where it is above what is beside it.
+    /// Its local maxima along x or across.
     highs: Vec<[f64; 2]>,
 }
 
@@ -169,7 +169,7 @@ impl HeightMap {
             })
     }
 
-    /// Weights of four neighbouring points, the first of them, held to the border.
+    /// Weights of four neighbouring points, the first of them, clamped to the border.
     fn weights(&self, axis: usize, position: f64) -> ([usize; 4], [f64; 4]) {
         let last = self.shape[axis] - 1;
         let place = ((position - self.origin[axis]) / self.spacing[axis]).clamp(0.0, last as f64);

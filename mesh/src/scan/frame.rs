@@ -12,17 +12,17 @@ const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
 const STATIONS: usize = 60;
 /// Share of the length, about the middle, over which the rocker is measured.
 const MIDDLE: f64 = 0.8;
-/// Height of the section that is looked at over half its width.
+/// Height of the examined section over half its width.
 const SHALLOW: f64 = 0.2;
-/// Curvature over its standard error that is none of chance.
-const STANDS_OUT: f64 = 10.0;
+/// Curvature over its standard error above which it is significant.
+const SIGNIFICANT: f64 = 10.0;
 /// Largest radii of a rocker and of a section that is round [m]; what is flatter is no underside.
 const FLATTEST: [f64; 2] = [500.0, 0.2];
 
-/// How a hull most likely stands in its file.
+/// The most likely unit and axes of a hull in its file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standing {
-    /// The unit and the axes with which to read it. That it points forward and not backward its shape does not tell.
+pub struct ScanFrame {
+    /// The unit and the axes with which to read it. The shape does not show which end is in front.
     pub options: HullOptions,
     /// Radius of the rocker [m].
     pub rocker_radius: f64,
@@ -30,8 +30,8 @@ pub struct Standing {
     pub section_radius: f64,
 }
 
-impl Standing {
-    /// Looks for the side that is rounded along and across, as a runner's underside is.
+impl ScanFrame {
+    /// Finds the side that is rounded along and across, as a runner's underside is.
     ///
     /// `hull` is as its file has it: scale 1, x forward, z up. The longest axis is forward. Of the four sides along it the underside
     /// is the one whose lowest line is curved (rocker) and whose section there is (edge), with the largest product of the two curvatures;
@@ -109,14 +109,14 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
     let heights: Vec<f64> = keel.iter().map(|p| p[2]).collect();
     let rocker = fit(&place, &heights, &[[0, 0], [1, 0], [2, 0]])?;
     let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
-    // The section at the lowest vertex, narrower and narrower as long as its curvature stands out from what scatters.
+    // The section at the lowest vertex, ever narrower while its curvature is significant.
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let near = 0.02 * (to - from);
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
     let mut half = points.iter().map(off).fold(0.0, f64::max);
     let mut section_radius = None;
     loop {
-        // Not the walls beside it, nor the other side of the hull.
+        // Neither the walls nor the other side of the hull.
         let section: Vec<&[f64; 3]> = points
             .iter()
             .filter(|p| (p[0] - lowest[0]).abs() < near && off(p) <= half)
@@ -127,7 +127,7 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
         let Some(fitted) = fit(&place, &heights, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]) else {
             break;
         };
-        if fitted.coefficients[2] < STANDS_OUT * fitted.errors[2] {
+        if fitted.coefficients[2] < SIGNIFICANT * fitted.errors[2] {
             break;
         }
         section_radius = radius(fitted.coefficients[2], FLATTEST[1]);

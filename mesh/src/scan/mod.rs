@@ -3,5 +3,5 @@
 pub(crate) mod frame;
 pub(crate) mod noise;
 
-pub use frame::Standing;
+pub use frame::ScanFrame;
 pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull};

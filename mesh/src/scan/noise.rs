@@ -5,24 +5,25 @@ use nalgebra::{DMatrix, DVector};
 use crate::fit::fitted_underside::rounding;
 use crate::hull::Hull;
 
-/// Places along the underside at which its lowest node is looked at.
+/// Stations along the underside; the lowest node of each is examined.
 const STATIONS: usize = 60;
-/// Triangles whose normal is closer to level than this are flanks (cosine to straight down).
+/// Triangles whose normal makes a smaller cosine with straight down are flanks.
 const DOWN: f64 = 0.2;
-/// Nodes around one that are fitted: the polynomial's and twenty to spare.
+/// Nodes of a fit: one for each power of the polynomial, and twenty degrees of freedom.
 const NEAR: usize = POWERS.len() + 20;
-/// How much longer than wide the places are that are tried: a runner is straighter along than across, by how much and which way it points is
-/// not known.
-const LONGER: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
-/// How many times as much twice as many nodes leave where it is no noise, of which they leave as much.
-const GROWS: f64 = 2.0;
-/// Shapes of places of which twice as many nodes leave as much but for this are told apart by chance.
-const ALIKE: f64 = 1.1;
-/// Nodes as far as others but for this part are as far.
+/// Lengths over widths of the neighbourhoods. A runner is straighter along than across, and neither
+/// its direction nor by how much is known beforehand.
+const ASPECT_RATIOS: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
+/// Residual ratio (2n against n nodes) above which the residual is curvature, not noise.
+const CURVATURE_RATIO: f64 = 2.0;
+/// Aspect ratios are equally good if their residuals with 2n nodes agree within this factor.
+const EQUAL_RESIDUAL: f64 = 1.1;
+/// Relative difference below which two distances are equal.
 const TIE: f64 = 1e-6;
-/// Lines of nodes are apart by more than this part of the faces' size along that axis: what is closer is one line that noise has moved.
-const APART: f64 = 0.25;
-/// Nodes on either side of one that are looked at first.
+/// Distance between two lines of nodes over the faces' size along that axis; nodes that are closer
+/// belong to one line that noise has moved.
+const LINE_DISTANCE: f64 = 0.25;
+/// Nodes on either side of a node that are searched first.
 const FIRST: usize = 2048;
 /// Powers of the surface around a node.
 const POWERS: [[i32; 2]; 15] = [
@@ -43,7 +44,7 @@ const POWERS: [[i32; 2]; 15] = [
     [3, 1],
 ];
 
-/// Noise of an underside's nodes, as their heights tell it.
+/// Noise of an underside's nodes, estimated from their heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// Standard deviation about a smooth surface [m]; 0 where it is no more than rounding.
@@ -61,7 +62,7 @@ struct Node {
     faces: [f64; 2],
 }
 
-/// Noise of a hull's vertices, as [`noise_of_faces`] tells it of the triangles that face down.
+/// Noise of the vertices of a hull's triangles that face down; see [`noise_of_faces`].
 pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
     let faces_down = |t: &&[u32; 3]| {
         let n = hull.normal(t);
@@ -72,14 +73,16 @@ pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
     noise_of_faces(&hull.positions, &faces)
 }
 
-/// Noise of the heights of an underside's nodes; `None` where the faces are too few to tell. `points` are x forward, y left and z up [m],
-/// `faces` the nodes of each face.
+/// Noise of the heights of an underside's nodes; `None` if there are too few faces. `points` are x
+/// forward, y to the left and z up [m]; `faces` are the nodes of each face.
 ///
-/// At the lowest node of each place along the underside a polynomial of fourth order is fitted to the nodes nearest to it, in places as
-/// long as wide, wider and longer ([`LONGER`]). What is left is noise and what the surface has of higher orders. Of the latter twice
-/// as many nodes, s times as far, leave s^5 times as much, of noise as much: that part is taken off. Where they leave over [`GROWS`] times
-/// as much, as where the curvature jumps, no noise shows. Each shape of places tells medians over them; curvature only adds, so the one
-/// counts of which twice as many nodes leave least, and where several leave about as little ([`ALIKE`]) the one with the least part taken off.
+/// At the lowest node of each station a polynomial of fourth order is fitted to the nearest nodes, in
+/// neighbourhoods of several [`ASPECT_RATIOS`]. The residual is noise and the surface's higher orders.
+/// A fit to twice as many nodes, s times as far, has the same noise and s^5 times the higher orders,
+/// which are subtracted. If its residual grows by more than [`CURVATURE_RATIO`], as at a jump of the
+/// curvature, no noise is found. Each aspect ratio gives medians over the stations. Curvature only adds
+/// to a residual, so the ratio with the smallest residual of 2n nodes is used; of those that agree
+/// within [`EQUAL_RESIDUAL`] the one with the smallest subtraction.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes = nodes_of(points, faces);
     nodes.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
@@ -98,29 +101,32 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
             *place = Some(index);
         }
     }
-    let told = LONGER.iter().filter_map(|&longer| {
-        let at = |&node: &usize| at_node(&nodes, node, longer);
-        let told: Vec<[f64; 3]> = lowest.iter().flatten().filter_map(at).collect();
-        // Few places that are told are those where the surface is least like itself.
-        let usual = 2 * told.len() >= lowest.iter().flatten().count();
-        let median = |k: usize| median(told.iter().map(|of| of[k]).collect());
+    let medians = ASPECT_RATIOS.iter().filter_map(|&ratio| {
+        let residuals = |&node: &usize| residuals_at(&nodes, node, ratio);
+        let found: Vec<[f64; 3]> = lowest.iter().flatten().filter_map(residuals).collect();
+        // A few stations with a fit are those where the surface is least like its other parts.
+        let usual = 2 * found.len() >= lowest.iter().flatten().count();
+        let median = |k: usize| median(found.iter().map(|of| of[k]).collect());
         Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
     });
-    let told: Vec<[f64; 3]> = told.collect();
-    let least = told.iter().map(|of| of[2]).reduce(f64::min)?;
-    let alike = told.iter().filter(|of| of[2] <= ALIKE * least);
-    let &[left, bent, farther] = alike.min_by(|a, b| a[1].total_cmp(&b[1]))?;
-    let shows = |value: f64| match value > rounding(high - low) {
-        true => value,
-        false => 0.0,
-    };
-    let (noise, unseen) = match farther > GROWS * left {
-        true => (0.0, left),
-        // Twice as many nodes leave the noise too, which is no curvature's.
-        false => {
-            let part = 1.0 - (bent / farther).powi(2);
-            (((left * left - bent * bent) / part).max(0.0).sqrt(), bent)
+    let medians: Vec<[f64; 3]> = medians.collect();
+    let least = medians.iter().map(|of| of[2]).reduce(f64::min)?;
+    let equal = medians.iter().filter(|of| of[2] <= EQUAL_RESIDUAL * least);
+    let &[residual, curvature, farther] = equal.min_by(|a, b| a[1].total_cmp(&b[1]))?;
+    let shows = |value: f64| {
+        if value > rounding(high - low) {
+            value
+        } else {
+            0.0
         }
+    };
+    let (noise, unseen) = if farther > CURVATURE_RATIO * residual {
+        (0.0, residual)
+    } else {
+        // The residual of twice as many nodes has the noise too, which is no curvature.
+        let part = 1.0 - (curvature / farther).powi(2);
+        let square = (residual * residual - curvature * curvature) / part;
+        (square.max(0.0).sqrt(), curvature)
     };
     Some(Noise {
         found: shows(noise),
@@ -149,23 +155,27 @@ fn nodes_of<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Vec<No
     nodes.filter_map(node).collect()
 }
 
-/// What a polynomial leaves around one node, how much of that is curvature, and what it leaves of twice as many nodes [m]; `None` where it
-/// is not determined.
-fn at_node(nodes: &[Node], node: usize, longer: f64) -> Option<[f64; 3]> {
+/// Residual of the polynomial around one node, its part from curvature, and the residual of twice as
+/// many nodes [m]; `None` if the nodes do not determine it.
+fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     let [x, y, z] = nodes[node].at;
-    let far = |p: &Node| ((p.at[0] - x) / longer).hypot(p.at[1] - y);
+    let far = |p: &Node| ((p.at[0] - x) / ratio).hypot(p.at[1] - y);
     // Not other parts of the hull above.
-    let beside = |p: &&Node| p.at[2] - z <= (p.at[0] - x).hypot(p.at[1] - y);
-    // Nodes stand in order along the underside: those at the ends of a part of them that is wide enough are farther than all that count.
+    let same_side = |p: &&Node| p.at[2] - z <= (p.at[0] - x).hypot(p.at[1] - y);
+    // Nodes are sorted along the underside: the range grows until its ends are farther than the
+    // nodes found.
     let mut half = FIRST;
     let mut near: Vec<(f64, Node)> = loop {
         let (from, to) = (node.saturating_sub(half), (node + half).min(nodes.len()));
-        let part = nodes[from..to].iter().filter(beside);
+        let part = nodes[from..to].iter().filter(same_side);
         let mut near: Vec<(f64, Node)> = part.map(|p| (far(p), *p)).collect();
         let whole = from == 0 && to == nodes.len();
-        let width = |end: usize| match end == 0 || end == nodes.len() {
-            true => f64::INFINITY,
-            false => (nodes[end].at[0] - x).abs() / longer,
+        let width = |end: usize| {
+            if end == 0 || end == nodes.len() {
+                f64::INFINITY
+            } else {
+                (nodes[end].at[0] - x).abs() / ratio
+            }
         };
         let least = width(from).min(width(to));
         let enough = near.len() >= 2 * NEAR && {
@@ -180,26 +190,26 @@ fn at_node(nodes: &[Node], node: usize, longer: f64) -> Option<[f64; 3]> {
     let mut nearest = |count: usize| {
         let last = count.checked_sub(1).filter(|&last| last < near.len())?;
         let (_, &mut (reach, _), _) = near.select_nth_unstable_by(last, |a, b| a.0.total_cmp(&b.0));
-        // All that are as far: which of them is first is chance.
-        let (within, left) = (reach * (1.0 + TIE), near.as_slice());
-        let among = left.iter().filter(|(far, _)| *far <= within);
+        // All nodes at the same distance: which of them is first is arbitrary.
+        let within = reach * (1.0 + TIE);
+        let among = near.iter().filter(|(far, _)| *far <= within);
         let among: Vec<Node> = among.map(|(_, p)| *p).collect();
-        Some((reach, left_of(&among)?))
+        Some((reach, residual_of(&among)?))
     };
-    let (inner, left) = nearest(NEAR)?;
+    let (inner, residual) = nearest(NEAR)?;
     let (outer, farther) = nearest(2 * NEAR)?;
-    Some([left, (inner / outer).powi(5) * farther, farther])
+    Some([residual, (inner / outer).powi(5) * farther, farther])
 }
 
-/// What the polynomial leaves of the heights of some nodes [m].
-fn left_of(nodes: &[Node]) -> Option<f64> {
+/// Standard deviation of the residuals of a polynomial fitted to some nodes [m].
+fn residual_of(nodes: &[Node]) -> Option<f64> {
     let places: Vec<[f64; 2]> = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
     let heights: Vec<f64> = nodes.iter().map(|node| node.at[2]).collect();
-    // Lines of nodes determine as many powers as there are lines. Noise along a slope moves the nodes of one in proportion to their
-    // heights: taken for places across, it would tell all of it.
+    // Lines of nodes determine as many powers as there are lines. Noise along a slope moves the nodes
+    // of one line in proportion to their heights: taken for positions across, it would be fitted.
     let mut lines = [0; 2];
     for (axis, lines) in lines.iter_mut().enumerate() {
-        let apart = APART * median(nodes.iter().map(|node| node.faces[axis]).collect())?;
+        let apart = LINE_DISTANCE * median(nodes.iter().map(|node| node.faces[axis]).collect())?;
         let mut values: Vec<f64> = places.iter().map(|p| p[axis]).collect();
         values.sort_by(f64::total_cmp);
         values.dedup_by(|b, a| *b - *a <= apart);
@@ -218,7 +228,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// A polynomial fitted to values at places: its coefficients with their standard errors, and the deviation of what is left.
+/// A polynomial fitted to values at places: its coefficients with their standard errors, and the residuals.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// One a power.
@@ -229,8 +239,8 @@ pub struct Fitted {
     pub deviation: f64,
 }
 
-/// Fits the sum of c x^i y^j over `powers` [i, j] by least squares; `None` where the places do not determine it with ten values to
-/// spare.
+/// Fits the sum of c x^i y^j over `powers` [i, j] by least squares; `None` if the places do not
+/// determine it with ten degrees of freedom.
 pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<Fitted> {
     let spare = values.len().checked_sub(powers.len())?;
     if spare < 10 {
@@ -253,8 +263,8 @@ pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<F
     let values = DVector::from_column_slice(values);
     let normal = (design.transpose() * &design).cholesky()?;
     let coefficients = normal.solve(&(design.transpose() * &values));
-    let left = (&design * &coefficients - values).norm_squared();
-    let deviation = (left / spare as f64).sqrt();
+    let squares = (&design * &coefficients - values).norm_squared();
+    let deviation = (squares / spare as f64).sqrt();
     let inverse = normal.inverse();
     let unit = |n: usize| scale[0].powi(powers[n][0]) * scale[1].powi(powers[n][1]);
     let each = |of: &dyn Fn(usize) -> f64| (0..powers.len()).map(|n| of(n) / unit(n)).collect();
@@ -265,7 +275,7 @@ pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<F
     })
 }
 
-/// Places along the keel at which the vertices are looked at.
+/// Places along the keel at which the vertices are examined.
 const PLACES: usize = 9;
 /// Half the length of such a place over that of the hull.
 const LONG: f64 = 0.01;
@@ -277,14 +287,14 @@ const WIDE: f64 = 0.3;
 pub struct Sampling {
     /// Median length of the triangles' edges [m].
     pub spacing: f64,
-    /// Of the vertices, as [`noise_of_hull`] tells it.
+    /// Of the vertices, from [`noise_of_hull`].
     pub noise: Option<Noise>,
 }
 
 impl Sampling {
     /// Of a hull in metres, x forward and z up, whose section has this radius [m] where it is lowest.
     ///
-    /// `None` where no triangle touches the places along the keel that are looked at.
+    /// `None` where no triangle touches the examined places along the keel.
     pub fn of(hull: &Hull, section_radius: f64) -> Option<Self> {
         let [low, high] = hull.bounds();
         let length = high[0] - low[0];
@@ -384,8 +394,8 @@ mod tests {
                 .flat_map(|s| KINDS.map(|kind| (s, kind)))
             {
                 let of = |noise| {
-                    let told = noise_of(cells, size, [skewed, noise], triangles, height);
-                    told.expect("a grid").found
+                    let found = noise_of(cells, size, [skewed, noise], triangles, height);
+                    found.expect("a grid").found
                 };
                 let case = format!("{cells:?} {skewed} {triangles}");
                 assert_eq!(of(0.0), 0.0, "{case}");
@@ -396,7 +406,7 @@ mod tests {
                 }
             }
         }
-        // Three cells are too few to tell.
+        // Three cells are too few.
         assert_eq!(noise_of([3, 3], [0.1, 0.003], [0.0; 2], false, round), None);
     }
 
@@ -418,15 +428,18 @@ mod tests {
         println!("{clean:?}");
         assert!(clean.found == 0.0 && clean.unseen < 1e-8, "{clean:?}");
         for noise in [3e-8, 1e-7, 1e-6] {
-            let told = with(noise);
-            println!("{noise}: {told:?}");
-            assert!((told.found / noise - 1.0).abs() < 0.15, "{noise} {told:?}");
+            let found = with(noise);
+            println!("{noise}: {found:?}");
+            assert!(
+                (found.found / noise - 1.0).abs() < 0.15,
+                "{noise} {found:?}"
+            );
         }
     }
 
     /// Noise along the normals moves the vertices of a line across, too, in proportion to their heights.
     #[test]
-    fn noise_along_normals_is_told_as_it_is() {
+    fn noise_along_normals_is_found() {
         let bob = BobRunner {
             length: 0.3,
             ..Default::default()
@@ -463,9 +476,9 @@ mod tests {
                     let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
                     (0..3).for_each(|k| p[k] += noise * drawn * normal[k] / length);
                 }
-                let told = noise_of_hull(&scan).expect("enough vertices");
-                let off = told.found / noise - 1.0;
-                assert!(off.abs() < 0.15, "{name} {noise}: {told:?}");
+                let found = noise_of_hull(&scan).expect("enough vertices");
+                let off = found.found / noise - 1.0;
+                assert!(off.abs() < 0.15, "{name} {noise}: {found:?}");
             }
         }
     }

@@ -86,14 +86,14 @@ impl Profile {
             let cubic = (last - first) / (step * step);
             self.pieces.push([z, slopes[0], quadratic, cubic]);
         } else {
-            let left = step * last / (first + last);
-            let right = step - left;
-            self.pieces.push([z, slopes[0], 0.5 * first / left, 0.0]);
-            self.breaks.push(x + left);
+            let before = step * last / (first + last);
+            let after = step - before;
+            self.pieces.push([z, slopes[0], 0.5 * first / before, 0.0]);
+            self.breaks.push(x + before);
             self.pieces.push([
-                z + 0.5 * (slopes[0] + secant) * left,
+                z + 0.5 * (slopes[0] + secant) * before,
                 secant,
-                0.5 * last / right,
+                0.5 * last / after,
                 0.0,
             ]);
         }
@@ -193,7 +193,7 @@ fn bend(secants: &[f64], from: usize, to: usize) -> f64 {
     f64::from(u8::from(up)) - f64::from(u8::from(down))
 }
 
-/// The not-a-knot spline's slopes, held between the neighbouring secants where the data bend one way.
+/// The not-a-knot spline's slopes, limited to those of the neighbouring secants where the data bend one way.
 fn shape_keeping_slopes(steps: &[f64], secants: &[f64]) -> Vec<f64> {
     let mut slopes = spline_slopes(steps, secants);
     let n = secants.len();
@@ -260,7 +260,7 @@ const MOST_BYTES: u64 = 1 << 26;
 /// Reads a CSV file with exactly two columns of this name, a point a row [m].
 ///
 /// # Errors
-/// [`MeshError::File`] with the row, the column and what stands there.
+/// [`MeshError::File`] with the row, the column and the text found.
 pub fn load_points(path: &Path, columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
     let name = path.display().to_string();
     let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
@@ -274,7 +274,7 @@ pub fn load_points(path: &Path, columns: [&'static str; 2]) -> Result<Vec<[f64; 
 }
 
 fn read_points(bytes: &[u8], columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
-    let told = |row: usize, column: &'static str, found: String| MeshError::PointRow {
+    let error_at = |row: usize, column: &'static str, found: String| MeshError::PointRow {
         row,
         column,
         found,
@@ -284,19 +284,19 @@ fn read_points(bytes: &[u8], columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>
         .from_reader(bytes);
     let header = reader
         .headers()
-        .map_err(|error| told(0, columns[0], error.to_string()))?;
+        .map_err(|error| error_at(0, columns[0], error.to_string()))?;
     if header != columns.to_vec() {
         let found = header.iter().collect::<Vec<&str>>().join(",");
         return Err(MeshError::PointColumns { found, columns });
     }
     let mut points = Vec::new();
     for (i, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| told(i + 1, columns[0], error.to_string()))?;
+        let record = record.map_err(|error| error_at(i + 1, columns[0], error.to_string()))?;
         let mut point = [0.0; 2];
         for (k, value) in point.iter_mut().enumerate() {
             let text = record.get(k).unwrap_or_default();
             let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
-            *value = number.ok_or_else(|| told(i + 1, columns[k], format!("{text:?}")))?;
+            *value = number.ok_or_else(|| error_at(i + 1, columns[k], format!("{text:?}")))?;
         }
         points.push(point);
     }

@@ -4,7 +4,7 @@ use crate::error::MeshError;
 use crate::parameter::{positive, positive_finite};
 use crate::shapes::profile::Profile;
 
-/// Height of a runner's section over y, lowest at height 0; infinite beside the section.
+/// Height of a runner's section over y, lowest at height 0; infinite outside the section.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Section {
     /// A circular arc about y = 0. `width = 2 radius` is a half circle.
@@ -95,7 +95,7 @@ impl Section {
         Ok(Self::Points(curve.raised(-lowest)))
     }
 
-    /// This section after wear has taken `depth` [m] off its lowest point and left the flat's edges with `edge` times
+    /// This section after wear has removed `depth` [m] from its lowest point and rounded the flat's edges with `edge` times
     /// the section's own radius.
     ///
     /// On an arc of radius R the flat is 2 sqrt(2 R depth) wide and meets the flanks at the slope sqrt(2 depth / R); a sharp
@@ -128,7 +128,7 @@ impl Section {
         })
     }
 
-    /// Height [m] at `y` [m]; infinite beside the section.
+    /// Height [m] at `y` [m]; infinite outside the section.
     pub fn height(&self, y: f64) -> f64 {
         let [from, to] = self.extent();
         if !(from..=to).contains(&y) {

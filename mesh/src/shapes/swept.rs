@@ -27,7 +27,7 @@ pub struct Swept {
     ends: Option<Ends>,
     length: f64,
     top: f64,
-    /// Where it is below what is beside it, of a measured section or rocker.
+    /// Local minima of a measured section or rocker.
     lows: Vec<[f64; 2]>,
 }
 
@@ -127,7 +127,7 @@ impl Swept {
         lows([&lines[0], &lines[1]], |i, j| keel[i] + section[j])
     }
 
-    /// The same with ends of `end_radius` [m] that rise by half of what is left between the underside's corners and the top.
+    /// The same with ends of `end_radius` [m] that rise by half the distance between the underside's corners and the top.
     ///
     /// # Errors
     /// As [`Swept::new`].
@@ -175,7 +175,7 @@ impl Swept {
         self.top
     }
 
-    /// Height of the keel, the underside less its section, at `x` [m]; infinite beyond the ends.
+    /// Height of the keel, the underside less its section, at `x` [m]; infinite outside the ends.
     pub fn keel(&self, x: f64) -> f64 {
         let half = 0.5 * self.length;
         if !(-half..=half).contains(&x) {
@@ -293,7 +293,7 @@ impl BobRunner {
     }
 }
 
-/// A luge steel that stands on its inner edge: flat underside tilted on the runner, rounded edge,
+/// A luge steel on its inner edge: flat underside tilted on the runner, rounded edge,
 /// upright flank, bent to its rocker radius. The edge's lowest point is at x = 0, y = 0; the flat rises
 /// towards +y.
 #[derive(Clone, Copy, Debug, PartialEq)]

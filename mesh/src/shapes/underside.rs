@@ -12,7 +12,7 @@ pub trait Underside: Send + Sync {
     /// Height of the lower surface at (`x` [m], `y` [m]), in [m]; `f64::INFINITY` where there is no hull.
     fn height(&self, x: f64, y: f64) -> f64;
 
-    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] that holds the hull; infinite ends are allowed.
+    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] that encloses the hull; infinite ends are allowed.
     fn extent(&self) -> [f64; 4];
 
     /// Whether the height is even in x and even in y, to rounding.
@@ -25,7 +25,7 @@ pub trait Underside: Send + Sync {
     }
 }
 
-/// Most places that are told: the lowest of a surface that is rough everywhere.
+/// Most places that are returned: the lowest of a surface that is rough everywhere.
 const MOST: usize = 20_000;
 
 /// Where heights on lines of x and of y are below those beside them, along x or along y: a burr's whole length, and every keel's. The lowest
