@@ -65,7 +65,7 @@ pub struct Workspace {
 
 /// Solves A x = b from the start `x`, A symmetric positive definite, with a symmetric positive definite preconditioner.
 ///
-/// `apply(v, out)` writes A v, `precondition(r, out)` writes P^-1 r. Prescribed entries are left alone where both write
+/// `apply(v, out)` writes A v, `precondition(r, out)` writes P^-1 r. Prescribed entries stay as they are where both write
 /// zeros there and `b - A x` is zero there. Fails where the tolerance is not reached, or a direction has no positive energy.
 ///
 /// ```
@@ -231,7 +231,7 @@ fn zip_apply(out: &mut [f64], a: &[f64], b: &[f64], f: impl Fn(&mut f64, f64, f6
         });
 }
 
-/// The plain preconditioner: division by the diagonal. Entries that are not positive count as held and give zero.
+/// The plain preconditioner: division by the diagonal. Entries that are not positive count as fixed and give zero.
 #[derive(Clone, Debug)]
 pub struct Jacobi {
     inverse: Vec<f64>,

@@ -31,7 +31,7 @@ impl Constraints {
 
     /// Prescribes one component (0, 1, 2 for x, y, z) of a node's displacement [m].
     ///
-    /// Fails where node or component do not exist, the value is not finite, or another value stands there.
+    /// Fails where node or component do not exist, the value is not finite, or the displacement already has another value.
     pub fn prescribe(&mut self, node: usize, component: usize, value: f64) -> Result<(), Error> {
         if node >= self.node_count || component > 2 || !value.is_finite() {
             return Err(Error::Prescribed {

@@ -124,7 +124,7 @@ pub enum Error {
         iterations: usize,
         /// Relative residual or energy error reached.
         residual: f64,
-        /// The tolerance asked for.
+        /// The tolerance.
         tolerance: f64,
     },
     /// The operator or preconditioner of conjugate gradients has a direction of negative or undefined energy.

@@ -19,7 +19,7 @@ pub enum Solver {
     ConjugateGradients(cg::Options),
 }
 
-/// Displacements and what holds them.
+/// Displacements and the reactions that support them.
 #[derive(Clone, Debug)]
 pub struct Equilibrium {
     /// Displacements, three a node [m].
@@ -50,7 +50,7 @@ pub fn add_body_force(
 
 /// Solves K u = f with prescribed displacements.
 ///
-/// The free rows hold: K_ff u_f = f_f - K_fp u_p; the reactions are what is left in the prescribed ones:
+/// The free rows hold: K_ff u_f = f_f - K_fp u_p; the reactions are the residual of the prescribed rows:
 /// r_p = K_pf u_f + K_pp u_p - f_p. `loads` are nodal forces, three a node [N]. Fails where lengths differ, the supports
 /// leave a mechanism, or conjugate gradients do not converge.
 ///

@@ -271,15 +271,15 @@ pub fn grid_stresses(
                     let [yz, zx, xy] = [dz[1] + dy[2], dz[0] + dx[2], dy[0] + dx[1]];
                     material.stress([dx[0], dy[1], dz[2], yz, zx, xy])
                 };
-                *stress = match meet {
-                    false if k < between => of(lower, z[k]),
-                    false => of(material, z[k]),
-                    true => {
-                        let [under, over] = z[k];
-                        let under = of(lower, [2.0 * under, 0.0]);
-                        let over = of(material, [0.0, 2.0 * over]);
-                        std::array::from_fn(|c| 0.5 * (under[c] + over[c]))
-                    }
+                *stress = if meet {
+                    let [under, over] = z[k];
+                    let under = of(lower, [2.0 * under, 0.0]);
+                    let over = of(material, [0.0, 2.0 * over]);
+                    std::array::from_fn(|c| 0.5 * (under[c] + over[c]))
+                } else if k < between {
+                    of(lower, z[k])
+                } else {
+                    of(material, z[k])
                 };
             }
         });

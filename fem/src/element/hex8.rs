@@ -1,6 +1,6 @@
 //! The trilinear eight-node hexahedron.
 //!
-//! Corners stand in VTK's order. Displacements and forces of an element are 24 numbers, corner by corner, (x, y, z)
+//! Corners are in VTK's order. Displacements and forces of an element are 24 numbers, corner by corner, (x, y, z)
 //! within a corner. Strains and stresses are (xx, yy, zz, yz, zx, xy) with engineering shear strains.
 //! Source: T. J. R. Hughes, The Finite Element Method (1987), chapter 3.
 

@@ -9,11 +9,11 @@
 //!
 //! the bracket, which is there where the cell's sides climb along x; everything else is the plain element's. Means weighted by
 //! det J keep the forces of a constant stress (the argument of B-bar: T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980),
-//! 1413-1418). Linear displacements keep their strain where the corners stand in planes across x, so that the patch test is
+//! 1413-1418). Linear displacements keep their strain where the corners lie in planes across x, so that the patch test is
 //! passed on columns of any height: runners are meshed that way, and other meshes take [`crate::element::hex8_incompatible`]. In
 //! planes across x the element remains the plain one.
 //!
-//! What is left of the stiffness is, block by block, a sum of Kronecker products on a tensor grid again, with the mass matrix
+//! The remaining stiffness is, block by block, a sum of Kronecker products on a tensor grid again, with the mass matrix
 //! of x averaged in component x ([`crate::Axis::averaged`]), so that fast diagonalisation stays an effective preconditioner
 //! whatever the cells' aspect. Incompatible modes soften every plane at once, and no such sum follows them.
 

@@ -1,6 +1,6 @@
 //! The eight-node hexahedron whose change of volume is its mean over the cell (B-bar).
 //!
-//! A plain trilinear cell of a nearly incompressible material must keep its volume at each of its Gauss points, which leaves it
+//! A plain trilinear cell of a nearly incompressible material must conserve its volume at each of its Gauss points, which gives it
 //! hardly a way to deform: it locks. Here the mean over the cell weighted by det J takes the place of the dilatation,
 //!
 //! ```text

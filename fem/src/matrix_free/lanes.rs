@@ -7,7 +7,7 @@ use pulp::Simd;
 use crate::element::hex8::GAUSS;
 use crate::element::hex8_axial::LINES;
 
-/// How many cells lie side by side in a batch of the matrix-free operator: a vector holds as many or a whole part of them.
+/// Number of cells in a batch of the matrix-free operator: a vector holds as many or a whole part of them.
 pub(crate) const LANES: usize = 4;
 
 /// One number of each of a batch's cells, as it is stored.

@@ -34,7 +34,7 @@ pub struct MatrixFree {
     starts: [usize; 3],
     inner: Vec<InnerInverse>,
     cell_start: Vec<usize>,
-    /// Where in `forces` the x force of each node's places stands; y and z follow at strides of [`LANES`].
+    /// Index in `forces` of the x force of each node's corners; y and z follow at strides of [`LANES`].
     slots: Vec<u32>,
     /// What [`MatrixFree::apply`] writes corner forces to; empty before.
     forces: Vec<f64>,
@@ -338,7 +338,7 @@ mod tests {
             for (a, b) in a.iter().zip(&b) {
                 assert!((a - b).abs() < 1e-13 * size, "{a} {b}");
             }
-            // Nothing is left over from the last product.
+            // Nothing remains from the last product.
             let mut again = vec![1.0; body.dofs()];
             operator.apply(&u, &mut again);
             assert_eq!(again, b);

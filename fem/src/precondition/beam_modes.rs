@@ -29,7 +29,7 @@ pub struct BeamModes {
     axis: [f64; 2],
     points: Vec<[f64; 3]>,
     held: Vec<bool>,
-    /// (Z^T K Z)^+ by columns: what motions that strain nothing would take is left out.
+    /// (Z^T K Z)^+ by columns: what motions that strain nothing would take is omitted.
     inverse: Mat<f64>,
     partial: Vec<f64>,
 }
@@ -40,7 +40,7 @@ const MOTIONS: usize = 8;
 const NODES_A_TASK: usize = 2048;
 
 impl BeamModes {
-    /// The coarse space of a body whose nodes stand in planes across x.
+    /// The coarse space of a body whose nodes lie in planes across x.
     ///
     /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about `knot_count` of the lines, evenly
     /// spread, become knots. `axis` = (y_0, z_0) is the beam's axis [m]; `held` says which displacements are zero; `apply`
@@ -75,7 +75,7 @@ impl BeamModes {
             partial: vec![0.0; tasks * n],
         };
         let mut reduced = Mat::<f64>::zeros(n, n);
-        // Knots stand on planes of nodes, so K couples a knot with its next ones only: every third knot goes at once.
+        // Knots lie on planes of nodes, so K couples a knot with its next ones only: every third knot goes at once.
         let dofs = 3 * modes.points.len();
         let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
         for colour in 0..3 {

@@ -17,7 +17,7 @@ pub enum End {
 /// The matrices T = c K + s M of one axis for many shifts s, factorised.
 #[derive(Clone, Debug)]
 pub(crate) struct Elimination {
-    /// Nodes of the axis that are not held, in the order of elimination.
+    /// Nodes of the axis that are not fixed, in the order of elimination.
     pub planes: Vec<usize>,
     /// s by matrix.
     pub shift: Vec<f64>,

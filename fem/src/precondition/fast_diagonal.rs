@@ -21,10 +21,10 @@ use crate::tensor::operator::{HeldFaces, TensorOperator};
 /// others. With K_d q = theta_d M_d q on each axis,
 /// P_c^-1 = (Qx x Qy x Qz) diag(1 / Lambda) (Qx x Qy x Qz)^T, Lambda = sum over d of coefficient_d theta_d.
 /// By Korn's inequality P is spectrally equivalent to the stiffness with constants that depend on
-/// Poisson's ratio and the held faces only, not on the grading (R. E. Lynch, J. R. Rice and D. H. Thomas,
+/// Poisson's ratio and the fixed faces only, not on the grading (R. E. Lynch, J. R. Rice and D. H. Thomas,
 /// Numer. Math. 6 (1964) 185-199, for the diagonalisation).
 ///
-/// [`FastDiagonal::to_modes`], a change to the modal vector, and [`FastDiagonal::from_modes`] are kept
+/// [`FastDiagonal::to_modes`], a change to the modal vector, and [`FastDiagonal::from_modes`] are stored
 /// apart so that a constraint on one horizontal plane can act between them.
 #[derive(Clone, Debug)]
 pub struct FastDiagonal {
@@ -43,7 +43,7 @@ struct Component {
 }
 
 impl FastDiagonal {
-    /// Diagonalises every axis once for each pair of held ends that occurs.
+    /// Diagonalises every axis once for each pair of fixed ends that occurs.
     pub fn new(operator: &TensorOperator) -> Self {
         Self::with_first_axis(operator, None)
     }
@@ -295,7 +295,7 @@ pub struct MappedPreconditioner {
 }
 
 impl MappedPreconditioner {
-    /// From the straight grid that stands for the body: its columns, and levels at their mean heights [m].
+    /// From the straight grid that represents the body: its columns, and levels at their mean heights [m].
     ///
     /// `held` names the faces whose displacements are zero. Where no face holds a component, its operator is singular and is
     /// shifted by `shift` times its mass [1/m^2]; about 1 / length^2 of the body will do. Zero where every component is held.
@@ -321,7 +321,7 @@ impl MappedPreconditioner {
         }
     }
 
-    /// `z` = P^-1 `r`; zero on the held faces.
+    /// `z` = P^-1 `r`; zero on the fixed faces.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         let nodes = self.operator.node_count();
         assert_eq!((r.len(), z.len()), (3 * nodes, 3 * nodes));

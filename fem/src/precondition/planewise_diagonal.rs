@@ -16,7 +16,7 @@ use crate::tensor::operator::TensorOperator;
 /// T = c_z K_z + (c_x theta_a + c_y theta_b) M_z,
 ///
 /// which is eliminated towards one end of z: four small matrix products a component instead of six. What that end has
-/// gathered, y, tells the answer there before any other is known: z = T y with T one over the last pivot. A constraint on
+/// gathered, y, gives the answer there before any other is known: z = T y with T one over the last pivot. A constraint on
 /// that plane acts between [`PlanewiseDiagonal::gather`] and [`PlanewiseDiagonal::spread`].
 ///
 /// The products are done in single precision ([`crate::precondition::planewise_diagonal`]), the elimination in double; so is the answer on that
@@ -38,7 +38,7 @@ pub(crate) struct Component {
 }
 
 impl PlanewiseDiagonal {
-    /// Diagonalises x and y once for each pair of held ends that occurs, and eliminates z towards `end`.
+    /// Diagonalises x and y once for each pair of fixed ends that occurs, and eliminates z towards `end`.
     ///
     /// # Panics
     /// Where the plane at `end` is held in z: nothing could act there.
@@ -144,7 +144,7 @@ impl PlanewiseDiagonal {
         }
     }
 
-    /// `z` from what [`PlanewiseDiagonal::gather`] left, which it uses up.
+    /// `z` from the result of [`PlanewiseDiagonal::gather`], which is overwritten.
     pub fn spread(&self, modal: &mut [f64], z: &mut [f64]) {
         let nodes: usize = self.shape.iter().product();
         assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
@@ -210,15 +210,13 @@ impl Component {
         );
     }
 
-    /// `z` = (Qx x Qy) `modal`, plane by plane; 0 on held planes.
+    /// `z` = (Qx x Qy) `modal`, plane by plane; 0 on fixed planes.
     fn leave_modes(&self, [nx, ny, _]: [usize; 3], modal: &[f64], z: &mut [f64]) {
         let [mx, my] = self.pairs();
         let upwards = self.z.planes.first() < self.z.planes.last();
         let step_of = |k: usize| {
-            let (low, high) = match upwards {
-                true => (self.z.planes[0], self.z.planes[self.z.planes.len() - 1]),
-                false => (self.z.planes[self.z.planes.len() - 1], self.z.planes[0]),
-            };
+            let ends = (self.z.planes[0], self.z.planes[self.z.planes.len() - 1]);
+            let (low, high) = if upwards { ends } else { (ends.1, ends.0) };
             (low..=high)
                 .contains(&k)
                 .then(|| if upwards { k - low } else { high - k })

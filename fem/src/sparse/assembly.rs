@@ -202,7 +202,7 @@ pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
 /// Writes the stiffness of some bodies, one after the other along the diagonal, in Matrix Market form.
 ///
 /// `coordinate real symmetric`: the lower triangle, one-based (row, column, value [N/m]), column by column; values have as many
-/// digits as bring the same number back. `comments` stand above as lines of their own. Source: R. F. Boisvert, R. Pozo and
+/// digits as bring the same number back. `comments` come first, a line each. Source: R. F. Boisvert, R. Pozo and
 /// K. A. Remington, The Matrix Market exchange formats, NISTIR 5935 (1996).
 ///
 /// # Errors

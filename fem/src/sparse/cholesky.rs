@@ -62,7 +62,7 @@ impl Factor {
 
     /// Factorises a symmetric positive definite matrix given by its lower triangle, eliminating in `order`.
     ///
-    /// `order[k]` is the unknown eliminated k-th; each of the n unknowns stands in it once (checked).
+    /// `order[k]` is the unknown eliminated k-th; it contains each of the n unknowns once (checked).
     pub fn new(lower: &SparseColMat<u32, f64>, order: &[u32]) -> Result<Self, Error> {
         let free_dofs = lower.ncols();
         let too_large = |reason: String| Error::FactorTooLarge { free_dofs, reason };
@@ -112,7 +112,7 @@ impl Factor {
     }
 
     /// Largest diagonal entry times what forces of 1, of either sign by turns without a pattern, move at most: no more than the matrix's condition number
-    /// times the root of its size. A mechanism whose pivot rounding has left above 0 moves without end.
+    /// times the root of its size. A mechanism whose pivot is above 0 by rounding moves without end.
     fn amplifies(&self, lower: &SparseColMat<u32, f64>) -> f64 {
         let n = self.dofs();
         let diagonal = (0..n).flat_map(|j| {
@@ -126,10 +126,8 @@ impl Factor {
         };
         let mut moved: Vec<f64> = (0..n).map(sign).collect();
         self.solve(&mut moved);
-        let most = moved.iter().fold(0.0, |most: f64, u| match u.is_nan() {
-            true => f64::INFINITY,
-            false => most.max(u.abs()),
-        });
+        let size = |u: &f64| if u.is_nan() { f64::INFINITY } else { u.abs() };
+        let most = moved.iter().map(size).fold(0.0, f64::max);
         largest * most
     }
 

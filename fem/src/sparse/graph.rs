@@ -34,7 +34,7 @@ impl NodeCells {
         Self { start, places }
     }
 
-    /// The (cell, corner) pairs in which a node stands, cells ascending.
+    /// The (cell, corner) pairs that contain a node, cells ascending.
     pub fn of(&self, node: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.places[self.start[node]..self.start[node + 1]]
             .iter()

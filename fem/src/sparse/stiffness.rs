@@ -10,10 +10,10 @@ use crate::error::Error;
 use crate::sparse::assembly::{BlockMatrix, assemble_on};
 use crate::sparse::graph::NodeGraph;
 
-/// The stiffness of all displacements of a body [N/m], held ones included, as a sparse matrix of faer's.
+/// The stiffness of all displacements of a body [N/m], fixed ones included, as a sparse matrix of faer's.
 ///
 /// Vectors hold component after component, as those of [`crate::TensorOperator`]: displacement `c` of node `n` is number
-/// `c * node_count + n`. The matrix stands in panels of neighbouring columns, both triangles of it, so that a product is one
+/// `c * node_count + n`. The matrix is stored in panels of neighbouring columns, both triangles of it, so that a product is one
 /// scalar product a column: the same bits for any number of threads.
 #[derive(Clone, Debug)]
 pub struct SparseStiffness {
@@ -28,7 +28,7 @@ const COLUMNS: usize = 4096;
 /// Memory of a block of 3 x 3 while the matrix is made [bytes]: its node, itself, and nine entries with their rows.
 const BYTES_A_BLOCK: u64 = 4 + 9 * 8 + 9 * (8 + 4);
 
-/// Memory of a node beside its blocks [bytes]: its cells and the starts of rows and columns.
+/// Memory of a node in addition to its blocks [bytes]: its cells and the starts of rows and columns.
 const BYTES_A_NODE: u64 = 8 * 8 + 2 * 8 + 3 * 4;
 
 impl SparseStiffness {

@@ -73,7 +73,7 @@ impl Axis {
     }
 
     /// This axis with the mass of cellwise averages, sum over cells of h (u_i + u_(i+1)) (v_i + v_(i+1)) / 4, and
-    /// `share` of what the consistent mass has beyond it.
+    /// `share` of the consistent mass in excess of it.
     ///
     /// Averages miss what alternates from node to node; a small positive share keeps M definite.
     pub fn averaged(&self, share: f64) -> Self {

@@ -8,7 +8,7 @@
 //! (2 D u)_i = w_(below) - w_(above),
 //!
 //! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a node its lumped mass. Where
-//! cells count by their means, h / 4 stands for h / 6: (u_i + u_(i+1)) (v_i + v_(i+1)) h / 4 is then what a cell weighs.
+//! cells count by their means, h / 4 replaces h / 6: (u_i + u_(i+1)) (v_i + v_(i+1)) h / 4 is then what a cell weighs.
 
 use crate::tensor::axis::{Axis, Tridiagonal};
 
@@ -149,7 +149,7 @@ impl Factors {
     }
 }
 
-/// Cell `e` of an axis; beyond its last all zeros.
+/// Cell `e` of an axis; all zeros after its last.
 fn cell(axis: &Axis, e: usize, mass: CellMass) -> Cell {
     axis.nodes.get(e + 1).map_or(Cell::default(), |next| {
         let h = next - axis.nodes[e];

@@ -1,4 +1,4 @@
-//! What one plane of u gives to K u: to its own plane and to the two beside it.
+//! What one plane of u gives to K u: to its own plane and to the two next to it.
 //!
 //! A vector of neighbours along x goes up y, row by row, for one equation or two at a time. In each row come the products
 //! along x,
@@ -12,7 +12,7 @@
 //! and M f_m + K f_k - 2 D f_d along z, which is added to what the planes before gave. Nothing but these sums is stored: two
 //! planes of them, a vector's column after the other.
 //!
-//! Rows may go up in bands ([`crate::tensor::slab`]); a band takes the products of the rows beside it too.
+//! Rows may go up in bands ([`crate::tensor::slab`]); a band takes the products of the neighbouring rows too.
 //!
 //! | equation | p | q | r |
 //! |---|---|---|---|
@@ -36,7 +36,7 @@ pub(crate) struct Plane<'a> {
     pub factors: &'a Factors,
     /// Place among the factors' layers.
     pub layer: usize,
-    /// The band's rows of u and the two beside them, by component.
+    /// The band's rows of u and the two next to them, by component.
     pub rows: [&'a [f64]; 3],
     /// The same rows' ends.
     pub ends: &'a RowEnds,
@@ -48,7 +48,7 @@ pub(crate) struct Plane<'a> {
     pub nx: usize,
     /// Neighbouring rows.
     pub band: Range<usize>,
-    /// Where the same band of the next plane will read and write, by component: a band's lines are asked for ahead of time.
+    /// Where the same band of the next plane will read and write, by component: a band's lines are prefetched.
     pub ahead: [[&'a [f64]; 2]; 3],
 }
 

@@ -181,7 +181,7 @@ impl TensorOperator {
         self.shape().iter().product()
     }
 
-    /// Number of unknowns that no held face takes away.
+    /// Number of unknowns that no fixed face removes.
     pub fn free_dofs(&self) -> usize {
         let free = |c: usize, axis: usize| {
             let held = self.held[c][axis];
@@ -190,7 +190,7 @@ impl TensorOperator {
         (0..3).map(|c| free(c, 0) * free(c, 1) * free(c, 2)).sum()
     }
 
-    /// Sets the held entries of a vector to 0.
+    /// Sets the fixed entries of a vector to 0.
     pub fn mask(&self, u: &mut [f64]) {
         let [nx, ny, nz] = self.shape();
         let nodes = nx * ny * nz;
@@ -204,7 +204,7 @@ impl TensorOperator {
         }
     }
 
-    /// `out` = K `u`, with 0 on held entries; the held entries of `u` count as prescribed values.
+    /// `out` = K `u`, with 0 on fixed entries; the fixed entries of `u` count as prescribed values.
     ///
     /// # Panics
     /// Where a vector does not have `3 * node_count` numbers.
@@ -272,7 +272,7 @@ impl TensorOperator {
         }
     }
 
-    /// The part of one of the sums of products, held entries as they come.
+    /// The part of one of the sums of products, fixed entries as they come.
     fn slab_of(
         &self,
         products: &Products,
@@ -333,7 +333,7 @@ impl TensorOperator {
     }
 }
 
-/// A slab computes with the two planes beside it too: fewer planes would not pay.
+/// A slab computes with its two neighbouring planes too: fewer planes would not pay.
 const FEWEST_PLANES: usize = 4;
 
 fn mask_plane(plane: &mut [f64], held: [[bool; 2]; 3], shape: [usize; 3], k: usize) {

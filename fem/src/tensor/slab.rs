@@ -1,4 +1,4 @@
-//! K u on some neighbouring planes: one walk up z through them and the two beside them, or one for each band of rows.
+//! K u on some neighbouring planes: one walk up z through them and the two next to them, or one for each band of rows.
 
 use std::fmt;
 use std::ops::Range;
@@ -135,7 +135,7 @@ pub(crate) fn walk(
 /// Rows that a walk takes through all planes together: all of them where u and K u stay in the last cache, and else so many
 /// that what a walk works in stays in a core's own.
 ///
-/// Each band computes the products along x of the two rows beside it anew.
+/// Each band computes the products along x of the two neighbouring rows anew.
 pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
     const NUMBER: usize = size_of::<f64>();
     if 2 * 3 * nx * ny * nz * NUMBER <= LAST_CACHE {
@@ -146,9 +146,9 @@ pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
     ny.div_ceil(bands)
 }
 
-/// Bytes of u and K u that may be expected to stay in the last cache, beside the other vectors of a solve.
+/// Bytes of u and K u that may be expected to stay in the last cache, together with the other vectors of a solve.
 const LAST_CACHE: usize = 12 << 20;
-/// Bytes of a band's sums. The rows of u beside them, and what is asked for ahead of time, are as many again and more.
+/// Bytes of a band's sums. The neighbouring rows of u, and what is prefetched, are as many again and more.
 const SUMS: usize = 128 << 10;
 
 /// A part of each component.
@@ -167,7 +167,7 @@ pub(crate) struct RowEnds {
     pub stride: usize,
 }
 
-/// A vector and the neighbour beyond it.
+/// A vector and the neighbour after it.
 const END: usize = WIDEST + 1;
 
 impl RowEnds {

@@ -199,10 +199,13 @@ fn write_array<T: Copy + Sync, const N: usize>(
             place.copy_from_slice(&number(value));
         }
         let sample = &bytes[..bytes.len() / SAMPLE];
-        match 4 * zlib(sample, Compression::fast())?.len() > 3 * sample.len() {
-            true => zlib(&bytes, Compression::none()),
-            false => zlib(&bytes, Compression::fast()),
-        }
+        let saved = 4 * zlib(sample, Compression::fast())?.len() <= 3 * sample.len();
+        let level = if saved {
+            Compression::fast()
+        } else {
+            Compression::none()
+        };
+        zlib(&bytes, level)
     };
     let blocks: Vec<Vec<u8>> = values
         .par_chunks(BLOCK)

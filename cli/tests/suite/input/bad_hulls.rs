@@ -92,7 +92,7 @@ fn exact_shapes_are_refused_with_the_command_that_makes_triangles_of_them() {
             &[
                 "runner.hull: ",
                 name,
-                "expected obj, gltf, glb or stl",
+                "expected obj, gltf, glb, stl or 3mf",
                 &command,
                 "scale = 0.001",
             ],
