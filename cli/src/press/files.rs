@@ -149,7 +149,7 @@ fn volumes(staging: &Staging, pressed: &SolvedContact) -> Result<f64, Failure> {
 fn surfaces(staging: &Staging, pressed: &SolvedContact) -> Result<(), Failure> {
     let solution = &pressed.solution;
     staging.write("contact.vtp", |mut file| {
-        contact_vtp::write(&mut file, &solution.surface)
+        contact_vtp::write(&mut file, &solution.surface, solution.fz)
     })?;
     if let (Some(field), Some(loads)) = (&solution.runner_volume, &pressed.runner) {
         let path = staging.path("stress.png");

