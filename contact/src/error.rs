@@ -1,8 +1,8 @@
 //! What can go wrong in a contact solve.
 
+use crate::Solution;
 use crate::grid::patch::COARSE;
 use crate::options::AREA_WEIGHT;
-use crate::{Method, Solution};
 
 /// A number in no more digits than it needs.
 fn plain(value: f64) -> String {
@@ -50,12 +50,12 @@ fn size(spacing: f64) -> String {
     }
 }
 
-/// Why an error as small as asked does not do.
+/// Why the requested error is reached and the solution still refused.
 fn coarse(reached: bool, finest: f64) -> String {
     match reached {
         true => format!(
             ", but the pressure asks somewhere for cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
-             too many unknowns or were asked for too often"
+             too many unknowns or were requested too often"
         ),
         false => String::new(),
     }
@@ -73,14 +73,6 @@ pub enum Error {
         value: f64,
         /// What it must be.
         expected: &'static str,
-    },
-    /// A checking method was asked for a runner that it does not take.
-    #[error(
-        "{method:?} does not take this elastic runner: expected a rigid one, or the active set for one on the ice's columns"
-    )]
-    MethodNotForRunner {
-        /// The method.
-        method: Method,
     },
     /// A runner that nothing but loads hold was given an approach, or tilts.
     #[error("a runner without a mount needs a normal force and free tilt")]
@@ -127,7 +119,7 @@ pub enum Error {
         /// Farthest point of the hull [m].
         reach: f64,
     },
-    /// Steady sliding was asked of a problem that it does not take.
+    /// The problem is none of steady sliding.
     #[error("steady sliding does not take {reason}")]
     NotSliding {
         /// What it does not take.
@@ -149,7 +141,7 @@ pub enum Error {
         /// Most load that it bears [N].
         capacity: f64,
     },
-    /// The contact asks for cells that cannot be.
+    /// The contact needs cells that are too small.
     #[error(
         "the contact from {from:.3e} to {to:.3e} m asks for cells of {}: expected lengths (ice, runner, waves, mount) that are nearer \
          to one another",
@@ -160,7 +152,7 @@ pub enum Error {
         from: f64,
         /// Its end [m].
         to: f64,
-        /// Spacing that was asked for, or the least that rounding tells there [m].
+        /// Requested spacing, or the least that rounding allows there [m].
         spacing: f64,
     },
     /// The coarsest mesh of the contact is larger than memory takes.
@@ -219,19 +211,19 @@ pub enum Error {
         /// How deep runner and ice would lie in one another there [m].
         depth: f64,
     },
-    /// The caller asked the solve to end.
+    /// The caller stopped the solve.
     #[error("stopped before the end")]
     Stopped,
     /// The iteration stopped short of its tolerance.
     #[error(
-        "not converged after {iterations} iterations: residual {residual:.2e}, asked {tolerance:.2e}"
+        "not converged after {iterations} iterations: residual {residual:.2e}, requested {tolerance:.2e}"
     )]
     NotConverged {
         /// Iterations spent.
         iterations: usize,
         /// Residual reached.
         residual: f64,
-        /// Residual asked.
+        /// Requested residual.
         tolerance: f64,
     },
     /// The half-space beyond the mesh and the force under a given approach do not settle together.
@@ -252,9 +244,9 @@ pub enum Error {
         /// Times that the contact plane was solved.
         rounds: usize,
     },
-    /// The accuracy asked was not reached within the largest mesh allowed.
+    /// The requested accuracy was not reached within the largest mesh allowed.
     #[error(
-        "estimated error of {} {} with {dofs} unknowns, asked {}{}",
+        "estimated error of {} {} with {dofs} unknowns, requested {}{}",
         watched(best).0, percent(watched(best).1 * estimate), percent(watched(best).1 * tolerance),
         coarse(*estimate <= *tolerance, *finest)
     )]
@@ -263,17 +255,17 @@ pub enum Error {
         dofs: usize,
         /// Estimated relative error.
         estimate: f64,
-        /// Relative error asked.
+        /// Requested relative error.
         tolerance: f64,
-        /// Smallest cells that the pressure asks for somewhere, over those there.
+        /// Smallest cells that the pressure needs somewhere, over those there.
         finest: f64,
         /// The solution of the finest mesh, with that error.
         best: Box<Solution>,
     },
-    /// The accuracy asked of a sliding contact was not reached within the largest mesh allowed.
+    /// The requested accuracy of a sliding contact was not reached within the largest mesh allowed.
     #[error(
         "estimated error {} (the largest of peak pressure, groove's depth and ploughing force) with {dofs} \
-         unknowns, asked {}",
+         unknowns, requested {}",
         percent(*estimate), percent(*tolerance)
     )]
     SlidingAccuracyNotReached {
@@ -281,7 +273,7 @@ pub enum Error {
         dofs: usize,
         /// Estimated relative error.
         estimate: f64,
-        /// Relative error asked.
+        /// Requested relative error.
         tolerance: f64,
     },
     /// The assembled stiffness does not fit into the memory that it may take.
@@ -312,7 +304,7 @@ mod tests {
 
     #[test]
     fn an_accuracy_is_told_with_three_digits_however_small() {
-        for (share, told) in [
+        for (share, reported) in [
             (0.416e-2, "0.416 %"),
             (1e-5, "0.00100 %"),
             (2.34e-7, "0.0000234 %"),
@@ -322,7 +314,7 @@ mod tests {
             (12.345, "1234 %"),
             (0.0, "0 %"),
         ] {
-            assert_eq!(percent(share), told, "{share}");
+            assert_eq!(percent(share), reported, "{share}");
         }
         let short = Error::SlidingAccuracyNotReached {
             dofs: 7,
@@ -331,6 +323,6 @@ mod tests {
         };
         let said = short.to_string();
         assert!(said.contains(" 0.000400 % "), "{said}");
-        assert!(said.ends_with("asked 0.000250 %"), "{said}");
+        assert!(said.ends_with("requested 0.000250 %"), "{said}");
     }
 }

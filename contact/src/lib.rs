@@ -9,7 +9,7 @@
 //! | [`runner_loads()`], [`RunnerLoads`] | stresses in an elastic runner and the forces on its mounts |
 //! | [`slide`], [`SlidingSolution`], [`Groove`] | sliding on ice that yields: groove, ploughing force |
 //! | [`boundary_elements()`], [`BoundaryElements`] | a second answer by another method, where it applies |
-//! | [`Anchored`] | boundary elements for a family of contacts, verified at its ends by finite elements |
+//! | [`VerifiedBem`] | boundary elements for a family of contacts, verified at its ends by finite elements |
 //! | [`hertz`], [`rigid_plastic`] | closed forms: smooth point contacts, grooves in rigid-plastic ice |
 //!
 //! The folders are the steps of a solve. Each imports from those above it only.
@@ -69,7 +69,6 @@ mod map;
 mod mesh;
 mod motion;
 mod options;
-mod plain_methods;
 mod precondition;
 mod problem;
 mod result;
@@ -77,7 +76,7 @@ mod solve;
 mod vector;
 
 pub use boundary_elements::check::{
-    Anchored, BoundaryElements, boundary_elements, boundary_elements_to,
+    BoundaryElements, VerifiedBem, boundary_elements, boundary_elements_to,
     boundary_elements_to_compare,
 };
 pub use boundary_elements::window::NotChecked;
@@ -88,7 +87,7 @@ pub use groove::solution::{Groove, GrooveProfile, Measure, Section, SlidingMesh,
 pub use map::pressure_map::{PressureMap, parted, pressure_maps};
 pub use map::rim::squared_pressure;
 pub use mesh::assembled::AssembledBody;
-pub use options::{MeshWatcher, Method, NUMERICS, NextMesh, Options, StiffnessForm, Watcher};
+pub use options::{MeshWatcher, NUMERICS, NextMesh, Options, StiffnessForm, Watcher};
 pub use problem::contact_problem::{ElasticRunner, Load, Problem, Runner, Tilt};
 pub use problem::gap::track_height;
 pub use problem::ice::{

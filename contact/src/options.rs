@@ -14,18 +14,6 @@ pub const NUMERICS: u32 = 17;
 /// The area's error is of first order and scatters with the place of the rim between nodes.
 pub(crate) const AREA_WEIGHT: f64 = 0.25;
 
-/// The way to the solution of one mesh's equations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Projected SOR on the contact forces, accelerated by constrained conjugate gradients.
-    #[default]
-    Accelerated,
-    /// Active set on surface responses from a sparse Cholesky factor: slow, for checking small meshes.
-    CholeskyActiveSet,
-    /// Plain projected SOR on the stiffness and the rigid motion: very slow, for checking small meshes of ice that does not yield.
-    PlainSor,
-}
-
 /// The form in which the stiffness of the bodies is multiplied with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StiffnessForm {
@@ -37,7 +25,7 @@ pub enum StiffnessForm {
     Assembled,
 }
 
-/// Someone who is told of every update of the contact set.
+/// Callback for every update of the contact set.
 pub type Watcher = Arc<dyn Fn(&Iterate) + Send + Sync>;
 
 /// A mesh that is about to be solved.
@@ -51,13 +39,13 @@ pub struct NextMesh {
     pub error_before: Option<f64>,
 }
 
-/// Someone who is told of every mesh before it is solved.
+/// Callback for every mesh before it is solved.
 pub type MeshWatcher = Arc<dyn Fn(&NextMesh) + Send + Sync>;
 
 /// Accuracy and limits of a solve.
 #[derive(Clone)]
 pub struct Options {
-    /// Relative discretisation error asked of the peak pressure.
+    /// Requested relative discretisation error of the peak pressure.
     pub p_max_tolerance: f64,
     /// Relative energy-norm residual of the equations on each mesh.
     pub residual: f64,
@@ -67,8 +55,6 @@ pub struct Options {
     /// Where given, one mesh with this many cells over half the patch is solved instead of refining to
     /// `p_max_tolerance`; the reported error is then infinite.
     pub cells: Option<usize>,
-    /// How the equations are solved.
-    pub method: Method,
     /// The form of the stiffness.
     pub stiffness: StiffnessForm,
     /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together [bytes].
@@ -94,14 +80,13 @@ impl Options {
 
 impl Default for Options {
     /// One per cent of peak pressure, residual 1e-9, at most 4 million unknowns, matrix-free, assembled
-    /// in at most 4 GB where asked, silent.
+    /// in at most 4 GB where requested, silent.
     fn default() -> Self {
         Options {
             p_max_tolerance: 0.01,
             residual: 1e-9,
             max_dofs: 4_000_000,
             cells: None,
-            method: Method::Accelerated,
             stiffness: StiffnessForm::MatrixFree,
             max_stiffness_bytes: 4_000_000_000,
             subsurface: false,

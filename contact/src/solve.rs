@@ -1,4 +1,4 @@
-//! From a problem to a pressure field of the accuracy asked.
+//! From a problem to a pressure field of the requested accuracy.
 
 use crate::accuracy::find_patch::capacity;
 use crate::accuracy::meshes::Meshes;
@@ -61,7 +61,7 @@ pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> 
     capacity(problem)
 }
 
-/// Relative difference of the force carried from the one asked that a balanced contact may have.
+/// Relative difference of the force carried from the requested one that a balanced contact may have.
 const BALANCED: f64 = 1e-6;
 
 /// What equilibrium and contact conditions may be violated by at the end, relative: the sets' own slack where they went in circles.
@@ -80,9 +80,9 @@ fn held(solution: Solution, options: &Options) -> Result<Solution, Error> {
     })
 }
 
-/// Passes an answer on that is one: finite, with a contact, under the load that was asked.
+/// Passes an answer on that is one: finite, with a contact, under the requested load.
 pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
-    let told = |name, value, expected| {
+    let reported = |name, value, expected| {
         Err(Error::NoAnswer {
             name,
             value,
@@ -97,7 +97,7 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         ("contact width [m]", solution.width),
     ] {
         if !(value.is_finite() && value > 0.0) {
-            return told(name, value, "a positive number");
+            return reported(name, value, "a positive number");
         }
     }
     for (name, value) in [
@@ -105,7 +105,7 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         ("roll [rad]", solution.roll),
     ] {
         if value.is_nan() || value.abs() > MOST_TILT {
-            return told(
+            return reported(
                 name,
                 value,
                 "at most 0.12 either way: tilts are taken as small",
@@ -117,13 +117,17 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         ("residual", solution.kkt_residual),
     ] {
         if !value.is_finite() {
-            return told(name, value, "a finite number");
+            return reported(name, value, "a finite number");
         }
     }
     if let Load::Force { fz, .. } = problem.load
         && (solution.fz.is_nan() || (solution.fz / fz - 1.0).abs() > BALANCED)
     {
-        return told("force carried [N]", solution.fz, "the normal force asked");
+        return reported(
+            "force carried [N]",
+            solution.fz,
+            "the requested normal force",
+        );
     }
     Ok(solution)
 }
@@ -262,7 +266,7 @@ mod tests {
         // Hertz's peak of this contact.
         let off = (best.p_max / 138.52e6 - 1.0).abs();
         assert!(off < estimate && estimate < 0.02, "{off} {estimate}");
-        // An error as small as asked is not told alone: the gate that it did not pass is.
+        // The message names the criterion that failed, not the error alone.
         let coarse = Error::AccuracyNotReached {
             dofs,
             estimate: 0.5e-4,
@@ -270,10 +274,10 @@ mod tests {
             finest: 0.25,
             best,
         };
-        let told = coarse.to_string();
+        let reported = coarse.to_string();
         assert!(
-            told.contains("cells of 0.25 of those there, 0.6 is the least"),
-            "{told}"
+            reported.contains("cells of 0.25 of those there, 0.6 is the least"),
+            "{reported}"
         );
         Ok(())
     }
@@ -281,10 +285,10 @@ mod tests {
     #[test]
     fn updates_are_told_in_order_with_the_values_of_their_moment()
     -> Result<(), Box<dyn std::error::Error>> {
-        let told = Arc::new(std::sync::Mutex::new(Vec::new()));
-        let kept = told.clone();
+        let reported = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let kept = reported.clone();
         let begun = Arc::new(std::sync::Mutex::new(Vec::new()));
-        let (meshes, so_far) = (begun.clone(), told.clone());
+        let (meshes, so_far) = (begun.clone(), reported.clone());
         let options = Options {
             next_mesh: Some(Arc::new(move |mesh: &crate::NextMesh| {
                 let updates: Vec<crate::Iterate> = so_far.lock().expect("no failure").clone();
@@ -297,20 +301,24 @@ mod tests {
             ..Options::default()
         };
         let solution = solve(&paraboloid()?, &options)?;
-        let told = told.lock().expect("no watcher has failed");
-        assert_eq!(*told, solution.history);
+        let reported = reported.lock().expect("no watcher has failed");
+        assert_eq!(*reported, solution.history);
         let begun = begun.lock().expect("no failure");
-        assert_eq!(begun.len(), told[told.len() - 1].level + 1);
-        for update in told.iter() {
+        assert_eq!(begun.len(), reported[reported.len() - 1].level + 1);
+        for update in reported.iter() {
             let mesh = begun[update.level];
             let of_mesh = (mesh.dofs, mesh.error_before);
             assert_eq!(of_mesh, (update.dofs, update.error_before));
         }
-        assert!(told.windows(2).all(|w| w[0].level <= w[1].level));
+        assert!(reported.windows(2).all(|w| w[0].level <= w[1].level));
         // Two sets of one mesh have two peaks: neither is given the other's.
         let changed = |w: &[crate::Iterate]| w[0].level != w[1].level || w[0].p_max != w[1].p_max;
-        assert!(told.windows(2).all(changed));
-        assert!(told.iter().all(|i| (i.p_max / 138.5e6 - 1.0).abs() < 0.1));
+        assert!(reported.windows(2).all(changed));
+        assert!(
+            reported
+                .iter()
+                .all(|i| (i.p_max / 138.5e6 - 1.0).abs() < 0.1)
+        );
         Ok(())
     }
 }

@@ -2,5 +2,6 @@
 
 pub mod contact;
 pub mod coverage;
+pub mod exact_response;
 pub mod meshes;
 pub mod under_peak;

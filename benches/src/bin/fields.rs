@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use kufe::case::Case;
 use kufe_benches::ICE;
-use kufe_contact::{Anchored, Options, Problem, boundary_elements, hertz, solve};
+use kufe_contact::{Options, Problem, VerifiedBem, boundary_elements, hertz, solve};
 use kufe_lut::each;
 use rayon::prelude::*;
 
@@ -130,7 +130,7 @@ fn anchored(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
         .zip(solutions)
         .map(|(&n, s)| (problems[n].clone(), s))
         .collect();
-    let anchored = Anchored::at(&pairs, tolerance).ok_or("the two methods part at an anchor")?;
+    let anchored = VerifiedBem::at(&pairs, tolerance).ok_or("the two methods part at an anchor")?;
     let peaks = each(&problems, |problem| match anchored.answer(problem) {
         Some(found) => Ok(found.p_max),
         None => solve(problem, &options(tolerance)).map(|solution| solution.p_max),

@@ -85,7 +85,7 @@ impl Answer<'_> {
             length: figures.length,
             length_error: limits.length_error,
             width: figures.width,
-            // Where nothing else tells: as uncertain as what is judged by.
+            // Where nothing else is known: as uncertain as what is judged by.
             width_error: figures.width * limits.length_error / figures.length,
             approach: limits.approach,
             approach_error: limits.approach * limits.relative,

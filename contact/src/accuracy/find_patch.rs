@@ -15,7 +15,7 @@ use crate::result::pressure::Field;
 use crate::{Error, Load, Options, Problem};
 
 /// Cells over half the patch while it is being found.
-const SCOUTING: Resolution = Resolution {
+const COARSE_MESH: Resolution = Resolution {
     cells: 7.0,
     growth: 0.7,
 };
@@ -24,7 +24,7 @@ const SCOUTING: Resolution = Resolution {
 const ROUNDS: usize = 30;
 
 /// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it finds.
-pub(crate) fn scout(
+pub(crate) fn find_patch(
     problem: &Problem,
     gap: &Gap,
     material: Material,
@@ -41,7 +41,7 @@ pub(crate) fn scout(
             gap,
             material,
             patch: &patch,
-            resolution: SCOUTING,
+            resolution: COARSE_MESH,
             reach: Reach::WholeHull,
         }
         .mesh()?;

@@ -70,7 +70,7 @@ fn approaches(problem: &Problem, asked: f64) -> Result<[Limit; 3], Error> {
 }
 
 /// The share of limits that hold 1, known to so much, and the median of what they state over what they are off by.
-fn told(limits: &mut [(Limit, f64)]) -> [f64; 2] {
+fn reported(limits: &mut [(Limit, f64)]) -> [f64; 2] {
     let off = |(limit, _): &(Limit, f64)| (limit.value - 1.0).abs();
     let held = limits.iter().filter(|l| off(l) <= l.0.error + l.1).count();
     let mut ratios: Vec<f64> = limits
@@ -144,12 +144,12 @@ fn the_highest_order_holds_errors_at_half_and_twice_itself() {
             .iter()
             .map(|&meshes| (Limit::of_rim_up_to(meshes, order), 0.0))
             .collect();
-        let [held, ratio] = told(&mut made);
+        let [held, ratio] = reported(&mut made);
         print!("| {order} | {:.1} % | {ratio:.1} |", 100.0 * held);
         for of in &solved {
             let mut limits: Vec<(Limit, f64)> =
                 of.iter().map(|(l, known)| (l[k], *known)).collect();
-            let [held, ratio] = told(&mut limits);
+            let [held, ratio] = reported(&mut limits);
             print!(" {:.0} % of {} | {ratio:.1} |", 100.0 * held, limits.len());
             // One in twenty may be off, and of few one.
             let least = 0.95f64.min(1.0 - 1.0 / limits.len() as f64);

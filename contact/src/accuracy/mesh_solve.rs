@@ -9,9 +9,8 @@ use crate::bodies::far_field::{lumps, prescribe};
 use crate::green::matrix::{Green, Stored};
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
-use crate::plain_methods::{active_set, projected_sor};
 use crate::precondition::planewise::Side;
-use crate::{Error, Foundation, Load, Method, Options, Problem};
+use crate::{Error, Foundation, Load, Options, Problem};
 
 /// Contact forces as they are known so far, on the plane they were found on.
 pub(crate) struct Forces {
@@ -33,7 +32,7 @@ impl Forces {
     }
 }
 
-/// One mesh of a problem, and who is told of what happens on it.
+/// One mesh of a problem, and the callback for what happens on it.
 pub(crate) struct MeshSolve<'a> {
     pub problem: &'a Problem,
     pub material: Material,
@@ -41,14 +40,12 @@ pub(crate) struct MeshSolve<'a> {
     pub options: &'a Options,
     /// Most candidates whose Green's matrix is stored.
     pub stored: Stored,
-    /// Told of every update of the contact set, with the state as it is then.
-    pub tell: &'a dyn Fn(&SetUpdate, &State),
+    /// Called at every update of the contact set, with the state as it is then.
+    pub report: &'a dyn Fn(&SetUpdate, &State),
 }
 
 /// Most conjugate-gradient iterations on one mesh at a Poisson's ratio of 1/3.
 const ITERATIONS: usize = 1000;
-/// Most sweeps of the plain method.
-const SWEEPS: usize = 200_000;
 /// Most far fields under a given approach.
 const ROUNDS: usize = 20;
 /// Relative change of the force between two far fields that the last of them settles.
@@ -69,14 +66,9 @@ impl MeshSolve<'_> {
     ) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
         let greens = contact.greens(self.stored);
-        let (mut state, counts) = match self.options.method {
-            Method::Accelerated => self.begin(&greens[1], motion),
-            Method::CholeskyActiveSet | Method::PlainSor => {
-                (self.untouched(motion), Counts::default())
-            }
-        };
-        self.hold_outer_faces(forces, &mut state);
-        let mut progress = self.with_held_faces(&greens, &mut state, counts)?;
+        let (mut state, counts) = self.begin(&greens[1], motion);
+        self.fix_outer_faces(forces, &mut state);
+        let mut progress = self.with_fixed_faces(&greens, &mut state, counts);
         if matches!(self.problem.load, Load::Approach { .. })
             && self.problem.ice.foundation == Foundation::HalfSpace
         {
@@ -84,11 +76,11 @@ impl MeshSolve<'_> {
             let mut change = f64::INFINITY;
             for _ in 0..rounds {
                 let before = contact.resultant(&state)[0];
-                self.hold_outer_faces(&Forces::of(self.mesh, &state), &mut state);
+                self.fix_outer_faces(&Forces::of(self.mesh, &state), &mut state);
                 if self.options.stopped() {
                     break;
                 }
-                let again = self.with_held_faces(&greens, &mut state, Counts::default())?;
+                let again = self.with_fixed_faces(&greens, &mut state, Counts::default());
                 progress.iterations += again.iterations;
                 progress.converged &= again.converged;
                 progress.residual = again.residual;
@@ -126,14 +118,6 @@ impl MeshSolve<'_> {
         (state, found.counts)
     }
 
-    /// Nothing known but an approach.
-    fn untouched(&self, motion: f64) -> State {
-        let contact = &self.mesh.contact;
-        let mut state = contact.state_of(&[], [motion, 0.0, 0.0]);
-        state.displacement = vec![0.0; contact.len()];
-        state
-    }
-
     /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner, which couples no components, is
     /// conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and iterations go with its root.
     fn most_iterations(&self) -> usize {
@@ -148,15 +132,15 @@ impl MeshSolve<'_> {
         (ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
     }
 
-    /// Writes the far field of the contact forces onto the outer faces of a half-space.
-    pub fn hold_outer_faces(&self, forces: &Forces, state: &mut State) {
+    /// Fixes the displacements of the outer faces of a half-space to the far field of the contact forces.
+    pub fn fix_outer_faces(&self, forces: &Forces, state: &mut State) {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
         let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
         if self.problem.ice.foundation == Foundation::HalfSpace {
             prescribe(grid, symmetry, self.material, &lumps, Side::Below, on_ice);
         }
-        // An unbounded runner stands on all columns: a half-space too.
+        // An unbounded runner has all columns: a half-space too.
         if let [ice, body] = &self.mesh.contact.bodies[..]
             && body.columns() == ice.columns()
             && let Some(operator) = body.stiffness.grid()
@@ -177,37 +161,15 @@ impl MeshSolve<'_> {
         }
     }
 
-    /// Solves the equations for held outer faces, from `state`, whose forces took `begun`.
-    fn with_held_faces(
-        &self,
-        greens: &[Green; 2],
-        state: &mut State,
-        begun: Counts,
-    ) -> Result<Progress, Error> {
-        let options = self.options;
+    /// Solves the equations with the displacements of the outer faces fixed, from `state`, whose forces took `begun`.
+    fn with_fixed_faces(&self, greens: &[Green; 2], state: &mut State, begun: Counts) -> Progress {
         let control = Control {
-            tolerance: options.residual,
+            tolerance: self.options.residual,
             iterations: self.most_iterations(),
-            options,
-            tell: self.tell,
+            options: self.options,
+            report: self.report,
         };
-        let contact = &self.mesh.contact;
-        Ok(match options.method {
-            Method::Accelerated => contact.solve(state, greens, begun, &control),
-            Method::CholeskyActiveSet => {
-                let runner = self.problem.runner.elastic.as_ref();
-                let element = runner.map(|e| e.element_kind());
-                Progress::direct(active_set(self.mesh, self.material, element, state))
-            }
-            Method::PlainSor => {
-                let tolerance = 1e-3 * options.residual;
-                let sweeps = projected_sor(self.mesh, self.material, state, tolerance, SWEEPS);
-                Progress {
-                    iterations: sweeps.unwrap_or(SWEEPS),
-                    ..Progress::direct(sweeps.is_some())
-                }
-            }
-        })
+        self.mesh.contact.solve(state, greens, begun, &control)
     }
 }
 
@@ -239,7 +201,7 @@ mod tests {
             mesh: &one.mesh,
             options: &options,
             stored: Stored::USUAL,
-            tell: &|_, _| {},
+            report: &|_, _| {},
         };
         let within = |rounds| solve.solve_within(rounds, one.patch.motion, &one.forces);
         let mut before = f64::INFINITY;

@@ -5,14 +5,14 @@ use std::cell::RefCell;
 use kufe_fem::Material;
 
 use crate::accuracy::answer::Answer;
-use crate::accuracy::find_patch::scout;
+use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::order::{
     LEAST_REFINEMENT, Limit, REFINEMENT, first_resolution, next_refinement,
 };
 use crate::accuracy::own_cells::OwnCells;
-use crate::accuracy::penetration_check::{Penetration, Solved};
-use crate::accuracy::watched::{Left, Limits, Place, Watched};
+use crate::accuracy::penetration_check::{Penetration, SolvedMesh};
+use crate::accuracy::watched::{ErrorFloor, FigureHistory, Limits, Place};
 use crate::active_set::contact_set::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
 use crate::green::matrix::Stored;
@@ -57,7 +57,7 @@ pub(crate) struct Meshes<'a> {
     /// The runner's own hexahedra, where it has such.
     pub(super) own: Option<OwnCells>,
     number: usize,
-    pub(super) solved: Watched,
+    pub(super) solved: FigureHistory,
     /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
     pub(super) graded_anew: bool,
     pub(crate) regraded: usize,
@@ -88,7 +88,7 @@ impl<'a> Meshes<'a> {
     pub fn guess(problem: &'a Problem, options: &'a Options) -> Result<Self, Error> {
         let material = check(problem, options)?;
         let gap = Gap::new(problem)?;
-        let (patch, forces) = scout(problem, &gap, material, options)?;
+        let (patch, forces) = find_patch(problem, &gap, material, options)?;
         let own = OwnCells::new(problem, &patch);
         let coarsest = options.cells.map_or_else(
             || {
@@ -111,7 +111,7 @@ impl<'a> Meshes<'a> {
             coarsest,
             own,
             number: 0,
-            solved: Watched::new(problem.ice.hardness, left(own)),
+            solved: FigureHistory::new(problem.ice.hardness, left(own)),
             graded_anew: false,
             regraded: 0,
             widened: Vec::new(),
@@ -128,7 +128,7 @@ impl<'a> Meshes<'a> {
             assemble(&mut mesh, element, self.options.max_stiffness_bytes)?;
         }
         let dofs = dofs(&mesh);
-        let told = RefCell::new(Vec::new());
+        let reported = RefCell::new(Vec::new());
         let field = Field::new(&mesh, self.problem, &self.patch);
         let copies: f64 = mesh
             .symmetry
@@ -143,7 +143,7 @@ impl<'a> Meshes<'a> {
                 error_before,
             });
         }
-        let tell = |update: &SetUpdate, state: &State| {
+        let report = |update: &SetUpdate, state: &State| {
             let iterate = Iterate {
                 level: self.number,
                 dofs,
@@ -159,7 +159,7 @@ impl<'a> Meshes<'a> {
             if let Some(watcher) = &self.options.progress {
                 watcher(&iterate);
             }
-            told.borrow_mut().push(iterate);
+            reported.borrow_mut().push(iterate);
         };
         let (state, progress) = MeshSolve {
             problem: self.problem,
@@ -167,11 +167,11 @@ impl<'a> Meshes<'a> {
             mesh: &mesh,
             options: self.options,
             stored: Stored::USUAL,
-            tell: &tell,
+            report: &report,
         }
         .solve(self.patch.motion, &self.forces)?;
         let pressure = field.of(&state);
-        self.history.append(&mut told.into_inner());
+        self.history.append(&mut reported.into_inner());
         self.number += 1;
         self.forces = Forces::of(&mesh, &state);
         let cells = self.resolution().real_cells(mesh.symmetry);
@@ -202,7 +202,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two more, to tell an error by.
+    /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two more, to estimate an error from.
     fn next_mesh(&mut self) -> Result<Discretisation, Error> {
         loop {
             let mesh = MeshPlan {
@@ -225,8 +225,8 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    pub(super) fn on<'b>(&'b self, contact: &'b Contact) -> Solved<'b> {
-        Solved {
+    pub(super) fn on<'b>(&'b self, contact: &'b Contact) -> SolvedMesh<'b> {
+        SolvedMesh {
             problem: self.problem,
             gap: &self.gap,
             patch: &self.patch,
@@ -249,7 +249,7 @@ impl<'a> Meshes<'a> {
             });
         }
         // Meshes without that place say nothing of this contact.
-        self.solved = Watched::new(self.problem.ice.hardness, left(self.own));
+        self.solved = FigureHistory::new(self.problem.ice.hardness, left(self.own));
         self.patch = self.on(contact).patch_with(found);
         self.widened.push(self.patch.clone());
         self.graded_anew = true;
@@ -258,22 +258,22 @@ impl<'a> Meshes<'a> {
         Ok(())
     }
 
-    /// Prepares the mesh that a verdict asks for.
+    /// Prepares the mesh of a verdict.
     pub fn refine(&mut self, contact: Contact, plan: Plan) {
         let found = contact.pressure.patch;
-        // Rims are told to a cell: meshes for the same ones are similar.
-        let stands = self.patch.agrees_with(&found, 1.0 / self.cells);
-        self.graded_anew = plan.anew || !stands;
+        // Rims are known to a cell: meshes for the same ones are similar.
+        let agrees = self.patch.agrees_with(&found, 1.0 / self.cells);
+        self.graded_anew = plan.anew || !agrees;
         if plan.anew {
             self.regraded += 1;
             self.patch = found;
-        } else if stands {
+        } else if agrees {
             self.patch.motion = found.motion;
         } else {
             self.patch = found.with_sizes_of(&self.patch);
         }
         // Meshes for other rims say little of these: the coarsest of them are the cheapest to begin with.
-        let again = !plan.anew && !stands && self.regraded < REGRADINGS;
+        let again = !plan.anew && !agrees && self.regraded < REGRADINGS;
         self.cells = match again {
             true => self.first.min(plan.cells),
             false => plan.cells,
@@ -310,8 +310,8 @@ impl<'a> Meshes<'a> {
     }
 }
 
-fn left(own: Option<OwnCells>) -> Left {
-    own.map_or_else(Left::default, OwnCells::left)
+fn left(own: Option<OwnCells>) -> ErrorFloor {
+    own.map_or_else(ErrorFloor::default, OwnCells::left)
 }
 
 fn dofs(mesh: &Discretisation) -> usize {
@@ -320,13 +320,13 @@ fn dofs(mesh: &Discretisation) -> usize {
 
 // Whether the meshes solved so far are enough, and else what comes next.
 
-/// Share of the error asked that a first mesh's rims may take: where the patch was guessed worse, the contact's own is meshed before any
+/// Share of the requested error that a first mesh's rims may take: where the patch was guessed worse, the contact's own is meshed before any
 /// other. The rest is for the cells.
 const BY_RIMS: f64 = 0.5;
 
 /// What is to be done after a mesh.
 pub(crate) enum Verdict {
-    /// The accuracy asked is reached, with this limit of fine meshes.
+    /// The requested accuracy is reached, with this limit of fine meshes.
     Reached(Limits),
     /// Another mesh is needed.
     Refine(Plan),
@@ -337,11 +337,11 @@ pub(crate) enum Verdict {
     OutOfReach(Option<Limits>),
 }
 
-/// How far the best solution is from what was asked.
+/// How far the best solution is from the requested one.
 pub(crate) struct Estimate {
     /// Its relative error.
     pub relative: f64,
-    /// Smallest cells that its pressure asks for somewhere, over those there.
+    /// Smallest cells that its pressure needs somewhere, over those there.
     pub finest: f64,
 }
 
@@ -354,7 +354,7 @@ impl Meshes<'_> {
         if matches!(verdict, Verdict::Refine(_)) && !early {
             return verdict;
         }
-        let mut found = self.on(contact).elsewhere();
+        let mut found = self.on(contact).penetrations();
         // What was looked for late and stayed open is no place of contact, whatever a mesh says that no longer looks there.
         found.retain(|place| {
             let [x, y] = place.at;
@@ -373,9 +373,9 @@ impl Meshes<'_> {
         }
         let limits = self.solved.limits();
         let tolerance = self.options.p_max_tolerance;
-        let elsewhere = self.solved.similar() == 1 && self.solved.missed() > BY_RIMS * tolerance;
+        let penetrations = self.solved.similar() == 1 && self.solved.missed() > BY_RIMS * tolerance;
         let coarse = contact.pressure.patch.finest_over(&self.patch) < COARSE;
-        let anew = self.regraded < REGRADINGS && (coarse || elsewhere);
+        let anew = self.regraded < REGRADINGS && (coarse || penetrations);
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;
         if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
@@ -421,7 +421,7 @@ impl Meshes<'_> {
         }
     }
 
-    /// The best solution there is, and how far it is from what was asked.
+    /// The best solution there is, and how far it is from the requested one.
     pub fn out_of_reach(self, contact: Contact, limits: Option<Limits>) -> (Solution, Estimate) {
         let best = limits
             .or_else(|| self.solved.last())
@@ -433,7 +433,7 @@ impl Meshes<'_> {
         (self.solution(contact, best), estimate)
     }
 
-    /// One mesh, nothing to tell its errors by.
+    /// One mesh, without an error estimate.
     fn unjudged(&self, contact: &Contact) -> Limits {
         Limits {
             peak: Limit {

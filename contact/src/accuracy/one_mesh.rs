@@ -1,8 +1,8 @@
-//! One mesh of a problem, for claims on what is done with it.
+//! One mesh of a problem, for tests.
 
 use kufe_fem::Material;
 
-use crate::accuracy::find_patch::scout;
+use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::contact_set::Progress;
 use crate::green::matrix::Stored;
@@ -29,7 +29,7 @@ impl OneMesh {
         let options = Options::default();
         let material = check(&problem, &options)?;
         let gap = Gap::new(&problem)?;
-        let (patch, forces) = scout(&problem, &gap, material, &options)?;
+        let (patch, forces) = find_patch(&problem, &gap, material, &options)?;
         let mesh = MeshPlan {
             problem: &problem,
             gap: &gap,
@@ -59,7 +59,7 @@ impl OneMesh {
             mesh: &self.mesh,
             options: &Options::default(),
             stored,
-            tell: &|_, _| {},
+            report: &|_, _| {},
         }
         .solve(self.patch.motion, &self.forces)
     }

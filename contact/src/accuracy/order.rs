@@ -24,7 +24,7 @@ pub(crate) const HIGHEST: f64 = 3.0;
 const LOWEST: f64 = 0.5;
 /// Factor of safety where the observed order is the formal one (T. Xing and F. Stern, J. Fluids Eng. 132, 061403, 2010).
 const SAFETY: f64 = 1.6;
-/// Factor of safety on the range of the values where they tell no order (L. Eça and M. Hoekstra, J. Comput. Phys. 228, 2009).
+/// Factor of safety on the range of the values where they show no order (L. Eça and M. Hoekstra, J. Comput. Phys. 228, 2009).
 const UNKNOWN: f64 = 3.0;
 
 impl Limit {
@@ -33,7 +33,7 @@ impl Limit {
     /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d = (f3 - f2) h3^p / (h2^p - h3^p)
     /// (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of that limit is (SAFETY - 1) |d|, and what the order is
     /// uncertain by: the difference of what observed and formal order make of d. An order above the formal one is taken for the
-    /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that tell no order between
+    /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that show no order between
     /// [`LOWEST`] and infinity (they go to and fro, or do not settle) have [`Limit::of_spread`], at least what the lowest order
     /// leaves.
     pub fn of_similar(meshes: [Raw; 3]) -> Self {
@@ -231,7 +231,7 @@ impl Sequence {
         }
     }
 
-    /// Of the similar meshes those that tell the order, and all from the first of them on.
+    /// Of the similar meshes those that show the order, and all from the first of them on.
     fn three(&self) -> Option<([Raw; 3], Vec<Raw>)> {
         let &[.., third] = &self.meshes[..] else {
             return None;
@@ -261,7 +261,7 @@ impl Sequence {
         Some(self.spread_from(coarser.min(third_last)))
     }
 
-    /// The same where nothing tells the limit: the last mesh's value with the spread of up to three.
+    /// The same where nothing shows the limit: the last mesh's value with the spread of up to three.
     pub fn last(&self) -> Limit {
         self.limit()
             .unwrap_or_else(|| self.spread_from(self.meshes.len().saturating_sub(3)))
@@ -302,11 +302,11 @@ pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
     (0.175 / tolerance.sqrt() + 1.25).clamp(least, MOST)
 }
 
-/// Least ratio of cells of a mesh and the one before that tells anything.
+/// Least ratio of cells of a mesh and the one before that gives information.
 pub(crate) const LEAST_REFINEMENT: f64 = 1.25;
 
 /// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors of second order, some room, and
-/// neither so near that it tells nothing nor so far that it costs all.
+/// neither so near that it gives no information nor so far that it costs all.
 pub(crate) fn next_refinement(excess: f64) -> f64 {
     (1.05 * excess.sqrt()).clamp(LEAST_REFINEMENT, 1.6)
 }

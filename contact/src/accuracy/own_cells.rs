@@ -1,7 +1,7 @@
 //! What a runner's own hexahedra leave of errors, and how fine ice under them has to be.
 
 use crate::Problem;
-use crate::accuracy::watched::Left;
+use crate::accuracy::watched::ErrorFloor;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 
@@ -21,7 +21,7 @@ const LARGEST: f64 = 1.0;
 /// What a cell's height counts beside its length and width: cells twice as high leave 2.5 times as much as cubes, three times as high ones
 /// four times.
 const LOW: f64 = 0.5;
-/// Fewest cells of ice, so that three meshes from two cells on tell an order.
+/// Fewest cells of ice, so that three meshes from two cells on show an order.
 const FEWEST: f64 = 4.0;
 
 impl OwnCells {
@@ -43,7 +43,7 @@ impl OwnCells {
     }
 
     /// Cells of ice over half the patch that leave as much error as the runner's own hexahedra do: with errors like 1 / cells^2 on
-    /// each side by its share w of what gives, the runner's is w / n^2, as that of n / sqrt(w) cells of ice. Finer ice tells nothing of
+    /// each side by its share w of what gives, the runner's is w / n^2, as that of n / sqrt(w) cells of ice. Finer ice gives no information on
     /// what these miss, and shows the edges of their faces as ridges.
     pub fn ice_cells(self) -> f64 {
         (self.cells / self.share.sqrt()).max(FEWEST)
@@ -55,9 +55,9 @@ impl OwnCells {
     /// has to press that out, with E_i = E* / (1 - w): a wave as long as the patch, cos(2 x / a), takes pressures of E_i / a times its
     /// height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C, [`LARGEST`], holds the shorter waves too. The approach, which waves of either
     /// sign do not move, has C w / n^2.
-    pub fn left(self) -> Left {
+    pub fn left(self) -> ErrorFloor {
         let runner = LARGEST * self.share / (self.cells * self.cells);
-        Left {
+        ErrorFloor {
             peak: runner / (1.0 - self.share),
             approach: runner,
         }

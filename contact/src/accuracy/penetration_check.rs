@@ -34,7 +34,7 @@ const BETWEEN: f64 = 0.2;
 const NARROW: f64 = 0.35;
 
 /// A solved mesh and what it was made for.
-pub(crate) struct Solved<'a> {
+pub(crate) struct SolvedMesh<'a> {
     pub problem: &'a Problem,
     pub gap: &'a Gap<'a>,
     pub patch: &'a Patch,
@@ -42,10 +42,10 @@ pub(crate) struct Solved<'a> {
     pub state: &'a State,
 }
 
-impl Solved<'_> {
+impl SolvedMesh<'_> {
     /// Places outside of where contact was looked for: on a hull with ends the deepest of each valley along it, in order, and where a measured
     /// surface is low; there also between the nodes.
-    pub fn elsewhere(&self) -> Vec<Penetration> {
+    pub fn penetrations(&self) -> Vec<Penetration> {
         let extent = self.problem.runner.underside.extent();
         let bounded = extent.iter().all(|end| end.is_finite());
         if !bounded && self.gap.lows().next().is_none() {
@@ -225,7 +225,7 @@ const CURVED: f64 = 0.5;
 
 /// The gap of a state anywhere on the plane.
 struct Surface<'a> {
-    of: &'a Solved<'a>,
+    of: &'a SolvedMesh<'a>,
     /// How deep runner and ice press one another in [m].
     depth: f64,
     /// What displacements close at the mesh's nodes [m].
@@ -235,7 +235,7 @@ struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    fn new(of: &'a Solved<'a>) -> Self {
+    fn new(of: &'a SolvedMesh<'a>) -> Self {
         let (mesh, state) = (of.mesh, of.state);
         let lumps = match of.problem.ice.foundation {
             Foundation::HalfSpace => lumps(&mesh.grid.x, &mesh.grid.y, &state.force, mesh.symmetry),
@@ -252,7 +252,7 @@ impl<'a> Surface<'a> {
 
     /// The gap at (x, y) without displacements [m].
     fn undeformed(&self, x: f64, y: f64) -> f64 {
-        let Solved { gap, state, .. } = self.of;
+        let SolvedMesh { gap, state, .. } = self.of;
         gap.at(x, y) - dot(gap.motion_row(x, y), state.motion)
     }
 

@@ -36,16 +36,17 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
         let found = contact.plane_contact(&greens[1], &contact.unpressed_gap(), start);
         let mut state = contact.state_of(&found.force, found.motion);
         state.displacement = vec![0.0; contact.len()];
-        let told = RefCell::new(Vec::new());
-        let tell = |update: &SetUpdate, _: &State| {
-            told.borrow_mut()
+        let reported = RefCell::new(Vec::new());
+        let report = |update: &SetUpdate, _: &State| {
+            reported
+                .borrow_mut()
                 .push((update.energy, update.counts.sweeps));
         };
         let control = Control {
             tolerance: 1e-9,
             iterations: 1000,
             options: &options,
-            tell: &tell,
+            report: &report,
         };
         let mut work = contact.workspace();
         let (mut number, mut before, mut risen) = (0, None, None);
@@ -89,19 +90,19 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
             },
         );
         let Ok(progress) = progress;
-        (progress, state, told.into_inner(), risen)
+        (progress, state, reported.into_inner(), risen)
     };
     let (straight, expected, ..) = solve(None);
-    let (progress, state, told, risen) = solve(Some(2));
+    let (progress, state, reported, risen) = solve(Some(2));
     assert!(straight.converged && progress.converged);
     let [last, bad] = risen.expect("a second update");
     assert!(bad > last + 1e-3 * last.abs(), "{last} {bad}");
     assert!(
-        told.windows(2).all(|pair| pair[1].0 <= pair[0].0),
-        "{told:?}"
+        reported.windows(2).all(|pair| pair[1].0 <= pair[0].0),
+        "{reported:?}"
     );
     // After what is accepted sweeps look for the next set; after what is not, the forces accepted last have it.
-    assert!(told[1].1 > 0 && told[2].1 == 0, "{told:?}");
+    assert!(reported[1].1 > 0 && reported[2].1 == 0, "{reported:?}");
     let largest = expected.force.iter().copied().fold(0.0, f64::max);
     for (a, b) in state.force.iter().zip(&expected.force) {
         assert!((a - b).abs() < 1e-6 * largest, "{a} {b}");

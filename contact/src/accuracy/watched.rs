@@ -6,7 +6,7 @@ use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
 
 /// What the meshes solved so far say of every figure.
-pub(crate) struct Watched {
+pub(crate) struct FigureHistory {
     peak: Sequence,
     approach: Sequence,
     area: Sequence,
@@ -22,12 +22,12 @@ pub(crate) struct Watched {
     missed: f64,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
-    left: Left,
+    left: ErrorFloor,
 }
 
 /// Relative errors that stay on all meshes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Left {
+pub(crate) struct ErrorFloor {
     /// Of the peak, and of the area, which goes with the same power of what gives; half of it is of lengths.
     pub peak: f64,
     /// Of the approach.
@@ -62,7 +62,7 @@ pub(crate) struct Place {
 
 /// Errors of figures that nothing is judged by.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Beside {
+pub(crate) struct OtherErrors {
     /// Error of the last mesh's width [m].
     pub width_error: f64,
     /// Error of the approach in the limit [m].
@@ -71,9 +71,9 @@ pub(crate) struct Beside {
     pub tilt_errors: [f64; 2],
 }
 
-impl Watched {
-    pub fn new(hardness: Option<f64>, left: Left) -> Self {
-        Watched {
+impl FigureHistory {
+    pub fn new(hardness: Option<f64>, left: ErrorFloor) -> Self {
+        FigureHistory {
             peak: Sequence::alternating(),
             approach: Sequence::default(),
             area: Sequence::default(),
@@ -140,9 +140,9 @@ impl Watched {
     }
 
     /// The errors of width, approach and tilt; infinite after one mesh.
-    pub fn beside(&self) -> Beside {
+    pub fn beside(&self) -> OtherErrors {
         let last = |figure: &Sequence| figure.last().error_of(figure.value());
-        Beside {
+        OtherErrors {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
             width_error: self.extent_error(&self.width, self.off()[2]),
             approach_error: with(
@@ -227,7 +227,7 @@ impl Watched {
     }
 }
 
-/// An error that meshes tell with one, independent of it, that stays on all of them.
+/// An error estimated from meshes with one, independent of it, that stays on all of them.
 fn with(error: f64, left: f64) -> f64 {
     error.hypot(left)
 }
@@ -296,7 +296,7 @@ mod tests {
     };
 
     /// A mesh of so many cells whose figures have errors of second order, in parts of their limits 30e6 Pa, 1 m2 and 0.1 m.
-    fn pushed(watched: &mut Watched, cells: f64, parts: [f64; 3]) {
+    fn pushed(watched: &mut FigureHistory, cells: f64, parts: [f64; 3]) {
         let of = |limit: f64, part: f64| limit * (1.0 + part / (cells * cells));
         let figures = Figures {
             p_max: of(30e6, parts[0]).min(watched.hardness),
@@ -310,7 +310,7 @@ mod tests {
 
     #[test]
     fn where_hardness_fixes_the_peak_the_area_is_watched() {
-        let mut watched = Watched::new(Some(20e6), Left::default());
+        let mut watched = FigureHistory::new(Some(20e6), ErrorFloor::default());
         pushed(&mut watched, 3.0, [0.5, 0.5, -1.0]);
         assert!(watched.limits().is_none());
         assert_eq!(watched.last().map(|l| l.relative), Some(f64::INFINITY));
@@ -328,7 +328,7 @@ mod tests {
     #[test]
     fn a_rim_beyond_ice_that_yields_is_known_to_two_thirds_of_a_cell_whatever_coarser_meshes_say() {
         let of = |hardness: f64| {
-            let mut watched = Watched::new(Some(hardness), Left::default());
+            let mut watched = FigureHistory::new(Some(hardness), ErrorFloor::default());
             for (cells, off) in [(3.0, 0.0), (4.0, 0.3), (6.0, -0.6)] {
                 pushed(&mut watched, cells, [0.5, 0.5, off * cells * cells]);
             }
@@ -342,7 +342,7 @@ mod tests {
 
     #[test]
     fn a_peak_below_the_hardness_is_watched_itself_and_never_extrapolated_beyond() {
-        let mut watched = Watched::new(Some(30.001e6), Left::default());
+        let mut watched = FigureHistory::new(Some(30.001e6), ErrorFloor::default());
         pushed(&mut watched, 3.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 4.0, [-0.5, 0.5, -1.0]);
         pushed(&mut watched, 6.0, [-0.45, 0.5, -1.0]);
@@ -353,8 +353,8 @@ mod tests {
 
     #[test]
     fn meshes_graded_anew_have_their_spread_until_three_are_similar() {
-        let mut watched = Watched::new(None, Left::default());
-        let add = |watched: &mut Watched, cells: f64, p_max: f64, anew: bool| {
+        let mut watched = FigureHistory::new(None, ErrorFloor::default());
+        let add = |watched: &mut FigureHistory, cells: f64, p_max: f64, anew: bool| {
             let figures = Figures {
                 p_max,
                 area: 1.0,

@@ -109,7 +109,7 @@ impl ContactMesh {
                 counts: std::mem::take(&mut counts),
                 energy: accepted.as_ref().map_or(0.0, |a| a.energy),
             };
-            (control.tell)(&update, state);
+            (control.report)(&update, state);
             if confirmed || control.reached(progress.iterations) {
                 progress.converged = confirmed;
                 break;
@@ -154,7 +154,7 @@ impl ContactMesh {
         self.plane_contact(scaled, &base, PlaneState::new(clamped, state.motion))
     }
 
-    /// Whether forces and gaps ask for another set than `sets`, by more than rounding.
+    /// Whether forces and gaps require a set other than `sets`, by more than rounding.
     pub fn contradicts(&self, state: &State, sets: &Sets, slack: f64) -> bool {
         let gaps = self.gaps(state);
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
@@ -325,7 +325,7 @@ impl ContactMesh {
     }
 }
 
-// How an iteration goes, when it ends, and who is told.
+// How an iteration goes and when it ends.
 
 /// Sweeps and accelerations of projected SOR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -345,27 +345,16 @@ pub(crate) struct Progress {
     pub converged: bool,
 }
 
-impl Progress {
-    /// A solve without iterations.
-    pub fn direct(converged: bool) -> Self {
-        Progress {
-            iterations: 0,
-            residual: 0.0,
-            converged,
-        }
-    }
-}
-
-/// What an iteration is asked for, when it ends, converged or not, and who is told of it.
+/// The limits of an iteration and its callback.
 pub(crate) struct Control<'a> {
-    /// Energy-norm residual asked, over the energy of the solution.
+    /// Requested energy-norm residual over the energy of the solution.
     pub tolerance: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Who may stop it.
+    /// Flag that stops it.
     pub options: &'a Options,
-    /// Told of every update of the contact set, with the state as it is then.
-    pub tell: &'a dyn Fn(&SetUpdate, &State),
+    /// Called at every update of the contact set, with the state as it is then.
+    pub report: &'a dyn Fn(&SetUpdate, &State),
 }
 
 impl Control<'_> {

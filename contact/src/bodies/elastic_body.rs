@@ -102,7 +102,7 @@ impl ElasticBody {
         self.stiffness.free_dofs() - self.held.len()
     }
 
-    /// The columns of the contact plane that the body's own nodes stand on.
+    /// The columns of the contact plane that the body's own nodes are on.
     pub fn columns(&self) -> Option<Columns> {
         match self.trace {
             Trace::Nodes { columns, .. } => Some(columns),
@@ -151,14 +151,6 @@ impl ElasticBody {
         self.inverse.green(nodes)
     }
 
-    /// Which entries nothing holds; of a body on a tensor grid.
-    pub fn free(&self) -> Option<Vec<bool>> {
-        let mut ones = vec![1.0; self.len()];
-        self.stiffness.grid()?.mask(&mut ones);
-        self.held.iter().for_each(|&entry| ones[entry] = 0.0);
-        Some(ones.iter().map(|&one| one > 0.0).collect())
-    }
-
     /// Entries that faces, clamps or the mount hold, ascending.
     pub fn held_entries(&self) -> Vec<usize> {
         let mut ones = vec![1.0; self.len()];
@@ -186,7 +178,7 @@ fn trace_on_grid(operator: &TensorOperator, side: Side, columns: Columns) -> Tra
 
 // The stiffness of a body as an operator.
 
-/// K of a body; displacements and forces stand component after component.
+/// K of a body; displacements and forces are stored component after component.
 pub(crate) enum Stiffness {
     /// Hexahedra of a tensor grid.
     Tensor(TensorOperator),

@@ -40,7 +40,7 @@ pub(crate) struct RunnerPlan<'a> {
 impl RunnerPlan<'_> {
     /// The runner as a body of the contact problem, with its mesh.
     ///
-    /// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one stands on the columns
+    /// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one has the columns
     /// under it; its ends and sides are free and its mount holds its top.
     pub fn body(&self) -> Result<(ElasticBody, HexMesh), Error> {
         let elastic = self.elastic;
@@ -181,7 +181,7 @@ impl RunnerPlan<'_> {
     }
 }
 
-/// The solid's hexahedra over the columns of `grid`, and the box of as many layers that stands for it.
+/// The solid's hexahedra over the columns of `grid`, and the box of as many layers that represents it.
 fn mapped(
     problem: &Problem,
     elastic: &ElasticRunner,

@@ -8,7 +8,7 @@ use crate::boundary_elements::window::{NotChecked, Surface, Window};
 use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::measure::PressureField;
-use crate::result::rim::By;
+use crate::result::rim::RimEstimator;
 use crate::{Options, Problem, Solution};
 
 /// Figures of a contact from its plane alone.
@@ -40,7 +40,7 @@ pub struct BoundaryElements {
 
 /// Cells along x and y of the grids, from coarse to fine; the first also finds the window.
 const GRIDS: [usize; 7] = [20, 24, 32, 40, 48, 64, 80];
-/// Grids that tell errors: the finest that were solved.
+/// Grids that errors are estimated from: the finest that were solved.
 const TOLD_BY: usize = 3;
 /// Windows that are tried.
 const MOST_WINDOWS: usize = 24;
@@ -271,7 +271,7 @@ impl OnWindow {
             symmetry: [false; 2],
             hardness: self.plane.hardness,
         };
-        field.extents(&pressure, By::Shape)
+        field.extents(&pressure, RimEstimator::Shape)
     }
 
     /// Squares of the pressures, which are parabolas along every line of a Hertz contact [Pa^2].
@@ -376,19 +376,19 @@ fn peak(values: &[f64], width: usize, mirrored: [bool; 2]) -> f64 {
 /// answers lies within both stated errors, boundary elements answer what lies between, and their error is what three grids say,
 /// more by the largest difference at an anchor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Anchored {
+pub struct VerifiedBem {
     /// Largest difference of the two peak pressures at an anchor, relative.
     apart: f64,
-    /// Relative error of the peak pressure that is asked.
+    /// Relative error of the peak pressure that is requested.
     tolerance: f64,
 }
 
 /// Part of the tolerance that the grids at an anchor may leave: what they leave counts as a difference.
 const AT_ANCHORS: f64 = 0.5;
-/// Largest relative error of an area, as finite elements have it at 0.5 % of the peak: beyond it finite elements are asked.
+/// Largest relative error of an area, as finite elements have it at 0.5 % of the peak: beyond it finite elements are used.
 const AREA: f64 = 0.05;
 
-impl Anchored {
+impl VerifiedBem {
     /// Boundary elements beside the finite elements' solutions of the same problems; `None` where they are no method for one of them, where
     /// a figure parts by more than both errors, and where nothing is left of `tolerance`.
     ///
@@ -403,7 +403,7 @@ impl Anchored {
         };
         let all: Option<Vec<f64>> = anchors.par_iter().map(beside).collect();
         let apart = all?.into_iter().fold(0.0, f64::max);
-        (!anchors.is_empty() && apart < tolerance).then_some(Anchored { apart, tolerance })
+        (!anchors.is_empty() && apart < tolerance).then_some(VerifiedBem { apart, tolerance })
     }
 
     /// Largest difference of the two peak pressures at an anchor, relative.

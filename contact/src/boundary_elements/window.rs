@@ -284,7 +284,7 @@ pub enum NotChecked {
 pub(super) struct Surface {
     /// 1 / E* of both as half-spaces [1/Pa].
     pub compliance: f64,
-    /// The ice and what it stands on, from the top down; empty for a half-space.
+    /// The ice and its foundation, from the top down; empty for a half-space.
     pub layers: Vec<Layer>,
 }
 

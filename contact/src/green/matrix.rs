@@ -102,7 +102,7 @@ pub(crate) struct Window {
     pub along: [std::ops::Range<usize>; 2],
     /// The axes of its longer and of its shorter side.
     pub axes: [usize; 2],
-    /// Where each candidate stands, longer side first.
+    /// Place of each candidate, longer side first.
     pub places: Vec<[usize; 2]>,
     /// The candidates of each line across the longer side: place on the line and number.
     pub lines: Vec<Vec<[usize; 2]>>,

@@ -49,7 +49,7 @@ pub(crate) enum Start {
 ///
 /// Every zone is divided by its own rule, so that meshes of different fineness are images of each other and
 /// their errors can be compared. Outside, the spacing grows by `growth` times the distance from the zone, and the
-/// last node falls where the growth puts it, at or beyond the end asked. Between two zones the nodes stand at
+/// last node falls where the growth puts it, at or beyond the requested end. Between two zones the nodes stand at
 /// even steps of the integral of dx / h(x), h being the smaller of the two zones' wishes. Zones are in order
 /// and apart.
 ///
@@ -99,7 +99,7 @@ fn outward(spacing: f64, reach: f64, growth: f64) -> Result<Vec<f64>, Error> {
         if distances.len() > MOST_ON_A_LINE {
             return Err(too_fine(0.0, reach, spacing));
         }
-        // The cell's middle is where its size is asked.
+        // The cell's middle is where its size is evaluated.
         distance += (spacing + growth * distance) / (1.0 - 0.5 * growth).max(0.5);
         distances.push(distance);
     }
@@ -251,7 +251,7 @@ pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
 /// and only its upper half where a mirror plane cuts it. Nothing of a stretch below a mirror plane.
 ///
 /// Half an even stretch, from a node on the mirror plane to the middle of a cell, is an odd number of half cells: half a
-/// cell more than asked. A zone of no whole number of cells would leave their number to rounding errors.
+/// cell more than requested. A zone of no whole number of cells would leave their number to rounding errors.
 pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
     let halved = symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0;
     let spacing = stretch.half() / (resolution.cells + if halved { 0.5 } else { 0.0 });
@@ -398,12 +398,12 @@ mod limits_tests {
     #[test]
     fn what_is_refused_says_the_size_that_rounding_still_tells()
     -> Result<(), Box<dyn std::error::Error>> {
-        let told = |nodes| increasing(nodes).map_err(|error| error.to_string());
-        let Err(text) = told(vec![0.0, 1.0, 1.0]) else {
+        let reported = |nodes| increasing(nodes).map_err(|error| error.to_string());
+        let Err(text) = reported(vec![0.0, 1.0, 1.0]) else {
             return Err("equal nodes pass".into());
         };
         assert!(text.contains("cells of 2.000e-12 m or less"), "{text}");
-        let Err(text) = told(vec![0.0, 0.0]) else {
+        let Err(text) = reported(vec![0.0, 0.0]) else {
             return Err("nodes at one place pass".into());
         };
         assert!(text.contains("cells of no size"), "{text}");

@@ -19,7 +19,7 @@ pub(crate) struct Patch {
 /// pressure's peak there is as wide as the contact.
 const AT_CORNERS: f64 = 2.0;
 
-/// A mesh whose own pressure asks somewhere for cells below this part of those there is graded anew: two meshes that both miss the
+/// A mesh whose own pressure needs cells somewhere below this part of those there is graded anew: two meshes that both miss the
 /// peaks at a runner's ends would agree on a wrong pressure.
 pub(crate) const COARSE: f64 = 0.6;
 

@@ -71,7 +71,7 @@ impl Stretch {
     /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well everywhere. So the
     /// measure is the curvature of p^2 against that parabola's, 2 p_max^2 / half^2: where it is larger, as at
     /// the ends of a conformal contact or at a worn edge, the spacing falls with its root. Beside pressures at their `bound` it is
-    /// infinite on every mesh, and tells nothing.
+    /// infinite on every mesh, and gives no information.
     pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64], bound: f64) {
         let inside: Vec<usize> = (0..nodes.len())
             .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)

@@ -1,12 +1,12 @@
 //! What a sliding contact's mesh says: groove, ploughing, and the patch from its front to its back.
 
-use crate::groove::on_mesh::{OnMesh, Slid};
+use crate::groove::on_mesh::{OnMesh, SlidingState};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{GrooveProfile, Section};
 use crate::mesh::discretise::Discretisation;
 use crate::problem::gap::Gap;
 use crate::result::measure::PressureField;
-use crate::result::rim::{By, rim_by_overlap};
+use crate::result::rim::{RimEstimator, rim_by_overlap};
 
 /// The figures that errors are stated of, as one mesh has them.
 #[derive(Clone, Copy, Debug)]
@@ -38,12 +38,12 @@ pub(crate) struct Measures {
 pub(crate) struct Reading<'a> {
     on: &'a OnMesh<'a>,
     gap: &'a Gap<'a>,
-    slid: &'a Slid,
+    slid: &'a SlidingState,
     rims: Rims<'a>,
 }
 
 impl<'a> Reading<'a> {
-    pub fn new(on: &'a OnMesh<'a>, gap: &'a Gap<'a>, slid: &'a Slid) -> Self {
+    pub fn new(on: &'a OnMesh<'a>, gap: &'a Gap<'a>, slid: &'a SlidingState) -> Self {
         Reading {
             on,
             gap,
@@ -56,7 +56,9 @@ impl<'a> Reading<'a> {
     pub fn measures(&self, field: &PressureField) -> Measures {
         let pressure = field.pressures();
         let lowest = self.lowest();
-        let [back, front] = self.rims.ends(&field.chords_along(&pressure, By::Shape));
+        let [back, front] = self
+            .rims
+            .ends(&field.chords_along(&pressure, RimEstimator::Shape));
         let contact = &self.on.mesh.contact;
         let (plastic_work, by_slope) = (self.plastic_work(), self.by_slope());
         Measures {
@@ -126,9 +128,13 @@ impl<'a> Reading<'a> {
     pub fn sections(&self, field: &PressureField) -> Vec<Section> {
         let pressure = field.pressures();
         let [nx, _] = self.shape();
-        let [back, front] = self.rims.ends(&field.chords_along(&pressure, By::Shape));
+        let [back, front] = self
+            .rims
+            .ends(&field.chords_along(&pressure, RimEstimator::Shape));
         let hardness = self.on.problem.ice.hardness.unwrap_or(f64::INFINITY);
-        let sides = self.rims.sides(&field.chords_across(&pressure, By::Shape));
+        let sides = self
+            .rims
+            .sides(&field.chords_across(&pressure, RimEstimator::Shape));
         let section = |i: usize| {
             let [right, left] = sides[i]?;
             Some(Section {
@@ -218,13 +224,13 @@ fn with_ends(mut sections: Vec<Section>, [back, front]: [f64; 2]) -> Vec<Section
 /// A solution on its mesh, with the nodes' states on the whole plane.
 pub(crate) struct Rims<'a> {
     mesh: &'a Discretisation,
-    slid: &'a Slid,
+    slid: &'a SlidingState,
     full: Vec<bool>,
     gaps: Vec<f64>,
 }
 
 impl<'a> Rims<'a> {
-    pub fn new(mesh: &'a Discretisation, slid: &'a Slid) -> Self {
+    pub fn new(mesh: &'a Discretisation, slid: &'a SlidingState) -> Self {
         let contact = &mesh.contact;
         let mut full = vec![false; contact.gap.len()];
         let mut gaps = vec![f64::INFINITY; contact.gap.len()];
@@ -248,8 +254,8 @@ impl<'a> Rims<'a> {
     /// The patch's rims, below the cell: [x low, x high, y low, y high] [m].
     pub fn rims(&self, field: &PressureField) -> [f64; 4] {
         let pressure = field.pressures();
-        let [back, front] = self.ends(&field.chords_along(&pressure, By::Shape));
-        let sides = self.sides(&field.chords_across(&pressure, By::Shape));
+        let [back, front] = self.ends(&field.chords_along(&pressure, RimEstimator::Shape));
+        let sides = self.sides(&field.chords_across(&pressure, RimEstimator::Shape));
         let touched = sides.iter().flatten();
         let left = touched
             .clone()

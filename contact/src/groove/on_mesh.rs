@@ -10,7 +10,7 @@ use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::plane_problem::PlaneState;
 use crate::green::matrix::{Green, Stored};
 use crate::groove::measures::Rims;
-use crate::groove::plastic_contact::{Kind, Memory, MemoryState, respond};
+use crate::groove::plastic_contact::{Kind, MemoryState, PlasticContact, respond};
 use crate::groove::solution::GrooveProfile;
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
@@ -45,7 +45,7 @@ struct Lines {
 
 impl OnMesh<'_> {
     /// Solves on the contact plane alone.
-    pub fn on_plane(&self, start: &Start) -> Result<Slid, Error> {
+    pub fn on_plane(&self, start: &Start) -> Result<SlidingState, Error> {
         let contact = &self.mesh.contact;
         let green = self.green()?;
         self.begin(&green, &contact.unpressed_gap(), start)
@@ -57,7 +57,7 @@ impl OnMesh<'_> {
     /// stay. Then they are those of S, whatever G: it only says how fast. Full nodes' parts of the plane add up to the area that
     /// yields below the cell, [`Rims::full_area`], so that the load does not depend on where nodes lie beside the rim. Beside the solution
     /// stands what it would be without that.
-    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<[Slid; 2], Error> {
+    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<[SlidingState; 2], Error> {
         let contact = &self.mesh.contact;
         let green = self.green()?;
         let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
@@ -68,14 +68,14 @@ impl OnMesh<'_> {
             mesh: self.mesh,
             options: self.options,
             stored: Stored::USUAL,
-            tell: &|_, _| {},
+            report: &|_, _| {},
         };
-        outer.hold_outer_faces(forces, &mut slid.state);
+        outer.fix_outer_faces(forces, &mut slid.state);
         let mut lines = self.lines();
         slid.residual = 1.0;
         while slid.corrections < CORRECTIONS {
             if slid.corrections > 0 {
-                outer.hold_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
+                outer.fix_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
             }
             let asked = (1e-2 * slid.residual).clamp(self.options.residual, 1e-3);
             slid.iterations += respond(contact, &mut slid.state, asked, ITERATIONS)
@@ -111,7 +111,7 @@ impl OnMesh<'_> {
     }
 
     /// Steady sliding on the plane.
-    fn begin(&self, green: &Mat<f64>, gap: &[f64], start: &Start) -> Result<Slid, Error> {
+    fn begin(&self, green: &Mat<f64>, gap: &[f64], start: &Start) -> Result<SlidingState, Error> {
         let contact = &self.mesh.contact;
         let lines = self.lines();
         let memory = self.memory(green, gap, &lines);
@@ -129,7 +129,7 @@ impl OnMesh<'_> {
             .load_balance(&memory)
             .from(motion, kinds)
             .ok_or_else(|| self.no_balance(&memory, gap))?;
-        Ok(Slid {
+        Ok(SlidingState {
             state: contact.state_of(&grooved.force, grooved.motion),
             depth: self.whole(&grooved),
             grooved,
@@ -140,7 +140,7 @@ impl OnMesh<'_> {
     }
 
     /// Why no motion carries the load: more than the runner bears however deep it sinks, or the search failed.
-    fn no_balance(&self, memory: &Memory<'_>, gap: &[f64]) -> Error {
+    fn no_balance(&self, memory: &PlasticContact<'_>, gap: &[f64]) -> Error {
         let highest = gap.iter().filter(|gap| gap.is_finite());
         let sunk = 2.0 * highest.fold(0.0, |most: f64, gap| most.max(*gap));
         let bears = memory
@@ -161,7 +161,12 @@ impl OnMesh<'_> {
     }
 
     /// New forces under the response that the bodies have given to the last ones.
-    fn correct(&self, green: &Mat<f64>, lines: &Lines, slid: &mut Slid) -> Result<(), Error> {
+    fn correct(
+        &self,
+        green: &Mat<f64>,
+        lines: &Lines,
+        slid: &mut SlidingState,
+    ) -> Result<(), Error> {
         let contact = &self.mesh.contact;
         let closing = contact.closing(&slid.state.displacement);
         let mut gap: Vec<f64> = contact
@@ -216,8 +221,13 @@ impl OnMesh<'_> {
         self.before.map_or(0.0, |groove| groove.at(y))
     }
 
-    fn memory<'b>(&'b self, green: &'b Mat<f64>, gap: &'b [f64], lines: &'b Lines) -> Memory<'b> {
-        Memory {
+    fn memory<'b>(
+        &'b self,
+        green: &'b Mat<f64>,
+        gap: &'b [f64],
+        lines: &'b Lines,
+    ) -> PlasticContact<'b> {
+        PlasticContact {
             green,
             gap,
             rows: &lines.rows,
@@ -227,7 +237,7 @@ impl OnMesh<'_> {
         }
     }
 
-    fn load_balance<'b>(&'b self, memory: &'b Memory<'b>) -> LoadBalance<'b> {
+    fn load_balance<'b>(&'b self, memory: &'b PlasticContact<'b>) -> LoadBalance<'b> {
         LoadBalance {
             memory,
             motion: &self.mesh.contact.motion,
@@ -255,7 +265,7 @@ impl OnMesh<'_> {
     }
 }
 
-fn not_converged(slid: &Slid) -> Error {
+fn not_converged(slid: &SlidingState) -> Error {
     Error::NotConverged {
         iterations: slid.iterations,
         residual: slid.residual,
@@ -271,7 +281,7 @@ fn not_converged(slid: &Slid) -> Error {
 /// own response gives. Newton's steps lead near the balance where they can; from there each motion is bracketed (bisection with the secant of Illinois: M. Dowell, P. Jarratt, BIT 11 (1971)
 /// 168-174), the approach within the pitch and the pitch within the roll.
 pub(crate) struct LoadBalance<'a> {
-    pub memory: &'a Memory<'a>,
+    pub memory: &'a PlasticContact<'a>,
     /// The free motions and the balance they answer to.
     pub motion: &'a Motion,
     pub options: &'a Options,
@@ -423,7 +433,7 @@ impl LoadBalance<'_> {
 
 /// The state on one mesh with its groove.
 #[derive(Clone)]
-pub(crate) struct Slid {
+pub(crate) struct SlidingState {
     pub state: State,
     /// On the candidates.
     pub grooved: MemoryState,
@@ -455,7 +465,7 @@ pub(crate) struct Known {
 
 impl Known {
     /// The states of a mesh.
-    pub fn of(mesh: &Discretisation, slid: &Slid) -> Self {
+    pub fn of(mesh: &Discretisation, slid: &SlidingState) -> Self {
         let (x, y) = (mesh.grid.x.clone(), mesh.grid.y.clone());
         let mut kinds = vec![Kind::Open; x.len() * y.len()];
         for (&node, &kind) in mesh.contact.candidates.iter().zip(&slid.grooved.kinds) {

@@ -20,7 +20,7 @@ use crate::vector;
 /// It is no minimum problem (r couples to the nodes behind alone), and is solved, at a given motion q, by Newton's method on the
 /// sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r = 0) or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J.
 /// Optim. 13 (2003) 865-888. Where the sets come back to earlier ones, sweeps from the front to the back lead on.
-pub(crate) struct Memory<'a> {
+pub(crate) struct PlasticContact<'a> {
     /// G, the response of the gap to forces [m/N].
     pub green: &'a Mat<f64>,
     /// g, the gap without motion, forces and groove [m].
@@ -68,7 +68,7 @@ const SWEEPS: usize = 12;
 /// Contradictions below this part of the largest force or depth are rounding.
 const SLACK: f64 = 1e-11;
 
-impl Memory<'_> {
+impl PlasticContact<'_> {
     /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm themselves.
     pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<MemoryState> {
         let mut kinds = kinds.to_vec();
@@ -121,7 +121,7 @@ impl Memory<'_> {
         if !closed.is_empty() {
             let anchor = self.anchors(&kinds);
             let pressed = self.deflection(&force);
-            // What a node lacks to the closed ones' forces.
+            // Difference of a node to the closed ones' forces.
             let lack = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
             let mut solved = Mat::from_fn(closed.len(), 1, |row, _| {
                 let i = closed[row];
@@ -218,7 +218,7 @@ impl Memory<'_> {
         }
     }
 
-    /// The sets that signs ask for, and how many nodes they move.
+    /// The sets that signs require, and how many nodes they move.
     fn corrected(&self, state: &MemoryState) -> (Vec<Kind>, usize) {
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let deep = (0..state.gap.len())
@@ -355,7 +355,7 @@ mod tests {
             (3e-3, 0.0, true),
             (3e-3, 0.02, true),
         ] {
-            let memory = Memory {
+            let memory = PlasticContact {
                 green: &green,
                 gap: &gap,
                 rows: &rows,
@@ -399,7 +399,7 @@ mod tests {
         let gap: Vec<f64> = (0..n).map(|i| 0.5 * place(i)[0].powi(2)).collect();
         let rows: Vec<[f64; 3]> = (0..n).map(|i| [1.0, place(i)[0], -place(i)[1]]).collect();
         let has_ahead: Vec<bool> = (0..n).map(|i| i % N + 1 < N).collect();
-        let memory = Memory {
+        let memory = PlasticContact {
             green: &green,
             gap: &gap,
             rows: &rows,

@@ -13,7 +13,7 @@ use crate::grid::first_guess::{fitted, sliding_guess};
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
 use crate::groove::measures::{Measures, Reading, Rims};
-use crate::groove::on_mesh::{Known, OnMesh, Slid, Start};
+use crate::groove::on_mesh::{Known, OnMesh, SlidingState, Start};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{Groove, GrooveProfile, Measure, SlidingMesh, SlidingSolution};
 use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
@@ -21,7 +21,7 @@ use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::pressure::{Field, Pressure};
 use crate::solve::answered;
-use crate::{Error, Method, Options, Problem};
+use crate::{Error, Options, Problem};
 
 /// Cells over half the patch while it is being found.
 const SCOUTING: Resolution = Resolution {
@@ -51,7 +51,7 @@ pub(crate) struct SlidingMeshes<'a> {
 
 impl<'a> SlidingMeshes<'a> {
     /// Finds the patch on the contact plane alone.
-    pub fn scout(
+    pub fn find_patch(
         problem: &'a Problem,
         gap: Gap<'a>,
         material: Material,
@@ -176,7 +176,7 @@ impl<'a> SlidingMeshes<'a> {
     }
 
     /// Fits the next mesh to the rims that this one found.
-    fn next_patch(&mut self, mesh: &Discretisation, slid: &Slid) {
+    fn next_patch(&mut self, mesh: &Discretisation, slid: &SlidingState) {
         let field = Field::new(mesh, self.problem, &self.patch);
         let rims = Rims::new(mesh, slid).rims(&field.pressure_field(&slid.state));
         self.patch = fitted(field.of(&slid.state).patch, rims);
@@ -184,14 +184,14 @@ impl<'a> SlidingMeshes<'a> {
     }
 
     /// The figures of a state.
-    fn measures(&self, mesh: &Discretisation, slid: &Slid) -> Measures {
+    fn measures(&self, mesh: &Discretisation, slid: &SlidingState) -> Measures {
         let field = Field::new(mesh, self.problem, &self.patch);
         let on = self.on(mesh);
         Reading::new(&on, &self.gap, slid).measures(&field.pressure_field(&slid.state))
     }
 
     /// Keeps what a mesh says.
-    fn take(&mut self, mesh: &Discretisation, slid: &Slid, dofs: usize) {
+    fn take(&mut self, mesh: &Discretisation, slid: &SlidingState, dofs: usize) {
         let measures = self.measures(mesh, slid);
         self.meshes.push(SlidingMesh {
             dofs,
@@ -216,7 +216,7 @@ impl<'a> SlidingMeshes<'a> {
 
 impl SlidingMeshes<'_> {
     /// The pressures of a state: the hardness wherever the ice yields.
-    fn pressure(&self, mesh: &Discretisation, slid: &Slid) -> Pressure {
+    fn pressure(&self, mesh: &Discretisation, slid: &SlidingState) -> Pressure {
         let mut pressure = Field::new(mesh, self.problem, &self.patch).of(&slid.state);
         for (k, &node) in mesh.contact.candidates.iter().enumerate() {
             if slid.grooved.kinds[k] == Kind::Full {
@@ -226,7 +226,12 @@ impl SlidingMeshes<'_> {
         pressure
     }
 
-    fn put_together(self, mut mesh: Discretisation, slid: Slid, errors: Errors) -> SlidingSolution {
+    fn put_together(
+        self,
+        mut mesh: Discretisation,
+        slid: SlidingState,
+        errors: Errors,
+    ) -> SlidingSolution {
         let on = self.on(&mesh);
         let field = Field::new(&mesh, self.problem, &self.patch);
         let reading = Reading::new(&on, &self.gap, &slid);
@@ -332,8 +337,8 @@ fn dofs(mesh: &Discretisation) -> usize {
 /// ```
 ///
 /// `before` is the groove in which the ice comes, one that an earlier runner left. Meshes are refined until the estimated errors of
-/// peak pressure, groove depth and ploughing force are below `options.p_max_tolerance`; `options.progress` is told nothing. The
-/// load's line of action stays where it is: a runner that is free to tilt turns until the pressure stands under it, and the drag's
+/// peak pressure, groove depth and ploughing force are below `options.p_max_tolerance`; `options.progress` is not called. The
+/// load's line of action stays where it is: a runner that is free to tilt turns until the pressure is under it, and the drag's
 /// own moment is not in the balance. What the runner's sides push up is not in it either.
 ///
 /// # Errors
@@ -364,11 +369,12 @@ pub fn slide(
 ) -> Result<SlidingSolution, Error> {
     rayon::scope(|_| {
         let material = check(problem, options)?;
-        refuse(problem, options)?;
+        refuse(problem)?;
         capacity(problem)?;
         let mirrored = before.is_none_or(GrooveProfile::mirror_symmetric);
         let gap = Gap::new(problem)?.mirrored_at_most([false, mirrored]);
-        let solution = SlidingMeshes::scout(problem, gap, material, before, options)?.solve()?;
+        let solution =
+            SlidingMeshes::find_patch(problem, gap, material, before, options)?.solve()?;
         Ok(SlidingSolution {
             contact: answered(problem, solution.contact)?,
             ..solution
@@ -377,7 +383,7 @@ pub fn slide(
 }
 
 /// What steady sliding does not take.
-fn refuse(problem: &Problem, options: &Options) -> Result<(), Error> {
+fn refuse(problem: &Problem) -> Result<(), Error> {
     if problem.ice.hardness.is_none() {
         return Err(Error::NotSliding {
             reason: "ice without a hardness",
@@ -386,11 +392,6 @@ fn refuse(problem: &Problem, options: &Options) -> Result<(), Error> {
     if problem.ice_surface.is_some() {
         return Err(Error::NotSliding {
             reason: "ice of varying height, on which no sliding is steady",
-        });
-    }
-    if options.method != Method::Accelerated {
-        return Err(Error::NotSliding {
-            reason: "a checking method",
         });
     }
     Ok(())

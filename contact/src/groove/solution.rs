@@ -27,7 +27,7 @@ pub struct Section {
 pub struct SlidingSolution {
     /// The contact: pressures, and gaps over the groove.
     pub contact: Solution,
-    /// What it leaves in the ice, and where it stands in it.
+    /// What it leaves in the ice, and where the runner is in it.
     pub groove: Groove,
 }
 

@@ -248,7 +248,7 @@ fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Ax
     pressure
 }
 
-/// Makes the pressures' sum the one asked, p <- p (1 + c (1 - (p / p_top)^2)).
+/// Makes the pressures' sum the requested one, p <- p (1 + c (1 - (p / p_top)^2)).
 ///
 /// What interpolation misses lies near the rim; the peak and a plateau at the ice's hardness stay. The factor is
 /// kept within a tenth.

@@ -10,7 +10,7 @@ use crate::result::solution::SurfaceField;
 const REACH: usize = 4;
 const SPREAD: f64 = 2.0;
 /// Weight of nodes beside the rim, whose pressures are means, beside those within.
-const BESIDE: f64 = 0.1;
+const RIM_WEIGHT: f64 = 0.1;
 /// How much steeper than one cell the pressure of ice that yields falls to zero at its rim.
 const STEEP: f64 = 10.0;
 /// Least overlap beside the mean gap of the open nodes for the rim to lie where it is zero.
@@ -22,7 +22,7 @@ const LEAST: f64 = 0.1;
 /// contact): the root of its positive part ends where the contact does, not at a node. A node beside the rim carries a mean over
 /// its hat function, which reaches out of the contact. So nodes with an open one among their eight neighbours, and the open ones
 /// beside them, take the value of a paraboloid (weighted least squares) through the nodes around, which those within decide. Where
-/// that does not fall outwards (an edge of the hull) or has too few nodes, the rim lies half-way between nodes. Beside nodes that
+/// that does not fall outwards (an edge of the hull) or has too few nodes, the rim lies half-way between nodes. AtRim nodes that
 /// bear all they can, `bound` [Pa], it lies where the ice begins to yield: where the overlap with the elastic surface is zero, or, of a
 /// runner that slides, where its groove begins. A node there that bears a part of it, in ice that has not yielded, is one over which
 /// the rim goes, half of whose hat function presses where it bears half.
@@ -33,7 +33,7 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let fitted: Vec<f64> = (0..count)
         .into_par_iter()
         .map(|n| match nodes.place[n] {
-            Place::Beside | Place::Open => nodes.fitted(n),
+            Place::AtRim | Place::Open => nodes.fitted(n),
             Place::Within | Place::Far => f64::NAN,
         })
         .collect();
@@ -69,14 +69,14 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
             Place::Within if full(n) && steep > 0.0 && !nodes.block(n, 2).any(recovers) => {
                 (steep * field.yielded[n]).max(square[n])
             }
-            Place::Beside if full(n) && steep > 0.0 => steep * field.yielded[n],
-            Place::Beside if yields(n) && steep > 0.0 && field.yielded[n] <= 0.0 => {
+            Place::AtRim if full(n) && steep > 0.0 => steep * field.yielded[n],
+            Place::AtRim if yields(n) && steep > 0.0 && field.yielded[n] <= 0.0 => {
                 STEEP * bound * (field.pressure[n] - 0.5 * bound)
             }
             Place::Open if walled(n) && closest[n].is_finite() => wall(n),
             Place::Open if jumps(n) && steep > 0.0 && before(n).is_finite() => -steep * before(n),
-            Place::Beside if nodes.block(n, 1).any(ended) => fitted[n],
-            Place::Within | Place::Beside => square[n],
+            Place::AtRim if nodes.block(n, 1).any(ended) => fitted[n],
+            Place::Within | Place::AtRim => square[n],
             Place::Open if ended(n) => fitted[n].min(0.0),
             Place::Open => -mean(n),
             Place::Far => f64::NAN,
@@ -97,7 +97,7 @@ fn closest(field: &SurfaceField) -> Vec<f64> {
 
 /// How far the ice has yielded beside the rim, on average [m]; infinite where it has not.
 fn overlap(field: &SurfaceField, place: &[Place], bound: f64) -> f64 {
-    let yields = |n: &usize| place[*n] == Place::Beside && field.pressure[*n] >= ROUNDED * bound;
+    let yields = |n: &usize| place[*n] == Place::AtRim && field.pressure[*n] >= ROUNDED * bound;
     let overlaps = (0..place.len()).filter(yields).map(|n| field.yielded[n]);
     let open = (0..place.len()).filter(|&n| place[n] == Place::Open && field.gap[n].is_finite());
     let [overlap, gap] = [overlaps.collect(), open.map(|n| field.gap[n]).collect()]
@@ -115,7 +115,7 @@ enum Place {
     /// It touches, and so do its eight neighbours.
     Within,
     /// It touches, and a neighbour does not or is not there.
-    Beside,
+    AtRim,
     /// It does not touch, and a neighbour does.
     Open,
     /// Neither it nor a neighbour touches.
@@ -142,7 +142,7 @@ impl Nodes<'_> {
             let touching = nodes.block(n, 1).filter(|&k| square[k] > 0.0).count();
             match (square[n] > 0.0, touching) {
                 (true, 9) => Place::Within,
-                (true, _) => Place::Beside,
+                (true, _) => Place::AtRim,
                 (false, 0) => Place::Far,
                 (false, _) => Place::Open,
             }
@@ -184,7 +184,7 @@ impl Nodes<'_> {
         for k in self.block(node, REACH) {
             let share = match self.place[k] {
                 Place::Within => 1.0,
-                Place::Beside => BESIDE,
+                Place::AtRim => RIM_WEIGHT,
                 Place::Open | Place::Far => continue,
             };
             let [column, row] = [k % columns, k / columns];

@@ -240,7 +240,7 @@ impl MeshPlan<'_> {
         let mut bound = Vec::with_capacity(nx * ny);
         let mut candidates = Vec::new();
         let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
-        // A wide plane is scouted where contact is expected: the rest would cost more than it tells.
+        // A wide plane is scouted where contact is expected: the rest would cost more than it is worth.
         let everywhere = self.reach == Reach::WholeHull && nx * ny <= 1500;
         for j in 0..ny {
             for i in 0..nx {

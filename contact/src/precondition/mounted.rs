@@ -51,7 +51,7 @@ impl MountedInverse {
         self.beam = Some(beam);
     }
 
-    /// Holds entries (component, node (i, j)) of plane `plane`; fails where they are no constraint that can be told apart.
+    /// Fixes entries (component, node (i, j)) of plane `plane`; fails where they are no independent constraint.
     pub fn clamp(&mut self, plane: usize, held: [Vec<[usize; 2]>; 3]) -> Option<()> {
         let factors = [1.0, self.response];
         self.clamps = Some(Clamps::new(
@@ -209,7 +209,7 @@ pub(crate) struct Clamps {
 }
 
 impl Clamps {
-    /// Holds `held`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by each of `scales`.
+    /// LineValue `held`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by each of `scales`.
     ///
     /// None where G is not definite.
     pub fn new(

@@ -294,7 +294,7 @@ pub(crate) struct InverseWork {
     pub sums: Vec<f64>,
 }
 
-// The columns of the contact plane that a body stands on, and its side of the plane.
+// The columns of the contact plane that a body has, and its side of the plane.
 
 /// A rectangle of columns of the contact plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,7 @@
 use kufe_fem::Material;
 
 use crate::{
-    Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Method, Mount, Options, Problem,
-    Tilt,
+    Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Mount, Options, Problem, Tilt,
 };
 
 /// The ice's material, where every number of the problem is in its range.
@@ -29,7 +28,6 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
         check_elastic(problem, elastic)?;
         check_mount(problem, elastic)?;
     }
-    check_method(problem, options)?;
     positive(
         "accuracy of the peak pressure",
         options.p_max_tolerance,
@@ -37,7 +35,7 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
     )?;
     within(
         options.residual > 0.0 && options.residual < 1.0,
-        "residual asked",
+        "requested residual",
         options.residual,
         "more than 0 and less than 1",
     )?;
@@ -85,7 +83,7 @@ fn check_load(load: &Load) -> Result<(), Error> {
     for tilt in tilts {
         within(
             tilt.abs() <= MOST_TILT,
-            "tilt that is held",
+            "fixed tilt",
             tilt,
             "at most 0.12 rad either way",
         )?;
@@ -154,25 +152,6 @@ fn check_bed(bed: Bed) -> Result<(), Error> {
         ratio,
         RATIO,
     )
-}
-
-/// The checking methods take some runners only.
-fn check_method(problem: &Problem, options: &Options) -> Result<(), Error> {
-    let elastic = problem.runner.elastic.as_ref();
-    let taken = match (options.method, elastic) {
-        (Method::Accelerated, _) | (_, None) => true,
-        (method, Some(e)) => method == Method::CholeskyActiveSet && e.solid.is_none(),
-    };
-    if !taken {
-        return Err(Error::MethodNotForRunner {
-            method: options.method,
-        });
-    }
-    if let (Method::PlainSor, Some(hardness)) = (options.method, problem.ice.hardness) {
-        let expected = "none with plain SOR, whose forces have no upper bound";
-        within(false, "ice hardness", hardness, expected)?;
-    }
-    Ok(())
 }
 
 /// The hull has a length and a width.

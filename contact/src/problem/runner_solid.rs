@@ -25,7 +25,7 @@ pub struct RunnerSolid {
     heights: Vec<f64>,
     /// Nodes of the underside.
     pub(crate) surface: Vec<usize>,
-    /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were asked for [m/N].
+    /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were requested [m/N].
     responses: Mutex<HashMap<usize, Vec<f64>>>,
 }
 

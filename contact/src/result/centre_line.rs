@@ -99,7 +99,7 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 
 /// Stresses in the ice on the vertical line under the highest pressure, down to the end of the mesh or the bed.
 ///
-/// The line stands where the parabolas through the highest node and its neighbours have their vertex. sigma = lambda tr(epsilon) I + 2 mu epsilon with
+/// The line is where the parabolas through the highest node and its neighbours have their vertex. sigma = lambda tr(epsilon) I + 2 mu epsilon with
 /// the strains of the nodal displacements by central differences: along x and y through the neighbouring columns (mirrored at a plane of
 /// symmetry), along z over each layer of cells; between columns stresses are parabolas. Second order in the spacing: about 1 % of p_max on
 /// the last mesh of the default accuracy. [`UnderPeak`](crate::UnderPeak) says what finer meshes tend to.
@@ -258,7 +258,7 @@ impl Under<'_> {
     }
 }
 
-/// Nodes beside node `k`, with what each counts in a parabola at `at`.
+/// Neighbours of node `k`, with what each counts in a parabola at `at`.
 fn weights(nodes: &[f64], k: usize, at: f64) -> Vec<(usize, f64)> {
     if at == nodes[k] {
         return vec![(k, 1.0)];

@@ -8,7 +8,7 @@ use crate::grid::stretch::Stretch;
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
 use crate::result::measure::{Figures, PressureField};
-use crate::result::rim::By;
+use crate::result::rim::RimEstimator;
 
 /// Pressures and figures of a state.
 pub(crate) struct Pressure {
@@ -123,8 +123,14 @@ fn found_patch(
     edge: bool,
 ) -> Patch {
     let nx = field.x.len();
-    let mut x = merged(field.chords_along(pressure, By::Cells), field.symmetry[0]);
-    let mut y = merged(field.chords_across(pressure, By::Cells), field.symmetry[1]);
+    let mut x = merged(
+        field.chords_along(pressure, RimEstimator::Cells),
+        field.symmetry[0],
+    );
+    let mut y = merged(
+        field.chords_across(pressure, RimEstimator::Cells),
+        field.symmetry[1],
+    );
     let last = y.pop().unwrap_or_else(|| before.y.clone());
     let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
     let highest_at_x: Vec<f64> = (0..nx)

@@ -1,8 +1,8 @@
 //! Stretches of a line in contact, with their ends below the cell.
 
-/// What says where a stretch ends between two nodes.
+/// Estimator of the end of a stretch between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum By {
+pub(crate) enum RimEstimator {
     /// The pressures inside, which Hertz' contact continues exactly: [`rim_by_shape`].
     Shape,
     /// What the outermost node bears, which hardly depends on the pressure's shape: [`rim_by_load`].
@@ -14,14 +14,14 @@ pub(crate) enum By {
 
 /// Stretches of positive pressure along a line, resolved below the cell.
 ///
-/// Where ends are not found `by` what is asked, they are by [`rim_by_gap`] or where the ice ceases to yield, if that is farther out,
+/// Where ends are not found `by` that estimator finds none, they are by [`rim_by_gap`] or where the ice ceases to yield, if that is farther out,
 /// and where neither finds one, half-way; a mirror plane at the first node is the start of a stretch that touches it.
 pub(crate) fn chords(
     nodes: &[f64],
     pressure: &[f64],
     gap: Option<&[f64]>,
     (bound, symmetric): (f64, bool),
-    by: By,
+    by: RimEstimator,
 ) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
     let mut i = 0;
@@ -54,12 +54,13 @@ pub(crate) fn chords(
         };
         let beyond = |inside: [usize; 2], open: [Option<(f64, f64)>; 2], outwards: isize| {
             let full = inside.map(|k| pressure[k] >= bound);
-            if by == By::Cells && full[0] {
+            if by == RimEstimator::Cells && full[0] {
                 return None;
             }
-            let jumps = by != By::Cells && full[1];
+            let jumps = by != RimEstimator::Cells && full[1];
             let by_gap = rim_by_gap(inside.map(at), open, (!jumps).then_some(bound));
-            let yields = (by != By::Cells).then(|| line.rim_of_yielding(inside[0], outwards));
+            let yields =
+                (by != RimEstimator::Cells).then(|| line.rim_of_yielding(inside[0], outwards));
             let farther = |a: f64, b: f64| if outwards < 0 { a.min(b) } else { a.max(b) };
             by_gap.into_iter().chain(yields.flatten()).reduce(farther)
         };
@@ -67,22 +68,22 @@ pub(crate) fn chords(
             nodes[0]
         } else {
             let end = match by {
-                By::Shape => rim_by_shape(&upwards, before, bound),
-                By::Load | By::Cells if last > first + 2 => {
+                RimEstimator::Shape => rim_by_shape(&upwards, before, bound),
+                RimEstimator::Load | RimEstimator::Cells if last > first + 2 => {
                     rim_by_load(&upwards, before, |_| half_way[1], bound)
                 }
-                By::Load | By::Cells => None,
+                RimEstimator::Load | RimEstimator::Cells => None,
             };
             end.or_else(|| beyond([first, (first + 1).min(last)], below, -1))
                 .unwrap_or(half_way[0])
         };
         let other = |x: f64| if cut { 2.0 * nodes[0] - x } else { half_way[0] };
         let end = match by {
-            By::Shape => rim_by_shape(&downwards, after, bound),
-            By::Load | By::Cells if cut || last > first + 2 => {
+            RimEstimator::Shape => rim_by_shape(&downwards, after, bound),
+            RimEstimator::Load | RimEstimator::Cells if cut || last > first + 2 => {
                 rim_by_load(&downwards, after, other, bound)
             }
-            By::Load | By::Cells => None,
+            RimEstimator::Load | RimEstimator::Cells => None,
         };
         let next = last.saturating_sub(1).max(first);
         let high = end
@@ -152,7 +153,7 @@ fn rim_by_load(
         let u = |x: f64| (end - x) * (x - other(end));
         let [ua, ub] = [u(a.0), u(b.0)];
         let [qa, qb] = [a.1 / ua.sqrt(), b.1 / ub.sqrt()];
-        // Beyond the middle the second node tells nothing of c1.
+        // Beyond the middle the second node gives no information on c1.
         let beyond = (b.0 - 0.5 * (end + other(end))) * (outside - outermost) < 0.0;
         let c1 = if beyond { 0.0 } else { (qb - qa) / (ub - ua) };
         let pressure = |x: f64| u(x).max(0.0).sqrt() * (qa + c1 * (u(x) - ua));
@@ -346,7 +347,13 @@ mod tests {
                 let (nodes, values) = sampled(m, cells);
                 let of = |from: usize, symmetric: bool| {
                     let ends = (f64::INFINITY, symmetric);
-                    chords(&nodes[from..], &values[from..], None, ends, By::Load)[0]
+                    chords(
+                        &nodes[from..],
+                        &values[from..],
+                        None,
+                        ends,
+                        RimEstimator::Load,
+                    )[0]
                 };
                 let ([low, high], [_, half]) = (of(0, false), of(nodes.len() / 2, true));
                 for (found, end, part) in [

@@ -139,7 +139,7 @@ fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     parts.into_values().collect()
 }
 
-/// The node that stands for all that a node hangs together with.
+/// The node that represents all that a node hangs together with.
 fn root(above: &mut [usize], mut node: usize) -> usize {
     while above[node] != node {
         above[node] = above[above[node]];

@@ -45,7 +45,7 @@ pub struct Solution {
     pub roll: f64,
     /// Estimated error of the roll; 0 where it is held [rad].
     pub roll_error: f64,
-    /// The largest shear in the ice under the peak pressure, where it was asked for and lies under the surface.
+    /// The largest shear in the ice under the peak pressure, where it was requested and lies under the surface.
     pub under_peak: Option<UnderPeak>,
     /// Integrated normal force [N].
     pub fz: f64,
@@ -86,7 +86,7 @@ pub struct Iterate {
     /// Unknowns of that mesh.
     pub dofs: usize,
     /// Relative error of the peak that the meshes before this one leave, of the area where the ice's hardness fixes the peak; nothing before
-    /// there are enough to tell.
+    /// there are enough to estimate it.
     pub error_before: Option<f64>,
     /// Nodes in the contact set.
     pub contact_nodes: usize,

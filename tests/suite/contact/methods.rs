@@ -1,60 +1,16 @@
-//! One problem, three ways to solve it; and the same bits whatever the number of threads.
+//! One problem, two ways to solve it; and the same bits whatever the number of threads.
 
-use kufe_contact::{
-    ElasticRunner, Error, Foundation, Load, Method, Mount, Options, Place, Solution, Tilt, solve,
-};
+use kufe_contact::{ElasticRunner, Foundation, Load, Mount, Options, Place, Solution, Tilt, solve};
 use kufe_mesh::{BobRunner, Paraboloid};
 use kufe_tests::contact::on_half_space;
+use kufe_tests::exact_response::by_exact_responses;
 
-fn solved(method: Method, cells: usize) -> Solution {
+#[test]
+fn exact_responses_give_the_same_forces_to_1e_6() {
     let hull = Paraboloid::new(0.02, 0.01).unwrap();
-    solve(&on_half_space(hull, 500.0), &with(method, cells)).unwrap()
-}
-
-fn with(method: Method, cells: usize) -> Options {
-    Options {
-        cells: Some(cells),
-        method,
-        residual: 1e-11,
-        ..Options::default()
-    }
-}
-
-fn largest_difference(a: &Solution, b: &Solution) -> f64 {
-    assert_eq!(a.surface.pressure.len(), b.surface.pressure.len());
-    let difference = a
-        .surface
-        .pressure
-        .iter()
-        .zip(&b.surface.pressure)
-        .map(|(a, b)| (a - b).abs());
-    difference.fold(0.0, f64::max) / a.p_max
-}
-
-#[test]
-fn cholesky_active_set_gives_the_same_pressures_to_1e_6() {
-    let (fast, slow) = (
-        solved(Method::Accelerated, 5),
-        solved(Method::CholeskyActiveSet, 5),
-    );
-    assert!(
-        largest_difference(&fast, &slow) < 1e-6,
-        "{:.1e}",
-        largest_difference(&fast, &slow)
-    );
-    assert!((fast.approach / slow.approach - 1.0).abs() < 1e-6);
-}
-
-#[test]
-fn plain_psor_on_the_stiffness_gives_the_same_pressures_to_1e_6() {
-    let (fast, slow) = (solved(Method::Accelerated, 3), solved(Method::PlainSor, 3));
-    assert!(
-        largest_difference(&fast, &slow) < 1e-6,
-        "{:.1e}",
-        largest_difference(&fast, &slow)
-    );
-    assert!((fast.fz / slow.fz - 1.0).abs() < 1e-6);
-    assert!((fast.approach / slow.approach - 1.0).abs() < 1e-6);
+    let found = by_exact_responses(&on_half_space(hull, 500.0), 5);
+    assert!(found.force < 1e-6 && found.motion < 1e-6);
+    assert!(found.nodes[0] > 15 && found.nodes[1] == 0);
 }
 
 /// On meshes of two sizes, of 840,000 unknowns the larger one, and under a runner that places hold.
@@ -96,7 +52,7 @@ fn one_and_two_threads_give_the_same_bits() {
 
 /// Off its middle, so that the runner tilts, on ice that yields: a motion of two numbers and three kinds of nodes.
 #[test]
-fn cholesky_active_set_finds_tilt_and_yielding_nodes_by_itself() {
+fn exact_responses_find_tilt_and_yielding_nodes_by_themselves() {
     let hull = Paraboloid::new(0.02, 0.01).unwrap();
     let mut problem = on_half_space(hull, 500.0);
     problem.load = Load::Force {
@@ -105,21 +61,10 @@ fn cholesky_active_set_finds_tilt_and_yielding_nodes_by_itself() {
         offset_y: 0.0,
         tilt: Tilt::Free,
     };
-    let elastic = solve(&problem, &with(Method::Accelerated, 4)).unwrap();
-    problem.ice.hardness = Some(0.8 * elastic.p_max);
-    let by = |method| solve(&problem, &with(method, 4)).unwrap();
-    let (fast, slow) = (by(Method::Accelerated), by(Method::CholeskyActiveSet));
-    let difference = largest_difference(&fast, &slow);
-    assert!(difference < 1e-6, "{difference:.1e}");
-    assert!((fast.approach / slow.approach - 1.0).abs() < 1e-6);
-    assert!(fast.pitch > 1e-3 && (fast.pitch / slow.pitch - 1.0).abs() < 1e-6);
-    assert!(fast.p_max < elastic.p_max);
-    let refused = solve(&problem, &with(Method::PlainSor, 4));
-    assert!(matches!(
-        refused,
-        Err(Error::OutOfRange {
-            name: "ice hardness",
-            ..
-        })
-    ));
+    let elastic = by_exact_responses(&problem, 4);
+    problem.ice.hardness = Some(0.8 * elastic.solution.p_max);
+    let found = by_exact_responses(&problem, 4);
+    assert!(found.force < 1e-6 && found.motion < 1e-6);
+    assert!(found.solution.pitch > 1e-3 && found.nodes[1] > 3);
+    assert!(found.solution.p_max < elastic.solution.p_max);
 }

@@ -1,6 +1,6 @@
 //! Which points of a table boundary elements may solve: what finite elements say of them at the ends of what is asked.
 
-use kufe_contact::{Anchored, BoundaryElements, Problem, Solution, boundary_elements};
+use kufe_contact::{BoundaryElements, Problem, Solution, VerifiedBem, boundary_elements};
 use kufe_lut::{Point, Solved, each};
 
 use crate::jobs::table::best::figures;
@@ -9,7 +9,7 @@ use crate::jobs::table::best::figures;
 #[derive(Debug)]
 pub(crate) struct Anchors {
     solved: Vec<(Point, Solved)>,
-    anchored: Option<Anchored>,
+    anchored: Option<VerifiedBem>,
 }
 
 impl Anchors {
@@ -44,7 +44,7 @@ impl Anchors {
         let pairs: Vec<(Problem, Solution)> = problems.zip(solutions).collect();
         Ok(Anchors {
             solved,
-            anchored: Anchored::at(&pairs, tolerance),
+            anchored: VerifiedBem::at(&pairs, tolerance),
         })
     }
 

@@ -1,7 +1,7 @@
 //! Boundary elements between contacts that finite elements have solved, beside closed forms and finite elements.
 
 use kufe_contact::{
-    Anchored, Foundation, Ice, Load, Options, Problem, Solution, Tilt, hertz, solve,
+    Foundation, Ice, Load, Options, Problem, Solution, Tilt, VerifiedBem, hertz, solve,
 };
 use kufe_mesh::{BobRunner, Paraboloid};
 use kufe_tests::contact::{contact_modulus, on_half_space};
@@ -48,7 +48,7 @@ fn stated_errors_hold_beside_hertz_between_the_corners() {
         (250.0, 4000.0),
     ];
     let anchors = pressed(corners.map(|(r, fz)| paraboloid(r, fz)).into());
-    let anchored = Anchored::at(&anchors, TOLERANCE).expect("two methods that agree");
+    let anchored = VerifiedBem::at(&anchors, TOLERANCE).expect("two methods that agree");
     assert!(anchored.apart() > 0.0 && anchored.apart() < 0.5 * TOLERANCE);
     let mut answered = 0;
     for (rocker, fz) in [
@@ -93,7 +93,7 @@ fn a_runner_with_ends_on_a_layer_has_the_peaks_of_finer_finite_elements() {
         (0.02, 3000.0),
     ];
     let anchors = pressed(corners.map(|(k, fz)| bob(k, fz)).into());
-    let anchored = Anchored::at(&anchors, TOLERANCE).expect("two methods that agree");
+    let anchored = VerifiedBem::at(&anchors, TOLERANCE).expect("two methods that agree");
     let mut answered = 0;
     for (curvature, fz) in [(0.0, 1000.0), (0.012, 600.0), (-0.007, 2500.0)] {
         let problem = bob(curvature, fz);
@@ -115,8 +115,8 @@ fn a_runner_with_ends_on_a_layer_has_the_peaks_of_finer_finite_elements() {
 #[test]
 fn nothing_is_anchored_where_the_methods_part_or_one_does_not_apply() {
     let anchors = pressed(vec![paraboloid(30.0, 1000.0)]);
-    assert!(Anchored::at(&anchors, TOLERANCE).is_some());
-    assert_eq!(Anchored::at(&[], TOLERANCE), None);
+    assert!(VerifiedBem::at(&anchors, TOLERANCE).is_some());
+    assert_eq!(VerifiedBem::at(&[], TOLERANCE), None);
     let [(problem, solution)] = &anchors[..] else {
         panic!("one anchor");
     };
@@ -137,7 +137,7 @@ fn nothing_is_anchored_where_the_methods_part_or_one_does_not_apply() {
         ..solution.clone()
     };
     for off in [peak, approach, area, width] {
-        assert_eq!(Anchored::at(&[(problem.clone(), off)], TOLERANCE), None);
+        assert_eq!(VerifiedBem::at(&[(problem.clone(), off)], TOLERANCE), None);
     }
     // Ice that yields; a runner on its ends; less than what the methods part by.
     let mut soft = problem.clone();
@@ -153,10 +153,10 @@ fn nothing_is_anchored_where_the_methods_part_or_one_does_not_apply() {
     };
     for other in [soft, off_the_middle] {
         let pairs = [anchors[0].clone(), (other, solution.clone())];
-        assert_eq!(Anchored::at(&pairs, TOLERANCE), None);
+        assert_eq!(VerifiedBem::at(&pairs, TOLERANCE), None);
     }
-    assert_eq!(Anchored::at(&anchors, 1e-6), None);
+    assert_eq!(VerifiedBem::at(&anchors, 1e-6), None);
     // Between anchors too: what cells do not resolve is left to finite elements.
-    let anchored = Anchored::at(&anchors, TOLERANCE).unwrap();
+    let anchored = VerifiedBem::at(&anchors, TOLERANCE).unwrap();
     assert_eq!(anchored.answer(&bob(0.04, 1000.0)), None);
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::NUMBERS;
 use kufe_contact::{
-    Anchored, ElasticRunner, Error, GrooveProfile, Ice, Load, Options, Problem, Runner,
-    RunnerSolid, Tilt, hertz, rigid_plastic, slide, solve,
+    ElasticRunner, Error, GrooveProfile, Ice, Load, Options, Problem, Runner, RunnerSolid, Tilt,
+    VerifiedBem, hertz, rigid_plastic, slide, solve,
 };
 use kufe_mesh::{HexMesh, Paraboloid};
 use kufe_tests::contact::{ICE_E, ICE_NU};
@@ -60,10 +60,10 @@ fn anchors_at_no_tolerance_trust_nothing() {
     let anchor = problem(None);
     let solved = solve(&anchor, &Options::default()).unwrap();
     let pairs = [(anchor.clone(), solved.clone())];
-    assert!(Anchored::at(&pairs, 0.01).is_some());
-    assert!(Anchored::at(&[], 0.01).is_none());
+    assert!(VerifiedBem::at(&pairs, 0.01).is_some());
+    assert!(VerifiedBem::at(&[], 0.01).is_none());
     for number in NUMBERS.into_iter().filter(|n| n.is_nan() || *n < 0.01) {
-        assert!(Anchored::at(&pairs, number).is_none(), "{number}");
+        assert!(VerifiedBem::at(&pairs, number).is_none(), "{number}");
     }
     for number in NUMBERS {
         for figure in 0..4 {
@@ -75,7 +75,7 @@ fn anchors_at_no_tolerance_trust_nothing() {
                 &mut off.area,
             ][figure] = number;
             // An error, however large, holds what it holds; no other odd figure is confirmed.
-            let trusted = Anchored::at(&[(anchor.clone(), off)], 0.01);
+            let trusted = VerifiedBem::at(&[(anchor.clone(), off)], 0.01);
             assert!(trusted.is_none() || figure == 1, "{figure} {number}");
             if let Some(anchored) = trusted {
                 assert!(anchored.apart().is_finite(), "{figure} {number}");
@@ -83,7 +83,7 @@ fn anchors_at_no_tolerance_trust_nothing() {
         }
         let mut asked = anchor.clone();
         asked.load = Load::central(number, Tilt::Free);
-        if let Some(found) = Anchored::at(&pairs, 0.01).unwrap().answer(&asked) {
+        if let Some(found) = VerifiedBem::at(&pairs, 0.01).unwrap().answer(&asked) {
             assert!(found.p_max.is_finite() && found.p_max > 0.0, "{number}");
         }
     }
